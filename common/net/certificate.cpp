@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <ctime>
 #include <memory>
 
 #include "common/base/file.h"
@@ -142,19 +143,40 @@ Status CreateCertificateFiles(const std::filesystem::path& certificate,
   return WriteFileDurably(certificate, AsBytes(pem.certificate), 0644);
 }
 
-Result<Sha256> CertificateFingerprint(ByteView pem) {
+namespace {
+
+Result<Certificate> FirstOf(ByteView pem) {
   Bio in(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
   Certificate certificate(PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr));
   ERR_clear_error();
+  if (certificate) return certificate;
+  return Status(Code::kInvalidInput,
+                "expected a certificate in PEM form (-----BEGIN CERTIFICATE-----), "
+                "found none that can be read");
+}
+
+}  // namespace
+
+Result<Sha256> CertificateFingerprint(ByteView pem) {
+  ENAMEL_ASSIGN_OR_RETURN(const Certificate certificate, FirstOf(pem));
   Sha256 out;
   unsigned int size = 0;
-  if (!certificate || X509_digest(certificate.get(), EVP_sha256(), out.bytes.data(), &size) != 1 ||
+  if (X509_digest(certificate.get(), EVP_sha256(), out.bytes.data(), &size) != 1 ||
       size != out.bytes.size()) {
-    return Status(Code::kInvalidInput,
-                  "expected a certificate in PEM form (-----BEGIN CERTIFICATE-----), "
-                  "found none that can be read");
+    return OpenSslFailed("hash a certificate");
   }
   return out;
+}
+
+Result<int64_t> CertificateUntilMs(ByteView pem) {
+  ENAMEL_ASSIGN_OR_RETURN(const Certificate certificate, FirstOf(pem));
+  return EndOfCertificateMs(certificate.get());
+}
+
+int64_t EndOfCertificateMs(const X509* certificate) {
+  std::tm end{};
+  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &end) != 1) return 0;
+  return int64_t{timegm(&end)} * 1000;
 }
 
 }  // namespace enamel::net

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+
+struct x509_st;
 
 // Identity of a server on the station link: a self-signed certificate known by its fingerprint,
 // which a station gets when it enrols. No certificate authority is needed or consulted.
@@ -30,5 +33,9 @@ Status CreateCertificateFiles(const std::filesystem::path& certificate,
 // SHA-256 of the certificate's DER form, what `openssl x509 -fingerprint -sha256` prints. With more
 // than one certificate in the text: of the first. Errors: kInvalidInput.
 Result<Sha256> CertificateFingerprint(ByteView pem);
+
+// When the first certificate of the text ends, Unix time in milliseconds. Errors: kInvalidInput.
+Result<int64_t> CertificateUntilMs(ByteView pem);
+int64_t EndOfCertificateMs(const x509_st* certificate);
 
 }  // namespace enamel::net

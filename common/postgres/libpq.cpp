@@ -25,11 +25,11 @@ Result<Libpq> Load() {
     if (found == nullptr) missing = name;
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
   };
-  find(out.connectdb_params, "PQconnectdbParams");
+  find(out.connect_start_params, "PQconnectStartParams");
+  find(out.connect_poll, "PQconnectPoll");
   find(out.conninfo_parse, "PQconninfoParse");
   find(out.conninfo_free, "PQconninfoFree");
   find(out.freemem, "PQfreemem");
-  find(out.reset, "PQreset");
   find(out.finish, "PQfinish");
   find(out.status, "PQstatus");
   find(out.transaction_status, "PQtransactionStatus");
@@ -46,6 +46,9 @@ Result<Libpq> Load() {
   find(out.host, "PQhost");
   find(out.hostaddr, "PQhostaddr");
   find(out.port, "PQport");
+  find(out.server_version, "PQserverVersion");
+  find(out.ssl_in_use, "PQsslInUse");
+  find(out.ssl_struct, "PQsslStruct");
   find(out.result_status, "PQresultStatus");
   find(out.result_error_field, "PQresultErrorField");
   find(out.clear, "PQclear");

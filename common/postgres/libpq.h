@@ -9,11 +9,11 @@
 namespace enamel::sql {
 
 struct Libpq {
-  decltype(&PQconnectdbParams) connectdb_params;
+  decltype(&PQconnectStartParams) connect_start_params;
+  decltype(&PQconnectPoll) connect_poll;
   decltype(&PQconninfoParse) conninfo_parse;
   decltype(&PQconninfoFree) conninfo_free;
   decltype(&PQfreemem) freemem;
-  decltype(&PQreset) reset;
   decltype(&PQfinish) finish;
   decltype(&PQstatus) status;
   decltype(&PQtransactionStatus) transaction_status;
@@ -32,6 +32,9 @@ struct Libpq {
   decltype(&PQhost) host;
   decltype(&PQhostaddr) hostaddr;
   decltype(&PQport) port;
+  decltype(&PQserverVersion) server_version;
+  decltype(&PQsslInUse) ssl_in_use;
+  decltype(&PQsslStruct) ssl_struct;
   decltype(&PQresultStatus) result_status;
   decltype(&PQresultErrorField) result_error_field;
   decltype(&PQclear) clear;

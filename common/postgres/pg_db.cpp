@@ -1,6 +1,5 @@
 #include "common/postgres/pg_db.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "common/base/hex.h"
@@ -10,16 +9,7 @@
 #include "common/postgres/pg_text.h"
 
 namespace enamel::sql {
-namespace {
-
 using Kind = PgFailure::Kind;
-
-std::string FirstLine(const char* words) {
-  const std::string all = words == nullptr ? "" : words;
-  return all.substr(0, all.find('\n'));
-}
-
-}  // namespace
 
 PgFailure::Kind PgKindOf(const std::string& state) {
   const std::string family = state.substr(0, 2);
@@ -40,6 +30,7 @@ PgFailure::Kind PgKindOf(const std::string& state) {
 Code CodeOf(PgFailure::Kind kind) {
   switch (kind) {
     case Kind::kNotThere:
+    case Kind::kReplaced:
     case Kind::kReadOnly:
     case Kind::kBusy:
     case Kind::kRepeat:
@@ -51,56 +42,6 @@ Code CodeOf(PgFailure::Kind kind) {
       return Code::kStorage;
   }
 }
-
-namespace {
-
-// A socket of this machine ("/run/…", "@…"), or an address that does not leave it.
-bool IsHere(const std::string& host) {
-  return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" ||
-         host.starts_with("127.") || host == "::1";
-}
-
-// Of several hosts, separated by commas, one that is elsewhere; empty: none.
-std::string Elsewhere(const std::string& hosts) {
-  for (size_t begin = 0; begin <= hosts.size();) {
-    const size_t end = std::min(hosts.find(',', begin), hosts.size());
-    std::string host = hosts.substr(begin, end - begin);
-    if (!IsHere(host)) return host;
-    begin = end + 1;
-  }
-  return {};
-}
-
-// Without sslmode, libpq uses plaintext where the server has no TLS, and checks no certificate.
-Status MustBePrivate(const Libpq& pq, const std::string& server) {
-  char* why = nullptr;
-  PQconninfoOption* const words = pq.conninfo_parse(server.c_str(), &why);
-  if (words == nullptr) {
-    Status bad(Code::kInvalidInput, "expected a connection string of libpq, found another: " +
-                                        FirstLine(why) + "; mend it");
-    pq.freemem(why);
-    return bad;
-  }
-  std::string elsewhere, mode;
-  for (const PQconninfoOption* word = words; word->keyword != nullptr; ++word) {
-    const std::string name = word->keyword, value = word->val == nullptr ? "" : word->val;
-    if (name == "host" || name == "hostaddr") {
-      if (elsewhere.empty()) elsewhere = Elsewhere(value);
-    }
-    if (name == "service" && !value.empty()) elsewhere = "service " + value;
-    if (name == "sslmode") mode = value;
-  }
-  pq.conninfo_free(words);
-  if (elsewhere.empty() || mode == "verify-full") return Status::Ok();
-  return Status(Code::kInvalidInput,
-                "expected sslmode=verify-full for a PostgreSQL server on another machine, found " +
-                    (mode.empty() ? std::string("no sslmode") : "sslmode=" + mode) + " for " +
-                    elsewhere +
-                    ": passwords and recordings would travel in the clear, or to anybody; add "
-                    "sslmode=verify-full and sslrootcert=FILE to the connection string");
-}
-
-}  // namespace
 
 PgDb::PgDb(const Libpq& pq, PgDbOptions options)
     : pq_(pq), options_(std::move(options)), writer_("'\\x" + ToHex(Uuid::New().view()) + "'") {}
@@ -119,52 +60,6 @@ PgDb::~PgDb() {
   if (counts_ && commits_ > 0 && pq_.status(handle_) == CONNECTION_OK)
     pq_.clear(Ask("DELETE FROM enamel_commits WHERE writer = " + writer_));
   if (handle_ != nullptr) pq_.finish(handle_);
-}
-
-Status PgDb::Connect() {
-  ++connection_;
-  demoted_ = false;
-  set_up_ = false;
-  hangs_ = false;
-  failure_ = {};
-  if (handle_ == nullptr) {
-    // Keywords before dbname are defaults, which the server's own words replace; keywords after it
-    // are not. A host that does not answer is found within two seconds (libpq's least), not when
-    // TCP gives up: the next host may be the primary by now. A read-only connection also goes to
-    // the primary: a standby may lack the newest commits.
-    const char* const names[] = {"connect_timeout",
-                                 "tcp_user_timeout",
-                                 "keepalives_idle",
-                                 "keepalives_interval",
-                                 "keepalives_count",
-                                 "target_session_attrs",
-                                 "dbname",
-                                 "client_encoding",
-                                 "fallback_application_name",
-                                 nullptr};
-    const char* const values[] = {"2",
-                                  "5000",
-                                  "5",
-                                  "2",
-                                  "3",
-                                  options_.read_only ? "primary" : "read-write",
-                                  options_.server.c_str(),
-                                  "UTF8",
-                                  "enamel",
-                                  nullptr};
-    handle_ = pq_.connectdb_params(names, values, /*expand_dbname*/ 1);
-    // Notices ("already exists, skipping") are nobody's business.
-    pq_.set_notice_receiver(
-        handle_, [](void*, const PGresult*) {}, nullptr);
-  } else {
-    pq_.reset(handle_);
-  }
-  if (pq_.status(handle_) != CONNECTION_OK) return Fail(nullptr);
-  // Connecting waits, at most as long as connect_timeout says, and needs it off.
-  if (pq_.set_nonblocking(handle_, 1) != 0) return Fail(nullptr);
-  ENAMEL_RETURN_IF_ERROR(SetUp());
-  set_up_ = true;
-  return Status::Ok();
 }
 
 Status PgDb::SetUp() {
@@ -206,7 +101,7 @@ bool PgDb::IsThere() const { return pq_.status(handle_) == CONNECTION_OK && set_
 
 Status PgDb::BeThere() {
   failure_ = {};
-  if (IsThere() && !(demoted_ && !in_transaction_)) return Status::Ok();
+  if (IsThere() && (in_transaction_ || !(demoted_ || IsReplaced()))) return Status::Ok();
   // Not in the middle of a transaction: its first half is lost.
   return in_transaction_ ? Fail(nullptr) : Connect();
 }
@@ -230,17 +125,23 @@ Status PgDb::Fail(const PGresult* result) {
                         : FirstLine(pq_.error_message(handle_));
   }
   if (pq_.status(handle_) != CONNECTION_OK) failure.kind = Kind::kNotThere;
+  return Fail(failure);
+}
+
+Status PgDb::Fail(const PgFailure& failure) {
   failure_ = failure;
   damaged_ = damaged_ || failure.kind == Kind::kDamaged;
   if (failure.kind == Kind::kReadOnly && !options_.read_only) demoted_ = true;
-  must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat ||
-                 (in_transaction_ && (failure.kind == Kind::kNotThere || demoted_));
+  const bool elsewhere =
+      failure.kind == Kind::kNotThere || failure.kind == Kind::kReplaced || demoted_;
+  must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat || (in_transaction_ && elsewhere);
   return Told(failure);
 }
 
 Status PgDb::Told(const PgFailure& failure) const {
   if (options_.explain) return options_.explain(failure);
-  return Status(CodeOf(failure.kind), "PostgreSQL: " + failure.words);
+  return Status(CodeOf(failure.kind), "PostgreSQL: " + failure.words,
+                failure.kind == Kind::kReplaced ? std::string(kReplacedField) : "");
 }
 
 Status PgDb::Exec(const char* sql) {

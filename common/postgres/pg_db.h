@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -24,6 +25,7 @@ struct PgFailure {
   enum class Kind {
     kOther,
     kNotThere,    // no connection, or it was lost
+    kReplaced,    // another server has been promoted since (PgDbOptions::newest)
     kReadOnly,    // the server is a standby, or has become one
     kBusy,        // another transaction holds what is asked for, or there are too many connections
     kRepeat,      // transactions met; the same work in a new one may succeed
@@ -39,6 +41,17 @@ struct PgFailure {
   bool opening = false;  // while it was connected
 };
 
+// One of the hosts that a connection string names, and how it answers now.
+struct PgHost {
+  std::string where;    // name and address
+  std::string problem;  // why it cannot be used; empty: it can
+  bool takes_writes = false;
+  int64_t timeline = 0;  // where it takes writes
+  int version = 0;       // 150018
+  bool tls = false;
+  int64_t certificate_until_ms = 0;  // Unix time; 0: it showed none
+};
+
 // kUnavailable where trying later helps, kConflict for a constraint, else kStorage.
 Code CodeOf(PgFailure::Kind kind);
 // By SQLSTATE (Appendix A of PostgreSQL's manual).
@@ -52,6 +65,7 @@ struct PgDbOptions {
   // "public".
   std::string schema{};
   bool read_only = false;
+  bool any = false;  // whichever server answers: to look at it
   // The program that owns these tables; another program's database is refused (kVersion).
   std::string application{};
   // Called before each statement that may write; true: the statement fails. For tests.
@@ -62,14 +76,18 @@ struct PgDbOptions {
   // How long to try to learn whether a COMMIT was kept. A standby is promoted within this time or
   // not.
   std::chrono::milliseconds in_doubt{30'000};
+  // The highest timeline of all connections that share this: each promotion begins a new one. A
+  // server on an earlier timeline is not used. 0: none is known yet; null: timelines do not matter.
+  std::shared_ptr<std::atomic<int64_t>> newest{};
   // Makes the status of a failure; by default PostgreSQL's words with a code.
   std::function<Status(const PgFailure&)> explain{};
 };
 
 // One connection. A call that the server does not answer ends after three seconds (`patience`, then
 // two for the check): the connection is closed and counts as lost. While the server answers others,
-// a call waits on: a statement until kLongest, a COMMIT or Rewrite without end. Not bounded here:
-// looking up the name of a host.
+// a call waits on: a statement until kLongest, a COMMIT or Rewrite without end. Connecting asks all
+// hosts and addresses at once and takes the first that may be used, within two seconds. Not bounded
+// here: looking up the name of a host.
 //
 // What is committed is on the server's disk, and on its synchronous standby's where
 // there is one (synchronous_commit is never below "on"). Transactions of a connection that may
@@ -90,7 +108,7 @@ struct PgDbOptions {
 //  * A query's rows are all in memory from its first Next, and its columns are known from there.
 //  * A text read as a number, or a number read as text, is not converted.
 //
-// Sources: pg_db.cpp (connection, statements), pg_wait.cpp (deadlines), pg_transaction.cpp, pg_upkeep.cpp (schema, server's
+// Sources: pg_connect.cpp (which server), pg_db.cpp (connection, statements), pg_wait.cpp (deadlines), pg_transaction.cpp, pg_upkeep.cpp (schema, server's
 // clock and standbys, Rewrite).
 //
 // Thread safety: one thread at a time. Statements are prepared once and kept, up to kMaxStatements;
@@ -104,6 +122,8 @@ class PgDb final : public Db {
   static constexpr std::chrono::seconds kLongest{65};
 
   static Result<std::unique_ptr<PgDb>> Open(PgDbOptions options);
+  // All hosts and addresses, each connected to once, within some seconds. Errors: as of Open.
+  static Result<std::vector<PgHost>> Hosts(const PgDbOptions& options);
   ~PgDb() override;
   PgDb(const PgDb&) = delete;
   PgDb& operator=(const PgDb&) = delete;
@@ -141,7 +161,16 @@ class PgDb final : public Db {
  private:
   friend class PgStatement;
   PgDb(const Libpq& pq, PgDbOptions options);
+  class Race;
+  static Status MustBePrivate(const Libpq& pq, const std::string& server);
   Status Connect();
+  // Whether this connection's server may be used; sets timeline_.
+  Status LearnTimeline();
+  // Of handle_; 0: a standby's.
+  Result<int64_t> ReadTimeline();
+  PgHost Described(std::string where);
+  Status MustBeNewest();
+  bool IsReplaced() const;
   Status SetUp();
   Status PrepareCount();
   // On the current connection, without replacing it.
@@ -175,6 +204,7 @@ class PgDb final : public Db {
   Result<uint64_t> CountKept();
   Result<uint64_t> ReadCount();
   Status Fail(const pg_result* result);  // of a result, or of the connection where there is none
+  Status Fail(const PgFailure& failure);
   Status Told(const PgFailure& failure) const;
   bool InjectedFailure() const { return !opening_ && options_.fail_next && options_.fail_next(); }
   void DropOldest();
@@ -192,6 +222,7 @@ class PgDb final : public Db {
   bool must_repeat_ = false;  // since Begin
   bool damaged_ = false;
   int64_t changes_ = 0;
+  int64_t timeline_ = 0;  // of this connection's server
   // From enamel_commits: this object's row, "'\\x0123…'" in SQL, and its last transaction's count.
   std::string writer_;
   uint64_t commits_ = 0;

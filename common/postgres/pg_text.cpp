@@ -22,6 +22,11 @@ std::string WithDollars(std::string_view sql) {
   return out;
 }
 
+std::string FirstLine(const char* words) {
+  const std::string all = words == nullptr ? "" : words;
+  return all.substr(0, all.find('\n'));
+}
+
 std::string Quoted(const std::string& name) {
   std::string out = "\"";
   for (const char c : name) {

@@ -9,6 +9,9 @@ namespace enamel::sql {
 // Parameters: "?1" becomes "$1". Text inside '…' and "…" is unchanged.
 std::string WithDollars(std::string_view sql);
 
+// Of PostgreSQL's words, which may be null.
+std::string FirstLine(const char* words);
+
 // As an SQL name: between double quotes, those inside doubled.
 std::string Quoted(const std::string& name);
 

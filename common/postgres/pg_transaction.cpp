@@ -50,6 +50,7 @@ Status PgDb::Commit() {
     Rollback();
     return Status(Code::kStorage, "a statement of this transaction has failed; nothing is kept");
   }
+  ENAMEL_RETURN_IF_ERROR(MustBeNewest());
   bounded_ = false;
   Status done = Exec("COMMIT");
   bounded_ = true;
@@ -61,6 +62,7 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
   if (changes.empty()) return Commit();
   ENAMEL_CHECK(in_transaction_);
   ran = false;
+  ENAMEL_RETURN_IF_ERROR(MustBeNewest());
   std::vector<PgStatement::Call> calls;
   for (Change* change : changes) {
     change->rows = 0;

@@ -7,61 +7,13 @@
 #include <thread>
 
 #include "common/base/utf8.h"
+#include "common/s3/endpoint.h"
 #include "common/s3/libcurl.h"
 
 namespace enamel::s3 {
 namespace {
 
 using std::chrono::milliseconds;
-
-bool IsSimple(const std::string& text, const char* others, size_t most) {
-  auto may = [&](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::strchr(others, c) != nullptr;
-  };
-  return !text.empty() && text.size() <= most && std::ranges::all_of(text, may);
-}
-
-// Scheme and "HOST[:PORT]". Errors: kInvalidInput.
-struct Place {
-  bool secure = false;
-  std::string host;
-};
-Result<Place> PlaceOf(const std::string& endpoint) {
-  Place out;
-  std::string_view rest = endpoint;
-  out.secure = rest.starts_with("https://");
-  if (!out.secure && !rest.starts_with("http://")) {
-    return Status(
-        Code::kInvalidInput,
-        "expected an endpoint like https://s3.example.org, found \"" + Printable(endpoint) + "\"",
-        "endpoint");
-  }
-  rest.remove_prefix(out.secure ? 8 : 7);
-  if (rest.ends_with('/')) rest.remove_suffix(1);
-  out.host = rest;
-  if (!IsSimple(out.host, ".-:[]", 300)) {
-    return Status(Code::kInvalidInput,
-                  "expected an endpoint of scheme, host and port alone, like "
-                  "https://s3.example.org, found \"" +
-                      Printable(endpoint) + "\"; buckets are named apart",
-                  "endpoint");
-  }
-  // The default port is not in the header Host, which is signed.
-  const std::string usual = out.secure ? ":443" : ":80";
-  if (out.host.ends_with(usual)) out.host.resize(out.host.size() - usual.size());
-  const bool here = out.host == "localhost" || out.host.starts_with("localhost:") ||
-                    out.host == "[::1]" || out.host.starts_with("[::1]:") ||
-                    (out.host.starts_with("127.") && IsSimple(out.host, ".:", 30) &&
-                     out.host.find_first_not_of("0123456789.:") == std::string::npos);
-  if (!out.secure && !here) {
-    return Status(Code::kInvalidInput,
-                  "expected an endpoint with https://, found \"" + Printable(endpoint) +
-                      "\"; only a store on this machine may be used without TLS",
-                  "endpoint");
-  }
-  return out;
-}
 
 // Whether there may be room, or rights, later is the store's keeper's business.
 bool IsFull(long status, const std::string& code) {
@@ -289,6 +241,7 @@ Status S3Client::Try(const Call& call, milliseconds left, Answer& answer, bool& 
   } else {
     set(CURLOPT_CUSTOMREQUEST, call.method.c_str());
   }
+  ++requests_;
   const CURLcode code = curl_.easy_perform(handle);
   curl_.easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &answer.status);
   curl_.slist_free_all(headers);
@@ -357,6 +310,33 @@ Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) cons
 
 Status S3Client::Run(const Call& call, std::chrono::steady_clock::time_point begun,
                      Answer& answer) {
+  const auto now = options_.time.steady();
+  {
+    MutexLock lock(mutex_);
+    in_progress_.insert(now);
+  }
+  Status status = RunTries(call, begun, answer);
+  calls_.Add(options_.time.steady() - now);
+  // The store has answered where there is no such object, or a larger one than the caller takes.
+  if (!status.ok() && status.code() != Code::kNotFound && status.code() != Code::kTooLarge)
+    ++failed_;
+  MutexLock lock(mutex_);
+  in_progress_.erase(in_progress_.find(now));
+  return status;
+}
+
+S3Figures S3Client::figures() const {
+  S3Figures out{requests_, failed_, calls_.counts(), 0};
+  MutexLock lock(mutex_);
+  if (!in_progress_.empty()) {
+    out.oldest_wait_s =
+        std::chrono::duration<double>(options_.time.steady() - *in_progress_.begin()).count();
+  }
+  return out;
+}
+
+Status S3Client::RunTries(const Call& call, std::chrono::steady_clock::time_point begun,
+                          Answer& answer) {
   const S3Limits& limits = options_.limits;
   auto left = [&] {
     return std::chrono::duration_cast<milliseconds>(limits.call - (options_.time.steady() - begun));
@@ -419,6 +399,16 @@ Status S3Client::Head(const std::string& key) {
   get.most = 0;
   status = Run(get, begun, answer);
   return status.code() == Code::kTooLarge ? Status::Ok() : status;
+}
+
+Status S3Client::Look(const std::string& key, milliseconds within) {
+  Call get{"GET", key};
+  get.most = 0;
+  Answer answer;
+  const milliseconds call = options_.limits.call;
+  const Status status = Run(get, options_.time.steady() - (call - std::min(within, call)), answer);
+  const bool answered = status.code() == Code::kTooLarge || status.code() == Code::kNotFound;
+  return answered ? Status::Ok() : status;
 }
 
 Status S3Client::Delete(const std::string& key) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+#include "common/s3/s3_figures.h"
 #include "common/s3/sigv4.h"
 #include "common/s3/xml.h"
 
@@ -83,6 +86,8 @@ class S3Client {
   // Bytes that do not match the hash are requested once more, then kStorage.
   Result<Bytes> Get(const std::string& key, const Sha256& hash);
   Status Head(const std::string& key);
+  // Whether the store answers for the bucket within this time; the object need not exist.
+  Status Look(const std::string& key, std::chrono::milliseconds within);
   // Absent: nothing to do.
   Status Delete(const std::string& key);
 
@@ -96,6 +101,9 @@ class S3Client {
   Result<Versioning> GetBucketVersioning();
   // The bucket may refuse to delete. A store that knows no locks: false.
   Result<bool> GetObjectLockConfiguration();
+
+  // Does not wait for the store.
+  S3Figures figures() const;
 
   // For messages: "https://HOST, bucket NAME".
   std::string Where() const;
@@ -114,6 +122,8 @@ class S3Client {
   // it is a refusal.
   Status Run(const Call& call, std::chrono::steady_clock::time_point begun, Answer& answer);
   Status Run(const Call& call);
+  // The same, not counted.
+  Status RunTries(const Call& call, std::chrono::steady_clock::time_point begun, Answer& answer);
   // One try; `again`: another may succeed.
   Status Try(const Call& call, std::chrono::milliseconds left, Answer& answer, bool& again);
   Status Judge(const Call& call, const Answer& answer, bool& again) const;
@@ -122,8 +132,12 @@ class S3Client {
   const Libcurl& curl_;
   const S3Options options_;
   std::string host_;  // as the header Host says it
-  Mutex mutex_;
+  std::atomic<uint64_t> requests_{0}, failed_{0};
+  Histogram calls_;
+  mutable Mutex mutex_;
   std::vector<void*> idle_ ENAMEL_GUARDED_BY(mutex_);  // handles of libcurl with their connections
+  // When the calls in progress began.
+  std::multiset<std::chrono::steady_clock::time_point> in_progress_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::s3

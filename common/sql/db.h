@@ -95,6 +95,9 @@ enum class Standby {
   kUnknown,      // not told to this user
 };
 
+// Field of a failure: another server has taken the place of the only one that answers.
+inline constexpr std::string_view kReplacedField = "replaced";
+
 // One connection. Thread safety: one thread at a time. Errors: in the driver's words, with the
 // codes kConflict (a constraint), kUnavailable (try again), kStorage (all else).
 class Db {

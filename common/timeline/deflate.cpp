@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <string>
 
 namespace enamel::timeline {
@@ -9,16 +10,29 @@ namespace {
 
 // The most that a byte of a deflate stream can stand for (zlib's "Technical Details").
 constexpr size_t kMaxRatio = 1032;
+// Packed between two questions whether to keep going.
+constexpr size_t kPiece = 64 * 1024;
 
 }  // namespace
 
-Bytes Deflate(ByteView raw, Effort effort) {
-  uLongf size = compressBound(raw.size());
-  Bytes out(size);
-  const int done =
-      compress2(out.data(), &size, raw.data(), raw.size(), effort == Effort::kMost ? 9 : 6);
-  ENAMEL_CHECK(done == Z_OK);
-  out.resize(size);
+Bytes Deflate(ByteView raw, Effort effort, const KeepGoing& keep_going) {
+  z_stream stream{};
+  ENAMEL_CHECK(deflateInit(&stream, effort == Effort::kMost ? 9 : 6) == Z_OK);
+  Bytes out(deflateBound(&stream, static_cast<uLong>(raw.size())));
+  // zlib reads through a pointer that is not const.
+  stream.next_in = const_cast<Bytef*>(raw.data());
+  stream.next_out = out.data();
+  stream.avail_out = static_cast<uInt>(out.size());
+  size_t left = raw.size();
+  int done = Z_OK;
+  while (done == Z_OK && (!keep_going || keep_going())) {
+    stream.avail_in = static_cast<uInt>(std::min(left, kPiece));
+    left -= stream.avail_in;
+    done = deflate(&stream, left == 0 ? Z_FINISH : Z_NO_FLUSH);
+  }
+  ENAMEL_CHECK(done == Z_OK || done == Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
   return out;
 }
 

@@ -28,8 +28,7 @@ Result<Player> Player::Open(ByteView start_tooth, ByteView timeline) {
                                        out.head_.start.Hex() + ", found " +
                                        HashSha256(start_tooth).Hex());
   }
-  uint64_t end = out.head_.bytes();
-  for (const Segment& segment : out.head_.segments) end += segment.bytes();
+  const uint64_t end = out.head_.file_bytes();
   if (end != timeline.size()) {
     return Malformed("expected " + std::to_string(end) + " bytes, found " +
                      std::to_string(timeline.size()));

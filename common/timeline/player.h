@@ -11,7 +11,7 @@ namespace enamel::timeline {
 
 // Reads a surface timeline: the tooth as it was after any frame. Memory and work are bounded by the
 // sizes of the two files (a packed byte gives at most 1032). The same as the page's reader
-// (web/src/api/timeline.ts), in C++. Thread safety: none. Not real-time.
+// (web/src/tooth/timeline.ts), in C++. Thread safety: none. Not real-time.
 class Player {
  public:
   // Both files whole; what they hold is copied. Errors: kVersion, kInvalidInput; kConflict when the

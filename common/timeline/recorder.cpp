@@ -5,6 +5,7 @@
 
 #include "common/base/check.h"
 #include "common/scene/grid_blob.h"
+#include "common/timeline/changing.h"
 #include "common/timeline/deflate.h"
 
 namespace enamel::timeline {
@@ -80,6 +81,7 @@ Bytes PosesOf(const std::vector<FramePose>& poses) {
 Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
                    const RecorderOptions& options)
     : initial_(initial),
+      detailed_(options.detailed),
       slot_(static_cast<size_t>(initial.spec().brick_count()), -1),
       is_dirty_(slot_.size()) {
   head_.spec = initial.spec();
@@ -186,8 +188,9 @@ void Recorder::EndSegment() {
   segment.key_bricks = key_bricks_;
   segment.change_size = static_cast<uint32_t>(changes.size());
   head_.segments.push_back(segment);
+  Bytes& all = segments_.emplace_back();
   for (const Bytes* part : std::initializer_list<const Bytes*>{&poses, &key_, &packed}) {
-    body_.insert(body_.end(), part->begin(), part->end());
+    all.insert(all.end(), part->begin(), part->end());
   }
   poses_.clear();
   // The next one begins with all that is no longer the start's.
@@ -199,11 +202,28 @@ void Recorder::EndSegment() {
   key_bricks_ = static_cast<uint32_t>(changed_.size());
 }
 
-Bytes Recorder::Finish(const cutting::Volume& volume) {
+Bytes Recorder::Finish(const cutting::Volume& volume, const KeepGoing& keep_going) {
   if (ticks_in_frame_ > 0) EndFrame(volume);
   if (!poses_.empty()) EndSegment();
+  std::vector<uint8_t> changing(slot_.size());
+  for (const std::vector<int32_t>* bricks : {&changed_, &detailed_}) {
+    for (int32_t brick : *bricks) changing[static_cast<size_t>(brick)] = 1;
+  }
+  changing = WithNeighbours(changing, head_.spec.bricks);
+  const cutting::Volume tooth = Quantised(volume);
+  const PartMeshes meshes = MeshesOf(tooth, changing, keep_going);
+  const Bytes parts[] = {EncodeMesh(meshes.end), EncodeMesh(meshes.still),
+                         EncodeChanging(ChangingOf(initial_, changing))};
+  head_.cut = CutBallOf(initial_, tooth, changed_);
+  head_.end_bytes = static_cast<uint32_t>(parts[0].size());
+  head_.still_bytes = static_cast<uint32_t>(parts[1].size());
+  head_.changing_bytes = static_cast<uint32_t>(parts[2].size());
   Bytes out = EncodeHead(head_);
-  out.insert(out.end(), body_.begin(), body_.end());
+  for (const Bytes& part : parts) out.insert(out.end(), part.begin(), part.end());
+  // In the order in which a page needs them that begins with the end.
+  for (auto segment = segments_.rbegin(); segment != segments_.rend(); ++segment) {
+    out.insert(out.end(), segment->begin(), segment->end());
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/keep_going.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
 #include "common/timeline/samples.h"
@@ -18,6 +19,8 @@ struct RecorderOptions {
   // within a few milliseconds, and a key frame is worth as much as the changes of several minutes.
   uint32_t frame_ticks = 100;
   uint32_t segment_frames = 300;
+  // Bricks to keep in detail though nothing changes there: those that a reference has cut.
+  std::vector<int32_t> detailed;
 };
 
 // Notes how a tooth changes while the core runs, and gives the surface timeline of it. Reads the
@@ -37,8 +40,8 @@ class Recorder {
   // (core::Core::touched).
   void Add(const cutting::Volume& volume, std::span<const int32_t> touched, const Tick& tick);
 
-  // The file of what was noted. Once.
-  Bytes Finish(const cutting::Volume& volume);
+  // The file of what was noted. Once. Seconds: MeshesOf is in it.
+  Bytes Finish(const cutting::Volume& volume, const KeepGoing& keep_going = {});
 
  private:
   void EndFrame(const cutting::Volume& volume);
@@ -48,7 +51,8 @@ class Recorder {
 
   const cutting::Volume& initial_;
   Head head_;
-  Bytes body_;
+  std::vector<Bytes> segments_;
+  std::vector<int32_t> detailed_;
   uint32_t ticks_in_frame_ = 0;
   FramePose pose_;
   std::vector<FramePose> poses_;  // of this segment

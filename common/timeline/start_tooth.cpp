@@ -1,6 +1,7 @@
 #include "common/timeline/start_tooth.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 
 #include "common/scene/grid_blob.h"
@@ -73,7 +74,7 @@ StartTooth StartToothOf(const cutting::Volume& volume) {
   return out;
 }
 
-Bytes EncodeStartTooth(const StartTooth& tooth) {
+Bytes EncodeStartTooth(const StartTooth& tooth, const KeepGoing& keep_going) {
   Bytes residuals, labels;
   for (const Samples& samples : tooth.samples) AppendResiduals(samples, residuals);
   for (const auto& brick : tooth.labels) {
@@ -83,9 +84,9 @@ Bytes EncodeStartTooth(const StartTooth& tooth) {
   scene::WriteBlobStart(kLetters, kVersion, 0, out);
   scene::WriteGrid(tooth.spec, out);
   // Made once for a scene, fetched by everybody who looks at an attempt at it.
-  out.Blob(Deflate(tooth.bricks, Effort::kMost));
-  out.Blob(Deflate(residuals, Effort::kMost));
-  out.Blob(Deflate(labels, Effort::kMost));
+  for (const Bytes* section :
+       std::initializer_list<const Bytes*>{&tooth.bricks, &residuals, &labels})
+    out.Blob(Deflate(*section, Effort::kMost, keep_going));
   return out.Take();
 }
 

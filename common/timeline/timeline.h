@@ -8,10 +8,11 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/cutting/volume.h"
+#include "common/timeline/parts.h"
 
 // The head of a surface timeline: format "ENTT", version 1 (schemas/surface_timeline.md). A
-// timeline holds the changes of a tooth in frames of equally many ticks; start_tooth.h holds the
-// tooth before. recorder.h writes it, player.h reads it.
+// timeline holds the parts of a tooth (parts.h, changing.h) and its changes in frames of equally
+// many ticks; start_tooth.h holds the whole tooth before. recorder.h writes it, player.h reads it.
 namespace enamel::timeline {
 
 // One frame's bur, and how long the frame took.
@@ -32,7 +33,7 @@ struct OutlinePoint {
 
 // Where a part of the file is that can be read by itself.
 struct Segment {
-  uint64_t offset = 0;                                       // from the start of the file
+  uint64_t offset = 0;  // from the start of the file; the last segment comes first there
   uint32_t pose_bytes = 0, key_bytes = 0, change_bytes = 0;  // packed, one after the other
   uint32_t key_bricks = 0;                                   // in the key frame
   uint32_t change_size = 0;                                  // of the changes, unpacked
@@ -51,13 +52,17 @@ struct Head {
   uint32_t rate_hz = 0;
   uint32_t frame_ticks = 0;     // recorded ticks in a frame; the last may have fewer
   uint32_t segment_frames = 0;  // frames in a segment; the last may have fewer
+  CutBall cut;                  // by the end
+  // Of the parts, which follow the head in this order.
+  uint32_t end_bytes = 0, still_bytes = 0, changing_bytes = 0;
   std::vector<OutlinePoint> outline;
   std::vector<Segment> segments;
 
   uint32_t frames() const { return static_cast<uint32_t>((ticks + frame_ticks - 1) / frame_ticks); }
   uint32_t FramesIn(size_t segment) const;
-  // Bytes of the file before its first segment.
   size_t bytes() const;
+  // Of the whole file.
+  uint64_t file_bytes() const;
 };
 
 Bytes EncodeHead(const Head& head);

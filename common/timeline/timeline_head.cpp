@@ -10,7 +10,7 @@ namespace {
 constexpr std::string_view kLetters = "ENTT";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "surface timeline";
-constexpr size_t kFixedBytes = 108, kOutlineBytes = 8, kSegmentBytes = 20;
+constexpr size_t kFixedBytes = 136, kOutlineBytes = 8, kSegmentBytes = 20;
 
 Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
@@ -32,6 +32,21 @@ void WriteFixed(const Head& head, ByteWriter& out) {
   out.U32(head.segment_frames);
   out.U32(static_cast<uint32_t>(head.outline.size()));
   out.U32(static_cast<uint32_t>(head.segments.size()));
+  for (int32_t place : head.cut.centre_um) out.I32(place);
+  out.I32(head.cut.radius_um);
+  out.U32(head.end_bytes);
+  out.U32(head.still_bytes);
+  out.U32(head.changing_bytes);
+}
+
+// Where the segments are, once the sizes of all are known: the last one first.
+void PlaceSegments(Head& head) {
+  uint64_t offset =
+      head.bytes() + uint64_t{head.end_bytes} + head.still_bytes + head.changing_bytes;
+  for (size_t i = head.segments.size(); i-- > 0;) {
+    head.segments[i].offset = offset;
+    offset += head.segments[i].bytes();
+  }
 }
 
 }  // namespace
@@ -43,6 +58,12 @@ uint32_t Head::FramesIn(size_t segment) const {
 
 size_t Head::bytes() const {
   return kFixedBytes + outline.size() * kOutlineBytes + segments.size() * kSegmentBytes;
+}
+
+uint64_t Head::file_bytes() const {
+  uint64_t out = bytes() + uint64_t{end_bytes} + still_bytes + changing_bytes;
+  for (const Segment& segment : segments) out += segment.bytes();
+  return out;
 }
 
 Bytes EncodeHead(const Head& head) {
@@ -73,6 +94,11 @@ Result<Head> DecodeHead(ByteView bytes) {
   out.frame_ticks = in.U32();
   out.segment_frames = in.U32();
   const uint32_t outline = in.U32(), segments = in.U32();
+  for (int32_t& place : out.cut.centre_um) place = in.I32();
+  out.cut.radius_um = in.I32();
+  out.end_bytes = in.U32();
+  out.still_bytes = in.U32();
+  out.changing_bytes = in.U32();
   if (!in.ok()) return Malformed("ends within its head");
   out.start = Sha256::FromBytes(start);
   ENAMEL_RETURN_IF_ERROR(Bounded("a rate in Hz", out.rate_hz, 1, 1'000'000));
@@ -90,22 +116,21 @@ Result<Head> DecodeHead(ByteView bytes) {
     out.outline.push_back({z_nm, in.I32()});
     if (out.outline.back().radius_nm < 0) return Malformed("a radius of the bur is below 0");
   }
-  uint64_t offset = kFixedBytes + uint64_t{outline} * kOutlineBytes + segments * kSegmentBytes;
+  if (out.cut.radius_um < 0) return Malformed("the radius of what was removed is below 0");
   for (uint32_t i = 0; i < segments && in.ok(); ++i) {
     Segment segment;
-    segment.offset = offset;
     segment.pose_bytes = in.U32();
     segment.key_bytes = in.U32();
     segment.change_bytes = in.U32();
     segment.key_bricks = in.U32();
     segment.change_size = in.U32();
-    offset += segment.bytes();
     if (segment.key_bricks > out.spec.brick_count()) {
       return Malformed("a key frame has more bricks than the grid");
     }
     out.segments.push_back(segment);
   }
   if (!in.ok()) return Malformed("ends within its head");
+  PlaceSegments(out);
   return out;
 }
 

@@ -324,6 +324,51 @@ CREATE TABLE appeals (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX appeals_open ON appeals (tenant, filed_ms) WHERE state = 'open';
 
+-- Blind marking: several people mark the attempts of an assignment without names and scores.
+CREATE TABLE markings (
+  tenant     INTEGER NOT NULL,
+  id         BLOB NOT NULL CHECK (length(id) = 16),
+  assignment BLOB NOT NULL,
+  created_ms INTEGER NOT NULL,
+  ended_ms   INTEGER NOT NULL DEFAULT 0 CHECK (ended_ms >= 0),  -- given up; 0: under way or done
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, assignment) REFERENCES assignments (tenant, id) ON DELETE CASCADE
+) STRICT, WITHOUT ROWID;
+CREATE INDEX markings_by_assignment ON markings (tenant, assignment);
+
+CREATE TABLE marking_people (
+  tenant  INTEGER NOT NULL,
+  marking BLOB NOT NULL,
+  person  BLOB NOT NULL CHECK (length(person) = 16),
+  PRIMARY KEY (tenant, marking, person),
+  FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE
+) STRICT, WITHOUT ROWID;
+CREATE INDEX marking_people_by_person ON marking_people (tenant, person);
+
+-- What markers see instead of the attempt's id.
+CREATE TABLE marking_works (
+  tenant  INTEGER NOT NULL,
+  id      BLOB NOT NULL CHECK (length(id) = 16),
+  marking BLOB NOT NULL,
+  attempt BLOB NOT NULL,
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, marking, attempt),
+  FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE,
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX marking_works_by_attempt ON marking_works (tenant, attempt);
+
+CREATE TABLE marks (
+  tenant   INTEGER NOT NULL,
+  work     BLOB NOT NULL,
+  marker   BLOB NOT NULL CHECK (length(marker) = 16),
+  rating   INTEGER NOT NULL CHECK (rating BETWEEN 1 AND 5),
+  criteria TEXT NOT NULL,  -- JSON: [{"name", "points", "comment"}]
+  made_ms  INTEGER NOT NULL,
+  PRIMARY KEY (tenant, work, marker),
+  FOREIGN KEY (tenant, work) REFERENCES marking_works (tenant, id) ON DELETE CASCADE
+) STRICT, WITHOUT ROWID;
+
 CREATE TABLE jobs (
   tenant         INTEGER NOT NULL,
   id             BLOB NOT NULL CHECK (length(id) = 16),
@@ -422,6 +467,9 @@ CREATE TABLE write_probe (
   server   BLOB NOT NULL CHECK (length(server) = 16),
   at_ms    INTEGER NOT NULL,  -- the database's clock
   ahead_ms INTEGER NOT NULL,  -- how far the server's own clock is ahead of it
+  beats    INTEGER NOT NULL,  -- one more with each writing
+  host     TEXT NOT NULL,     -- where its station link listens, numeric; empty: not known
+  port     INTEGER NOT NULL,
   PRIMARY KEY (tenant, server)
 ) STRICT, WITHOUT ROWID;
 

@@ -16,6 +16,7 @@
 //              against it.
 //   ICC(3,k)   the same people's mean: how consistently they order the work. Being stricter
 //              throughout does not count.
+//   Φ, Φ(λ)    the same people's mean as a mark by itself, and as a decision at a cut score.
 //   kappa      marks in a few classes (met, in part, not met), beyond what chance would give.
 //   limits     by how much two ways of marking differ, in points.
 // A correlation alone says nothing about the difference in points, and depends on how different
@@ -26,7 +27,8 @@
 // J. Cohen, Psychological Bulletin 70 (1968) 213 (weighted kappa); J. L. Fleiss, J. Cohen,
 // B. S. Everitt, Psychological Bulletin 72 (1969) 323 (its error); J. J. Randolph, Joensuu
 // Learning and Instruction Symposium (2005) (free-marginal kappa); J. M. Bland, D. G. Altman,
-// Lancet 327 (1986) 307 (limits).
+// Lancet 327 (1986) 307 (limits); R. L. Brennan, M. T. Kane, Journal of Educational Measurement 14
+// (1977) 277 (dependability, at a cut score too).
 namespace enamel::server {
 
 struct Interval {
@@ -54,6 +56,15 @@ inline constexpr size_t kMaxMarkedWork = 10'000, kMaxMarkers = 100, kMaxClasses 
 Result<Agreement> Icc21(const MarkTable& marks);
 // Two-way mixed, consistency, the mean of k marks: (MSR - MSE) / MSR.
 Result<Agreement> Icc3k(const MarkTable& marks);
+
+// How far the mean of these k markers' marks can be relied on, Φ for work crossed with markers:
+// the share of work in the variance of the mean, being stricter throughout counting against it
+// (ICC(2,k)). k ICC(2,1) / (1 + (k - 1) ICC(2,1)).
+Result<Agreement> Dependability(const MarkTable& marks);
+// Φ(λ): how far it can be relied on for saying on which side of a cut score a piece of work is:
+//   (work + d) / (work + d + error), d = (mean - cut)^2 less the variance of the mean, at least 0.
+// Its interval by drawing the work again. Errors also: kInvalidInput with field "cut".
+Result<Agreement> DependabilityAt(const MarkTable& marks, double cut);
 
 // How much a disagreement of two classes weighs, by how far apart they stand.
 enum class KappaWeights { kNone, kLinear, kQuadratic };

@@ -9,6 +9,8 @@
 #include <set>
 
 #include "common/base/csv.h"
+#include "server/agreement/figure_json.h"
+#include "server/agreement/standard.h"
 
 namespace enamel::server {
 namespace {
@@ -84,11 +86,6 @@ std::optional<std::vector<double>> ClassesOf(const MarkTable& table) {
 
 size_t ClassOf(const std::vector<double>& classes, double mark) {
   return std::ranges::lower_bound(classes, mark) - classes.begin();
-}
-
-Figure FigureOf(const Result<Agreement>& result) {
-  if (result.ok()) return {*result, ""};
-  return {std::nullopt, result.status().message()};
 }
 
 void FillKappas(const MarkTable& table, CriterionAgreement& out) {
@@ -186,6 +183,7 @@ CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
   out.works = table.size();
   out.icc21 = FigureOf(Icc21(table));
   out.icc3k = FigureOf(Icc3k(table));
+  out.phi = FigureOf(Dependability(table));
   FillKappas(table, out);
   for (size_t i = 0; i < out.markers.size(); ++i) {
     for (size_t j = i + 1; j < out.markers.size(); ++j) {
@@ -197,15 +195,6 @@ CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
   return out;
 }
 
-json::object FigureJson(const Agreement& a) {
-  return {{"value", a.value}, {"low", a.interval.low}, {"high", a.interval.high}};
-}
-
-json::object FigureJson(const Figure& f) {
-  if (f.value) return FigureJson(*f.value);
-  return {{"value", nullptr}, {"why", f.why}};
-}
-
 std::string NumberText(double value) {
   std::array<char, 32> text{};
   auto [end, error] =
@@ -214,6 +203,20 @@ std::string NumberText(double value) {
 }
 
 }  // namespace
+
+Figure FigureOf(const Result<Agreement>& result) {
+  if (result.ok()) return {*result, ""};
+  return {std::nullopt, result.status().message()};
+}
+
+json::object FigureJson(const Agreement& a) {
+  return {{"value", a.value}, {"low", a.interval.low}, {"high", a.interval.high}};
+}
+
+json::object FigureJson(const Figure& f) {
+  if (f.value) return FigureJson(*f.value);
+  return {{"value", nullptr}, {"why", f.why}};
+}
 
 Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
   if (csv.size() > kMaxMarksBytes) {
@@ -241,7 +244,7 @@ Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
                    std::to_string(row.cells.size()));
     }
     if (cell(kMark).empty()) continue;
-    Mark mark{cell(kWork), cell(kCriterion), cell(kMarker), 0};
+    Mark mark{cell(kWork), cell(kCriterion), cell(kMarker), 0, {}};
     const std::array<const std::string*, 3> texts = {&mark.work, &mark.criterion, &mark.marker};
     for (size_t t = 0; t < texts.size(); ++t) {
       if (!texts[t]->empty() && texts[t]->size() <= kMaxBytes[t]) continue;
@@ -251,6 +254,7 @@ Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
     }
     ENAMEL_ASSIGN_OR_RETURN(mark.points, PointsOf(row, cell(kMark)));
     ENAMEL_RETURN_IF_ERROR(CheckRange(row, mark.points, cell(kFullMarks)));
+    if (const auto full = PointsOf(row, cell(kFullMarks)); full.ok()) mark.full_marks = *full;
     out.push_back(std::move(mark));
   }
   return out;
@@ -258,9 +262,10 @@ Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
 
 Result<std::vector<CriterionAgreement>> CompareMarks(const std::vector<Mark>& marks) {
   if (marks.empty()) return Status(Code::kInvalidInput, "expected marks, found none");
-  std::map<std::string, Marked> by_criterion;
+  // What examiners say of a student who is just good enough is no marked work.
+  std::map<std::string, Marked> by_criterion, of_borderline;
   for (const Mark& mark : marks) {
-    Marked& marked = by_criterion[mark.criterion];
+    Marked& marked = (mark.work == kBorderlineWork ? of_borderline : by_criterion)[mark.criterion];
     marked.markers.insert(mark.marker);
     if (!marked.by_work[mark.work].emplace(mark.marker, mark.points).second) {
       return Status(Code::kInvalidInput, mark.marker + " marked " + mark.work + " twice for \"" +
@@ -293,6 +298,7 @@ std::string AgreementJson(const std::vector<CriterionAgreement>& criteria) {
                      {"left_out", c.left_out},
                      {"icc_2_1", FigureJson(c.icc21)},
                      {"icc_3_k", FigureJson(c.icc3k)},
+                     {"phi", FigureJson(c.phi)},
                      {"weighted_kappa", FigureJson(c.weighted_kappa)},
                      {"free_kappa", FigureJson(c.free_kappa)},
                      {"limits_of_agreement", std::move(limits)}};
@@ -318,6 +324,7 @@ std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria) {
     };
     add("ICC(2,1)", "", "", c.icc21.value, c.icc21.why);
     add("ICC(3,k)", "", "", c.icc3k.value, c.icc3k.why);
+    add("phi", "", "", c.phi.value, c.phi.why);
     add("weighted kappa", "", "", c.weighted_kappa.value, c.weighted_kappa.why);
     add("free-marginal kappa", "", "", c.free_kappa.value, c.free_kappa.why);
     if (c.computed) {

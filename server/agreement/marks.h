@@ -19,6 +19,7 @@ inline constexpr std::string_view kComputed = "computed";
 struct Mark {
   std::string work, criterion, marker;
   double points = 0;
+  std::optional<double> full_marks = {};
 };
 
 // Rows without a mark are left out. Errors: kInvalidInput with the row.
@@ -42,7 +43,7 @@ struct CriterionAgreement {
       markers;  // people, in alphabetical order; where there are none, the program
   size_t works = 0, left_out = 0;  // marked by all of them; by some
   // Of the people alone: the program is none of them.
-  Figure icc21, icc3k, weighted_kappa, free_kappa;
+  Figure icc21, icc3k, phi, weighted_kappa, free_kappa;
   std::vector<PairLimits> limits;  // each two markers, the program too
   // The mean of the people's marks against the program's (kComputed), where that is a marker beside
   // them; `computed_works`: marked by all of them and the program.
@@ -52,7 +53,8 @@ struct CriterionAgreement {
 };
 
 // By criterion, in alphabetical order. Errors: kInvalidInput when a piece of work was marked twice
-// by one marker for one criterion, or there are no marks.
+// by one marker for one criterion, or there are no marks. What is said of kBorderlineWork
+// (standard.h) is left out.
 Result<std::vector<CriterionAgreement>> CompareMarks(const std::vector<Mark>& marks);
 
 // {"criteria": [{"criterion", "markers", "works", "left_out", "icc_2_1", ...}]}; a figure is

@@ -22,6 +22,7 @@ void Caretaker::Run(const std::stop_token& stop) {
     const auto now = std::chrono::steady_clock::now();
     if (now >= jobs) {
       CountJobs();
+      LookAtBackups();
       jobs = now + intervals_.jobs;
     }
     if (now >= erasures) {
@@ -57,6 +58,11 @@ void Caretaker::CountJobs() {
       jobs_[i] = static_cast<int>(found->size());
     }
   }
+}
+
+void Caretaker::LookAtBackups() {
+  if (const auto newest = store_.audit.NewestOf("store.backup"); newest.ok() && *newest)
+    newest_backup_ms_ = (*newest)->at_ms;
 }
 
 std::optional<size_t> Caretaker::jobs(size_t state) const {

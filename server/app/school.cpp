@@ -1,12 +1,36 @@
 #include "server/app/school.h"
 
 #include <utility>
+#include <vector>
 
 #include "common/base/unix_time.h"
 #include "server/app/work.h"
 
 namespace enamel::server::app {
 namespace {
+
+// Of the stores of blobs and keys, where these are buckets.
+void AddS3Figures(const StoreHealth& health, ops::MetricsText& text) {
+  std::vector<std::pair<const char*, const s3::S3Figures*>> stores;
+  if (health.blob_store) stores.emplace_back("blobs", &*health.blob_store);
+  if (health.key_store) stores.emplace_back("keys", &*health.key_store);
+  for (const auto& [of, figures] : stores) {
+    text.Counter("enamel_s3_requests_total", "Requests sent to a store, every try.",
+                 static_cast<double>(figures->requests), {{"of", of}});
+  }
+  for (const auto& [of, figures] : stores) {
+    text.Counter("enamel_s3_failed_calls_total", "Calls that failed after all their tries.",
+                 static_cast<double>(figures->failed), {{"of", of}});
+  }
+  for (const auto& [of, figures] : stores) {
+    text.Durations("enamel_s3_call_seconds", "Calls, with all their tries and pauses.",
+                   figures->calls, {{"of", of}});
+  }
+  for (const auto& [of, figures] : stores) {
+    text.Gauge("enamel_s3_oldest_wait_seconds", "How long the oldest call has waited.",
+               figures->oldest_wait_s, {{"of", of}});
+  }
+}
 
 // What the store knows, as figures.
 void AddStoreFigures(StoreHealthCheck& health_rows, ops::MetricsText& text) {
@@ -18,11 +42,6 @@ void AddStoreFigures(StoreHealthCheck& health_rows, ops::MetricsText& text) {
   text.Gauge("enamel_clock_ahead_seconds",
              "How far this machine's clock is ahead of the database's.",
              number(health.clock_ahead_ms) / 1000);
-  if (health.timed_commits > 0) {
-    text.Gauge("enamel_store_commit_p99_seconds",
-               "99 of 100 of the newest transactions, at most 1000, took at most so long.",
-               health.commit_p99_s);
-  }
   if (health.standby != sql::Standby::kNotKept && health.standby != sql::Standby::kUnknown) {
     text.Gauge("enamel_database_synchronous_standby",
                "1 while commits are on a standby of the database server too.",
@@ -40,7 +59,8 @@ void AddStoreFigures(StoreHealthCheck& health_rows, ops::MetricsText& text) {
                number(health.commits));
   text.Counter("enamel_store_failed_commits_total", "Transactions that could not be written.",
                number(health.failed_commits));
-  text.Counter("enamel_store_commit_seconds_total", "Time spent in transactions.", health.commit_s);
+  text.Durations("enamel_store_commit_seconds", "Transactions written, from begin to commit.",
+                 health.commits_took);
   text.Counter("enamel_store_writes_total", "Changes in those transactions.",
                number(health.writes));
   text.Counter("enamel_chunks_committed_total", "Chunks of recordings committed.",
@@ -48,17 +68,23 @@ void AddStoreFigures(StoreHealthCheck& health_rows, ops::MetricsText& text) {
   text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
                number(health.chunk_bytes));
   text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
+  text.Gauge("enamel_store_queued", "Changes that wait to be written.", number(health.queued));
   text.Gauge("enamel_store_oldest_wait_seconds", "How long the oldest change has waited.",
              health.oldest_wait_s);
+  AddS3Figures(health, text);
 }
 
 // As counted last: asking for them would wait for the database.
-void AddJobFigures(const Caretaker& caretaker, ops::MetricsText& text) {
+void AddCountedFigures(const Caretaker& caretaker, ops::MetricsText& text) {
   for (size_t i = 0; i < Caretaker::kJobStates.size(); ++i) {
     if (const auto count = caretaker.jobs(i)) {
       text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.",
                  static_cast<double>(*count), {{"state", Caretaker::kJobStates[i]}});
     }
+  }
+  if (const int64_t at_ms = caretaker.newest_backup_ms(); at_ms != 0) {
+    text.Gauge("enamel_backup_made_seconds", "When the newest backup was made, Unix time.",
+               static_cast<double>(at_ms) / 1000);
   }
 }
 
@@ -78,6 +104,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
                 [] { return enamel::UnixMs(); }},
       worker_(*store_, LoggedJobs(identity.ticket_key, options.job_threads)) {
   services_.board = &stations_;
+  metrics_.Add([](ops::MetricsText& text) { ops::AddBuild(text, kSoftware); });
   metrics_.Add(ops::AddProcess);
   metrics_.Add([this](ops::MetricsText& text) { AddStoreFigures(store_->health, text); });
   metrics_.Add([this](ops::MetricsText& text) {
@@ -90,7 +117,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
 void School::Start() {
   worker_.Start();
   caretaker_.emplace(*store_);
-  metrics_.Add([this](ops::MetricsText& text) { AddJobFigures(*caretaker_, text); });
+  metrics_.Add([this](ops::MetricsText& text) { AddCountedFigures(*caretaker_, text); });
   keeper_.emplace(stations_, *store_, store_->shared);
   if (store_->shared) follower_.emplace(live_, *store_);
 }

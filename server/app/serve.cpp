@@ -14,15 +14,17 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "common/net/certificate.h"
 #include "common/net/frame_client.h"
 #include "common/protocol/messages.h"
 #include "server/app/data_folder.h"
-#include "server/app/database_watch.h"
+#include "server/app/peers.h"
 #include "server/app/school.h"
 #include "server/app/school_folder.h"
 #include "server/app/schools.h"
 #include "server/app/seed.h"
 #include "server/app/stop_signals.h"
+#include "server/app/store_watch.h"
 #include "server/auth/first_admin.h"
 #include "server/http/api.h"
 #include "server/http/wire/http_server.h"
@@ -40,7 +42,7 @@ namespace {
 namespace asio = boost::asio;
 
 // Longer than either server's own deadline for stopping.
-constexpr auto kStopWait = std::chrono::seconds(7);
+constexpr auto kStopWait = std::chrono::seconds(6);
 // Chunks that wait for their commit at the same time: they share one sync.
 constexpr size_t kStationThreads = 256;
 
@@ -302,6 +304,11 @@ Status Serve(const ServeOptions& options) {
     if (Status gone = ForgetSchool(options.data, name); !gone.ok())
       spdlog::warn("{}", gone.message());
   };
+  Peers peers(store, identity.fingerprint);
+  if (store.shared) {
+    http_options.peers = [&peers] { return peers.view(); };
+    school.services().measure = [&store] { return MeasuredBy(store); };
+  }
   Schools schools(
       store, [&](const SchoolRow& row) { return other.Open(row); }, forget_school);
   // Declared before what posts to it, hence destroyed after it; and what runs on it asks `schools`.
@@ -320,8 +327,18 @@ Status Serve(const ServeOptions& options) {
   school.services().page_url = page_url;
   ENAMEL_ASSIGN_OR_RETURN(other.link_port, link.Start());
   page.StationsListenAt(other.link_port);
+  const bool everywhere = asio::ip::make_address(prepared.link.address).is_unspecified();
+  store.look.ListenAt(everywhere ? "" : prepared.link.address, other.link_port);
   school.Start();
-  DatabaseWatch watch(store);
+  const auto pem = ReadFile(identity.certificate, size_t{1} << 20);
+  if (const Result<int64_t> until_ms =
+          pem.ok() ? net::CertificateUntilMs(*pem) : Result<int64_t>(pem.status());
+      until_ms.ok()) {
+    school.metrics().Add([until_ms = *until_ms](ops::MetricsText& text) {
+      ops::AddCertificate(text, "stations", until_ms);
+    });
+  }
+  StoreWatch watch(store);
   schools.Begin();
 
   std::promise<void> stop_asked;

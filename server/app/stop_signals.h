@@ -23,7 +23,7 @@ class StopSignals {
   // that waits for a standby, is left, the log reports it, and the exit status is 1. As after a
   // crash, what was acknowledged is kept.
   void EndSoon();
-  static constexpr std::chrono::seconds kLongestStop{9};
+  static constexpr std::chrono::seconds kLongestStop{7};
 
  private:
   void EndPatience(const std::stop_token& ended);

@@ -11,9 +11,9 @@
 #include <memory>
 
 #include "server/app/data_folder.h"
-#include "server/app/database_watch.h"
 #include "server/app/school_folder.h"
 #include "server/app/stop_signals.h"
+#include "server/app/store_watch.h"
 #include "server/storage/attempts/job_rows.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/folder/ticket_key.h"
@@ -123,7 +123,7 @@ Status Work(const WorkOptions& options) {
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto own, AtWork::Open(options.data, options.threads));
   Store& store = *own->store;
-  DatabaseWatch watch(store);
+  StoreWatch watch(store);
   OthersAtWork others(options, store.schools);
   boost::asio::steady_timer next_look(io);
   std::function<void()> look = [&] {

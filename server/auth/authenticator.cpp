@@ -64,7 +64,7 @@ Authenticator::Authenticator(Store& store, AuthOptions options)
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
       throttle_(CountersOf(store)),
-      places_(options_.max_waiting + options_.hash_threads),
+      places_(options_.max_waiting),
       refusals_(store, [this] { return Elapsed(); }),
       hashing_(options_.hashing ? options_.hashing
                                 : std::make_shared<StorePool>(options_.hash_threads)) {
@@ -115,15 +115,15 @@ template <typename Work>
 auto Authenticator::InPlace(std::string login, std::string address, std::string via,
                             StorePool& pool, Work work)
     -> boost::asio::awaitable<decltype(work())> {
-  const std::string block = AddressBlock(address);
-  if (!places_.Take(login, block)) {
+  const std::optional<Turn> turn = places_.Take(login, AddressBlock(address));
+  if (!turn) {
     co_return TurnAway(
         "busy", std::move(login), address, via,
         Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
-  auto result = co_await pool.Run([&] {
+  auto result = co_await pool.Run(*turn, [&] {
     auto here = work();
-    places_.Leave(login, block);
+    places_.Leave(*turn);
     return here;
   });
   co_return result;

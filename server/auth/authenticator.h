@@ -26,8 +26,8 @@ struct AuthOptions {
   // Instead of threads of its own: those of all schools of a process, of hash_threads. Whoever
   // waits for one of them keeps the authenticator.
   std::shared_ptr<StorePool> hashing{};
-  // Sign-ins beyond these are refused with kUnavailable (SignInPlaces).
-  size_t max_waiting = 16;
+  // Sign-ins of an address beyond these are refused with kUnavailable (SignInPlaces).
+  size_t max_waiting = 64;
   std::function<UnixMs()> clock;  // empty: the system's, which may be set back and forth
   // Milliseconds of a clock that only goes forward, for slowing down. Empty: `clock` where that is
   // given, else the system's.
@@ -164,7 +164,8 @@ class Authenticator {
   boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
   Status NotAdmitted(const std::string& login, const std::string& address, const std::string& via,
                      const Status& why);
-  // Runs on the threads of a pool; of all pools a bounded number wait.
+  // Runs on the threads of a pool, when it is the turn of this login or address; of all pools a
+  // bounded number wait.
   template <typename Work>
   auto InPlace(std::string login, std::string address, std::string via, StorePool& pool, Work work)
       -> boost::asio::awaitable<decltype(work())>;

@@ -8,49 +8,34 @@ std::string NameOf(const std::string& login, const std::string& block) {
   return block + "\n" + login;
 }
 
-void Less(std::map<std::string, size_t>& counts, const std::string& name) {
-  const auto at = counts.find(name);
-  if (at != counts.end() && --at->second == 0) counts.erase(at);
-}
-
 }  // namespace
 
-bool SignInPlaces::Take(const std::string& login, const std::string& block) {
+std::optional<Turn> SignInPlaces::Take(const std::string& login, const std::string& block) {
   const std::string name = NameOf(login, block);
   MutexLock lock(mutex_);
-  const auto count = [](const auto& counts, const std::string& of) {
-    const auto at = counts.find(of);
-    return at == counts.end() ? 0 : at->second;
-  };
-  const size_t here = count(from_, block);
-  const size_t free = taken_ < for_unknown_ ? for_unknown_ - taken_ : 0;
-  bool may = false;
-  if (known_.contains(name) && count(of_, name) < kMostOfLogin) {
-    may = taken_ < all_;
-  } else if (known_.contains(block)) {
-    may = free > 0 && here < (all_ + 1) / 2;
-  } else {
-    may = here < (free + 1) / 2;
+  if (known_.contains(name) && waiting_[name] < kMostOfLogin) {
+    ++waiting_[name];
+    return Turn(name, true);
   }
-  if (!may) return false;
-  ++taken_;
-  ++from_[block];
-  ++of_[name];
-  return true;
+  const auto at = waiting_.find(block);
+  const size_t here = at == waiting_.end() ? 0 : at->second;
+  if (here >= of_block_ || (here >= kAlways && others_ >= kMost)) return std::nullopt;
+  ++waiting_[block];
+  ++others_;
+  return Turn(block);
 }
 
-void SignInPlaces::Leave(const std::string& login, const std::string& block) {
+void SignInPlaces::Leave(const Turn& turn) {
   MutexLock lock(mutex_);
-  --taken_;
-  Less(from_, block);
-  Less(of_, NameOf(login, block));
+  if (!turn.first) --others_;
+  const auto at = waiting_.find(turn.of);
+  if (--at->second == 0) waiting_.erase(at);
 }
 
 void SignInPlaces::Know(const std::string& login, const std::string& block) {
   MutexLock lock(mutex_);
   // All at once: who signs in next is known again.
-  if (known_.size() + 2 > kMostKnown) known_.clear();
-  known_.insert(block);
+  if (known_.size() >= kMostKnown) known_.clear();
   known_.insert(NameOf(login, block));
 }
 

@@ -2,42 +2,44 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_set>
 
 #include "common/base/mutex.h"
+#include "server/storage/store_pool.h"
 
 namespace enamel::server::auth {
 
-// Shares out the places of sign-ins that wait to be hashed, so that no flood of guesses keeps out
-// those who have signed in before.
+// Shares out the turns at the hashing threads, so that no flood of guesses keeps out anybody else.
 //
-//   who                                              may take
-//   a login that has signed in from this block       any place, two of them at once
-//   another login, from a block where one has        of two thirds, up to half of all
-//   another login, from a block where none has       of two thirds, while the block has less than
-//                                                    half of those that are free
+//   who                                              takes turns with             may wait
+//   a login that has signed in from this block       such logins, which get       two at once
+//                                                    every other turn
+//   another login                                    the other blocks             `of_block`
 //
-// "Before" is since the server began: at most 20 000 logins and blocks. Thread safety: any thread.
+// "Before" is since the server began: at most 20 000 logins. While kMost wait, a block has kAlways
+// more. Thread safety: any thread.
 class SignInPlaces {
  public:
-  explicit SignInPlaces(size_t all) : all_(all), for_unknown_(all - all / 3) {}
+  explicit SignInPlaces(size_t of_block) : of_block_(of_block) {}
 
-  bool Take(const std::string& login, const std::string& block);
-  // Of a Take that returned true.
-  void Leave(const std::string& login, const std::string& block);
+  // None: there is no place, it has to come again.
+  std::optional<Turn> Take(const std::string& login, const std::string& block);
+  // Of a Take.
+  void Leave(const Turn& turn);
   // The login has signed in from there.
   void Know(const std::string& login, const std::string& block);
 
- private:
-  static constexpr size_t kMostKnown = 20'000, kMostOfLogin = 2;
+  static constexpr size_t kMostOfLogin = 2, kAlways = 4, kMost = 256;
 
-  const size_t all_, for_unknown_;
+ private:
+  static constexpr size_t kMostKnown = 20'000;
+
+  const size_t of_block_;
   Mutex mutex_;
-  size_t taken_ ENAMEL_GUARDED_BY(mutex_) = 0;
-  // By block; by login and block.
-  std::map<std::string, size_t> from_ ENAMEL_GUARDED_BY(mutex_);
-  std::map<std::string, size_t> of_ ENAMEL_GUARDED_BY(mutex_);
+  size_t others_ ENAMEL_GUARDED_BY(mutex_) = 0;  // that wait and do not go first
+  std::map<std::string, size_t> waiting_ ENAMEL_GUARDED_BY(mutex_);  // by Turn::of
   std::unordered_set<std::string> known_ ENAMEL_GUARDED_BY(mutex_);
 };
 

@@ -8,70 +8,29 @@
 #include "common/base/csv.h"
 #include "common/base/file.h"
 #include "common/scoring/score.h"
-#include "server/agreement/marks.h"
+#include "server/agreement/standard.h"
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
-#include "server/jobs/regrade.h"
+#include "server/jobs/marked_work.h"
 
 namespace enamel::server::app {
 namespace {
 
-// Beside the rubric's criteria: the score, 0 to 100.
-constexpr char kTotal[] = "total";
-
-struct Scored {
-  Uuid attempt;
-  scoring::ScoreResult score;
-};
-
-Result<std::vector<Scored>> ScoredUnder(Store& store, const std::string& assignment) {
-  AttemptFilter which;
-  ENAMEL_ASSIGN_OR_RETURN(which.assignment, Uuid::Parse(assignment));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts, which));
-  std::vector<Scored> out;
-  for (const AttemptRow& row : rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto result, store.results.ResultOf(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs.GetBlob(result.score_json));
-    ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
-    out.push_back({row.id, std::move(score)});
-  }
-  if (out.empty()) {
-    return Status(Code::kNotFound, "no scored attempt under assignment " + assignment +
-                                       "; enamel-server admin list-assignments shows their ids");
-  }
-  return out;
-}
-
-std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
-  std::vector<Mark> out;
-  const std::string marker(kComputed);
-  for (const Scored& a : attempts) {
-    // Examiners mark a criterion without knowing the gates, so the gates are divided out. With a
-    // closed gate the points before it are unknown.
-    double share = 1;
-    for (const auto& gate : a.score.gates) share *= gate.share;
-    for (const auto& c : a.score.criteria) {
-      if (!c.judged || share <= 0) continue;
-      out.push_back({a.attempt.Text(), c.title, marker, c.points / share});
-    }
-    out.push_back({a.attempt.Text(), kTotal, marker, a.score.score});
-  }
-  return out;
-}
-
 // By id and without names, points or pictures. Examiners look at the attempt's page, which shows an
 // instructor the computed points as well: they must look away themselves.
-Status WriteBlank(const std::filesystem::path& file, const std::vector<Scored>& attempts) {
+Status WriteBlank(const std::filesystem::path& file, const std::vector<ScoredWork>& attempts) {
   if (std::filesystem::exists(file)) {
     return Status(Code::kConflict, file.string() + " is there already; name a new file");
   }
   std::string text = CsvLine({"work", "criterion", "full_marks", "marker", "mark"});
-  for (const Scored& a : attempts) {
+  for (const ScoredWork& a : attempts) {
+    // First: whoever has given points would rate by them.
+    text += CsvLine({a.attempt.Text(), std::string(kRatingCriterion), "5", "", ""});
     for (const auto& c : a.score.criteria) {
       text += CsvLine({a.attempt.Text(), c.title, fmt::format("{:g}", c.max_points), "", ""});
     }
-    text += CsvLine({a.attempt.Text(), kTotal, "100", "", ""});
+    text += CsvLine({a.attempt.Text(), std::string(kTotalCriterion), "100", "", ""});
   }
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(text)));
   Say("{}: {}. Each person fills in `marker` and `mark` in a copy of their own.\n", file.string(),
@@ -96,6 +55,7 @@ void Show(const CriterionAgreement& c) {
                      : "");
   Show("ICC(2,1), one mark", c.icc21);
   Show("ICC(3,k), their mean", c.icc3k);
+  Show("phi, their mean", c.phi);
   if (c.computed) {
     Show("ICC(2,1), their mean and the program", c.computed_icc21);
   }
@@ -114,14 +74,28 @@ void Show(const CriterionAgreement& c) {
 
 }  // namespace
 
+Result<std::vector<Mark>> ReadMarkFiles(const std::vector<std::filesystem::path>& files) {
+  std::vector<Mark> out;
+  for (const auto& file : files) {
+    ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(file, kMaxMarksBytes));
+    auto read = ReadMarks(AsText(text));
+    if (!read.ok()) {
+      return Status(read.status().code(), file.string() + ": " + read.status().message());
+    }
+    out.insert(out.end(), read->begin(), read->end());
+  }
+  return out;
+}
+
 Status CompareAgreement(const AgreementOptions& options) {
   if (!options.assignment.empty() && options.data.empty()) {
     return Status(Code::kInvalidInput, "expected --data (or ENAMEL_DATA) beside --assignment");
   }
-  std::vector<Scored> attempts;
+  std::vector<ScoredWork> attempts;
   if (!options.assignment.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(options.data));
-    ENAMEL_ASSIGN_OR_RETURN(attempts, ScoredUnder(*store, options.assignment));
+    ENAMEL_ASSIGN_OR_RETURN(const auto assignment, Uuid::Parse(options.assignment));
+    ENAMEL_ASSIGN_OR_RETURN(attempts, ScoredUnder(*store, assignment));
   }
   if (!options.blank.empty()) {
     if (attempts.empty()) {
@@ -133,15 +107,8 @@ Status CompareAgreement(const AgreementOptions& options) {
     return Status(Code::kInvalidInput,
                   "expected files with marks; --blank FILE writes one to be filled in");
   }
-  std::vector<Mark> marks = Computed(attempts);
-  for (const auto& file : options.marks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(file, kMaxMarksBytes));
-    auto read = ReadMarks(AsText(text));
-    if (!read.ok()) {
-      return Status(read.status().code(), file.string() + ": " + read.status().message());
-    }
-    marks.insert(marks.end(), read->begin(), read->end());
-  }
+  ENAMEL_ASSIGN_OR_RETURN(auto marks, ReadMarkFiles(options.marks));
+  for (Mark& mark : ComputedMarks(attempts)) marks.push_back(std::move(mark));
   ENAMEL_ASSIGN_OR_RETURN(auto criteria, CompareMarks(marks));
   Say("Each range in brackets holds the true value in 95 of 100 cases. What the program gave is "
       "compared\nwith people apart, criteria before the gates.\n");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "server/agreement/marks.h"
 
 // The command `agreement`: how well people who marked the same attempts agree with each other and
 // with the program (schemas/marks.md). As those of admin.h.
@@ -17,6 +18,8 @@ struct AgreementOptions {
   std::filesystem::path blank;  // write a file to be filled in, and compare nothing
   std::filesystem::path json, csv;
 };
+// Errors: those of ReadFile and ReadMarks, with the file's name.
+Result<std::vector<Mark>> ReadMarkFiles(const std::vector<std::filesystem::path>& files);
 Status CompareAgreement(const AgreementOptions& options);
 
 struct CommandGroup;

@@ -21,8 +21,10 @@
 #include "server/commands/report.h"
 #include "server/commands/school_commands.h"
 #include "server/commands/serving.h"
+#include "server/commands/standard.h"
 #include "server/commands/teaching.h"
 #include "server/commands/upkeep.h"
+#include "server/commands/verify_result.h"
 
 // enamel-server: which commands there are. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 using namespace enamel;
@@ -47,7 +49,10 @@ int main(int argc, char** argv) {
   app::DeclareServe(top);
   app::DeclareWork(top);
   app::DeclareInit(top);
+  app::DeclareDoctor(top);
+  app::DeclareSupportBundle(top);
   app::DeclareBackup(top);
+  app::DeclareVerifyResult(top);
   app::DeclareMove(top);
   app::DeclareRetention(top);
   app::DeclareSchools(top);
@@ -55,6 +60,7 @@ int main(int argc, char** argv) {
   app::DeclareReport(top);
   app::DeclareRescore(top);
   app::DeclareAgreement(top);
+  app::DeclareStandard(top);
   auto* admin =
       root.add_subcommand("admin", "Manage people, cohorts, stations, exercises, references");
   admin->require_subcommand(1);

@@ -10,6 +10,7 @@
 #include "server/commands/say.h"
 #include "server/http/views/attempt_view.h"
 #include "server/http/views/audit_view.h"
+#include "server/jobs/result_package.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/audit/audit_rows.h"
 #include "server/storage/people/session_rows.h"
@@ -219,37 +220,21 @@ class Exporter {
   Status AddFiles(const AttemptRow& row, json::object& facts) {
     json::array files, problems;
     ENAMEL_RETURN_IF_ERROR(MakeFolder(target_ / "attempts" / row.id.Text()));
-    auto add = [&](const char* name, const Result<Bytes>& content) {
-      return AddFile(row, name, content, files, problems);
+    auto add = [&](std::string_view name, const Result<Bytes>& content) {
+      return AddFile(row, std::string(name), content, files, problems);
     };
     // Neither is missing: one was not begun, the other's recording was removed by a rule, which
     // `recording_removed_ms` says.
-    bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
-    if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
-    if (auto result = store_.results.ResultOf(row.id); result.ok()) {
-      const std::pair<const char*, Sha256> blobs[] = {{"score.json", result->score_json},
-                                                      {"tooth.envb", result->final_volume},
-                                                      {"surface.ensf", result->surface},
-                                                      {"forces.json", result->series}};
-      for (const auto& [name, hash] : blobs) {
-        // Zero: that run made no such blob, or retention has removed it.
-        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.blobs.GetBlob(hash)));
-      }
+    const bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
+    if (row.score) {
+      ENAMEL_RETURN_IF_ERROR(ForEachResultFile(store_, row, add));
+    } else if (has_recording) {
+      ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceFileOf(store_, row)));
     }
     ENAMEL_RETURN_IF_ERROR(AddResults(row, facts, files, problems));
     facts["files"] = std::move(files);
     if (!problems.empty()) facts["problems"] = std::move(problems);
     return Status::Ok();
-  }
-
-  Result<Bytes> TraceOf(const AttemptRow& row) {
-    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.recordings.AttemptHeader(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.recordings.AttemptChunks(row.id));
-    // Reads header, chunks and seal one by one because an unfinished attempt is still rows and no
-    // blob; this puts the file together the same way for both.
-    trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
-    if (auto seal = store_.recordings.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
-    return trace::EncodeTraceFile(file);
   }
 
   Store& store_;

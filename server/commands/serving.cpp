@@ -3,21 +3,21 @@
 #include <iostream>
 #include <memory>
 
-#include "common/program/log.h"
+#include "common/program/findings.h"
+#include "common/program/output.h"
 #include "common/program/settings.h"
 #include "server/app/seed.h"
-#include "server/app/serve.h"
 #include "server/app/work.h"
 #include "server/commands/command_line.h"
+#include "server/doctor/doctor.h"
+#include "server/doctor/support_bundle.h"
 
 namespace enamel::server::app {
 namespace {
 
 struct ServeCommand {
-  ServeOptions serve;
-  std::filesystem::path config;
+  ServeSettings settings;
   bool print_settings = false;
-  program::LogOptions log;
 };
 
 void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
@@ -43,7 +43,7 @@ void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
                   "Without it: made from the first --host-name");
 }
 
-void AddOperations(CLI::App* cmd, ServeCommand& o) {
+void AddOperations(CLI::App* cmd, ServeSettings& o) {
   cmd->add_option("--job-threads", o.serve.job_threads,
                   "Attempts scored at the same time; 0: none, scoring waits")
       ->check(CLI::Range(0, 64))
@@ -72,16 +72,28 @@ void AddOperations(CLI::App* cmd, ServeCommand& o) {
       ->capture_default_str();
 }
 
+}  // namespace
+
+void AddServeSettings(CLI::App* cmd, ServeSettings& settings) {
+  cmd->add_option("--data", settings.serve.data, "Data folder; made when absent");
+  AddIdentity(cmd, settings.serve.identity);
+  AddAddresses(cmd, settings.serve);
+  AddOperations(cmd, settings);
+  cmd->add_option("--config", settings.config, "TOML file with any of these settings")
+      ->check(CLI::ExistingFile);
+}
+
 // After the command line: the environment, the file, and required settings.
-Status FinishServe(CLI::App& cmd, ServeCommand& o) {
+Status FinishServeSettings(CLI::App& cmd, ServeSettings& o) {
   // Each sets only options not set yet, so the order is the order of precedence.
   ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(cmd));
   if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(o.config, cmd));
   // Not the parser's `required()`: it asks before environment and file have been read.
   if (o.serve.data.empty()) {
     return Status(Code::kInvalidInput,
-                  "serve needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
-                  "settings file");
+                  cmd.get_name() +
+                      " needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
+                      "settings file");
   }
   if (o.serve.http_certificate.empty() != o.serve.http_key.empty()) {
     return Status(Code::kInvalidInput, "--http-cert and --http-key go together; give both or none");
@@ -95,19 +107,11 @@ Status FinishServe(CLI::App& cmd, ServeCommand& o) {
   return program::SetUpLog(o.log);
 }
 
-}  // namespace
-
 void DeclareServe(CommandGroup root) {
   CLI::App* cmd = root.parent.add_subcommand("serve", "Run the server until Ctrl-C");
   auto options = std::make_shared<ServeCommand>();
-  ServeCommand& o = *options;
-  cmd->add_option("--data", o.serve.data, "Data folder; made when absent");
-  AddIdentity(cmd, o.serve.identity);
-  AddAddresses(cmd, o.serve);
-  AddOperations(cmd, o);
-  cmd->add_option("--config", o.config, "TOML file with any of these settings")
-      ->check(CLI::ExistingFile);
-  cmd->add_flag("--print-settings", o.print_settings,
+  AddServeSettings(cmd, options->settings);
+  cmd->add_flag("--print-settings", options->print_settings,
                 "Print the settings in use as such a file, and exit");
   cmd->footer(
       "Every setting can come from the command line, from the environment (--job-threads is\n"
@@ -119,12 +123,61 @@ void DeclareServe(CommandGroup root) {
   // Not by Declare: the action needs the command itself, for the other sources of settings.
   cmd->callback([options, cmd, &chosen = root.chosen] {
     chosen = [options, cmd]() -> Status {
-      ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, *options));
+      ENAMEL_RETURN_IF_ERROR(FinishServeSettings(*cmd, options->settings));
       if (options->print_settings) {
         std::cout << program::SettingsText(*cmd);
         return Status::Ok();
       }
-      return Serve(options->serve);
+      return Serve(options->settings.serve);
+    };
+  });
+}
+
+void DeclareDoctor(CommandGroup root) {
+  struct DoctorCommand {
+    ServeSettings settings;
+    std::filesystem::path json;
+  };
+  CLI::App* cmd = root.parent.add_subcommand(
+      "doctor", "Check what the server needs, and say what to do about what is missing");
+  auto options = std::make_shared<DoctorCommand>();
+  AddServeSettings(cmd, options->settings);
+  cmd->add_option("--json", options->json, "Write the findings to this file");
+  cmd->footer(
+      "Takes the settings of serve. Run it as the server's user, beside the server or without it:\n"
+      "  runuser -u enamel -- enamel-server doctor --config /etc/enamel/server.toml\n"
+      "Exit code 1 when something failed; warnings are no failure.");
+  cmd->callback([options, cmd, &chosen = root.chosen] {
+    chosen = [options, cmd]() -> Status {
+      ENAMEL_RETURN_IF_ERROR(FinishServeSettings(*cmd, options->settings));
+      ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options->json, "--json"));
+      return program::Report(Examine(options->settings.serve), options->json, "missing or wrong");
+    };
+  });
+}
+
+void DeclareSupportBundle(CommandGroup root) {
+  struct Asked {
+    ServeSettings settings;
+    std::filesystem::path target, log;
+  };
+  CLI::App* cmd = root.parent.add_subcommand(
+      "support-bundle",
+      "Write what helps somebody else to find a fault, without names and secrets");
+  auto options = std::make_shared<Asked>();
+  cmd->add_option("FILE", options->target, "File to write; -: standard output")->required();
+  AddServeSettings(cmd, options->settings);
+  cmd->add_option("--log", options->log, "The server's log; -: standard input");
+  cmd->footer(
+      "One JSON document: read it before you send it. Takes the settings of serve.\n"
+      "  journalctl -u enamel-server -o cat -n 5000 | runuser -u enamel -- enamel-server "
+      "support-bundle \\\n"
+      "    /tmp/enamel.json --config /etc/enamel/server.toml --log -");
+  cmd->callback([options, cmd, &chosen = root.chosen] {
+    chosen = [options, cmd]() -> Status {
+      ENAMEL_RETURN_IF_ERROR(FinishServeSettings(*cmd, options->settings));
+      return SupportBundle(
+          {options->settings.serve, program::SettingsText(*cmd), options->target, options->log});
     };
   });
 }

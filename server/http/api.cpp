@@ -128,8 +128,8 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       max_in_flight_(max_in_flight),
       work_(work),
       places_(max_in_flight),
-      pool_(std::in_place, threads),
-      changes_(std::in_place, threads),
+      pool_(std::in_place, threads, (threads + 1) / 2),
+      changes_(std::in_place, threads, (threads + 1) / 2),
       teeth_(std::in_place, store) {}
 
 bool Api::Owns(std::string_view path) {
@@ -244,7 +244,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
             first_admin_,
             stations_,
             &*teeth_,
-            draining_};
+            draining_,
+            &bodies_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {
@@ -258,8 +259,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
-  std::shared_ptr<void> own = places_.Take(request);
-  if (own == nullptr) {
+  RequestPlaces::Place own = places_.Take(request);
+  if (own.held == nullptr) {
     co_return ErrorResponse(
         {Code::kUnavailable,
          "too many of your requests are under way at once; try again in a few seconds"});
@@ -272,20 +273,30 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   }
   Response response;
   if (async) {
-    response = co_await Asynchronous(call, route);
+    response = co_await Asynchronous(call, route, own.of);
   } else {
     StorePool& pool = IsSafe(request.method) ? *pool_ : *changes_;
-    response = co_await pool.Run([&] { return Blocking(call, route); });
+    response = co_await pool.Run(Turn(own.of), [&] { return Blocking(call, route); });
   }
-  if (response.Body().size() >= RequestPlaces::kLargeBytes) response.place = std::move(own);
+  const std::string_view body = response.Body();
+  if (body.size() < RequestPlaces::kLargeBytes) co_return response;
+  const void* const where = response.shared_body ? response.shared_body->data() : body.data();
+  const size_t bytes = response.shared_body ? response.shared_body->size() : body.size();
+  response.sending = unsent_.Add(own.of, where, bytes);
+  if (response.sending == nullptr) {
+    co_return ErrorResponse(
+        {Code::kUnavailable,
+         "too much of what you asked for has not been read yet; try again in a few seconds"});
+  }
+  response.place = std::move(own.held);
   co_return response;
 }
 
-asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
+asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route, std::string of) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
   // The session is in the database, hence a store's thread looks it up; the handler then does its
   // own waiting.
-  Result<auth::Identity> caller = co_await pool_->Run([&] {
+  Result<auth::Identity> caller = co_await pool_->Run(Turn(std::move(of)), [&] {
     const LogRequest logged(call.request.id);
     return Identify(call.request);
   });

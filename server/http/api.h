@@ -16,6 +16,7 @@
 #include "server/http/message.h"
 #include "server/http/request_places.h"
 #include "server/http/routes.h"
+#include "server/http/shared_bodies.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
 
@@ -25,6 +26,9 @@ namespace enamel::server::http {
 // in this order. Thread safety: Handle from any strand; the work itself runs on the store's
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
 // more get 503. Changes have threads of their own, and so has health: reads continue while changes wait.
+//
+// Threads, requests and the bytes of large answers are shared out to people, and to addresses where
+// nobody is signed in: one of them has half of the threads at most, and takes turns with the others.
 //
 // A request that waits for longer than `work` gets 503. If a thread has begun it by then, the work
 // finishes, keeps its place among `max_in_flight` and its answer is dropped; otherwise it is not
@@ -66,11 +70,13 @@ class Api : public std::enable_shared_from_this<Api> {
   void AddFigures(ops::MetricsText& text) const;
 
  private:
+  static constexpr size_t kMostUnsentBytes = size_t{192} << 20;
+
   struct Work;
   boost::asio::awaitable<Response> AnswerInTime(Request request);
   boost::asio::awaitable<void> Do(std::shared_ptr<Work> work);
   boost::asio::awaitable<Response> Answer(const Request& request);
-  boost::asio::awaitable<Response> Asynchronous(Call& call, const Route& route);
+  boost::asio::awaitable<Response> Asynchronous(Call& call, const Route& route, std::string of);
   Response Blocking(Call& call, const Route& route);
   Result<auth::Identity> Identify(const Request& request);
   void NoteForbidden(const Call& call, const Route& route, const Response& response);
@@ -88,9 +94,11 @@ class Api : public std::enable_shared_from_this<Api> {
   std::atomic<bool> draining_{false};
   std::atomic<size_t> in_flight_{0};
   RequestPlaces places_;
+  SharedBodies bodies_;
+  UnsentBytes unsent_{kMostUnsentBytes};
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};
-  ops::Histogram reads_;
+  Histogram reads_;
   std::optional<StorePool> pool_;  // until EndWork
   // Until EndWork. Apart from reads: changes may wait for the database.
   std::optional<StorePool> changes_;

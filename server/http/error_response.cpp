@@ -108,4 +108,12 @@ Response ErrorResponse(const Status& status) {
   return ErrorResponse(http_status, CodeName(status.code()), status.message(), status.field());
 }
 
+Response Done() {
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
+
 }  // namespace enamel::server::http

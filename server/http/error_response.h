@@ -24,4 +24,9 @@ Response ErrorResponse(const Status& status);
 Response ErrorResponse(int status, std::string_view code, std::string_view message,
                        std::string_view field = {});
 
+// 204: done, and there is nothing to say about it.
+Response Done();
+// That, or the refusal.
+Response DoneOr(const Status& status);
+
 }  // namespace enamel::server::http

@@ -65,12 +65,13 @@ Response Packed(const Request& request, Response response) {
     return response;
   }
   response.body = AsText(timeline::Deflate(AsBytes(body)));
+  response.shared_body = nullptr;
   response.headers.emplace_back("Content-Encoding", "deflate");
   return response;
 }
 
-Response KeptResponse(const Request& request, const Kept& kept,
-                      const std::function<Result<Bytes>()>& read) {
+Response KeptResponse(const Request& request, const Kept& kept, SharedBodies& bodies,
+                      const SharedBodies::Read& read) {
   // 128 bits: nobody has two that agree in them by chance.
   const std::string tag = '"' + kept.content.Hex().substr(0, 32) + '"';
   Response response;
@@ -82,25 +83,24 @@ Response KeptResponse(const Request& request, const Kept& kept,
     response.status = 304;
     return response;
   }
-  Result<Bytes> bytes = read();
+  const auto body = kept.made ? bodies.Made(kept.content, read) : bodies.Get(kept.content, read);
   // The row names a missing blob: damage of ours, not a wrong address.
-  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
-  const std::string_view all = AsText(*bytes);
+  if (!body.ok()) return ErrorResponse(Status{Code::kInternal, body.status().message()});
+  const std::string_view all = **body;
+  response.shared_body = *body;
   response.content_type = kept.content_type;
   response.headers.emplace_back("Accept-Ranges", "bytes");
   const std::string_view same = request.Header("if-range");
   std::optional<Range> range;
   if (same.empty() || same == tag) range = RangeOf(request.Header("range"), all.size());
-  if (!range) {
-    response.body = all;
-    return Packed(request, std::move(response));
-  }
+  if (!range) return Packed(request, std::move(response));
   if (range->from >= range->to) return BeyondTheEnd(all.size());
   response.status = 206;
   response.headers.emplace_back("Content-Range", "bytes " + std::to_string(range->from) + "-" +
                                                      std::to_string(range->to - 1) + "/" +
                                                      std::to_string(all.size()));
-  response.body = all.substr(range->from, range->to - range->from);
+  response.from = range->from;
+  response.size = range->to - range->from;
   return response;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "server/http/message.h"
+#include "server/http/shared_bodies.h"
 
 // Answers with content that never changes under its hash: whole, in parts, or not at all if the
 // caller has it (RFC 9110, sections 13 and 14). Pure functions.
@@ -15,6 +15,7 @@ struct Kept {
   Sha256 content;  // its name, and so its ETag
   std::string content_type;
   std::string cache_control;  // empty: the site's, which is not to keep it
+  bool made = false;          // on request, and worth keeping in memory (SharedBodies::Made)
 };
 
 // JSON, packed by the coding "deflate" where the caller takes it and that is worth it. Not for an
@@ -25,7 +26,7 @@ Response Packed(const Request& request, Response response);
 // beyond its end; 304 when If-None-Match names it. Several ranges, an invalid range, and one under an If-Range that names
 // something else give all of it, as RFC 9110 allows. `read` is not called for a 304; its failure is
 // damage of ours, a 500.
-Response KeptResponse(const Request& request, const Kept& kept,
-                      const std::function<Result<Bytes>()>& read);
+Response KeptResponse(const Request& request, const Kept& kept, SharedBodies& bodies,
+                      const SharedBodies::Read& read);
 
 }  // namespace enamel::server::http

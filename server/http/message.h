@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/http/unsent_bytes.h"
+
 // A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test
 // makes one with braces.
 namespace enamel::server::http {
@@ -57,14 +59,19 @@ struct Response {
   int status = 200;
   std::string content_type;  // none when empty
   std::string body;
-  std::shared_ptr<const std::string> shared_body;  // instead of `body`: what many answers share
+  // Instead of `body`: what many answers share, or a part of it.
+  std::shared_ptr<const std::string> shared_body;
+  size_t from = 0, size = std::string::npos;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string refusal;                  // the error's code, when this is one; for the server itself
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
   std::shared_ptr<const std::atomic<bool>> school_ended;  // the request's
   std::shared_ptr<void> place;                            // RequestPlaces'
+  std::shared_ptr<UnsentBytes::Sending> sending;          // of a large one
 
-  std::string_view Body() const { return shared_body ? *shared_body : body; }
+  std::string_view Body() const {
+    return shared_body ? std::string_view(*shared_body).substr(from, size) : body;
+  }
 };
 
 }  // namespace enamel::server::http

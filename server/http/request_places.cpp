@@ -9,7 +9,7 @@
 
 namespace enamel::server::http {
 
-std::shared_ptr<void> RequestPlaces::Take(const Request& request) {
+RequestPlaces::Place RequestPlaces::Take(const Request& request) {
   std::string name;
   if (const auto cookie = SessionCookie(request)) {
     const std::string hash = HashSha256(AsBytes(*cookie)).Hex();
@@ -22,15 +22,16 @@ std::shared_ptr<void> RequestPlaces::Take(const Request& request) {
   {
     MutexLock lock(counts_->mutex);
     size_t& taken = counts_->taken[name];
-    if (taken >= most) return nullptr;
+    if (taken >= most) return {name, nullptr};
     ++taken;
   }
   // What it points to only says that it is not null.
-  return {counts_.get(), [counts = counts_, name](void*) {
-            MutexLock lock(counts->mutex);
-            const auto at = counts->taken.find(name);
-            if (--at->second == 0) counts->taken.erase(at);
-          }};
+  std::shared_ptr<void> held{counts_.get(), [counts = counts_, name](void*) {
+                               MutexLock lock(counts->mutex);
+                               const auto at = counts->taken.find(name);
+                               if (--at->second == 0) counts->taken.erase(at);
+                             }};
+  return {std::move(name), std::move(held)};
 }
 
 void RequestPlaces::Know(const Request& request, const Uuid& person) {

@@ -25,8 +25,11 @@ class RequestPlaces {
 
   explicit RequestPlaces(size_t all) : of_address_(all - all / 4) {}
 
-  // The request has its place until the last copy of this ends; null: this person or address has all of its places.
-  std::shared_ptr<void> Take(const Request& request);
+  struct Place {
+    std::string of;              // the person or the address
+    std::shared_ptr<void> held;  // taken until the last copy ends; null: all of theirs are
+  };
+  Place Take(const Request& request);
   // Whose session the request's cookie is.
   void Know(const Request& request, const Uuid& person);
 

@@ -2,6 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,12 +13,14 @@
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
 #include "server/http/message.h"
+#include "server/http/shared_bodies.h"
 #include "server/jobs/tooth_import.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
+#include "server/storage/upkeep/readiness.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
 // test compares the two both ways.
@@ -35,6 +38,8 @@ enum class Need : uint8_t {
 struct Monitoring {
   const ops::Metrics* metrics = nullptr;  // none: there is no such path
   std::string token;                      // none when empty
+  // What the school's other servers measure (ReadinessOf); none: there are none.
+  std::function<std::optional<PeersView>()> peers{};
 };
 
 // The input of a handler. References outlive the call.
@@ -55,6 +60,7 @@ struct Call {
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set
   bool draining = false;                    // about to stop: others shall be asked
+  SharedBodies* bodies = nullptr;           // always set
 };
 
 // Runs on the store's threads and may block.

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "common/base/log_request.h"
-#include "common/net/tls.h"
 #include "server/http/error_response.h"
 #include "server/http/site.h"
 
@@ -25,7 +24,7 @@ bool IsHealthPath(std::string_view path) {
 ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator)
     : options(std::move(given)),
       api(std::make_shared<Api>(
-          store, authenticator, Monitoring{options.metrics, options.metrics_token},
+          store, authenticator, Monitoring{options.metrics, options.metrics_token, options.peers},
           options.store_threads, options.max_in_flight, options.deadlines.work)) {
   if (options.live) api->Show(*options.live);
   if (options.first_admin) api->Show(*options.first_admin);
@@ -133,8 +132,7 @@ Status ServerContext::Prepare() {
   }
   if (options.host_names.empty()) options.host_names = {"127.0.0.1", "localhost", "[::1]"};
   if (options.tls) {
-    ENAMEL_ASSIGN_OR_RETURN(
-        tls, net::MakeServerContext(options.tls->certificate_chain, options.tls->private_key));
+    ENAMEL_ASSIGN_OR_RETURN(tls, PageTls::Load(*options.tls));
   }
   if (!options.web_root.empty()) {
     Result<StaticFiles> loaded = StaticFiles::Load(options.web_root);

@@ -10,9 +10,8 @@
 #include "server/http/message.h"
 #include "server/http/static_files.h"
 #include "server/http/wire/http_server.h"
+#include "server/http/wire/page_tls.h"
 #include "server/ops/refusal_log.h"
-
-struct ssl_ctx_st;
 
 namespace enamel::server::http {
 
@@ -38,7 +37,7 @@ struct ServerContext {
 
   // Constant after Prepare.
   HttpOptions options;
-  std::shared_ptr<ssl_ctx_st> tls;  // null: plain HTTP
+  std::unique_ptr<PageTls> tls;  // null: plain HTTP
   std::optional<StaticFiles> files;
 
   const std::shared_ptr<Api> api;

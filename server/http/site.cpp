@@ -13,7 +13,7 @@ constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
      "font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; "
      "frame-ancestors 'none'; base-uri 'none'; object-src 'none'; form-action 'self'; "
-     // One policy, and nobody can make it again: web/src/api/tooth_link.ts lets it name the script
+     // One policy, and nobody can make it again: web/src/tooth/link.ts lets it name the script
      // of its worker and nothing else.
      "require-trusted-types-for 'script'; trusted-types enamel-worker"},
     {"X-Content-Type-Options", "nosniff"},

@@ -258,16 +258,25 @@ class ScoreJob {
     std::string score_json = scoring::ToJson(score), series_json = SeriesText(series);
     // Blobs first, then one transaction that names them all: a crash in between leaves unnamed
     // blobs, which the next try writes again under the same names.
+    const Bytes tooth = scene::EncodeVolume(final_volume), surface = EncodeSurface(mesh, deviation);
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
-    ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
-    ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
+    ENAMEL_RETURN_IF_ERROR(Put(tooth, result.final_volume));
+    ENAMEL_RETURN_IF_ERROR(Put(surface, result.surface));
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
     // As it will be read: the document's numbers have fewer digits than the computed ones.
     ENAMEL_ASSIGN_OR_RETURN(auto stored, scoring::ScoreFromJson(score_json));
     const Sha256 judgement = JudgementOf(stored);
     result.same_judgement_as = SameAsBefore(judgement);
     ENAMEL_RETURN_IF_ERROR(FillMotion(process, result));
-    if (key_ != nullptr) Sign(stored, judgement, result);
+    if (key_ != nullptr) {
+      ResultDocument document;
+      document.judgement = judgement;
+      document.score_file = HashSha256(AsBytes(score_json));
+      document.tooth_file = HashSha256(tooth);
+      document.surface_file = HashSha256(surface);
+      document.series_file = HashSha256(AsBytes(series_json));
+      Sign(stored, document, result);
+    }
     return store_.results.FinishAttempt(attempt_, result, lease_);
   }
 
@@ -313,10 +322,10 @@ class ScoreJob {
     return before->score_json;
   }
 
-  void Sign(const scoring::ScoreResult& score, const Sha256& judgement,
+  // `document`: with the hashes of what is stored nowhere as it is.
+  void Sign(const scoring::ScoreResult& score, ResultDocument document,
             AttemptResult& result) const {
     result.scored_ms = enamel::UnixMs();
-    ResultDocument document;
     document.attempt = attempt_;
     document.scored_ms = result.scored_ms;
     document.header = header_hash_;
@@ -335,7 +344,6 @@ class ScoreJob {
     document.tooth = result.final_volume;
     document.surface = result.surface;
     document.series = result.series;
-    document.judgement = judgement;
     document.points = result.score;
     document.critical_fail = result.critical_fail;
     document.metric_set = static_cast<uint32_t>(score.scoring_version);

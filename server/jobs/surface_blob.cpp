@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "common/base/check.h"
-#include "common/timeline/deviation.h"
 
 namespace enamel::server {
 namespace {
@@ -97,7 +96,7 @@ Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_
   return out.Take();
 }
 
-Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec) {
+Result<timeline::Deviation> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec) {
   ByteReader in(surface);
   const bool is_surface = AsText(in.Raw(4)) == "ENTM" && in.U16() == kVersion;
   const uint16_t flags = in.U16();
@@ -135,7 +134,7 @@ Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec
     out.cells.push_back(
         {cell, static_cast<int32_t>(std::lround(std::clamp(mm, -kMostMm, kMostMm) * 1000))});
   }
-  return timeline::EncodeDeviation(out);
+  return out;
 }
 
 }  // namespace enamel::server

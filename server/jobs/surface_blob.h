@@ -6,6 +6,7 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 #include "common/surface/surface.h"
+#include "common/timeline/deviation.h"
 
 namespace enamel::server {
 
@@ -16,9 +17,9 @@ namespace enamel::server {
 // triangles.
 Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m = {});
 
-// The deviation in such a surface by the cells of the grid that it was made from: format "ENTD"
-// (schemas/surface_timeline.md), a hundredth of the bytes. Errors: kNotFound when it has no
-// deviation; kInvalidInput when it is no surface. Thread safety: a function, any thread.
-Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec);
+// The deviation in such a surface by the cells of the grid that it was made from; encoded
+// (EncodeDeviation) it has a hundredth of the bytes. Errors: kNotFound when it has no deviation;
+// kInvalidInput when it is no surface. Thread safety: a function, any thread.
+Result<timeline::Deviation> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec);
 
 }  // namespace enamel::server

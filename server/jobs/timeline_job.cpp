@@ -1,5 +1,6 @@
 #include "server/jobs/timeline_job.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "common/timeline/recorder.h"
 #include "common/timeline/start_tooth.h"
 #include "common/trace/replay.h"
+#include "server/jobs/surface_blob.h"
 
 namespace enamel::server {
 namespace {
@@ -15,17 +17,57 @@ Status Stopped() {
   return Status(Code::kUnavailable, "stopped: the timeline is made when nobody waits for a score");
 }
 
+// Remembers that the job was asked to end: what a stopped step returned is then of no use.
+class Asked {
+ public:
+  explicit Asked(const JobProgress& progress) : progress_(progress) {}
+
+  bool KeepGoing(double done) {
+    is_over_ = is_over_ || (progress_ && !progress_(done));
+    return !is_over_;
+  }
+  bool is_over() const { return is_over_; }
+
+ private:
+  const JobProgress& progress_;
+  bool is_over_ = false;
+};
+
 Result<Sha256> StartTooth(StoredBlobs& blobs, TimelineRows& timelines, const Sha256& volume_hash,
-                          const cutting::Volume& volume) {
+                          const cutting::Volume& volume, Asked& asked) {
   ENAMEL_ASSIGN_OR_RETURN(Sha256 known, timelines.StartToothOf(volume_hash));
   if (!known.IsZero()) return known;
-  ENAMEL_ASSIGN_OR_RETURN(
-      Sha256 made, blobs.PutBlob(timeline::EncodeStartTooth(timeline::StartToothOf(volume))));
+  const Bytes packed = timeline::EncodeStartTooth(timeline::StartToothOf(volume),
+                                                  [&] { return asked.KeepGoing(0); });
+  if (asked.is_over()) return Stopped();
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 made, blobs.PutBlob(packed));
   ENAMEL_RETURN_IF_ERROR(timelines.PutStartTooth(volume_hash, made));
   return made;
 }
 
+// Those that the attempt's deviation from its reference is known for: the reference may have cut
+// where the attempt has not. Empty: it was compared with nothing.
+Result<std::vector<int32_t>> ComparedBricks(Store& store, const Uuid& attempt,
+                                            const cutting::GridSpec& spec) {
+  ENAMEL_ASSIGN_OR_RETURN(const AttemptResult result, store.results.ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes surface, store.blobs.GetBlob(result.surface));
+  const auto deviation = DeviationOfSurface(surface, spec);
+  std::vector<int32_t> out;
+  if (deviation.status().code() == Code::kNotFound) return out;
+  if (!deviation.ok()) return deviation.status();
+  for (const timeline::CellDeviation& value : deviation->cells) {
+    const ivec3 brick = value.cell / cutting::kBrickSide;
+    if (glm::all(glm::greaterThanEqual(value.cell, ivec3(0))) && spec.Contains(brick)) {
+      out.push_back(spec.BrickIndex(brick));
+    }
+  }
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
+  Asked asked(progress);
   ENAMEL_ASSIGN_OR_RETURN(const Bytes header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(const trace::Header header, trace::DecodeHeader(header_bytes));
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header.params));
@@ -33,12 +75,13 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
   ENAMEL_ASSIGN_OR_RETURN(const Bytes volume, store.blobs.GetBlob(header.volume));
   ENAMEL_ASSIGN_OR_RETURN(const cutting::Volume initial, scene::DecodeVolume(volume));
   ENAMEL_ASSIGN_OR_RETURN(const Sha256 start,
-                          StartTooth(store.blobs, store.timelines, header.volume, initial));
+                          StartTooth(store.blobs, store.timelines, header.volume, initial, asked));
   timeline::RecorderOptions options;
   options.rate_hz = header.params.rate_hz;
   options.bur = core::BurOf(header.params);
   // A tenth of a second, whatever the loop's rate.
   options.frame_ticks = std::max(1u, header.params.rate_hz / 10);
+  ENAMEL_ASSIGN_OR_RETURN(options.detailed, ComparedBricks(store, attempt, initial.spec()));
   timeline::Recorder recorder(initial, start, options);
   core::Core core(header.params, initial);
   auto report = trace::Replay(
@@ -47,7 +90,7 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
         recorder.Add(core.volume(), core.touched(),
                      {output.anchor, (tick.input.flags & core::kBurOn) != 0, tick.input.gap_ticks});
       },
-      progress);
+      [&](double done) { return asked.KeepGoing(done); });
   if (!report.ok())
     return report.status().code() == Code::kUnavailable ? Stopped() : report.status();
   if (!report->witness_ok) {
@@ -55,8 +98,9 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
                                        std::to_string(report->first_bad_tick) +
                                        "; there is no tooth to play back");
   }
-  ENAMEL_ASSIGN_OR_RETURN(const Sha256 content,
-                          store.blobs.PutAttemptBlob(attempt, recorder.Finish(core.volume())));
+  const Bytes file = recorder.Finish(core.volume(), [&] { return asked.KeepGoing(1); });
+  if (asked.is_over()) return Stopped();
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 content, store.blobs.PutAttemptBlob(attempt, file));
   return store.timelines.PutTimeline(attempt, content);
 }
 

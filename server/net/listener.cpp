@@ -107,6 +107,12 @@ class Introduction : public AcceptedConnection, public std::enable_shared_from_t
 
 asio::awaitable<bool> Introduction::Read() {
   error_code error;
+  co_await socket_.async_wait(tcp::socket::wait_read, Into(error));
+  uint8_t begin = 0;
+  if (!error) socket_.receive(asio::buffer(&begin, 1), tcp::socket::message_peek, error);
+  if (error) co_return false;
+  // Somebody on the proxy's machine, such as another server: who it is stays unsaid.
+  if (begin == kTlsHandshake) co_return true;
   std::array<uint8_t, kProxyStartBytes> first{};
   co_await asio::async_read(socket_, asio::buffer(first), Into(error));
   // A proxy that only sees whether somebody listens says nothing.

@@ -45,7 +45,8 @@ struct ListenerOptions {
   size_t max_connections = 1024;
   std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
   // Numeric addresses of proxies that name their own peer (proxy_header.h): each of their
-  // connections begins with that header. It is not read from other peers.
+  // connections begins with that header, or with TLS: then its peer is "". It is not read from other
+  // peers.
   std::vector<std::string> proxies = {};
   std::chrono::milliseconds introduction{10'000};  // what a proxy gets to say it in
 };

@@ -22,8 +22,6 @@ Status Expected(const std::string& found) {
 std::string WhatElse(std::span<const uint8_t, kProxyStartBytes> bytes) {
   constexpr std::string_view kVersion1 = "PROXY ";
   if (std::ranges::equal(bytes.first<kVersion1.size()>(), kVersion1)) return "version 1 of it";
-  // A record of a handshake, of any version of TLS.
-  if (bytes[0] == 0x16 && bytes[1] == 0x03) return "TLS without it";
   return "other bytes";
 }
 

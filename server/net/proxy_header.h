@@ -13,6 +13,8 @@
 namespace enamel::server {
 
 inline constexpr size_t kProxyStartBytes = 16;
+// What TLS begins with instead (RFC 8446, section 5.1).
+inline constexpr uint8_t kTlsHandshake = 22;
 // What follows the start: addresses and whatever else the proxy says, which is not looked at. The
 // protocol allows 65 535; HAProxy with every option it has stays below this.
 inline constexpr size_t kMaxProxyRestBytes = 2'048;
@@ -24,7 +26,7 @@ struct ProxyStart {
   size_t rest_bytes = 0;  // that follow, at most kMaxProxyRestBytes
 };
 
-// Errors: kInvalidInput naming the bytes found, such as version 1, or TLS without a header.
+// Errors: kInvalidInput naming the bytes found, such as version 1.
 Result<ProxyStart> ReadProxyStart(std::span<const uint8_t, kProxyStartBytes> bytes);
 
 // The numeric address that the proxy was asked from; empty if the proxy itself connects or does not

@@ -28,7 +28,7 @@ class StreamSocket {
   // wait.
   enum class Io { kDone, kEnded, kWantRead, kWantWrite };
 
-  // `tls` outlives it; null: plain TCP.
+  // Keeps `tls` as long as it lives; null: plain TCP.
   StreamSocket(boost::asio::ip::tcp::socket socket, SSL_CTX* tls);
 
   // With plain TCP Handshake and Shutdown have nothing to do and return kDone.

@@ -53,23 +53,6 @@ const auto kStarted = std::chrono::steady_clock::now();
 
 }  // namespace
 
-void Histogram::Add(std::chrono::nanoseconds duration) {
-  double s = std::chrono::duration<double>(duration).count();
-  auto step = std::lower_bound(kUpToS.begin(), kUpToS.end(), s) - kUpToS.begin();
-  // A reader may see the count without the sum. Prometheus takes rates over minutes; the next
-  // answer has both.
-  counts_[static_cast<size_t>(step)].fetch_add(1, std::memory_order_relaxed);
-  sum_ns_.fetch_add(static_cast<uint64_t>(std::max<int64_t>(duration.count(), 0)),
-                    std::memory_order_relaxed);
-}
-
-Histogram::Counts Histogram::counts() const {
-  Counts out;
-  for (size_t i = 0; i < counts_.size(); ++i) out.each[i] = counts_[i].load();
-  out.sum_s = 1e-9 * static_cast<double>(sum_ns_.load());
-  return out;
-}
-
 void MetricsText::Head(std::string_view name, std::string_view help, std::string_view type) {
   // A name with several labels is announced once, before the first of its lines, as the format
   // wants it.
@@ -104,18 +87,21 @@ void MetricsText::Gauge(std::string_view name, std::string_view help, double val
 }
 
 void MetricsText::Durations(std::string_view name, std::string_view help,
-                            const Histogram::Counts& counts) {
+                            const Histogram::Counts& counts, const Labels& labels) {
   Head(name, help, "histogram");
   const std::string base(name);
+  Labels bucket = labels;
   // Buckets are cumulative: each counts everything up to its bound (Prometheus, text format 0.0.4).
   uint64_t all = 0;
   for (size_t i = 0; i < counts.each.size(); ++i) {
     all += counts.each[i];
-    std::string bound = i < Histogram::kUpToS.size() ? Number(Histogram::kUpToS[i]) : "+Inf";
-    Line(base + "_bucket", static_cast<double>(all), {{"le", bound}});
+    const std::string bound = i < Histogram::kUpToS.size() ? Number(Histogram::kUpToS[i]) : "+Inf";
+    bucket.emplace_back("le", bound);
+    Line(base + "_bucket", static_cast<double>(all), bucket);
+    bucket.pop_back();
   }
-  Line(base + "_sum", counts.sum_s, {});
-  Line(base + "_count", static_cast<double>(all), {});
+  Line(base + "_sum", counts.sum_s, labels);
+  Line(base + "_count", static_cast<double>(all), labels);
 }
 
 void Metrics::Add(Source source) {
@@ -157,6 +143,17 @@ void AddProcess(MetricsText& text) {
   text.Gauge("process_open_fds", "Open file descriptors.", static_cast<double>(OpenFiles()));
   text.Gauge("process_start_time_seconds", "When the process started, Unix time.",
              static_cast<double>(ProcessStartedMs()) / 1000);
+}
+
+void AddBuild(MetricsText& text, std::string_view version) {
+  text.Gauge("enamel_build_info", "1; the label says which program this is.", 1,
+             {{"version", version}});
+}
+
+void AddCertificate(MetricsText& text, std::string_view of, int64_t until_ms) {
+  if (until_ms == 0) return;
+  text.Gauge("enamel_certificate_expires_seconds", "When a certificate ends, Unix time.",
+             static_cast<double>(until_ms) / 1000, {{"of", of}});
 }
 
 }  // namespace enamel::server::ops

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'r', 'd'};
 constexpr uint16_t kVersion = 1;
-constexpr size_t kSignedBytes = 552, kBytes = kSignedBytes + 64;
+constexpr size_t kSignedBytes = 680, kBytes = kSignedBytes + 64;
 constexpr char kDomain[] = "enamel.result-document.v1";
 
 // Every hash and id in the order of the document, so that writing and reading cannot differ.
@@ -23,8 +23,9 @@ void ForEachHash(Document& d, const Visit& visit) {
     visit(hash->bytes);
   }
   visit(d.reference.bytes);
-  for (auto* hash : {&d.reference_recording, &d.reference_tooth, &d.score_document, &d.tooth,
-                     &d.surface, &d.series, &d.judgement}) {
+  for (auto* hash :
+       {&d.reference_recording, &d.reference_tooth, &d.score_document, &d.tooth, &d.surface,
+        &d.series, &d.judgement, &d.score_file, &d.tooth_file, &d.surface_file, &d.series_file}) {
     visit(hash->bytes);
   }
 }

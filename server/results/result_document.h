@@ -17,6 +17,8 @@ struct ResultDocument {
   Sha256 reference_recording, reference_tooth;
   Sha256 score_document, tooth, surface, series;  // as the store names them
   Sha256 judgement;                               // of points and reasons alone
+  // Of the same four as their person gets them, not encrypted.
+  Sha256 score_file, tooth_file, surface_file, series_file;
   double points = 0;
   bool critical_fail = false;
   uint32_t metric_set = 0, core_version = 0, rubric_version = 0;

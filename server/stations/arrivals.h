@@ -40,7 +40,7 @@ class Arrivals {
  private:
   void ForgetGone(UnixMs now_ms) ENAMEL_REQUIRES(mutex_);
 
-  ops::Histogram answers_;
+  Histogram answers_;
   Mutex mutex_;
   std::map<Uuid, UnixMs> newest_ ENAMEL_GUARDED_BY(mutex_);
 };

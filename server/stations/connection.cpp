@@ -132,6 +132,21 @@ asio::awaitable<void> Connection::ServeRequests() {
       co_await Refuse(request.status());
       co_return;
     }
+    // Before anything that needs the database or a thread of the pool: it is about these.
+    if (request->has_measure() && own_.measure) {
+      wire::Reply reply;
+      reply.set_reply_to(request->id());
+      *reply.mutable_measured() = own_.measure();
+      co_await Write(std::move(reply));
+      co_return;
+    }
+    if (peer_.empty()) {
+      co_await Refuse(
+          Status(Code::kInvalidInput,
+                 "expected the PROXY protocol, version 2, from this address, found TLS; let the "
+                 "proxy send it (send-proxy-v2), or connect from another address"));
+      co_return;
+    }
     // From here on the idle and frame deadlines hold; until here one deadline covered everything.
     introduced_ = true;
     if (!session_) {

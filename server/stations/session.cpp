@@ -127,6 +127,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.return_ticket());
     case wire::Request::kPing:
       return Do(request.ping());
+    case wire::Request::kMeasure:
+      return Status(Code::kInvalidInput, "expected this from another server, found a station");
     default:
       return Status(Code::kInternal, "request without a handler");
   }

@@ -43,6 +43,8 @@ struct Services {
   std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
   StationBoard* board = nullptr;  // who is connected; none: nobody asks
   Arrivals arrivals{};
+  // What this server measures, for the school's others; none: there are none. Does not wait.
+  std::function<wire::Measured()> measure{};
 };
 
 // kUnauthenticated: the answer to a station whose connection ends because it was revoked.

@@ -1,5 +1,6 @@
 #include "server/storage/open_store.h"
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -136,18 +137,19 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const StoreOptions& options) {
 }
 
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options) {
+  const auto newest = std::make_shared<std::atomic<int64_t>>(0);
   const auto opens = [&](bool read_only) {
-    return [server = options.server, schema = options.schema, read_only,
+    return [server = options.server, schema = options.schema, read_only, newest,
             fail_next = options.folder.fail_next] {
       return OpenPgDatabase(server, schema, read_only,
-                            read_only ? std::function<bool()>() : fail_next);
+                            read_only ? std::function<bool()>() : fail_next, newest);
     };
   };
   return OpenStoreOn(
       options.folder, PgMigrations(), /*many=*/true, [&]() -> Result<Transactions::Connections> {
         ENAMEL_ASSIGN_OR_RETURN(auto writer, opens(/*read_only=*/false)());
         return Transactions::Connections{std::move(writer), opens(/*read_only=*/true),
-                                         opens(/*read_only=*/false)};
+                                         opens(/*read_only=*/false), newest};
       });
 }
 

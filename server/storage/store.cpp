@@ -47,7 +47,8 @@ Store::Store(std::unique_ptr<StoreEngine> on)
       health({engine->folder, engine->space, engine->rows, engine->rewriter, engine->look,
               engine->gate, *engine->blobs, *engine->keyring, engine->counters}),
       look(engine->look),
-      identity(engine->rows) {}
+      identity(engine->rows),
+      markings(engine->rows) {}
 
 Store::~Store() = default;
 

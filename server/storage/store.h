@@ -12,6 +12,7 @@
 #include "server/storage/judging/appeal_rows.h"
 #include "server/storage/judging/batch_rows.h"
 #include "server/storage/judging/judging_rows.h"
+#include "server/storage/judging/marking_rows.h"
 #include "server/storage/judging/motion_rows.h"
 #include "server/storage/judging/reference_rows.h"
 #include "server/storage/judging/result_rows.h"
@@ -100,6 +101,7 @@ struct Store {
   StoreHealthCheck health;
   DatabaseLook& look;
   ServerIdentityRows identity;
+  MarkingRows markings;
 
   // The program is about to end: no longer waits for other processes. FinishErasures, also at the
   // end of ErasePerson, leaves the rest to the next start. Any thread.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <boost/asio/associated_executor.hpp>
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/awaitable.hpp>
@@ -11,7 +12,10 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <limits>
+#include <map>
 #include <memory>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <type_traits>
@@ -22,16 +26,29 @@
 
 namespace enamel::server {
 
+// Whose work it is, for a pool whose threads are shared out.
+struct Turn {
+  // A constructor, since g++ 12 destroys an aggregate within a co_await twice.
+  explicit Turn(std::string whose = {}, bool goes_first = false)
+      : of(std::move(whose)), first(goes_first) {}
+  std::string of;      // a person, an address; empty: nobody's in particular
+  bool first = false;  // of those that go first, who get every other turn
+};
+
 // Where blocking work of coroutines runs (Store calls, decoding): a few threads, away from the I/O
 // threads, each made when all others are busy. The coroutine continues on its own executor, so a session's strand still owns its data.
 //
 //   Result<Person> person = co_await pool.Run([&] { return store.PersonById(id); });
 //
+// Whoever has work that waits gets a thread in turn: nobody waits behind all of another's work.
+//
 // References captured by the work stay valid because the coroutine's frame waits for it. The work
 // must not throw. Thread safety: any thread. Destruction waits for all work.
 class StorePool {
  public:
-  explicit StorePool(size_t threads = 4) : most_(threads) {}
+  // `most_of_one`: threads that one party may have at once.
+  explicit StorePool(size_t threads = 4, size_t most_of_one = std::numeric_limits<size_t>::max())
+      : most_(threads), most_of_one_(most_of_one) {}
   ~StorePool() {
     {
       MutexLock lock(mutex_);
@@ -45,14 +62,18 @@ class StorePool {
 
   template <typename Work, typename T = std::invoke_result_t<Work>>
   boost::asio::awaitable<T> Run(Work work) {
+    return Run(Turn(), std::move(work));
+  }
+  template <typename Work, typename T = std::invoke_result_t<Work>>
+  boost::asio::awaitable<T> Run(Turn turn, Work work) {
     namespace asio = boost::asio;
-    auto begin = [this, &work](auto handler) {
+    auto begin = [this, &turn, &work](auto handler) {
       // Tracked: an io_context must not run out of work while only the pool is busy.
       auto back = asio::prefer(asio::get_associated_executor(handler),
                                asio::execution::outstanding_work.tracked);
       // std::function wants to copy it.
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-      Post([&work, back, shared] {
+      Post(std::move(turn), [&work, back, shared] {
         auto finish = [handler = std::move(*shared), value = work()]() mutable {
           std::move(handler)(std::move(value));
         };
@@ -65,11 +86,22 @@ class StorePool {
 
  private:
   using Task = std::function<void()>;
+  struct Party {
+    std::deque<Task> waiting{};
+    size_t running = 0;
+    bool in_line = false;
+  };
+  using Parties = std::map<Turn, Party, bool (*)(const Turn&, const Turn&)>;
+  static bool Before(const Turn& a, const Turn& b) {
+    return a.first != b.first ? a.first : a.of < b.of;
+  }
 
-  void Post(Task task) {
+  void Post(Turn turn, Task task) {
     MutexLock lock(mutex_);
-    tasks_.push_back(std::move(task));
-    if (tasks_.size() <= idle_) {
+    const auto at = parties_.try_emplace(std::move(turn)).first;
+    at->second.waiting.push_back(std::move(task));
+    Queue(at);
+    if (lines_[0].size() + lines_[1].size() <= idle_) {
       wake_.notify_one();
       return;
     }
@@ -82,26 +114,56 @@ class StorePool {
     }
   }
 
+  // Puts the party at the end of its line, if it may have a thread for what waits.
+  void Queue(Parties::iterator at) ENAMEL_REQUIRES(mutex_) {
+    Party& party = at->second;
+    if (party.in_line || party.waiting.empty() || party.running >= most_of_one_) return;
+    party.in_line = true;
+    lines_[at->first.first ? 0 : 1].push_back(at);
+  }
+
+  // The next in line. Requires: somebody is in one.
+  Parties::iterator Next() ENAMEL_REQUIRES(mutex_) {
+    auto& line = lines_[next_line_].empty() ? lines_[1 - next_line_] : lines_[next_line_];
+    next_line_ = &line == &lines_[0] ? 1 : 0;
+    const Parties::iterator at = line.front();
+    line.pop_front();
+    at->second.in_line = false;
+    return at;
+  }
+
   void Loop() {
+    MutexLock lock(mutex_);
     for (;;) {
-      Task task;
-      {
-        MutexLock lock(mutex_);
-        ++idle_;
-        wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || !tasks_.empty(); });
-        --idle_;
-        if (tasks_.empty()) return;
-        task = std::move(tasks_.front());
-        tasks_.pop_front();
-      }
+      const auto any = [&]() ENAMEL_REQUIRES(mutex_) {
+        return !lines_[0].empty() || !lines_[1].empty();
+      };
+      ++idle_;
+      wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || any(); });
+      --idle_;
+      if (!any()) return;
+      const auto at = Next();
+      Task task = std::move(at->second.waiting.front());
+      at->second.waiting.pop_front();
+      ++at->second.running;
+      Queue(at);
+      mutex_.unlock();
       task();
+      task = nullptr;
+      mutex_.lock();
+      --at->second.running;
+      Queue(at);
+      if (at->second.running == 0 && at->second.waiting.empty()) parties_.erase(at);
     }
   }
 
-  const size_t most_;
+  const size_t most_, most_of_one_;
   Mutex mutex_;
   std::condition_variable_any wake_;
-  std::deque<Task> tasks_ ENAMEL_GUARDED_BY(mutex_);
+  Parties parties_ ENAMEL_GUARDED_BY(mutex_){&Before};
+  // Of those that go first, and of the others.
+  std::array<std::deque<Parties::iterator>, 2> lines_ ENAMEL_GUARDED_BY(mutex_);
+  size_t next_line_ ENAMEL_GUARDED_BY(mutex_) = 0;
   size_t idle_ ENAMEL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ENAMEL_GUARDED_BY(mutex_) = false;
   std::vector<std::jthread> threads_;  // grows under mutex_

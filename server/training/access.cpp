@@ -66,6 +66,12 @@ bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference) {
   return reference.consent || CanRecordReference(viewer);
 }
 
+bool CanSeeReferenceCut(const Person& viewer, const ReferenceRow& reference,
+                        const AttemptRow& compared, bool graded) {
+  return reference.consent && reference.withdrawn_ms == 0 && Owns(viewer, compared) &&
+         CanSeeScore(viewer, compared, graded, false);
+}
+
 Status CheckConsent(bool consent) {
   if (consent) return Status::Ok();
   return Status(Code::kConflict,

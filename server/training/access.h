@@ -31,6 +31,10 @@ bool CanRecordReference(const Person& viewer);
 Status CheckConsent(bool consent);
 // The dentist's name at a reference: students see it with the dentist's consent.
 bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference);
+// Playing back how the exercise's reference was cut, with its forces: a person whose own attempt was scored
+// against it (`compared`), once that score shows, if the dentist has consented. `graded`: the exercise is.
+bool CanSeeReferenceCut(const Person& viewer, const ReferenceRow& reference,
+                        const AttemptRow& compared, bool graded);
 // Making exercises of one's own: instructors and admins, whatever their cohorts.
 bool CanEditExercises(const Person& viewer);
 // Reading an exercise, its drafts too, and assigning it: its owner, instructors when it is shared,

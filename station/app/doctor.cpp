@@ -4,7 +4,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <boost/json.hpp>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -235,18 +234,6 @@ Finding Graphics() {
   }
 }
 
-const char* Word(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kWarn:
-      return "warn";
-    case Verdict::kFail:
-      return "fail";
-  }
-  return "";
-}
-
 }  // namespace
 
 std::vector<Finding> Examine(const DoctorCommand& options) {
@@ -266,20 +253,7 @@ std::vector<Finding> Examine(const DoctorCommand& options) {
 
 Status Doctor(const DoctorCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  boost::json::array findings;
-  int failed = 0;
-  for (const Finding& f : Examine(options)) {
-    std::printf("%-5s %-17s %s%s%s\n", Word(f.verdict), f.what.c_str(), f.found.c_str(),
-                f.advice.empty() ? "" : ": ", f.advice.c_str());
-    failed += f.verdict == Verdict::kFail;
-    findings.push_back(
-        {{"what", f.what}, {"verdict", Word(f.verdict)}, {"found", f.found}, {"advice", f.advice}});
-  }
-  ENAMEL_RETURN_IF_ERROR(
-      program::WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
-  if (failed == 0) return Status::Ok();
-  return Status(Code::kUnavailable, Counted(failed, "thing is", "things are") +
-                                        " missing for an attempt: see 'fail' above");
+  return program::Report(Examine(options), options.json, "missing for an attempt");
 }
 
 }  // namespace enamel::station

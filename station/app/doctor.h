@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/program/findings.h"
 
 namespace enamel::station {
 
@@ -16,15 +16,8 @@ struct DoctorCommand {
   std::filesystem::path json;
 };
 
-enum class Verdict : uint8_t { kOk, kWarn, kFail };
-
-// One requirement of a station, and whether it is met here.
-struct Finding {
-  std::string what;  // "real-time rights"
-  Verdict verdict = Verdict::kOk;
-  std::string found;
-  std::string advice;  // what to do; empty if all is well
-};
+using program::Finding;
+using program::Verdict;
 
 // Checks everything an attempt needs: enrolment, server with its certificate and clock, disk,
 // spool, real-time rights, timer, devices and their delay, graphics. Changes nothing, except that

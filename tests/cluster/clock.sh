@@ -25,7 +25,7 @@ health() {
 }
 serve() {
   off "$1" "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" \
-    --web "${ENAMEL_WEB:-$root/web/dist}" >"$work/server.log" 2>&1 &
+    --web "$page_folder" >"$work/server.log" 2>&1 &
   pids+=($!)
   wait_for_log "$work/server.log" '^ready'
 }

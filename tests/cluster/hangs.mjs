@@ -83,8 +83,11 @@ async function primaryHangs(hang, wake) {
   await untilSynchronous();
   await untilAllWell();
   const old = primary;
+  const downs = () => names.reduce((sum, name) => sum + timesSaid(name, "DOWN"), 0), before = downs();
   await hang(old);
   const ready_false = await untilUnwell(names);
+  await pause(3000);
+  const taken_out = downs() - before;
   const promotion = await promote(), began = now();
   await untilTaken();
   const taken = now() - began;
@@ -92,7 +95,7 @@ async function primaryHangs(hang, wake) {
   const ready_again = now() - began;
   await wake(old);
   await rejoin();
-  return { taken, ready_false, promotion, ready_again };
+  return { taken, ready_false, promotion, ready_again, taken_out };
 }
 
 section("three servers behind HAProxy, PostgreSQL with a synchronous standby, Swift");
@@ -120,11 +123,14 @@ for (const [kind, fault] of Object.entries(faults)) {
   }
   const seconds = (name) => found.map((one) => one[name]).filter((value) => value !== undefined);
   facts[kind] = { count: found.length };
-  for (const name of Object.keys(found[0])) {
+  for (const name of Object.keys(found[0]).filter((name) => name !== "taken_out")) {
     facts[kind][`${name}_s`] = seconds(name);
     facts[kind][`${name}_p95_s`] = quantile(seconds(name), 0.95);
     tell(`${kind}: ${name.replaceAll("_", " ")}, p95, s`, facts[kind][`${name}_p95_s`], name === "taken" ? goals[kind] : goals[name]);
   }
+  if (found[0].taken_out === undefined) continue;
+  facts[kind].taken_out = Math.max(...seconds("taken_out"));
+  tell(`${kind}: servers that HAProxy took out, although all had the same trouble`, facts[kind].taken_out, 0);
 }
 
 // The database's clock is put an hour forward while stations stream: times are the median of four clocks.

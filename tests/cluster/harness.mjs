@@ -7,7 +7,7 @@ import { promisify } from "node:util";
 
 export const [size, portText, proxyText, parts, jsonFile] = process.argv.slice(2);
 export const port = Number(portText), proxy = Number(proxyText);
-export const { ENAMEL_PG: pg, ENAMEL_WORK: work, ENAMEL_ROOT: root, ENAMEL_BIN: bin } = process.env;
+export const { ENAMEL_PG: pg, ENAMEL_WORK: work, ENAMEL_ROOT: root, ENAMEL_BIN: bin, ENAMEL_PAGE: page } = process.env;
 export const run = promisify(execFile);
 export const now = () => performance.now() / 1000;
 export const say = (text) => console.log(text);
@@ -95,7 +95,7 @@ export async function stop(name, signal = "SIGTERM") {
 export const servers = { one: "127.0.0.1", two: "127.0.0.2", three: "127.0.0.3" };
 export async function serve(name, data, address, behind = []) {
   const child = start(name, `${bin}/enamel-server`, ["serve", "--data", data, "--http", `${address}:${port}`, "--stations", `${address}:${port + 1}`,
-    "--web", `${root}/web/dist`, "--job-threads", "0", ...behind]);
+    "--web", page, "--job-threads", "0", ...behind]);
   let output = "";
   child.stdout.on("data", (data) => (output += data));
   await until(`server ${name}`, () => {

@@ -42,7 +42,7 @@ if [ -z "${ENAMEL_S3_ENDPOINT:-}" ]; then
   trap - EXIT
   exec "$root/tests/cluster/with_swift.sh" "$0" "--$size" ${json:+--json "$json"} --only "$only"
 fi
-export ENAMEL_PG=$work/pg ENAMEL_WORK=$work ENAMEL_ROOT=$root ENAMEL_BIN=$bin
+export ENAMEL_PG=$work/pg ENAMEL_WORK=$work ENAMEL_ROOT=$root ENAMEL_BIN=$bin ENAMEL_PAGE=$page_folder
 mkdir "$ENAMEL_PG"
 chmod 711 "$work"
 postgres_user "$ENAMEL_PG"

@@ -21,3 +21,20 @@ blobs=$(psql "$ENAMEL_POSTGRES" -Atc 'SELECT count(*) FROM school.blobs')
 [ "$blobs" -gt 3 ] || fail "expected the demo's blobs in the store, found $blobs rows"
 "$bin/enamel-server" admin list-exercises --data "$data" | grep -q class-1 || fail "the exercise is not there"
 echo "$blobs blobs in the S3 store"
+
+# integration/metrics.sh has no bucket, and leaves these to this script.
+port=$(free_ports)
+start_server "$data" "$port"
+curl -s "http://127.0.0.1:$port/metrics" >"$work/metrics"
+for name in $(grep -oh 'enamel_s3_[a-z_]*' "$root/server/ops/prometheus_rules.yml" "$root/server/ops/grafana_dashboard.json" | sort -u); do
+  grep -q "^$name{of=\"blobs\"}" "$work/metrics" || { cat "$work/metrics"; fail "$name is no figure of a server with a bucket"; }
+done
+# The server asks the store every two seconds.
+for _ in $(seq 600); do
+  ! curl -s "http://127.0.0.1:$port/metrics" | grep '^enamel_s3_requests_total{of="blobs"} [1-9]' >/dev/null || break
+  sleep 0.1
+done
+curl -s "http://127.0.0.1:$port/metrics" | grep '^enamel_s3_requests_total{of="blobs"} [1-9]' >/dev/null ||
+  fail "a minute after the start no request to the store is counted"
+stop_server
+echo "the store's figures are there"

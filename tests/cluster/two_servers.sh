@@ -50,7 +50,7 @@ cat "$work/page.crt" "$work/page.key" >"$work/page.pem"
 declare -A server
 # serve NAME ADDRESS
 serve() {
-  "$bin/enamel-server" serve --data "$work/$1" --http "$2:$port" --stations "$2:$((port + 1))" --web "${ENAMEL_WEB:-$root/web/dist}" \
+  "$bin/enamel-server" serve --data "$work/$1" --http "$2:$port" --stations "$2:$((port + 1))" --web "$page_folder" \
     --http-behind-proxy 127.0.0.1 --stations-behind-proxy 127.0.0.1 --host-name enamel.test >"$work/$1.log" 2>&1 &
   server[$1]=$!
   pids+=($!)

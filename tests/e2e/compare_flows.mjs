@@ -7,6 +7,7 @@ import { accessible, looks, signedIn } from "./session.mjs";
 
 export const compareFlows = [
   { name: "two attempts are shown side by side", run: beside },
+  { name: "a student sees the reference beside their own attempt", anywhere: true, run: besideTheReference },
   { name: "two attempts fit a small window, with nothing over the teeth", run: besideInASmallWindow },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
 ];
@@ -42,6 +43,22 @@ async function beside(world) {
   await world.picture(page, "beside");
   await choice.selectOption("");
   await page.locator(".other-tooth").waitFor({ state: "detached" });
+}
+
+async function besideTheReference(world) {
+  const page = await signedIn(world, "student", "/attempts");
+  const showsItsScore = page
+    .locator("tbody tr")
+    .filter({ hasText: "✓ Scored" })
+    .filter({ hasText: /\d\.\d/ });
+  await showsItsScore.first().getByRole("link").click();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  const choice = page.getByLabel("Compare with");
+  const name = await choice.locator("option", { hasText: "The reference, " }).textContent();
+  await choice.selectOption({ label: name });
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  assert.equal(await page.locator(".tooth-name").last().innerText(), name);
+  await world.picture(page, "beside_reference");
 }
 
 // Two pictures of one tooth at one moment, but for names and tools over them.

@@ -5,7 +5,7 @@ import { playbackOf, seriesEndS, toolPosition, toothSurface } from "./mock_tooth
 import { added, newId } from "./mock_world.mjs";
 
 export const hidden = (row) => !row.released && (row.exam || row.exercise.graded);
-const withheld = (row, { person }) => person.role === "student" && hidden(row);
+const withheld = (row, { person }) => person.role === "student" && row.person === person && hidden(row);
 
 export function attemptView(row, call) {
   const { person, world } = call;
@@ -265,7 +265,6 @@ export const attemptRules = {
   "GET /attempts/{id}/surface": scored(() => new Reply(toothSurface())),
   "GET /attempts/{id}/timeline": scored((call) => bytesOf(call, playbackOf(paceOf(call.row)).timeline)),
   "GET /attempts/{id}/deviation": scored((call) => bytesOf(call, playbackOf().deviation)),
-  "GET /attempts/{id}/coarse-tooth": scored((call) => bytesOf(call, playbackOf().start)),
   "GET /start-teeth/{name}": (call) => bytesOf(call, playbackOf().start, true),
   "GET /attempts/{id}/results": scored(runs),
   "GET /attempts/{id}/live": live,

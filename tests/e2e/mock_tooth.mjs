@@ -101,6 +101,7 @@ export function toolPosition(share) {
 const kRateHz = 1000;
 const kFrameTicks = 100;
 const kSegmentFrames = 300;
+const kChanging = 32;
 const bricks = kHalf.map((half) => Math.ceil((2 * half) / kVoxelMm / 8) + 1);
 const count = bricks[0] * bricks[1] * bricks[2];
 
@@ -183,6 +184,60 @@ function startTooth(before) {
   return Buffer.concat([beginning("ENTS"), blob(flags), blob(Buffer.concat(samples)), blob(Buffer.concat(labels))]);
 }
 
+// All of it may change here: no part of it has triangles of its own.
+function changingPart(before) {
+  const flags = new Uint8Array(count);
+  const samples = [];
+  const labels = [];
+  for (let b = 0; b < count; ++b) {
+    const s = Int8Array.from(before.subarray(512 * b, 512 * b + 512), quantised);
+    flags[b] = kChanging;
+    if (s.every((q) => q === 63)) continue;
+    flags[b] |= 16 | (s.every((q) => q === -64) ? 0 : 8);
+    if (flags[b] & 8) samples.push(residuals(s));
+    labels.push(Uint8Array.from(before.subarray(512 * b, 512 * b + 512), tissueIn));
+  }
+  return Buffer.concat([
+    u32(count),
+    blob(Buffer.concat([planes(Array(count).fill(0)), flags])),
+    blob(Buffer.concat(samples)),
+    blob(Buffer.concat(labels)),
+  ]);
+}
+
+// Triangles in strips (schemas/surface_timeline.md, "Meshes"). Each strip is a list of places.
+function partMesh(strips, solid) {
+  const numbers = new Map();
+  const [codes, vertices] = [[], []];
+  for (const strip of strips) {
+    if (codes.length > 0) codes.push(1);
+    for (const place of strip) {
+      const name = place.join();
+      const known = numbers.get(name);
+      codes.push(known === undefined ? 0 : vertices.length - known + 1);
+      if (known !== undefined) continue;
+      numbers.set(name, vertices.length);
+      vertices.push(place);
+    }
+  }
+  const steps = vertices.map((p) => p.map((mm, axis) => Math.round(64 * ((mm + kHalf[axis]) / kVoxelMm + 1))));
+  const normals = vertices.map((p) => {
+    const n = gradient(solid, p);
+    const sum = n.reduce((total, value) => total + Math.abs(value), 0);
+    const [x, y, z] = n.map((value) => value / sum);
+    const folded = z < 0 ? [(1 - Math.abs(y)) * (x < 0 ? -1 : 1), (1 - Math.abs(x)) * (y < 0 ? -1 : 1)] : [x, y];
+    return folded.map((value) => Math.round(127 * value));
+  });
+  const bytes = (column) => Uint8Array.from(column, (value, i) => value - (column[i - 1] ?? 0));
+  return Buffer.concat([
+    u32(vertices.length, codes.length),
+    blob(Buffer.concat([0, 1, 2].map((axis) => planes(differences(steps.map((place) => place[axis])))))),
+    blob(Buffer.concat([0, 1].map((axis) => bytes(normals.map((normal) => normal[axis]))))),
+    blob(Uint8Array.from(vertices, (p) => tissueIn(crown(p)))),
+    blob(planes(codes)),
+  ]);
+}
+
 // Of every brick that is cut at some time: what its samples are at any frame.
 function cutBricks(whole, box) {
   const out = [];
@@ -229,7 +284,20 @@ function maskedChanges(now, before, masks, values) {
   }
 }
 
-function timeline(cut, start, seconds, pace) {
+// The ball around the samples that were removed by the end.
+function cutBall(before, cavity) {
+  const removed = [];
+  for (let b = 0; b < count; ++b)
+    for (let i = 0; i < 512; ++i)
+      if (before[512 * b + i] < 0 && cavity[512 * b + i] < 0) removed.push(pointOf(voxelOf(b, i)));
+  const of = (pick) => [0, 1, 2].map((axis) => removed.reduce((far, p) => pick(far, p[axis]), removed[0][axis]));
+  const [low, high] = [of(Math.min), of(Math.max)];
+  const centre = low.map((mm, axis) => (mm + high[axis]) / 2);
+  const radius = removed.reduce((far, p) => Math.max(far, Math.hypot(...p.map((mm, axis) => mm - centre[axis]))), 0);
+  return [...centre, radius].map((mm) => Math.round(1000 * mm));
+}
+
+function timeline({ cut, start, changing, ball }, seconds, pace) {
   const ticks = Math.round(seconds * kRateHz);
   const frames = Math.ceil(ticks / kFrameTicks);
   const now = new Map(cut.map(({ brick, before }) => [brick, before]));
@@ -271,7 +339,7 @@ function timeline(cut, start, seconds, pace) {
     ]);
     const packed = [poses, key, changes].map((raw) => deflateSync(raw));
     index.push(u32(...packed.map((bytes) => bytes.length), changed.length, changes.length));
-    parts.push(...packed);
+    parts.unshift(Buffer.concat(packed));
   }
   const outline = [
     [0, 0.35],
@@ -286,8 +354,12 @@ function timeline(cut, start, seconds, pace) {
     beginning("ENTT"),
     createHash("sha256").update(start).digest(),
     u32(ticks, 0, kRateHz, kFrameTicks, kSegmentFrames, outline.length / 2, index.length),
+    u32(...ball, kEnd.length, kStill.length, changing.length),
     u32(...outline),
     ...index,
+    kEnd,
+    kStill,
+    changing,
     ...parts,
   ]);
 }
@@ -323,6 +395,13 @@ function deviation(before, cavity) {
   ]);
 }
 
+const ends = rings(studentSolid, 24, 48);
+const kEnd = partMesh(
+  ends.slice(1).map((lower, i) => [...lower.keys(), 0].flatMap((j) => [ends[i][j], lower[j]])),
+  studentSolid,
+);
+const kStill = partMesh([], studentSolid);
+
 export const seriesEndS = 43.2;
 
 const made = new Map();
@@ -331,16 +410,20 @@ let base;
 export function playbackOf(pace = 1) {
   if (base === undefined) {
     const [before, cavity] = [sampled(crown), sampled(studentCavity)];
-    base = { start: startTooth(before), cut: cutBricks(before, cavity), deviation: deviation(before, cavity) };
+    base = {
+      start: startTooth(before),
+      changing: changingPart(before),
+      ball: cutBall(before, cavity),
+      cut: cutBricks(before, cavity),
+      deviation: deviation(before, cavity),
+    };
   }
-  if (!made.has(pace)) made.set(pace, { ...base, timeline: timeline(base.cut, base.start, seriesEndS, pace) });
+  if (!made.has(pace)) made.set(pace, { ...base, timeline: timeline(base, seriesEndS, pace) });
   return made.get(pace);
 }
 
-// The surface as the server's format ENTM (schemas/api/openapi.yaml, /attempts/{id}/surface)
-// without deviation: where rays from inside leave the tooth, along meridians from its top.
-function surface(solid) {
-  const [across, around] = [64, 128];
+// Where rays from inside leave the tooth, along meridians from its top: `across` and one rings of `around` places.
+function rings(solid, across, around) {
   const inside = [0, 0, -2];
   const along = (i, j) => {
     const [polar, azimuth] = [(Math.PI * i) / across, (2 * Math.PI * j) / around];
@@ -352,9 +435,13 @@ function surface(solid) {
     while (solid(at(mm)) < 0) mm += 0.05;
     return at(mm - 0.025);
   };
-  const positions = Array.from({ length: (across + 1) * around }, (_, k) =>
-    leaving(along(Math.floor(k / around), k % around)),
-  );
+  return Array.from({ length: across + 1 }, (_, i) => Array.from({ length: around }, (_, j) => leaving(along(i, j))));
+}
+
+// The surface as the server's format ENTM (schemas/api/openapi.yaml, /attempts/{id}/surface) without deviation.
+function surface(solid) {
+  const [across, around] = [64, 128];
+  const positions = rings(solid, across, around).flat();
   const triangles = [];
   for (let i = 0; i < across; ++i) {
     for (let j = 0; j < around; ++j) {

@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
-import { countColors, differing } from "./pixels.mjs";
+import { countColors, differing, toothPixelsBecome } from "./pixels.mjs";
 import { decodePng } from "./png.mjs";
-import { accessible, legibleWhenPressed, looks, signedIn } from "./session.mjs";
+import { accessible, downloaded, legibleWhenPressed, looks, signedIn } from "./session.mjs";
 
 export const reviewFlows = [
   { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
@@ -25,6 +25,7 @@ export const reviewFlows = [
   { name: "an attempt is played back by keys, wherever the focus is", run: playbackKeys },
   { name: "an address with a moment beyond the end shows the end, with a note", run: momentBeyondTheEnd },
   { name: "a tooth is cut open along four planes", run: section },
+  { name: "distances and an angle are measured by pointer and by keys", run: measures },
   { name: "an instructor marks an attempt as the reference", run: markReference },
   { name: "gaps and a replay that disagrees are reported", run: disturbedRecording },
 ];
@@ -96,8 +97,11 @@ async function plotPointer(world) {
   );
   await page.mouse.down();
   await page.mouse.up();
-  const set = Number(await slider.inputValue());
-  assert.ok(Math.abs(set / Number(await slider.getAttribute("max")) - 0.7) < 0.01, `step ${set}`);
+  const set = await eventually(async () => {
+    const step = Number(await slider.inputValue());
+    assert.ok(Math.abs(step / Number(await slider.getAttribute("max")) - 0.7) < 0.01, `step ${step}`);
+    return step;
+  });
   await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2, { steps: 5 });
   assert.equal(Number(await slider.inputValue()), set);
 }
@@ -111,13 +115,14 @@ async function oneTimeAxis(world) {
     const centre = ({ x, width: wide }) => x + wide / 2;
     for (const mark of await page.getByRole("group", { name: "Remarks on the timeline" }).getByRole("button").all()) {
       await mark.click();
-      const at = centre(await page.locator(".plot-cursor").boundingBox());
-      const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
-      assert.ok(
-        Math.abs(centre(await mark.boundingBox()) - at) < 2,
-        `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`,
-      );
-      assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
+      await eventually(async () => {
+        const at = centre(await page.locator(".plot-cursor").boundingBox());
+        const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
+        const marked = centre(await mark.boundingBox());
+        const where = `at ${width}: the plot's cursor is at ${at}`;
+        assert.ok(Math.abs(marked - at) < 2, `${where}, the mark at ${marked}`);
+        assert.ok(Math.abs(thumb - at) < 2, `${where}, the slider's thumb at ${thumb}`);
+      });
     }
   }
 }
@@ -233,6 +238,7 @@ async function section(world) {
     return page.locator(".tooth-frame canvas").screenshot();
   };
   const whole = await picture();
+  let before = whole;
   for (const [across, name] of [
     ["y", "mesio-distal"],
     ["x", "bucco-lingual"],
@@ -243,17 +249,55 @@ async function section(world) {
     const cut = await eventually(async () => {
       const shown = await picture();
       assert.ok(differing(whole, shown) > 0.02, `the ${name} section shows`);
+      assert.ok(differing(before, shown) > 0.005, `the ${name} section is not the one before`);
       return shown;
     });
     await page.getByLabel("Position of the section").fill("25");
-    await eventually(async () => assert.ok(differing(cut, await picture()) > 0.005, `the ${name} section moves`));
+    await eventually(async () => {
+      before = await picture();
+      assert.ok(differing(cut, before) > 0.005, `the ${name} section moves`);
+    });
     await world.picture(page, `section_${across}`);
   }
   await page.getByRole("button", { name: "Other side" }).click();
   await accessible(page, "a section");
   await legibleWhenPressed(page, ":is(.tooth-choices, .playback-ab) .button[aria-pressed]:enabled");
   await page.getByLabel("Section", { exact: true }).selectOption("");
+  await page.getByRole("button", { name: "Cavity", exact: true }).click(); // a section is looked at straight
   await eventually(async () => assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again"));
+}
+
+// Three points, the last two by keys; while none of it is a remark's.
+async function measures(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}`);
+  const tooth = page.locator(".tooth-frame");
+  await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
+  assert.match(await page.locator(".tooth-scale").textContent(), /^(0\.[125]|[125])\u00a0mm$/);
+  await page.getByRole("button", { name: "Measure", exact: true }).click();
+  const said = page.locator(".measured");
+  await said.getByText("Click the first point").waitFor();
+  const { width, height } = await tooth.boundingBox();
+  await tooth.click({ position: { x: 0.45 * width, y: 0.55 * height } });
+  await said.getByText("Click the second point").waitFor();
+  await tooth.focus();
+  await page.keyboard.press("Enter");
+  await said.getByText(/^a to b: \d\.\d\d\u00a0mm/).waitFor();
+  for (let i = 0; i < 3; ++i) await page.keyboard.press("Shift+ArrowRight");
+  await page.keyboard.press("Enter");
+  await said.getByText(/b to c: \d\.\d\d\u00a0mm, angle at b: \d+\.\d°/).waitFor();
+  assert.deepEqual(await page.locator("span.tooth-pin").allInnerTexts(), ["a", "b", "c"]);
+  await accessible(page, "measured distances");
+  const saved = await downloaded(page, () => page.getByRole("button", { name: "Save the tooth as STL" }).click());
+  assert.match(saved.name, /^Occlusal_cavity_practice_Student_One_0m43\.2\.stl$/);
+  assert.ok(saved.text.startsWith("Enamel, mm") && saved.text.length > 100_000, `${saved.text.length} characters`);
+  await world.picture(page, "measured");
+  await page.keyboard.press("m");
+  await said.waitFor({ state: "detached" });
+  await page.keyboard.press("f");
+  const onTop = page.getByRole("application", { name: /The other attempt is drawn on top/ });
+  await onTop.waitFor();
+  await page.keyboard.press("f");
+  await onTop.waitFor({ state: "detached" });
 }
 
 async function oneViewport(world) {
@@ -299,22 +343,23 @@ function thumbIn(picture) {
   return (columns[0] + columns.at(-1) + 1) / 2;
 }
 
+const isDeep = ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b;
+
 // Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at
 // once.
 async function heatMapIsThere(page) {
+  // A picture of the whole page changes the tooth's size: it is drawn again.
+  await toothPixelsBecome(page, "too far", isDeep, (count) => count > 300);
   const counts = await countColors(page, ".tooth-frame canvas", {
-    deep: ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b,
+    deep: isDeep,
     asReference: ([r, g, b]) => r > 150 && r - b > 5 && r - b < 45 && Math.abs(r - g) < 20,
     untouched: ([r, g, b]) => r > 60 && r < 230 && b > r && b - r < 30 && Math.abs(r - g) < 16,
   });
-  assert.ok(counts.deep > 300, `too far: ${counts.deep} pixels`);
   assert.ok(counts.asReference > 300, `as the reference: ${counts.asReference} pixels`);
   assert.ok(counts.untouched > 5000, `untouched: ${counts.untouched} pixels`);
   await page.getByLabel("Tissues").check();
-  const tissues = await countColors(page, ".tooth-frame canvas", {
-    deep: ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b,
-  });
-  assert.ok(tissues.deep < counts.deep / 4, "tissue colours replace the deviation's");
+  const isRed = ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b;
+  await toothPixelsBecome(page, "red where tissues are shown", isRed, (count) => count < counts.deep / 4);
   await page.getByLabel("Deviation").check();
 }
 
@@ -326,25 +371,34 @@ async function plotIsThere(page) {
   assert.ok(counts.force > 300 && counts.removed > 100, `plot: ${JSON.stringify(counts)}`);
 }
 
+// The picture, once it is another.
+async function otherThan(before, canvas, what) {
+  return eventually(async () => {
+    const shown = await canvas.screenshot();
+    assert.ok(!shown.equals(before), what);
+    return shown;
+  });
+}
+
 async function toothByKeyboard(world) {
   const page = await openScoredAttempt(world);
   const canvas = page.locator(".tooth-frame canvas");
   const before = await canvas.screenshot();
   await page.locator(".tooth-frame").focus();
   for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
-  const turned = await canvas.screenshot();
-  assert.ok(!turned.equals(before), "arrow keys turn the tooth");
+  const turned = await otherThan(before, canvas, "arrow keys turn the tooth");
   await page.getByRole("button", { name: "Occlusal" }).click();
-  const occlusal = await canvas.screenshot();
-  assert.ok(!occlusal.equals(turned), "a preset moves the camera");
+  const occlusal = await otherThan(turned, canvas, "a preset moves the camera");
 
   const timeline = page.getByLabel("Time in the attempt");
   await timeline.focus();
   await page.keyboard.press("Home"); // it opens at the end
   for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
-  assert.ok(Number(await timeline.inputValue()) > 0);
-  assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
-  assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
+  await eventually(async () => {
+    assert.ok(Number(await timeline.inputValue()) > 0);
+    assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
+  });
+  await otherThan(occlusal, canvas, "the tool appears at the tooth");
 
   await page.getByText("Show as a table").click();
   assert.ok((await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count()) > 10);
@@ -369,13 +423,12 @@ async function playsBack(world) {
   await position.fill("0");
   await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.0");
   await page.locator('.playback[data-shown="0"]').waitFor();
-  const start = await canvas.screenshot();
-  assert.ok(!start.equals(end), "the tooth is the one before");
+  const start = await otherThan(end, canvas, "the tooth is the one before");
   await bar.getByRole("button", { name: "One frame forward" }).click();
   await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.1");
   await position.fill("300");
   await page.locator('.playback[data-shown="300"]').waitFor();
-  assert.ok(!(await canvas.screenshot()).equals(start), "something is cut and the bur is elsewhere");
+  await otherThan(start, canvas, "something is cut and the bur is elsewhere");
   await world.picture(page, "playback", { fullPage: true });
   await accessible(page, "an attempt that is played back");
   await bar.getByLabel("Speed").selectOption("0.25");

@@ -9,6 +9,7 @@ export const teachingFlows = [
     name: "an exercise document is refused with the field, then becomes a draft and is published and retired",
     run: exerciseLife,
   },
+  { name: "an instructor makes an exercise of another one, and goes on in the editor", run: copyExercise },
   {
     name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted",
     run: assignmentLife,
@@ -29,7 +30,8 @@ const kDocument = { ...golden("scene_exercise_gates"), name: "class-1-new", titl
 
 async function exerciseLife(world) {
   const page = await signedIn(world, "instructor", "/exercises");
-  await page.getByRole("button", { name: "Add a draft…" }).click();
+  await page.getByRole("button", { name: "New exercise…" }).click();
+  await page.getByText("From a document instead").click();
   await accessible(page, "adding a draft");
   await chooseFile(
     page,
@@ -64,6 +66,25 @@ async function exerciseLife(world) {
   await page.getByRole("link", { name: "A new cavity" }).waitFor();
 }
 
+// Others' exercises too, which may not be changed.
+async function copyExercise(world) {
+  const page = await signedIn(world, "instructor", "/exercises");
+  await page.getByRole("button", { name: "New exercise…" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Copy of").selectOption({ label: "Class II cavity, mesial box" });
+  await dialog.getByLabel("Title").fill("Class II, term 2");
+  assert.equal(await dialog.getByLabel("Name").inputValue(), "class-ii-term-2");
+  await dialog.getByLabel("Name").fill("Class II");
+  await dialog.getByText("Use only small letters").waitFor();
+  assert.ok(await dialog.getByRole("button", { name: "Make the draft" }).isDisabled());
+  await dialog.getByLabel("Name").fill("class-2-second");
+  await accessible(page, "copying an exercise");
+  await world.picture(page, "copy_exercise");
+  await dialog.getByRole("button", { name: "Make the draft" }).click();
+  await page.waitForURL(/\/editor\?exercise=/);
+  assert.equal(await page.getByLabel("Title").first().inputValue(), "Class II, term 2");
+}
+
 async function assignmentLife(world) {
   const page = await signedIn(world, "instructor", "/assignments");
   await page.getByRole("button", { name: "Assign an exercise…" }).click();
@@ -90,7 +111,7 @@ async function assignmentLife(world) {
 
   Object.assign(made, { attempt_limit: 7, revision: made.revision + 1 });
   await page.getByLabel("Attempts per student").fill("2");
-  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByRole("button", { name: "Save", exact: true }).click();
   await page.getByText("Somebody else has changed this").waitFor();
   assert.match(
     await page.getByRole("table", { name: "Differences" }).innerText(),
@@ -152,7 +173,7 @@ async function remarks(world) {
   await page.getByText("And where the tool is.").waitFor();
   await page.getByRole("button", { name: "Edit remark 2" }).click();
   await page.getByLabel("Remark", { exact: true }).fill("Look at this very place.");
-  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByRole("button", { name: "Save", exact: true }).click();
   await page.getByText("Look at this very place.").waitFor();
   await world.picture(page, "remarks", { fullPage: true });
   await page.getByRole("button", { name: "Delete… remark 3" }).click();
@@ -226,7 +247,7 @@ async function remarksByKeys(world) {
     .last()
     .press("Enter");
   await page.getByLabel("Remark", { exact: true }).fill("Lift the bur more.");
-  await page.getByRole("button", { name: "Save" }).press("Enter");
+  await page.getByRole("button", { name: "Save", exact: true }).press("Enter");
   await page.locator(".annotation", { hasText: "Lift the bur more." }).waitFor();
   await page.waitForFunction(() => /^Edit/.test(document.activeElement?.innerText ?? ""));
 }
@@ -335,6 +356,15 @@ async function progress(world) {
   assert.match(await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"), /33 % of the points/);
   await accessible(page, "a student's progress");
   await world.picture(page, "progress", { fullPage: true });
+  // The same where work is waiting, with the way to the attempt.
+  await page.goto("/");
+  const work = page.locator("article", { hasText: "Occlusal cavity, practice" });
+  await work.getByText("Work on next: Mesial wall").waitFor();
+  assert.match(await work.locator(".my-scores").innerText(), /Last\s+80\.0/);
+  await accessible(page, "my work");
+  await world.picture(page, "my_work");
+  await work.getByRole("link", { name: "80.0" }).click();
+  await page.locator(".score-card").waitFor();
 }
 
 async function print(world) {

@@ -32,7 +32,7 @@ play() {
   sed "s|PICTURES|$pictures|; s|WORK|$work|
     s|^sign in as \(.*\)|page sign-in\ntype \1\nkey Tab\ntype enamel-demo-\1\nkey Enter\npage exercises|" \
     >"$work/$1.txt"
-  timeout $((300 * patience)) "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
+  timeout $((900 * patience)) "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
     { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
 }
 # Waits until a script has come to where it writes this picture.
@@ -174,7 +174,8 @@ click The dentist agrees
 frames 2
 picture PICTURES/13-reference.png
 click Make it the reference
-see expected at least 80 %
+# That too little was cut, or, on a machine with other work, that ticks came late.
+see cannot be the reference
 frames 2
 picture PICTURES/38-reference-refused.png
 click Reason for going ahead

@@ -15,6 +15,15 @@ stop_all() {
 }
 trap stop_all EXIT
 
+# The page that servers show: the built one, or one line where it was not built. No script here asks for more of it.
+if [ -f "$root/web/dist/index.html" ]; then
+  page_folder=$root/web/dist
+else
+  page_folder=$work/page
+  mkdir "$page_folder"
+  echo '<!doctype html><title>Enamel</title>' >"$page_folder/index.html"
+fi
+
 fail() { echo "FAILED: $*" >&2; exit 1; }
 
 # Two neighbouring free ports on loopback; prints the lower.
@@ -79,7 +88,7 @@ start_server() {
   shift 2
   : >"$work/server.log"  # an earlier server's "ready" is not this one's
   "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" \
-    --web "${ENAMEL_WEB:-$root/web/dist}" "$@" >"$work/server.log" 2>&1 &
+    --web "$page_folder" "$@" >"$work/server.log" 2>&1 &
   server=$!
   pids+=("$server")
   for _ in $(seq 600); do
@@ -91,7 +100,7 @@ start_server() {
 }
 stop_server() {
   kill -TERM "$server"
-  wait "$server" || fail "server ended with exit code $?"
+  wait "$server" || fail "server ended with exit code $?; its log ends with $(tail -n 5 "$work/server.log")"
 }
 kill_server() {
   kill -KILL "$server" 2>/dev/null || true

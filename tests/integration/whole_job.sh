@@ -143,6 +143,23 @@ press_ctrl_c
 "$bin/enamel-server" verify "${server[@]}" >"$work/verify" || { cat "$work/verify"; fail "verify finds something in what nobody touched"; }
 grep -qE '[1-9][0-9]* signed result' "$work/verify" || { cat "$work/verify"; fail "no result is signed"; }
 
+# Out of the house: whoever has the export checks each result without the server, by our program or by the script.
+"$bin/enamel-server" admin export-person "$work/mine" "${server[@]}" --login student1
+key=$("$bin/enamel-server" admin list-stations "${server[@]}" | sed -nE "s/^key of this server's tickets and results +//p")
+for result in "$work"/mine/attempts/*/result.bin; do
+  "$bin/enamel-server" verify-result "$result" --key "$key" >"$work/checked" || { cat "$work/checked"; fail "$result does not verify"; }
+  ! grep -q 'not there' "$work/checked" || { cat "$work/checked"; fail "the export lacks what its result binds"; }
+  if python3 -c 'import cryptography' 2>/dev/null; then
+    python3 -B schemas/verify_result.py "$result" "$key" >/dev/null || fail "the script refuses $result"
+  fi
+done
+echo " " >>"$work/mine/attempts/$first/score.json"
+expect_failure "an edited score" "not what was signed" "$bin/enamel-server" verify-result "$work/mine/attempts/$first/result.bin"
+if python3 -c 'import cryptography' 2>/dev/null; then
+  expect_failure "an edited score" "REFUSED: score.json" python3 -B schemas/verify_result.py "$work/mine/attempts/$first/result.bin"
+fi
+echo "ok: results are checked outside the house"
+
 "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
 for id in "$first" "$reference" "$(node -p "JSON.parse(require('fs').readFileSync('$work/2.json','utf8')).attempt_id")"; do
   grep -q "$id" "$work/list" || { cat "$work/list"; fail "attempt $id is gone"; }

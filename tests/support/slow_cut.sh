@@ -7,7 +7,7 @@ start_slow_cut() {
   "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
     --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name "$1" >/dev/null
   "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet \
-    --exercise "$(json_of "$work/seed" exercise)" --user instructor --operator dentist --as-reference --uplink-kbit 200 \
+    --exercise "$(json_of "$work/seed" exercise)" --user instructor --operator dentist --as-reference --uplink-kbit 800 \
     --json "$work/cut.json" >"$work/run.log" 2>&1 &
   cutting=$!
   pids+=("$cutting")

@@ -9,12 +9,12 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 import { bundleReport } from "./bundle_report.mjs";
 import { generate } from "./generate.mjs";
-import { threeParts } from "./three_parts.mjs";
-import { englishAtOnce, keysIn, pageKeys, shortKeys, wordsByPart } from "./words.mjs";
+import { keysIn, pageKeys, shortKeys, wordsByPart } from "./words.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
 const kCompressible = /\.(html|js|css|svg|json|txt)$/;
 const kMinimumCompressed = 512;
+const kMain = "src/app/main.tsx";
 
 function outputFolder(args) {
   const at = args.indexOf("--out");
@@ -48,7 +48,7 @@ function replace(folder, built) {
   renameSync(built, folder);
 }
 
-// Returns the file that each entry has become.
+// Returns for each entry the files that it has become: its own, and those that it loads at once.
 async function scripts(out, entryPoints, options) {
   const result = await build({
     absWorkingDir: web,
@@ -66,9 +66,16 @@ async function scripts(out, entryPoints, options) {
     logLevel: "warning",
     ...options,
   });
+  const { outputs } = result.metafile;
+  const withImports = (path) => {
+    const seen = new Set([path]);
+    for (const each of seen)
+      for (const item of outputs[each].imports) if (item.kind === "import-statement") seen.add(item.path);
+    return [...seen].map((each) => basename(each));
+  };
   const entries = {};
-  for (const [path, output] of Object.entries(result.metafile.outputs)) {
-    if (output.entryPoint !== undefined) entries[output.entryPoint] = basename(path);
+  for (const [path, output] of Object.entries(outputs)) {
+    if (output.entryPoint !== undefined) entries[output.entryPoint] = withImports(path);
   }
   return entries;
 }
@@ -87,12 +94,12 @@ function loadedWith(inputs, entry) {
   return [...seen].filter((path) => path.startsWith("src/"));
 }
 
-// Which words each part of the page needs: the first those of all that is loaded before anybody
-// signs in, each other what its own sources name beyond.
-async function wordsOfParts(options) {
+// The page's sources by the part that needs them: the first, which is loaded before anybody signs in, and each that
+// is loaded when somebody comes to it.
+async function sourcesOfParts(options) {
   const { metafile } = await build({
     ...options,
-    entryPoints: ["src/app/main.tsx"],
+    entryPoints: [kMain],
     bundle: true,
     outdir: "unused",
     splitting: true,
@@ -103,36 +110,57 @@ async function wordsOfParts(options) {
     logLevel: "silent",
     plugins: [wordsByPart({})],
   });
-  const keys = pageKeys();
-  const named = (entry) =>
-    new Set(loadedWith(metafile.inputs, entry).flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
-  const first = named("src/app/main.tsx");
   const lazy = Object.values(metafile.inputs).flatMap((input) =>
     input.imports
       .filter((item) => item.kind === "dynamic-import" && item.path.startsWith("src/") && item.path.endsWith(".tsx"))
       .map((item) => item.path),
   );
-  const parts = { first: [...first] };
-  for (const entry of lazy) parts[basename(entry, ".tsx")] = [...named(entry)].filter((key) => !first.has(key));
+  return {
+    first: loadedWith(metafile.inputs, kMain),
+    lazy: new Map([...new Set(lazy)].map((entry) => [entry, loadedWith(metafile.inputs, entry)])),
+  };
+}
+
+// Which words each part needs: the first those of all its sources, each other what its own name beyond.
+function wordsOfParts({ first, lazy }) {
+  const keys = pageKeys();
+  const named = (sources) => new Set(sources.flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
+  const firstKeys = named(first);
+  const parts = { first: [...firstKeys] };
+  for (const [entry, sources] of lazy)
+    parts[basename(entry, ".tsx")] = [...named(sources)].filter((key) => !firstKeys.has(key));
   return parts;
+}
+
+// The build makes a file of all sources that the same parts need. A file more costs a request and its head, which for a
+// small one is more than its content. So each part names all that the first has, and all that several have: that makes
+// two files. By path, what is written before a part's source.
+function inTwoFiles({ first, lazy }) {
+  const uses = [...lazy.values()].flat();
+  const several = new Set(uses.filter((path, i) => !first.includes(path) && uses.indexOf(path) !== i));
+  const imports = [...first.filter((path) => path !== kMain), ...several]
+    .filter((path) => !lazy.has(path))
+    .map((path) => `import ${JSON.stringify(join(web, path))};`)
+    .join("");
+  return new Map([...lazy.keys()].map((entry) => [join(web, entry), imports]));
 }
 
 // The worker first, and whole in one file: the page must know its name, and it imports nothing from
 // elsewhere.
 async function bundle(out) {
-  const kWorker = "src/api/tooth_worker.ts";
-  const worker = await scripts(out, [kWorker], { plugins: [englishAtOnce([])] });
+  const kWorker = "src/tooth/worker.ts";
+  const worker = await scripts(out, [kWorker], {});
   const options = {
     splitting: true,
     jsx: "automatic",
     jsxImportSource: "preact",
-    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) },
+    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker][0]}`) },
   };
-  const parts = await wordsOfParts(options);
+  const sources = await sourcesOfParts(options);
   return scripts(
     out,
-    { app: "src/app/main.tsx", style: "src/app/style.css" },
-    { ...options, plugins: [threeParts, wordsByPart(parts, shortKeys(pageSources()))] },
+    { app: kMain, style: "src/app/style.css" },
+    { ...options, plugins: [wordsByPart(wordsOfParts(sources), shortKeys(pageSources()), inTwoFiles(sources))] },
   );
 }
 
@@ -144,7 +172,18 @@ function copyHashed(name, extension, out) {
   return hashed;
 }
 
-function indexHtml(script, style, icon) {
+// All that the first script needs is named here, so that it comes with it and not after it; and what a part needs
+// (widgets/part.tsx).
+function indexHtml(entries, icon) {
+  const [script, ...first] = entries[kMain];
+  const ahead = first.map((file) => `<link rel="modulepreload" href="/assets/${file}">\n`).join("");
+  const parts = Object.entries(entries)
+    .filter(([entry]) => entry.startsWith("src/") && entry.endsWith(".tsx") && entry !== kMain)
+    .map(([entry, files]) => [basename(entry, ".tsx"), files.filter((file) => !entries[kMain].includes(file))])
+    .map(
+      ([part, files]) => `<meta name="part-${part}" content="${files.map((file) => `/assets/${file}`).join(" ")}">\n`,
+    )
+    .join("");
   return `<!doctype html>
 <html lang="en">
 <head>
@@ -154,9 +193,9 @@ function indexHtml(script, style, icon) {
 <meta name="description" content="Exercises, attempts and scores of haptic tooth preparation">
 <title>Enamel</title>
 <link rel="icon" href="/assets/${icon}" type="image/svg+xml">
-<link rel="stylesheet" href="/assets/${style}">
+<link rel="stylesheet" href="/assets/${entries["src/app/style.css"][0]}">
 <script type="module" src="/assets/${script}"></script>
-</head>
+${ahead}${parts}</head>
 <body>
 <div id="app"></div>
 <noscript>Enamel needs JavaScript: allow it for this address and load the page again.</noscript>
@@ -199,7 +238,7 @@ rmSync(out, { recursive: true, force: true });
 mkdirSync(join(out, "assets"), { recursive: true });
 const entries = await bundle(out);
 const icon = copyHashed("favicon", ".svg", out);
-writeFileSync(join(out, "index.html"), indexHtml(entries["src/app/main.tsx"], entries["src/app/style.css"], icon));
+writeFileSync(join(out, "index.html"), indexHtml(entries, icon));
 for (const path of filesUnder(out)) compress(path);
 report(out);
 replace(folder, out);

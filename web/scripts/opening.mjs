@@ -65,8 +65,18 @@ const quantile = (values, share) => {
 };
 export const longestTask = async (page) => Math.max(0, ...(await page.evaluate(() => globalThis.seen.tasks.splice(0))));
 
-// Counts what comes over the line; a part that has not come whole counts as far as it came.
-async function countBytes(session) {
+// [seconds, bytes] of the scripts of its workers, which are no requests of the page's own.
+export const workersOf = (page) =>
+  page.evaluate(() =>
+    performance
+      .getEntriesByType("resource")
+      .filter(({ name }) => /\/assets\/worker-/.test(name))
+      .map(({ responseEnd, transferSize }) => [responseEnd / 1000, transferSize]),
+  );
+
+// Counts what comes over the line; a part that has not come whole counts as far as it came, and a
+// worker's script when it is there.
+async function countBytes(page, session) {
   const parts = []; // [seconds, bytes]
   const came = new Map();
   let begun;
@@ -82,8 +92,10 @@ async function countBytes(session) {
   );
   await session.send("Network.enable");
   // kB until so many ms after the page was asked for.
-  return (ms = Number.POSITIVE_INFINITY) =>
-    Math.round(parts.reduce((sum, [at, bytes]) => (at - begun <= ms / 1000 ? sum + bytes : sum), 0) / 100) / 10;
+  return async (ms = Number.POSITIVE_INFINITY) => {
+    const all = [...parts.map(([at, bytes]) => [at - begun, bytes]), ...(await workersOf(page))];
+    return Math.round(all.reduce((sum, [at, bytes]) => (at <= ms / 1000 ? sum + bytes : sum), 0) / 100) / 10;
+  };
 }
 
 export async function signedInPage(browser, { url, login, password }) {
@@ -104,7 +116,7 @@ export async function slowDown(session, slower) {
 export async function openAttempt(browser, { slower = kSlower, seeks = 100, attempt, ...where }) {
   const { page, errors, session } = await signedInPage(browser, where);
   await page.addInitScript(watch);
-  const bytes = await countBytes(session);
+  const bytes = await countBytes(page, session);
   await slowDown(session, slower);
   await page.goto(`/attempts/${attempt}`, { waitUntil: "commit" });
   await page.locator(".tooth-frame[data-tooth=fine]").waitFor();
@@ -113,9 +125,9 @@ export async function openAttempt(browser, { slower = kSlower, seeks = 100, atte
   await page.waitForLoadState("networkidle");
   const seconds = (ms) => Math.round(ms / 10) / 100;
   const found = {
-    bytes_coarse_kb: bytes(coarse),
-    bytes_fine_kb: bytes(fine),
-    bytes_all_kb: bytes(),
+    bytes_coarse_kb: await bytes(coarse),
+    bytes_fine_kb: await bytes(fine),
+    bytes_all_kb: await bytes(),
     coarse_s: seconds(coarse),
     fine_s: seconds(fine),
     layout_shift: Math.round(1000 * (await page.evaluate(() => globalThis.seen.shift))) / 1000,
@@ -127,14 +139,14 @@ export async function openAttempt(browser, { slower = kSlower, seeks = 100, atte
   Object.assign(found, { scrub_median_ms: quantile(times, 0.5), scrub_p95_ms: quantile(times, 0.95) });
   found.block_scrubbing_ms = await longestTask(page);
 
-  const kept = await countBytes(await page.context().newCDPSession(page));
+  const kept = await countBytes(page, await page.context().newCDPSession(page));
   const begun = performance.now();
   await page.goto(`/attempts/${attempt}`, { waitUntil: "commit" });
   await page.locator(".tooth-frame[data-tooth=fine]").waitFor();
   found.warm_s = seconds(performance.now() - begun);
   await page.locator(".playback[data-shown]").waitFor();
   await page.waitForLoadState("networkidle");
-  found.warm_kb = kept();
+  found.warm_kb = await kept();
   await longestTask(page);
   if (errors.length > 0) throw new Error(`errors in the browser's console: ${errors.join("; ")}`);
   return { found, page };

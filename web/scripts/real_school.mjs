@@ -1,6 +1,7 @@
 // A school on a real enamel-server, for measuring: the demo's people, three teeth with an attempt each (class I in a
 // real molar where ../shared/data has one, class II, crown) that are compared with a reference, and a class of sixteen
-// to grade, one of whom cut the mesial wall too far. Its programs are those of build/release, or of ENAMEL_BIN.
+// to grade, one of whom cut the mesial wall too far. Its programs are those of build/release, or of ENAMEL_BIN; the
+// molar is in ../shared/data, or in ENAMEL_SHARED_DATA.
 import { execFile, spawn } from "node:child_process";
 import { randomUUID } from "node:crypto";
 import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -13,8 +14,9 @@ import { promisify } from "node:util";
 const run = promisify(execFile);
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const kPrograms = process.env.ENAMEL_BIN ?? here("../../build/release/bin");
-const kRealMolar = here("../../../shared/data/crowns/fdi_46.obj");
-const kClass = 16;
+const kRealMolar = join(process.env.ENAMEL_SHARED_DATA ?? here("../../../shared/data"), "crowns/fdi_46.obj");
+export const kClass = 16;
+export const kCohort = "Demo cohort";
 const kMostMs = 300_000; // of one command
 const kMostBytes = 1 << 24; // that it says
 const kStartMs = 60_000;
@@ -100,7 +102,7 @@ export async function startSchool({ dist, classToGrade = true }) {
     await onServer("init");
     // The class cuts a coarse tooth, which takes no time.
     await onServer("seed-demo", "--voxel-um", "200");
-    let molar = "builtin:molar";
+    let molar = "builtin:molar-caries"; // not the demo's molar: an exercise of that name is there
     if (existsSync(kRealMolar)) {
       molar = join(folder, "molar");
       await program("enamel-station", ["import", kRealMolar, "--tooth", "46", "--unit", "mm", "--out", molar]);
@@ -146,7 +148,7 @@ export async function startSchool({ dist, classToGrade = true }) {
         const added = onServer("admin", "add-person", ...person);
         added.child.stdin.end(`${one.password}\n`);
         await added;
-        await onServer("admin", "add-to-cohort", "--cohort", "Demo cohort", "--login", one.login);
+        await onServer("admin", "add-to-cohort", "--cohort", kCohort, "--login", one.login);
         const operator = i === kClass - 1 ? "student-deep-mesial" : "student";
         await scored(await attempt(one, "class-1-molar-46", operator, "--seed", String(i + 1)));
       }

@@ -92,7 +92,7 @@ export function generateWords() {
   export type Cases = { readonly [choice: string]: Message };
   export type Message = string | readonly (string | readonly [string, Cases])[];
   export type Messages = { readonly [key: string]: Message };
-  export type Part = "first" | "attempt_page" | "exercise_page" | "staff" | "more" | "editors" | "tooth_import" | "builtin";
+  export type Part = "first" | "attempt_page" | "exercise_page" | "staff" | "more" | "editors" | "copy_form" | "my_progress" | "tooth_import" | "builtin";
   export const kAtOnce: Messages;
   export const kParts: { readonly [language in "en" | "de" | "zh"]: { readonly [part in Part]: () => Promise<{ readonly default: Messages }> } };
   export interface Places {
@@ -107,13 +107,13 @@ ${places.join("\n")}
 
 const kName = /^enamel:words(\/.*)?$/;
 
-function plugin(load, short = new Map()) {
+function plugin(load, short = new Map(), before = new Map()) {
   return {
     name: "words",
     setup(build) {
       if (short.size > 0)
         build.onLoad({ filter: /\/src\/.*\.tsx?$/ }, ({ path }) => ({
-          contents: shortened(readFileSync(path, "utf8"), short),
+          contents: (before.get(path) ?? "") + shortened(readFileSync(path, "utf8"), short),
           loader: path.endsWith("x") ? "tsx" : "ts",
         }));
       build.onResolve({ filter: kName }, ({ path }) => ({ path, namespace: "words" }));
@@ -161,8 +161,8 @@ export const pageKeys = () => Object.keys(readCatalogue("en")).filter((key) => !
 const builtinKeys = () => Object.keys(readCatalogue("en")).filter((key) => kBuiltin.test(key));
 
 // Each part in each language a file of its own, loaded when it is needed. `pageParts`: from its
-// name to the keys it needs.
-export function wordsByPart(pageParts, short) {
+// name to the keys it needs. `before`: what the build writes before a source.
+export function wordsByPart(pageParts, short, before) {
   const parts = { ...pageParts, builtin: builtinKeys() };
   const source = (language, part) =>
     part === "builtin" && language === "en"
@@ -178,5 +178,6 @@ export function wordsByPart(pageParts, short) {
         ? `export const kAtOnce = {}; export const kParts = { ${kLanguages.map((code) => `${code}: { ${list(code)} }`).join(", ")} };`
         : `export default ${written(language, parts[part], short)};`,
     short,
+    before,
   );
 }

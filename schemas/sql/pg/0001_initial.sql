@@ -322,6 +322,49 @@ CREATE TABLE appeals (
 );
 CREATE INDEX appeals_open ON appeals (tenant, filed_ms) WHERE state = 'open';
 
+CREATE TABLE markings (
+  tenant     BIGINT NOT NULL,
+  id         BYTEA NOT NULL CHECK (length(id) = 16),
+  assignment BYTEA NOT NULL,
+  created_ms BIGINT NOT NULL,
+  ended_ms   BIGINT NOT NULL DEFAULT 0 CHECK (ended_ms >= 0),
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, assignment) REFERENCES assignments (tenant, id) ON DELETE CASCADE
+);
+CREATE INDEX markings_by_assignment ON markings (tenant, assignment);
+
+CREATE TABLE marking_people (
+  tenant  BIGINT NOT NULL,
+  marking BYTEA NOT NULL,
+  person  BYTEA NOT NULL CHECK (length(person) = 16),
+  PRIMARY KEY (tenant, marking, person),
+  FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE
+);
+CREATE INDEX marking_people_by_person ON marking_people (tenant, person);
+
+CREATE TABLE marking_works (
+  tenant  BIGINT NOT NULL,
+  id      BYTEA NOT NULL CHECK (length(id) = 16),
+  marking BYTEA NOT NULL,
+  attempt BYTEA NOT NULL,
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, marking, attempt),
+  FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE,
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX marking_works_by_attempt ON marking_works (tenant, attempt);
+
+CREATE TABLE marks (
+  tenant   BIGINT NOT NULL,
+  work     BYTEA NOT NULL,
+  marker   BYTEA NOT NULL CHECK (length(marker) = 16),
+  rating   BIGINT NOT NULL CHECK (rating BETWEEN 1 AND 5),
+  criteria TEXT COLLATE "C" NOT NULL,
+  made_ms  BIGINT NOT NULL,
+  PRIMARY KEY (tenant, work, marker),
+  FOREIGN KEY (tenant, work) REFERENCES marking_works (tenant, id) ON DELETE CASCADE
+);
+
 CREATE TABLE jobs (
   tenant         BIGINT NOT NULL,
   id             BYTEA NOT NULL CHECK (length(id) = 16),
@@ -418,6 +461,9 @@ CREATE TABLE write_probe (
   server   BYTEA NOT NULL CHECK (length(server) = 16),
   at_ms    BIGINT NOT NULL,  -- the database's clock
   ahead_ms BIGINT NOT NULL,  -- how far the server's own clock is ahead of it
+  beats    BIGINT NOT NULL,  -- one more with each writing
+  host     TEXT COLLATE "C" NOT NULL,  -- where its station link listens, numeric; empty: not known
+  port     BIGINT NOT NULL,
   PRIMARY KEY (tenant, server)
 );
 

@@ -368,9 +368,7 @@ Response DeleteAssignment(const Call& call, Store& store) {
   if (!edited.ok()) return ErrorResponse(edited.status());
   Status done = store.assignments.DeleteAssignment(call.id, edited->revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
-  Response response;
-  response.status = 204;
-  return response;
+  return Done();
 }
 
 Response ReleaseAssignment(const Call& call, Store& store) {

@@ -3,7 +3,6 @@
 #include <span>
 
 #include "common/scene/json/json.h"
-#include "common/timeline/coarse.h"
 #include "common/timeline/timeline.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
@@ -14,8 +13,10 @@
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/site.h"
+#include "server/http/tar.h"
 #include "server/http/views/attempt_view.h"
 #include "server/jobs/reference_check.h"
+#include "server/jobs/result_package.h"
 #include "server/jobs/surface_blob.h"
 #include "server/jobs/tick_window.h"
 #include "server/training/access.h"
@@ -87,13 +88,20 @@ Result<AttemptFilter> FilterFor(const Call& call) {
 
 // The results of the scoring job, for a caller who may see them now. Once a retention rule has
 // removed the recording, only the score is left.
-Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recording) {
+enum class Seen { kOwn, kOrAsReference };
+Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recording,
+                                Seen as = Seen::kOwn) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
+  if (seen.status().code() == Code::kNotFound && as == Seen::kOrAsReference) {
+    ENAMEL_ASSIGN_OR_RETURN(const bool reference, IsCallersReference(call, store, call.id));
+    if (reference) return store.results.ResultOf(call.id);
+  }
   if (!seen.ok()) return seen.status();
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
     return Status{Code::kForbidden,
                   "this work is graded: the result shows after the instructor has released it"};
   }
+  ENAMEL_RETURN_IF_ERROR(ScoreMustNotBeHidden(call, store, call.id));
   // After the right to see it: "not scored yet" is for people who may see the attempt.
   ENAMEL_RETURN_IF_ERROR(RequireScored(seen->row));
   if (needs_recording && seen->row.expired_ms != 0) {
@@ -109,11 +117,11 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
 constexpr char kAskEachTime[] = "private, no-cache";
 
 Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*member,
-                      std::string content_type) {
-  Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json);
+                      std::string content_type, Seen as = Seen::kOwn) {
+  Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json, as);
   if (!result.ok()) return ErrorResponse(result.status());
   const Sha256 content = (*result).*member;
-  return KeptResponse(call.request, {content, std::move(content_type), kAskEachTime},
+  return KeptResponse(call.request, {content, std::move(content_type), kAskEachTime}, *call.bodies,
                       [&] { return store.blobs.GetBlob(content); });
 }
 
@@ -150,8 +158,9 @@ Response MadeResponse(const Call& call, Store& store, const Made& made,
   for (const Sha256& blob : made.of) name += blob.Hex();
   Status none;
   Response response = KeptResponse(
-      call.request, {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime},
-      [&]() -> Result<Bytes> {
+      call.request,
+      {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime, /*made=*/true},
+      *call.bodies, [&]() -> Result<Bytes> {
         std::vector<Bytes> blobs;
         for (const Sha256& blob : made.of) {
           ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, store.blobs.GetBlob(blob));
@@ -230,18 +239,43 @@ Response GetScore(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::score_json, "application/json");
 }
 
+// Signed by the key that checks it, whoever keeps the file.
+Response GetSignedResult(const Call& call, Store& store) {
+  Result<AttemptResult> result = SeeResult(call, store, false);
+  if (!result.ok()) return ErrorResponse(result.status());
+  Result<AttemptRow> row = store.attempts.AttemptById(call.id);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Tar tar(result->scored_ms / 1000);
+  const Status done =
+      ForEachResultFile(store, *row, [&](std::string_view name, const Result<Bytes>& content) {
+        if (content.ok()) tar.Add(name, *content);
+        return content.status();
+      });
+  // What is kept and cannot be read is damage of ours.
+  if (!done.ok() && done.code() != Code::kConflict) {
+    return ErrorResponse(Status{Code::kInternal, done.message()});
+  }
+  if (!done.ok()) return ErrorResponse(done);
+  Response response;
+  response.content_type = "application/x-tar";
+  response.body = tar.Take();
+  response.headers.emplace_back("Content-Disposition",
+                                "attachment; filename=\"result-" + call.id.Text() + ".tar\"");
+  return response;
+}
+
 Response GetSurface(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::surface, "application/octet-stream");
 }
 
-// Under the same conditions as the surface: both show the work.
+// Shown to whoever may see the surface, and, of a reference, to those whose own score was compared with it.
 Response GetTimeline(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, true);
+  Result<AttemptResult> result = SeeResult(call, store, true, Seen::kOrAsReference);
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Sha256> content = TimelineContent(call.id, store.timelines);
   if (!content.ok()) return ErrorResponse(content.status());
   return KeptResponse(call.request, {*content, "application/octet-stream", kAskEachTime},
-                      [&] { return store.blobs.GetBlob(*content); });
+                      *call.bodies, [&] { return store.blobs.GetBlob(*content); });
 }
 
 // Of the surface that the score was computed with, on the timeline's grid.
@@ -253,26 +287,8 @@ Response GetDeviation(const Call& call, Store& store) {
   const Made made{"deviation", {*content, result->surface}};
   return MadeResponse(call, store, made, [](std::span<const Bytes> blobs) -> Result<Bytes> {
     ENAMEL_ASSIGN_OR_RETURN(const timeline::Head head, timeline::DecodeHead(blobs[0]));
-    return DeviationOfSurface(blobs[1], head.spec);
-  });
-}
-
-// Under the same conditions as the timeline, whose end it shows.
-Response GetCoarseTooth(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, true);
-  if (!result.ok()) return ErrorResponse(result.status());
-  Result<Sha256> content = TimelineContent(call.id, store.timelines);
-  if (!content.ok()) return ErrorResponse(content.status());
-  const Made made{"coarse tooth", {*content}};
-  return MadeResponse(call, store, made, [&](std::span<const Bytes> blobs) -> Result<Bytes> {
-    ENAMEL_ASSIGN_OR_RETURN(const timeline::Head head, timeline::DecodeHead(blobs[0]));
-    const Result<Bytes> start = store.blobs.GetBlob(head.start);
-    if (!start.ok()) return Status{Code::kInternal, start.status().message()};
-    ENAMEL_ASSIGN_OR_RETURN(timeline::Player player, timeline::Player::Open(*start, blobs[0]));
-    ENAMEL_RETURN_IF_ERROR(player.Seek(player.head().frames()));
-    Result<timeline::StartTooth> coarse = timeline::CoarseTooth(player);
-    if (!coarse.ok()) return Status{Code::kNotFound, "this tooth is coarse already"};
-    return timeline::EncodeStartTooth(*coarse);
+    ENAMEL_ASSIGN_OR_RETURN(const auto deviation, DeviationOfSurface(blobs[1], head.spec));
+    return timeline::EncodeDeviation(deviation);
   });
 }
 
@@ -287,11 +303,12 @@ Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timel
   if (!*known) return ErrorResponse(none);
   return KeptResponse(
       call.request, {*content, "application/octet-stream", "private, max-age=31536000, immutable"},
-      [&] { return blobs.GetBlob(*content); });
+      *call.bodies, [&] { return blobs.GetBlob(*content); });
 }
 
 Response GetSeries(const Call& call, Store& store) {
-  return BlobResponse(call, store, &AttemptResult::series, "application/json");
+  return BlobResponse(call, store, &AttemptResult::series, "application/json",
+                      Seen::kOrAsReference);
 }
 
 // Under the same conditions as the series: it is the same, closer.
@@ -332,9 +349,7 @@ Response ReleaseAttempt(const Call& call, Store& store) {
   if (!revision.ok()) return ErrorResponse(revision.status());
   Status done = store.judging.ReleaseAttempt(call.id, ActorOf(call), *revision);
   if (!done.ok()) return JudgedMeanwhile(call, store, done);
-  Response response;
-  response.status = 204;
-  return response;
+  return Done();
 }
 
 Response MakeReference(const Call& call, Store& store) {

@@ -397,9 +397,7 @@ Response DeleteDraft(const Call& call, Store& store) {
   if (!revision.ok()) return ErrorResponse(revision.status());
   Status done = store.exercises.DeleteDraft(call.id, *revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
-  Response response;
-  response.status = 204;
-  return response;
+  return Done();
 }
 
 Response PublishDraft(const Call& call, Store& store) {
@@ -421,11 +419,7 @@ Response RetireExercise(const Call& call, AttemptRows& attempts, ExerciseRows& e
     if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
     if (Status line = CheckOneLine(reason, "reason"); !line.ok()) return ErrorResponse(line);
   }
-  Status done = exercises.RetireExercise(call.id, ActorOf(call), reason);
-  if (!done.ok()) return ErrorResponse(done);
-  Response response;
-  response.status = 204;
-  return response;
+  return DoneOr(exercises.RetireExercise(call.id, ActorOf(call), reason));
 }
 
 Response OfferExerciseAgain(const Call& call, Store& store) {

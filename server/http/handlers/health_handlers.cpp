@@ -67,18 +67,15 @@ Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
 
 // From the backup command's note; the command cannot know what becomes of the copy.
 Result<json::value> LastBackup(Store& store) {
-  AuditFilter filter;
-  filter.action = "store.backup";
-  filter.limit = 1;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.audit.FindAudit(filter));
-  if (rows.empty()) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const auto newest, store.audit.NewestOf("store.backup"));
+  if (!newest) return json::value();
   boost::system::error_code error;
-  const json::value after = json::parse(rows.front().after_json, error);
+  const json::value after = json::parse(newest->after_json, error);
   const json::value* missing =
       !error && after.is_object() ? after.get_object().if_contains("missing") : nullptr;
   int64_t blobs = 0;
   if (missing != nullptr && missing->is_number()) blobs = missing->to_number<int64_t>(error);
-  return json::value{{"at_ms", rows.front().at_ms}, {"missing", error ? 0 : blobs}};
+  return json::value{{"at_ms", newest->at_ms}, {"missing", error ? 0 : blobs}};
 }
 
 Result<json::array> RetentionJson(RetentionRows& retention) {

@@ -5,6 +5,7 @@
 #include "common/scoring/score.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
@@ -197,6 +198,11 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
   ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store.cohorts, row, asked));
   GradeView view(store, call.caller->person);
   ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {}));
+  for (const auto& [person, work] : made) {
+    for (const AttemptRow& attempt : work.attempts) {
+      ENAMEL_RETURN_IF_ERROR(ScoreMustNotBeHidden(call, store, attempt.id));
+    }
+  }
   std::vector<StudentWork> class_work;
   std::vector<std::optional<Uuid>> looked_at;
   uint32_t unread = 0;

@@ -1,3 +1,7 @@
+#include <boost/json.hpp>
+#include <optional>
+#include <utility>
+
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
@@ -5,6 +9,7 @@
 
 // For those who run the server.
 namespace enamel::server::http {
+namespace json = boost::json;
 namespace {
 
 constexpr const char* kPrometheusText = "text/plain; version=0.0.4; charset=utf-8";
@@ -21,6 +26,22 @@ bool MaySeeMetrics(const Call& call) {
   return auth::SameSecret(call.request.Header("authorization"), "Bearer " + token);
 }
 
+std::pair<const char*, int> StatusOf(Readiness ready, bool draining) {
+  // 404: HAProxy sends no more, and leaves what runs (disable-on-404).
+  if (draining) return {"draining", 404};
+  switch (ready) {
+    case Readiness::kReady:
+      break;
+    case Readiness::kDegraded:
+      return {"degraded", 200};
+    case Readiness::kClockOff:
+      return {"clock_off", 503};
+    case Readiness::kNoRecordings:
+      return {"no_recordings", 503};
+  }
+  return {"ok", 200};
+}
+
 }  // namespace
 
 // On the thread of its connection: it answers as long as this process turns over.
@@ -29,19 +50,20 @@ boost::asio::awaitable<Response> GetAlive(Call) { co_return JsonResponse({{"stat
 // Away from the store's threads: it has to answer when they all wait for the database.
 boost::asio::awaitable<Response> GetReady(Call call, Store& store) {
   StoreHealth health = co_await call.apart->Run([&store] { return store.health.Health(); });
-  const bool well = health.clock_problem.empty() && health.waiting.empty();
-  const char* status = call.draining              ? "draining"
-                       : !health.takes_recordings ? "no_recordings"
-                       : health.clock_is_off      ? "clock_off"
-                       : !well                    ? "degraded"
-                                                  : "ok";
-  // 404: HAProxy sends no more, and leaves what runs (disable-on-404).
-  const int answer = call.draining                                     ? 404
-                     : !health.takes_recordings || health.clock_is_off ? 503
-                                                                       : 200;
+  const auto& ask = call.monitoring->peers;
+  const std::optional<PeersView> peers = ask ? ask() : PeersView{};
+  const Readiness ready = ReadinessOf(health, peers);
+  const auto [status, answer] = StatusOf(ready, call.draining);
   const std::string& problem = health.problem.empty() ? health.clock_problem : health.problem;
-  co_return JsonResponse({{"status", status}, {"problem", problem}, {"waiting", health.waiting}},
-                         answer);
+  json::object out{{"status", status}, {"problem", problem}, {"waiting", health.waiting}};
+  if (peers && peers->asked > 0) {
+    out["peers"] = {{"asked", peers->asked},
+                    {"answered", peers->answered},
+                    {"database", peers->database},
+                    {"blobs", peers->blobs},
+                    {"keys", peers->keys}};
+  }
+  co_return JsonResponse(out, answer);
 }
 
 boost::asio::awaitable<Response> GetMetrics(Call call) {

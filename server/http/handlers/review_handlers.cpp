@@ -22,14 +22,6 @@ constexpr size_t kMaxRemark = 4000;
 constexpr int64_t kMaxTick = int64_t{1} << 40;
 constexpr int64_t kMaxRun = 1'000'000'000;
 
-Response Done() {
-  Response response;
-  response.status = 204;
-  return response;
-}
-
-Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
-
 // The changed attempt.
 Response AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
   Result<AttemptRow> row = store.attempts.AttemptById(attempt);
@@ -184,6 +176,9 @@ Response ListResults(const Call& call, Store& store) {
     return ErrorResponse(
         {Code::kForbidden,
          "this work is graded: the results show after the instructor has released it"});
+  }
+  if (Status hidden = ScoreMustNotBeHidden(call, store, call.id); !hidden.ok()) {
+    return ErrorResponse(hidden);
   }
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());

@@ -26,6 +26,36 @@ Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& at
   return Status{Code::kForbidden, "only instructors of this student's cohort can do this"};
 }
 
+Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& attempt) {
+  const Person& viewer = call.caller->person;
+  const Result<AttemptRow> cut = store.attempts.AttemptById(attempt);
+  if (cut.status().code() == Code::kNotFound) return false;
+  if (!cut.ok()) return cut.status();
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.references.ReferenceFor(cut->exercise));
+  if (!reference || reference->attempt != attempt) return false;
+  ENAMEL_ASSIGN_OR_RETURN(const ExerciseRow exercise, store.exercises.ExerciseById(cut->exercise));
+  AttemptFilter own;
+  own.person = viewer.id;
+  own.exercise = cut->exercise;
+  own.state = AttemptState::kScored;
+  own.limit = 200;
+  ENAMEL_ASSIGN_OR_RETURN(const auto attempts, store.attempts.Attempts(own));
+  for (const AttemptRow& row : attempts) {
+    if (!CanSeeReferenceCut(viewer, *reference, row, exercise.graded)) continue;
+    ENAMEL_ASSIGN_OR_RETURN(const AttemptResult result, store.results.ResultOf(row.id));
+    if (result.reference == attempt) return true;
+  }
+  return false;
+}
+
+Status ScoreMustNotBeHidden(const Call& call, Store& store, const Uuid& attempt) {
+  if (call.caller->person.role == Role::kStudent) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(call.caller->person.id));
+  if (!hidden.contains(attempt)) return Status::Ok();
+  return {Code::kForbidden,
+          "you mark this attempt blind: its score shows once every marker is done"};
+}
+
 Status RequireScored(const AttemptRow& row) {
   if (row.state == AttemptState::kScored) return {};
   return {Code::kConflict, std::string("expected a scored attempt, this one is ") +

@@ -17,6 +17,13 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
 // The same for callers who may also review it (CanReviewAttempt); kForbidden for others.
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
 
+// Whether `attempt` is its exercise's reference and the caller may play it back (CanSeeReferenceCut).
+// The rest of that attempt stays hidden. Looks at the caller's newest 200 scored attempts. Errors: the store's.
+Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& attempt);
+
+// Of an attempt that the caller marks blind, until all of its markers are done: kForbidden.
+Status ScoreMustNotBeHidden(const Call& call, Store& store, const Uuid& attempt);
+
 // kConflict, with its state.
 Status RequireScored(const AttemptRow& row);
 

@@ -38,12 +38,6 @@ Response SignedInResponse(const auth::SignedIn& signed_in, const Request& reques
   return response;
 }
 
-Response Done() {
-  Response response;
-  response.status = 204;
-  return response;
-}
-
 }  // namespace
 
 boost::asio::awaitable<Response> SignIn(Call call) {

@@ -209,12 +209,6 @@ Response AddToothBytes(const Call& call) {
 
 Response GetToothImport(const Call& call) { return ImportResponse(call.teeth->Get(call.id)); }
 
-Response GiveUpToothImport(const Call& call) {
-  Status given_up = call.teeth->GiveUp(call.id);
-  if (!given_up.ok()) return ErrorResponse(given_up);
-  Response response;
-  response.status = 204;
-  return response;
-}
+Response GiveUpToothImport(const Call& call) { return DoneOr(call.teeth->GiveUp(call.id)); }
 
 }  // namespace enamel::server::http

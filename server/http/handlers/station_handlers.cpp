@@ -152,11 +152,7 @@ Response AddEnrolCode(const Call& call, StationRows& stations_rows) {
 }
 
 Response WithdrawEnrolCode(const Call& call, StationRows& stations) {
-  Status withdrawn = stations.WithdrawEnrolCode(call.id, ActorOf(call));
-  if (!withdrawn.ok()) return ErrorResponse(withdrawn);
-  Response response;
-  response.status = 204;
-  return response;
+  return DoneOr(stations.WithdrawEnrolCode(call.id, ActorOf(call)));
 }
 
 Response ListListedDevices(const Call&, DeviceRows& devices_rows) {

@@ -93,6 +93,10 @@ Result<bool> AttemptView::SharesCohort(const AttemptRow& row) {
 Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
+  if (viewer_.role != Role::kStudent && !hidden_) {
+    ENAMEL_ASSIGN_OR_RETURN(hidden_, store_.markings.HiddenFrom(viewer_.id));
+  }
+  if (hidden_ && hidden_->contains(row.id)) return false;
   return CanSeeScore(viewer_, row, graded, *shares);
 }
 

@@ -3,6 +3,7 @@
 #include <boost/json/object.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -50,6 +51,7 @@ class AttemptView {
   std::map<Uuid, Exercise> exercises_;
   std::map<Uuid, bool> shares_cohort_;
   std::optional<std::map<Uuid, std::string>> stations_;
+  std::optional<std::set<Uuid>> hidden_;  // what the viewer marks blind
   std::map<Sha256, std::pair<std::string, std::string>> profiles_;
 };
 

@@ -1,5 +1,7 @@
 #include "server/http/views/grade_view.h"
 
+#include <set>
+
 #include "server/training/access.h"
 
 namespace enamel::server::http {
@@ -39,6 +41,10 @@ Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
 Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
                                                           const std::optional<Uuid>& person) {
   std::map<Uuid, std::vector<GradedAttempt>> attempts;
+  std::set<Uuid> hidden;
+  if (viewer_.role != Role::kStudent) {
+    ENAMEL_ASSIGN_OR_RETURN(hidden, store_.markings.HiddenFrom(viewer_.id));
+  }
   std::map<Uuid, Work> out;
   AttemptFilter filter;
   filter.assignment = assignment.id;
@@ -56,7 +62,8 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
       GradedAttempt each{row.id, row.ticketed_ms, {}, false, false};
       each.shown = !IsReleasedFirst(row, *graded) || row.released;
       // Checks a student's own attempts as for a viewer who shares no cohort with anybody.
-      const bool seen = viewer_.role != Role::kStudent || CanSeeScore(viewer_, row, *graded, false);
+      const bool seen = viewer_.role != Role::kStudent ? !hidden.contains(row.id)
+                                                       : CanSeeScore(viewer_, row, *graded, false);
       if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
       Result<bool> again = IsScoredAgain(row, seen);
       if (!again.ok()) return again.status();

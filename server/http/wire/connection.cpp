@@ -72,7 +72,7 @@ class HttpConnection : public AcceptedConnection,
         context_(std::move(context)),
         peer_(std::move(peer)),
         block_(auth::AddressBlock(peer_)),
-        stream_(std::move(socket), context_->tls.get()),
+        stream_(std::move(socket), context_->tls ? context_->tls->Now().get() : nullptr),
         deadline_(strand_) {}
 
   void Run(std::function<void()> on_end) override {
@@ -239,6 +239,11 @@ asio::awaitable<bool> HttpConnection::Write(Response& response, bool head_only, 
   std::string head =
       HeadText(response, keep_alive, sized ? std::optional(body.size()) : std::nullopt);
   deadline_.Allow(deadlines().write);
+  if (response.sending) {
+    response.sending->OnGivenUp([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->Close();
+    });
+  }
   if (head_only || body.empty()) co_return co_await stream_.WriteAll(BytesOf(head));
   if (body.size() <= kJoinedBytes) {
     head += body;

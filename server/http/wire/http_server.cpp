@@ -1,8 +1,16 @@
 #include "server/http/wire/http_server.h"
 
+#include <spdlog/spdlog.h>
+
 #include <atomic>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <exception>
 #include <string_view>
 #include <utility>
 
@@ -36,13 +44,20 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
             [its](tcp::socket socket, Strand strand, const std::string& peer) {
               return MakeConnection(std::move(socket), peer, std::move(strand), its);
             },
-            [its](tcp::socket socket, size_t) { TurnAway(*its, socket); }) {}
+            [its](tcp::socket socket, size_t) { TurnAway(*its, socket); }),
+        looks(asio::make_strand(io)),
+        next_look(looks) {}
 
   static void TurnAway(ServerContext& context, tcp::socket& socket);
   void AddFigures();
+  asio::awaitable<void> WatchCertificate();
 
   const std::shared_ptr<ServerContext> context;
   Listener listener;
+  // Looking at the certificate's files.
+  Strand looks;
+  asio::steady_timer next_look;
+  bool stopping = false;
 };
 
 void HttpServer::State::TurnAway(ServerContext& context, tcp::socket& socket) {
@@ -61,8 +76,20 @@ void HttpServer::State::AddFigures() {
     if (!self) return;
     text.Gauge("enamel_http_connections", "Open page and API connections.",
                static_cast<double>(self->listener.open()));
+    if (self->context->tls) {
+      ops::AddCertificate(text, "page", self->context->tls->until_ms());
+    }
     self->context->api->AddFigures(text);
   });
+}
+
+asio::awaitable<void> HttpServer::State::WatchCertificate() {
+  while (!stopping) {
+    next_look.expires_after(context->options.certificates);
+    boost::system::error_code ignored;
+    co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    if (!stopping) context->tls->Look();
+  }
 }
 
 HttpServer::HttpServer(asio::io_context& io, HttpOptions options, Store& store,
@@ -77,6 +104,13 @@ Result<uint16_t> HttpServer::Start() {
   ENAMEL_RETURN_IF_ERROR(state_->context->Prepare());
   ENAMEL_ASSIGN_OR_RETURN(auto port, state_->listener.Start());
   state_->AddFigures();
+  if (state_->context->tls) {
+    asio::co_spawn(state_->looks, state_->WatchCertificate(),
+                   [state = state_](std::exception_ptr failed) {
+                     if (failed)
+                       spdlog::error("page: looking at the certificate ended by an exception");
+                   });
+  }
   return port;
 }
 
@@ -84,6 +118,12 @@ void HttpServer::StationsListenAt(uint16_t port) { state_->context->api->Station
 
 void HttpServer::Drain() { state_->context->api->Drain(); }
 
-void HttpServer::Stop() { state_->listener.Stop(); }
+void HttpServer::Stop() {
+  state_->listener.Stop();
+  asio::post(state_->looks, [state = state_] {
+    state->stopping = true;
+    state->next_look.cancel();
+  });
+}
 
 }  // namespace enamel::server::http

@@ -18,6 +18,7 @@
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
+#include "server/storage/upkeep/readiness.h"
 
 namespace enamel::server::http {
 
@@ -74,6 +75,8 @@ struct HttpOptions {
   size_t max_in_flight = 64;  // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
+  // How often the files of `tls` are looked at (PageTls).
+  std::chrono::milliseconds certificates{30'000};
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
@@ -85,6 +88,8 @@ struct HttpOptions {
   // The server adds its own figures to them.
   ops::Metrics* metrics = nullptr;
   std::string metrics_token;
+  // What the school's other servers measure (Monitoring::peers); none: there are none.
+  std::function<std::optional<PeersView>()> peers{};
 };
 
 // Serves the API (schemas/api/openapi.yaml) and the page. One coroutine on one strand per

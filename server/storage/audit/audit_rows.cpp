@@ -37,6 +37,14 @@ Result<std::vector<AuditRow>> AuditRows::Audit(uint32_t limit) {
   return FindAudit(filter);
 }
 
+Result<std::optional<AuditRow>> AuditRows::NewestOf(const std::string& action) {
+  AuditFilter filter;
+  filter.action = action;
+  filter.limit = 1;
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, FindAudit(filter));
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows.front()));
+}
+
 Result<std::vector<AuditRow>> AuditRows::FindAudit(const AuditFilter& filter) {
   std::string sql = std::string(kAuditSelect) + " AND at_ms BETWEEN ?2 AND ?3";
   int places = 3;

@@ -40,6 +40,8 @@ class AuditRows {
   // Newest first.
   Result<std::vector<AuditRow>> Audit(uint32_t limit);
   Result<std::vector<AuditRow>> FindAudit(const AuditFilter& filter);
+  // The newest of an action; none: it was never noted.
+  Result<std::optional<AuditRow>> NewestOf(const std::string& action);
   // Actions by the person, and on the person and the person's attempts, oldest first.
   Result<std::vector<AuditRow>> AuditAbout(const Uuid& person);
   // Something that changed nothing here but is to be known: a backup, an export.

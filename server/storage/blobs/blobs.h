@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+#include "common/s3/s3_figures.h"
 #include "common/sql/db.h"
 #include "server/storage/folder/disk.h"
 
@@ -49,6 +51,10 @@ class Blobs {
 
   // What keeps blobs from being written now, for those who run the server; Ok: nothing is known to.
   virtual Status Problem() const { return Status::Ok(); }
+  // Finds out, where that needs a question that nobody has asked for a while. May block for seconds.
+  virtual void Look() {}
+  // Of the store that is asked; none: these are files.
+  virtual std::optional<s3::S3Figures> Figures() const { return {}; }
 };
 
 // Files: FOLDER/ab/ab12….  Concurrent puts share one sync.

@@ -56,6 +56,11 @@ bool S3Blobs::ReadKey(const std::string& key, Freed& out) const {
 
 Status S3Blobs::Problem() const { return trouble_.Problem(); }
 
+void S3Blobs::Look() {
+  if (trouble_.IsDue())
+    (void)trouble_.Told(client_->Look(prefix_ + "look", S3Trouble::kLookWithin));
+}
+
 Result<Sha256> S3Blobs::Put(ByteView data) {
   const Sha256 hash = HashSha256(data);
   const int64_t begun_ms = now_ms_();

@@ -63,6 +63,8 @@ class S3Blobs final : public Blobs {
   Result<size_t> Remove(const std::vector<Freed>& freed) override;
   Result<size_t> Sweep(std::chrono::seconds age) override;
   Status Problem() const override;
+  void Look() override;
+  std::optional<s3::S3Figures> Figures() const override { return client_->figures(); }
 
   std::string KeyOf(const Sha256& hash, int64_t generation) const;
 

@@ -18,6 +18,7 @@ Status S3Trouble::Told(const Status& status) {
       logged_ms_ = now;
     }
     problem_ = works ? Status::Ok() : status;
+    told_ms_ = now;
   }
   if (works || status.code() == Code::kTooLarge) return status;
   if (status.code() == Code::kUnavailable) {
@@ -26,6 +27,13 @@ Status S3Trouble::Told(const Status& status) {
   }
   return Status(Code::kStorage,
                 "the store of " + what_ + " refuses, is full or fails; the server's log says why");
+}
+
+bool S3Trouble::IsDue() const {
+  MutexLock lock(mutex_);
+  const int64_t since_ms = now_ms_() - told_ms_;
+  // A clock that was set back shows as well.
+  return since_ms < 0 || since_ms >= kLookEveryMs;
 }
 
 Status S3Trouble::Problem() const {

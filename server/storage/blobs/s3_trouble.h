@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -20,6 +21,12 @@ class S3Trouble {
   Status Told(const Status& status);
   // Since the last call that was done.
   Status Problem() const;
+  // Whether it is time to ask the store although nobody needs it: otherwise nobody would notice that
+  // it fails, or works again.
+  bool IsDue() const;
+  static constexpr int64_t kLookEveryMs = 2'000;
+  // How long such a question may take.
+  static constexpr std::chrono::seconds kLookWithin{3};
 
  private:
   const std::string what_;
@@ -27,6 +34,7 @@ class S3Trouble {
   mutable Mutex mutex_;
   Status problem_ ENAMEL_GUARDED_BY(mutex_);
   int64_t logged_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  int64_t told_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace enamel::server

@@ -50,22 +50,49 @@ int64_t MedianOf(std::vector<int64_t> votes) {
   return std::abs(low) <= std::abs(high) ? low : high;
 }
 
-// A new primary begins a new timeline: the first eight digits of the names of its log.
-Result<int64_t> TimelineOf(sql::Db& db) {
-  sql::Query q(db,
-               "SELECT ('x' || substr(pg_walfile_name(pg_current_wal_lsn()), 1, "
-               "8))::bit(32)::bigint");
-  if (!q.Next()) return q.status();
-  return q.Int(0);
-}
-
 }  // namespace
 
-Status DatabaseLook::Vote(sql::Db& db, int64_t theirs_ms) {
+Status DatabaseLook::WriteRow(sql::Db& db, int64_t theirs_ms) {
+  // For this connection's next commit, which is the row's; it may be a new connection. A worker
+  // beside the server has the same row: serializable, one of the two could fail.
+  ENAMEL_RETURN_IF_ERROR(
+      db.Exec("SET synchronous_commit = local; SET default_transaction_isolation = 'read "
+              "committed'"));
+  // A worker listens nowhere.
+  Query q(
+      db,
+      "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms, beats, host, port) VALUES (?1, "
+      "?2, ?3, ?4, 1, coalesce(nullif(?5, ''), host(inet_client_addr()), ''), ?6) ON CONFLICT "
+      "(tenant, server) DO UPDATE SET at_ms = ?3, ahead_ms = ?4, beats = write_probe.beats + 1, "
+      "host = CASE WHEN ?6 = 0 THEN write_probe.host ELSE excluded.host END, port = CASE WHEN ?6 "
+      "= 0 THEN write_probe.port ELSE ?6 END RETURNING beats");
+  q.Bind(server_).Bind(theirs_ms).Bind(clock_ahead_ms_.load()).Bind(host_).Bind(int64_t{port_});
+  if (!q.Next()) return q.status();
+  const int64_t beats = q.Int(0), on = timeline();
+  // A standby that takes over may lack the last ones: they were committed on the primary alone.
+  if (on == beats_on_ && beats <= beats_) forked_ = true;
+  beats_ = beats;
+  beats_on_ = on;
+  return Status::Ok();
+}
+
+Status DatabaseLook::ReadRows(sql::Db& db, int64_t theirs_ms) {
   std::vector<int64_t> votes{0};
-  Query q(db, "SELECT ahead_ms FROM write_probe WHERE tenant = ?1 AND at_ms > ?2");
-  for (q.Bind(theirs_ms - kNewMs); q.Next();) votes.push_back(q.Int(0));
+  std::vector<Peer> peers;
+  Query q(db,
+          "SELECT server, ahead_ms, host, port FROM write_probe WHERE tenant = ?1 AND at_ms > ?2");
+  for (q.Bind(theirs_ms - kNewMs); q.Next();) {
+    votes.push_back(q.Int(1));
+    Peer peer{q.Id(0), q.Text(2), static_cast<uint16_t>(q.Int(3))};
+    if (peer.server != server_ && !peer.host.empty() && peer.port != 0) {
+      peers.push_back(std::move(peer));
+    }
+  }
   ENAMEL_RETURN_IF_ERROR(q.status());
+  {
+    MutexLock lock(mutex_);
+    peers_ = std::move(peers);
+  }
   const auto count = static_cast<int>(votes.size());
   const int64_t median = count < kFewestVotes ? 0 : MedianOf(std::move(votes));
   clock_votes_ = count;
@@ -77,19 +104,8 @@ Status DatabaseLook::LookOn(sql::Db& db, bool beat) {
   ENAMEL_ASSIGN_OR_RETURN(const auto reading, ReadClock(db));
   if (reading) {
     clock_ahead_ms_ = enamel::UnixMs(system_clock::now()) - enamel::UnixMs(reading->Now());
-    if (beat) {
-      // For this connection's next commit, which is the row's; it may be a new connection. A worker
-      // beside the server has the same row: serializable, one of the two could fail.
-      ENAMEL_RETURN_IF_ERROR(
-          db.Exec("SET synchronous_commit = local; SET default_transaction_isolation = 'read "
-                  "committed'"));
-      Query q(db,
-              "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms) VALUES (?1, ?2, ?3, ?4) "
-              "ON CONFLICT (tenant, server) DO UPDATE SET at_ms = ?3, ahead_ms = ?4");
-      ENAMEL_RETURN_IF_ERROR(
-          q.Bind(server_).Bind(reading->theirs_ms).Bind(clock_ahead_ms_.load()).Run());
-    }
-    ENAMEL_RETURN_IF_ERROR(Vote(db, reading->theirs_ms));
+    if (beat) ENAMEL_RETURN_IF_ERROR(WriteRow(db, reading->theirs_ms));
+    ENAMEL_RETURN_IF_ERROR(ReadRows(db, reading->theirs_ms));
     FollowClock(reading->Now() + std::chrono::milliseconds(median_ahead_ms_));
   }
   ENAMEL_ASSIGN_OR_RETURN(standby_, db.StandbyOf());
@@ -103,24 +119,45 @@ Status DatabaseLook::Look() {
 
 Status DatabaseLook::Beat() {
   if (!rows_.shared()) return Status::Ok();
-  if (beaten_.load() == steady_clock::duration::zero()) {
-    beaten_ = steady_clock::now().time_since_epoch();
-  }
-  if (own_ == nullptr) {
-    ENAMEL_ASSIGN_OR_RETURN(own_, rows_.OpenWriter());
-  }
-  ENAMEL_RETURN_IF_ERROR(LookOn(*own_, /*beat=*/true));
-  ENAMEL_ASSIGN_OR_RETURN(const int64_t timeline, TimelineOf(*own_));
-  replaced_ = timeline < timeline_;
-  timeline_ = std::max(timeline, timeline_);
-  beaten_ = steady_clock::now().time_since_epoch();
-  return Status::Ok();
+  const auto now = [] { return steady_clock::now().time_since_epoch(); };
+  if (beaten_.load() == steady_clock::duration::zero()) beaten_ = now();
+  if (asked_.load() == steady_clock::duration::zero()) asked_ = now();
+  const auto look = [&]() -> Status {
+    if (own_ == nullptr) {
+      ENAMEL_ASSIGN_OR_RETURN(own_, rows_.OpenWriter());
+    }
+    return LookOn(*own_, /*beat=*/true);
+  };
+  Status looked = look();
+  replaced_ = looked.field() == sql::kReplacedField;
+  if (!looked.ok()) return looked;
+  beaten_ = now();
+  asked_ = steady_clock::duration::zero();
+  return looked;
 }
 
-steady_clock::duration DatabaseLook::silence() const {
-  const auto beaten = beaten_.load();
-  if (beaten == steady_clock::duration::zero()) return beaten;
-  return steady_clock::now().time_since_epoch() - beaten;
+namespace {
+steady_clock::duration Since(steady_clock::duration moment) {
+  return moment == steady_clock::duration::zero() ? moment
+                                                  : steady_clock::now().time_since_epoch() - moment;
+}
+}  // namespace
+
+steady_clock::duration DatabaseLook::silence() const { return Since(beaten_); }
+
+steady_clock::duration DatabaseLook::unanswered() const { return Since(asked_); }
+
+std::vector<DatabaseLook::Peer> DatabaseLook::peers() const {
+  MutexLock lock(mutex_);
+  return peers_;
+}
+
+void DatabaseLook::Learn(int64_t timeline) {
+  if (!rows_.newest()) return;
+  std::atomic<int64_t>& newest = *rows_.newest();
+  for (int64_t known = newest; known < timeline;) {
+    if (newest.compare_exchange_weak(known, timeline)) break;
+  }
 }
 
 bool DatabaseLook::ChangesWait() const {

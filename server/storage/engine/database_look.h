@@ -6,7 +6,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "common/sql/db.h"
@@ -24,9 +26,19 @@ namespace enamel::server {
 // three questions took. Otherwise they are the median's. Of two votes nobody knows which is wrong:
 // then the database's counts.
 //
+// Two primaries. A server that was promoted earlier than another one is not used (PgDbOptions::newest).
+// Each row counts its writings, so a second server of the same timeline, or one that was set back, is
+// noticed when a row has fewer than before: from then on nothing that was committed can be trusted.
+//
 // Thread safety: any thread, Beat one.
 class DatabaseLook {
  public:
+  // Another server whose row is new, and where its station link listens.
+  struct Peer {
+    Uuid server;
+    std::string host;  // numeric
+    uint16_t port = 0;
+  };
   static constexpr std::chrono::seconds kEvery{2};
   // So long without a Beat that was committed: the database hangs.
   static constexpr std::chrono::seconds kLate{4};
@@ -49,9 +61,25 @@ class DatabaseLook {
   bool hangs() const { return silence() > kLate; }
   // Since the last committed Beat; 0 where nobody calls it.
   std::chrono::steady_clock::duration silence() const;
-  // The last Beat was answered by a primary that another has replaced: its timeline is an earlier
-  // one than was seen before.
+  // Since the first Beat was begun that has not been committed; 0: the last one was.
+  std::chrono::steady_clock::duration unanswered() const;
+  // Only a primary answers that another has replaced.
   bool replaced() const { return replaced_; }
+  // Rows of this server that were committed are gone. Stays so.
+  bool forked() const { return forked_; }
+  // Where this server's station link listens, for its row; every address: the one that the database
+  // sees. Before the first Beat.
+  void ListenAt(std::string host, uint16_t port) {
+    host_ = std::move(host);
+    port_ = port;
+  }
+  // As the last committed Beat found them.
+  std::vector<Peer> peers() const;
+  const Uuid& server() const { return server_; }
+  // The highest timeline of the database that was seen here, or that a peer has seen. Servers of an
+  // earlier one are left.
+  int64_t timeline() const { return rows_.newest() ? rows_.newest()->load() : 0; }
+  void Learn(int64_t timeline);
   // How far this machine's clock is ahead of the database's; 0 where they are one.
   int64_t clock_ahead_ms() const { return clock_ahead_ms_; }
   // How far the median is ahead of the database's clock; 0: less than kMostClockOffMs, or too few
@@ -65,15 +93,21 @@ class DatabaseLook {
 
  private:
   Status LookOn(sql::Db& db, bool beat);
-  Status Vote(sql::Db& db, int64_t theirs_ms);
+  Status WriteRow(sql::Db& db, int64_t theirs_ms);
+  Status ReadRows(sql::Db& db, int64_t theirs_ms);
 
   Transactions& rows_;
   const Rewriter& rewriter_;
   const Uuid server_;
-  std::unique_ptr<sql::Db> own_;                               // Beat's
-  int64_t timeline_ = 0;                                       // Beat's: the highest seen
-  std::atomic<std::chrono::steady_clock::duration> beaten_{};  // since the clock's start; 0: never
-  std::atomic<bool> replaced_{false};
+  std::unique_ptr<sql::Db> own_;      // Beat's
+  int64_t beats_ = 0, beats_on_ = 0;  // Beat's: its row's count, and the timeline it was read on
+  std::string host_;                  // constant since the first Beat
+  uint16_t port_ = 0;
+  // Since the clock's start; 0: never.
+  std::atomic<std::chrono::steady_clock::duration> beaten_{}, asked_{};
+  std::atomic<bool> replaced_{false}, forked_{false};
+  mutable Mutex mutex_;
+  std::vector<Peer> peers_ ENAMEL_GUARDED_BY(mutex_);
   std::atomic<int64_t> clock_ahead_ms_{0}, median_ahead_ms_{0};
   std::atomic<int> clock_votes_{1};
   std::atomic<sql::Standby> standby_{sql::Standby::kNotKept};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,9 +17,18 @@ namespace enamel::server {
 const std::vector<sql::Migration>& PgMigrations();
 
 // A failure gives the caller the remedy, without host and PostgreSQL's words: those go to the log.
-// While opening, whoever started the program sees them too. `fail_next`: PgDbOptions.
+// While opening, whoever started the program sees them too. `fail_next`, `newest`: PgDbOptions.
 Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
                                                 const std::string& schema, bool read_only,
-                                                std::function<bool()> fail_next);
+                                                std::function<bool()> fail_next,
+                                                std::shared_ptr<std::atomic<int64_t>> newest = {});
+
+// How the server is set, as whoever looks after it wants to know.
+struct PgFacts {
+  bool superuser = false;  // this connection's user is
+  bool durable = true;     // fsync and full_page_writes are on
+  int64_t most_connections = 0, connections = 0;
+};
+Result<PgFacts> ReadPgFacts(sql::Db& db);
 
 }  // namespace enamel::server

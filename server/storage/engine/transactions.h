@@ -23,10 +23,13 @@ class Transactions {
     OpenDb open_reader;
     // Another that writes; none where no other server has its rows in this database.
     OpenDb open_writer{};
+    // The highest timeline of a database of several servers (PgDbOptions::newest).
+    std::shared_ptr<std::atomic<int64_t>> newest{};
   };
   // At most `readers` connections read. `twice`: as Writer's.
   Transactions(Connections connections, int readers, bool twice = false)
       : open_writer_(std::move(connections.open_writer)),
+        newest_(std::move(connections.newest)),
         writer_(std::move(connections.writer), twice),
         readers_(std::move(connections.open_reader), readers) {}
 
@@ -64,9 +67,12 @@ class Transactions {
   // it for whoever must not wait for the writer. Requires of the second: the first.
   bool shared() const { return open_writer_ != nullptr; }
   Result<std::unique_ptr<sql::Db>> OpenWriter() const { return open_writer_(); }
+  // Null: the engine has no timelines.
+  const std::shared_ptr<std::atomic<int64_t>>& newest() const { return newest_; }
 
  private:
   const OpenDb open_writer_;
+  const std::shared_ptr<std::atomic<int64_t>> newest_;
   Writer writer_;
   Readers readers_;
   std::atomic<bool> reader_found_damage_{false};

@@ -129,7 +129,7 @@ void Writer::DoAlone(Pending& pending) {
 void Writer::Commit(const std::vector<Pending*>& batch) {
   auto begin = std::chrono::steady_clock::now();
   Status failure = Transact(batch);
-  std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const auto took = std::chrono::steady_clock::now() - begin;
   MutexLock lock(mutex_);
   // Busy is not broken: nothing was tried.
   if (failure.code() != Code::kUnavailable) last_failure_ = failure;
@@ -140,11 +140,11 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   if (failure.ok()) {
     const size_t place = counters_.commits % kTimed;
     if (place == timed_s_.size()) timed_s_.push_back(0);
-    timed_s_[place] = took.count();
+    timed_s_[place] = std::chrono::duration<double>(took).count();
+    commits_took_.Add(took);
   }
   ++(failure.ok() ? counters_.commits : counters_.failed_commits);
   counters_.works += failure.ok() ? batch.size() : 0;
-  counters_.commit_s += took.count();
 }
 
 Status Writer::Transact(const std::vector<Pending*>& batch) {

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/histogram.h"
 #include "common/base/mutex.h"
 #include "server/storage/engine/database.h"
 
@@ -52,14 +53,14 @@ class Writer {
   // Since the start.
   struct Counters {
     uint64_t commits = 0, works = 0, failed_commits = 0;
-    double commit_s = 0;  // from BEGIN to the end of COMMIT
   };
   Counters counters() const;
   size_t queued() const;  // works that wait for the thread
   // Since the oldest work that is not done was queued; 0: there is none.
   std::chrono::steady_clock::duration oldest_wait() const;
-  // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in
-  // no order.
+  // How long commits took, from BEGIN to the end of COMMIT.
+  Histogram::Counts commits_took() const { return commits_took_.counts(); }
+  // Of the newest: at most kTimed of them, in no order.
   static constexpr size_t kTimed = 1000;
   std::vector<double> newest_commits_s() const;
   // The database was found damaged; stays so.
@@ -124,6 +125,7 @@ class Writer {
   Status last_failure_ ENAMEL_GUARDED_BY(mutex_);
   bool damaged_ ENAMEL_GUARDED_BY(mutex_) = false;
   Counters counters_ ENAMEL_GUARDED_BY(mutex_);
+  Histogram commits_took_;
   // A ring, whose next place is the commits' count.
   std::vector<double> timed_s_ ENAMEL_GUARDED_BY(mutex_);
   std::thread thread_;  // last: uses the rest

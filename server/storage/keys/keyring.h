@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "common/s3/s3_figures.h"
 #include "server/storage/keys/data_key.h"
 
 namespace enamel::server {
@@ -55,6 +56,9 @@ class Keyring {
   virtual Status Bury(const std::vector<Tombstone>& tombstones) = 0;
   // Since the last call that was done; ok where nothing can be away.
   virtual Status Problem() const { return Status::Ok(); }
+  // As Blobs::Look and Blobs::Figures.
+  virtual void Look() {}
+  virtual std::optional<s3::S3Figures> Figures() const { return {}; }
 };
 
 // Takes the other's keys and erasures besides those in `keyring`. `progress` hears of so many keys

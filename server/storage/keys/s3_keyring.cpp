@@ -59,6 +59,11 @@ Result<std::optional<KeyRow>> S3Keyring::RowOf(const Uuid& person) {
   return row;
 }
 
+void S3Keyring::Look() {
+  if (trouble_.IsDue())
+    (void)trouble_.Told(client_->Look(prefix_ + "look", S3Trouble::kLookWithin));
+}
+
 Result<DataKey> S3Keyring::Find(const Uuid& person) {
   ENAMEL_ASSIGN_OR_RETURN(const auto row, RowOf(person));
   if (!row) {

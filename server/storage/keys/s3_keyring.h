@@ -57,6 +57,8 @@ class S3Keyring final : public Keyring {
   Status Put(const Uuid& person, const DataKey& key) override;
   Status Bury(const std::vector<Tombstone>& tombstones) override;
   Status Problem() const override { return trouble_.Problem(); }
+  void Look() override;
+  std::optional<s3::S3Figures> Figures() const override { return client_->figures(); }
 
   std::string KeyOf(const Uuid& person, int64_t generation) const;
   // Of a tombstone.

@@ -41,6 +41,9 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
           "DELETE FROM attempt_results WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM annotations WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM appeals WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM marks WHERE tenant = ?1 AND work IN (SELECT id FROM marking_works WHERE "
+          "tenant = ?1 AND attempt = ?2)",
+          "DELETE FROM marking_works WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM jobs WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2",

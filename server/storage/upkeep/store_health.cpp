@@ -8,9 +8,6 @@
 
 namespace enamel::server {
 
-// A change that waits longer shows that the database is stuck.
-constexpr std::chrono::seconds kLongestWait{4};
-
 void StoreHealthCheck::AddSizes(StoreHealth& out) {
   std::error_code error;
   auto size = [&](const char* name) -> uint64_t {
@@ -29,7 +26,8 @@ void StoreHealthCheck::AddCommits(StoreHealth& out) {
   out.commits = counters.commits;
   out.writes = counters.works;
   out.failed_commits = counters.failed_commits;
-  out.commit_s = counters.commit_s;
+  out.commits_took = writer.commits_took();
+  out.queued = writer.queued();
   out.oldest_wait_s = std::chrono::duration<double>(writer.oldest_wait()).count();
   std::vector<double> took = writer.newest_commits_s();
   out.timed_commits = took.size();
@@ -61,21 +59,28 @@ void StoreHealthCheck::AddClock(StoreHealth& out) {
   }
 }
 
-std::string StoreHealthCheck::Problem() {
+std::string StoreHealthCheck::Problem(bool& database) {
   if (Status able = parts_.gate.Check(); !able.ok()) return able.message();
-  if (parts_.look.hangs()) {
-    return "the database server does not answer; check that PostgreSQL runs and that this machine "
-           "reaches it. Recordings wait at the stations";
+  if (parts_.look.forked()) {
+    return "the database lacks what this server has committed: a second primary answers, or it was "
+           "set back. Stop all servers, decide which database counts, and start them again. "
+           "Recordings wait at the stations";
   }
+  database = true;
   if (parts_.look.replaced()) {
     return "the database server that answers is an earlier primary, which another has replaced; "
            "stop it, and check the addresses in database.json. Recordings wait at the stations";
+  }
+  if (parts_.look.hangs()) {
+    return "the database server does not answer; check that PostgreSQL runs and that this machine "
+           "reaches it. Recordings wait at the stations";
   }
   if (parts_.rows.writer().oldest_wait() > kLongestWait && Waiting().empty()) {
     return "a change has waited for the database for seconds; check the disk that it is on. "
            "Recordings wait at the stations";
   }
-  if (parts_.rows.writer().last_failure().ok()) return "";
+  database = !parts_.rows.writer().last_failure().ok();
+  if (!database) return "";
   return "the last change could not be written to the database; the server's log says why. "
          "Recordings wait at the stations, the next write that succeeds ends this";
 }
@@ -116,9 +121,14 @@ StoreHealth StoreHealthCheck::Health() {
   out.chunks = parts_.counters.chunks;
   out.chunk_bytes = parts_.counters.chunk_bytes;
   out.sealed = parts_.counters.sealed;
-  out.problem = Problem();
+  out.blob_store = parts_.blobs.Figures();
+  out.key_store = parts_.keyring.Figures();
+  out.problem = Problem(out.database_fails);
   out.takes_recordings = out.problem.empty();
   out.waiting = Waiting();
+  out.writes_fail = !parts_.rows.writer().last_failure().ok();
+  out.blobs_fail = !parts_.blobs.Problem().ok();
+  out.keys_fail = !parts_.keyring.Problem().ok();
   return out;
 }
 
@@ -129,8 +139,9 @@ Status StoreHealthCheck::TryWrite() {
   if (writer.last_failure().ok() || writer.damaged()) return Status::Ok();
   return parts_.rows.Write([](Db& db) -> Status {
     Query q(db,
-            "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms) VALUES (?1, ?2, 0, 0) ON "
-            "CONFLICT (tenant, server) DO UPDATE SET at_ms = 0");
+            "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms, beats, host, port) VALUES "
+            "(?1, ?2, 0, 0, 0, '', 0) ON CONFLICT (tenant, server) DO UPDATE SET beats = "
+            "write_probe.beats + 1");
     return q.Bind(Uuid{}).Run();
   });
 }

@@ -10,6 +10,7 @@
 
 #include "common/base/unix_time.h"
 #include "common/sql/query.h"
+#include "tests/support/becomes.h"
 #include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
 
@@ -698,6 +699,55 @@ TEST_F(PgDbTest, AServerThatHangsIsLeftAndAskedAgainWhenItRuns) {
   EXPECT_NE(db.failure().words.find("no answer"), std::string::npos) << db.failure().words;
   proxy.Hang(false);
   ASSERT_TRUE(db.Exec("INSERT INTO t VALUES (2)").ok()) << db.failure().words;
+}
+
+// One after another, they would take two seconds each.
+TEST_F(PgDbTest, HostsThatHangDoNotDelayTheOneThatAnswers) {
+  constexpr int kHanging = 9;
+  std::vector<std::unique_ptr<test::PostgresProxy>> hanging;
+  std::string hosts;
+  for (int i = 0; i < kHanging; ++i) {
+    hanging.push_back(std::make_unique<test::PostgresProxy>(server_));
+    hanging.back()->Hang();
+    const std::string& words = hanging.back()->server();
+    hosts += words.substr(5, words.find(' ') - 5) + ",";
+  }
+  PgDbOptions options = Options();
+  options.server = "host=" + hosts + server_.substr(5);
+  const auto begun = std::chrono::steady_clock::now();
+  ASSERT_TRUE(PgDb::Open(std::move(options)).ok());
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(kHanging));
+}
+
+TEST_F(PgDbTest, AServerOfAnEarlierTimelineIsLeftAndItsTransactionRepeated) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  PgDbOptions options = Options();
+  options.newest = std::make_shared<std::atomic<int64_t>>(0);
+  auto opened = PgDb::Open(options);
+  ASSERT_TRUE(opened.ok());
+  PgDb& db = **opened;
+  EXPECT_EQ(*options.newest, 1) << "a new server's";
+  for (const bool together : {false, true}) {
+    *options.newest = 1;
+    ASSERT_TRUE(db.Begin(Isolation::kRowLocks).ok());
+    Change change = Insert(1);
+    ASSERT_TRUE(together || change.Run(db).ok());
+    // Another connection has met the server that was promoted meanwhile.
+    *options.newest = 2;
+    bool ran = true;
+    EXPECT_FALSE((together ? Commit(db, {&change}, ran) : db.Commit()).ok());
+    EXPECT_TRUE(db.must_repeat());
+    db.Rollback();
+    const Status again = db.Begin(Isolation::kRowLocks);
+    EXPECT_EQ(again.code(), Code::kUnavailable);
+    EXPECT_EQ(again.field(), kReplacedField);
+  }
+  EXPECT_EQ(PgDb::Open(options).status().field(), kReplacedField);
+  *options.newest = 1;
+  ASSERT_TRUE(db.Begin(Isolation::kRowLocks).ok());
+  Query q(db, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 0);
 }
 
 TEST_F(PgDbTest, ACommitThatHangsIsKeptOnceOrToBeRepeated) {

@@ -64,6 +64,44 @@ TEST_F(S3ClientTest, WhatIsPutIsGotUntilItIsDeleted) {
   EXPECT_EQ(store_.connections(), 1) << "one after the other";
 }
 
+TEST_F(S3ClientTest, CountsRequestsAndCallsThatFailed) {
+  auto client = Make();
+  ASSERT_TRUE(client->Put("a", kBody).ok());
+  EXPECT_EQ(client->Get("b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client->figures().requests, 2u);
+  EXPECT_EQ(client->figures().failed, 0u) << "a missing object is an answer";
+  store_.FailNext(Fault::kSlowDown, 2);
+  ASSERT_TRUE(client->Put("a", kBody).ok());
+  EXPECT_EQ(client->figures().requests, 5u) << "three tries";
+  EXPECT_EQ(client->figures().failed, 0u);
+  store_.FailNext(Fault::kForbidden, 1);
+  EXPECT_FALSE(client->Put("a", kBody).ok());
+  const S3Figures figures = client->figures();
+  EXPECT_EQ(figures.failed, 1u);
+  uint64_t calls = 0;
+  for (const uint64_t each : figures.calls.each) calls += each;
+  EXPECT_EQ(calls, 4u);
+  // Time stands still here but for pauses.
+  EXPECT_NEAR(figures.calls.sum_s, std::chrono::duration<double>(pauses_[0] + pauses_[1]).count(),
+              1e-9);
+}
+
+TEST_F(S3ClientTest, SaysHowLongItsOldestCallWaits) {
+  S3Options options = Options();
+  S3Client* asked = nullptr;
+  double waited_s = 0;
+  options.time.pause = [&](milliseconds) {
+    now_ += std::chrono::seconds(3);
+    waited_s = asked->figures().oldest_wait_s;
+  };
+  auto client = Make(options);
+  asked = client.get();
+  store_.FailNext(Fault::kSlowDown, 1);
+  ASSERT_TRUE(client->Put("a", kBody).ok());
+  EXPECT_EQ(waited_s, 3);
+  EXPECT_EQ(client->figures().oldest_wait_s, 0);
+}
+
 TEST_F(S3ClientTest, KeysMayHaveAnySigns) {
   auto client = Make();
   for (const std::string& key : {std::string("a b+c%20&d=e"), std::string("x/../y//z/."),

@@ -6,25 +6,20 @@
 #include <map>
 
 #include "common/base/file.h"
-#include "common/cutting/cutter.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/surface/surface.h"
-#include "common/timeline/coarse.h"
 #include "common/timeline/deviation.h"
 #include "common/timeline/player.h"
 #include "common/timeline/recorder.h"
 #include "common/timeline/start_tooth.h"
+#include "tests/common/timeline/ball_cut.h"
 
 namespace enamel::timeline {
 namespace {
 
 using cutting::kBrickVoxels;
-
-Bytes Golden(const char* name) {
-  auto bytes = ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden" / name);
-  ENAMEL_CHECK(bytes.ok());
-  return *bytes;
-}
+using test::BallCut;
+using test::Golden;
 
 // The golden tooth of schemas/surface_timeline.md after `frames` frames.
 int8_t GoldenSample(const ivec3& v, uint32_t frames) {
@@ -86,71 +81,11 @@ TEST(SurfaceTimelineGoldenTest, HeadAndPosesAreWhatTheDocumentSays) {
   }
 }
 
-// A ball that goes through a block, with what is seen at each tick.
-class CutBall {
- public:
-  explicit CutBall(RecorderOptions options = {})
-      : initial_(MakeBall()),
-        volume_(initial_),
-        cutter_((volume_.Reserve(), volume_), {cutting::BurShape::kSphere, 0.5e-3}) {
-    start_ = EncodeStartTooth(StartToothOf(initial_));
-    options.bur = {cutting::BurShape::kSphere, 0.5e-3};
-    options_ = options;
-  }
-
-  // Calls seen(ticks so far, volume) after each tick.
-  template <typename Seen>
-  Bytes Record(int ticks, Seen&& seen) {
-    Recorder recorder(initial_, HashSha256(start_), options_);
-    for (int t = 0; t < ticks; ++t) {
-      cutting::RemovedUnits removed{};
-      Recorder::Tick tick;
-      tick.bur.tip_m = {-1.6e-3 + 0.04e-3 * t, 0.2e-3 * std::sin(0.2 * t), 0.6e-3};
-      tick.turning = t % 20 < 15;
-      tick.gap_ticks = t % 10 == 3 ? 2 : 0;
-      if (tick.turning) cutter_.Cut(tick.bur, removed);
-      recorder.Add(volume_, tick.turning ? cutter_.touched() : std::span<const int32_t>(), tick);
-      seen(t + 1, volume_);
-    }
-    return recorder.Finish(volume_);
-  }
-  const Bytes& start() const { return start_; }
-  const cutting::Volume& initial() const { return initial_; }
-
- private:
-  static cutting::Volume MakeBall() {
-    cutting::GridSpec spec{50'000, ivec3(8), {-1'600'000, -1'600'000, -1'600'000}};
-    cutting::Volume out(spec);
-    for (int b = 0; b < spec.brick_count(); ++b) {
-      const ivec3 corner = ivec3(b % 8, b / 8 % 8, b / 64) * 8;
-      std::array<int16_t, kBrickVoxels> phi;
-      for (int i = 0; i < kBrickVoxels; ++i) {
-        const dvec3 d = dvec3(corner + ivec3(i % 8, i / 8 % 8, i / 64)) - 32.0;
-        const double units = (std::sqrt(Dot(d, d)) - 24) * cutting::kPhiPerVoxel;
-        phi[static_cast<size_t>(i)] = static_cast<int16_t>(std::clamp(units, -32767.0, 32767.0));
-      }
-      const auto [least, most] = std::ranges::minmax(phi);
-      if (least == cutting::kPhiLimit) continue;
-      if (most == -cutting::kPhiLimit) {
-        out.SetUniform(b, cutting::Tissue::kDentin);
-      } else {
-        out.SetBrick(b, phi, {}, cutting::Tissue::kEnamel);
-      }
-    }
-    return out;
-  }
-
-  cutting::Volume initial_, volume_;
-  cutting::Cutter cutter_;
-  Bytes start_;
-  RecorderOptions options_;
-};
-
 TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
   RecorderOptions options;
   options.frame_ticks = 7;
   options.segment_frames = 3;
-  CutBall cut(options);
+  BallCut cut(options);
   std::map<uint32_t, std::vector<Samples>> seen;
   const auto all = [](const cutting::Volume& volume) {
     std::vector<Samples> out;
@@ -175,38 +110,6 @@ TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
   }
 }
 
-TEST(SurfaceTimelineTest, ACoarseToothHasTheSameSurfaceWithinASeventhOfItsVoxel) {
-  RecorderOptions options;
-  CutBall cut(options);
-  const Bytes file = cut.Record(0, [](int, const cutting::Volume&) {});
-  auto player = Player::Open(cut.start(), file);
-  ASSERT_TRUE(player.ok()) << player.status().message();
-  const auto coarse = CoarseTooth(*player);
-  ASSERT_TRUE(coarse.ok()) << coarse.status().message();
-  EXPECT_EQ(coarse->spec.voxel_nm, 200'000);
-  auto read = DecodeStartTooth(EncodeStartTooth(*coarse));
-  ASSERT_TRUE(read.ok()) << read.status().message();
-  // A ball of 24 voxels about the origin: 6 of the coarse ones.
-  size_t slot = 0, near = 0;
-  for (int b = 0; b < static_cast<int>(read->bricks.size()); ++b) {
-    if (!(read->bricks[static_cast<size_t>(b)] & StartTooth::kSampled)) continue;
-    const Samples& samples = read->samples[slot++];
-    const ivec3 n = read->spec.bricks;
-    const ivec3 corner = ivec3(b % n.x, b / n.x % n.y, b / n.x / n.y) * 8;
-    for (int i = 0; i < kBrickVoxels; ++i) {
-      const int8_t q = samples[static_cast<size_t>(i)];
-      const dvec3 at = read->spec.origin_m() +
-                       dvec3(corner + ivec3(i % 8, i / 8 % 8, i / 64)) * read->spec.voxel_m();
-      const double expected = std::sqrt(Dot(at, at)) / 200e-6 - 6;
-      if (std::abs(expected) > 1.0 / 7) EXPECT_EQ(q < 0, expected < 0);
-      if (std::abs(expected) > 0.3) continue;
-      ++near;
-      EXPECT_NEAR((2 * q + 1) / 128.0, expected, 1.0 / 7) << "sample " << i << " of brick " << b;
-    }
-  }
-  EXPECT_GT(near, 100u);
-}
-
 TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwentyEighthOfAVoxel) {
   for (int phi = -32767; phi <= 32767; ++phi) {
     const int8_t q = Quantise(phi);
@@ -219,7 +122,7 @@ TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwenty
 // The surface made of what was decoded, against that of the volume itself. Along the surface a
 // vertex may move: where an edge runs in it, what it crosses at is rounding.
 TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
-  CutBall cut;
+  BallCut cut;
   cutting::Volume last;
   const Bytes file = cut.Record(80, [&](int, const cutting::Volume& volume) { last = volume; });
   auto player = Player::Open(cut.start(), file);
@@ -248,7 +151,7 @@ TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
 TEST(SurfaceTimelineTest, PosesSayWhereTheBurIsAndHowLongAFrameTook) {
   RecorderOptions options;
   options.frame_ticks = 10;
-  CutBall cut(options);
+  BallCut cut(options);
   const Bytes file = cut.Record(25, [](int, const cutting::Volume&) {});
   auto player = Player::Open(cut.start(), file);
   ASSERT_TRUE(player.ok()) << player.status().message();
@@ -270,7 +173,7 @@ TEST(SurfaceTimelineTest, PosesSayWhereTheBurIsAndHowLongAFrameTook) {
 }
 
 TEST(SurfaceTimelineTest, AnAttemptWithoutATickIsATimelineToo) {
-  CutBall cut;
+  BallCut cut;
   const Bytes file = cut.Record(0, [](int, const cutting::Volume&) {});
   auto player = Player::Open(cut.start(), file);
   ASSERT_TRUE(player.ok()) << player.status().message();
@@ -415,7 +318,7 @@ TEST(SurfaceTimelineBlobTest, OtherVersionsFlagsAndTeethAreRefusedByName) {
 TEST(SurfaceTimelineBlobTest, ClaimsThatTheBytesCannotHoldAreRefused) {
   const Bytes start = Golden("surface_timeline.entb"), file = Golden("surface_timeline.entl");
   // The number of bricks in the last key frame, and the size of its changes, unpacked.
-  const size_t last = 108 + 3 * 8 + 2 * 20;
+  const size_t last = 136 + 3 * 8 + 2 * 20;
   for (size_t at : {last + 12, last + 16}) {
     for (int byte = 0; byte < 4; ++byte) {
       Bytes bad = file;

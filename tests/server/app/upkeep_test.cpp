@@ -11,6 +11,7 @@
 #include "common/base/file.h"
 #include "server/app/caretaker.h"
 #include "server/commands/personal_data.h"
+#include "server/results/result_files.h"
 #include "server/storage/engine/lease.h"
 #include "server/storage/open_store.h"
 #include "server/storage/store_engine.h"
@@ -143,6 +144,8 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   EXPECT_EQ(*ReadFile(Path("copy") / "attempts" / scored.Text() / "forces.json"),
             Bytes({'s', 'e', 'r', 'i', 'e', 's'}));
   EXPECT_TRUE(fs::exists(Path("copy") / "attempts" / open.Text() / "recording.entrace"));
+  EXPECT_EQ(*ReadFile(Path("copy") / "attempts" / scored.Text() / kResultFile),
+            school_.store->results.ResultOf(scored)->document);
   std::string whole(AsText(*ReadFile(Path("copy") / "export.json")));
   EXPECT_EQ(whole.find("verifier"), std::string::npos);
   EXPECT_EQ(school_.store->audit.Audit(1)->front().action, "person.export");

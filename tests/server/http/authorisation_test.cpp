@@ -12,7 +12,6 @@
 #include "common/base/hex.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
-#include "common/timeline/start_tooth.h"
 #include "common/timeline/timeline.h"
 #include "server/http/api.h"
 #include "server/http/etag.h"
@@ -170,14 +169,21 @@ const Line kLines[] = {
     {"DELETE /api/v1/assignments/{id}",            "assignment",     "",                                    "401 403 403 403 204 404 204 204 401 403"},
     {"POST /api/v1/assignments/{id}/move",         "assignment",     R"({"exercise_id":"EXERCISE"})",       "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/assignments/{id}/release",      "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/assignments/{id}/markings", "assignment", "", "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/assignments/{id}/markings", "assignment", R"({"marker_ids":["SAM"]})", "401 403 403 403 400 404 400 400 401 403"},
+    {"GET /api/v1/markings/{id}", "marking", "", "401 403 403 403 200 404 200 200 401 403"},
+    {"DELETE /api/v1/markings/{id}", "marking", "", "401 403 403 403 204 404 204 204 401 403"},
+    {"POST /api/v1/marking-works/{id}/marks", "marking work", R"({"rating":3,"criteria":{"wall_mesial_mm":{"points":5}}})", "401 403 403 403 204 404 204 204 401 403"},
+    {"GET /api/v1/marking-works/{id}/timeline", "marking work", "", "401 403 403 403 503 404 503 503 401 403"},
+    {"POST /api/v1/assignments/{id}/standard",     "assignment",     "csv work,criterion,marker,mark\na,rating,A,2\n", "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/assignments/{id}/insight",       "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
     // Attempts: sam's, graded, scored, not released.
     {"GET /api/v1/attempts",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}",               "attempt",        "",                                    "401 200 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/score",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/signed-result", "attempt",        "",                                    "401 403 404 404 409 404 409 409 401 403"},
     {"GET /api/v1/attempts/{id}/surface",       "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/deviation",     "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
-    {"GET /api/v1/attempts/{id}/coarse-tooth",  "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/timeline",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/start-teeth/{name}",          "start tooth",    "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
@@ -296,11 +302,7 @@ class Template {
     head.spec.bricks = ivec3(1);
     head.spec.voxel_nm = 100'000;
     head.rate_hz = head.frame_ticks = head.segment_frames = 1;
-    timeline::StartTooth air;
-    air.spec = head.spec;
-    air.bricks = {0};
-    const Sha256 tooth = *store.blobs.PutBlob(timeline::EncodeStartTooth(air));
-    head.start = tooth;
+    const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTS"));
     EXPECT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
     things["start tooth"] = tooth.Hex();
     const Sha256 timeline =
@@ -338,6 +340,12 @@ class Template {
     EXPECT_TRUE(store.appeals.FileAppeal(appealed, "please look again", sam).ok());
     things["appealed"] = appealed.Text();
     things["reference"] = store.references.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
+    // Blind: ada and root mark an attempt of another student.
+    const auto marking = store.markings.BeginMarking(
+        store.assignments.Assignments({school.cohort_a, {}})->front().id,
+        {school.ScoredAttempt(school.sue)}, {school.ada, school.root}, ada);
+    things["marking"] = marking->id.Text();
+    things["marking work"] = store.markings.WorksOf(marking->id)->front().id.Text();
     things["job"] = store.jobs.Jobs("queued")->front().id.Text();
     things["adas"] = school.OwnExercise(ada, "adas", true).id.Text();
     const ExerciseRow draft = school.OwnExercise(Actor{school.ben, "page"}, "bens", false);

@@ -8,6 +8,7 @@
 #include <list>
 #include <vector>
 
+#include "server/http/request_places.h"
 #include "server/http/site.h"
 #include "server/http/wire/request_reader.h"
 #include "server/storage/folder/disk.h"
@@ -372,9 +373,9 @@ TEST_F(HttpServerTest, HealthIsToldWhileAllOthersWaitForTheDatabase) {
     return false;
   };
   std::vector<std::future<int>> changes;
-  for (char name : std::string("abcdefgh")) {
-    changes.push_back(std::async(std::launch::async, [&, name] {
-      std::string body = std::string(R"({"name":")") + name + R"("})";
+  for (size_t i = 0; i < RequestPlaces::kOfPerson; ++i) {
+    changes.push_back(std::async(std::launch::async, [&, i] {
+      std::string body = R"({"name":"cohort )" + std::to_string(i) + R"("})";
       return Visitor(root).Post("/api/v1/cohorts", body).status;
     }));
   }

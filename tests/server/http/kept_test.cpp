@@ -23,7 +23,8 @@ Answer Ask(std::map<std::string, std::string> headers, int* reads = nullptr,
   request.headers = std::move(headers);
   const Kept kept{HashSha256(AsBytes("name")), "application/octet-stream",
                   "private, max-age=31536000, immutable"};
-  Response response = KeptResponse(request, kept, [&]() -> Result<Bytes> {
+  SharedBodies bodies;
+  Response response = KeptResponse(request, kept, bodies, [&]() -> Result<Bytes> {
     if (reads) ++*reads;
     return Bytes(all.begin(), all.end());
   });
@@ -114,9 +115,10 @@ TEST(KeptTest, ARangeOfSomethingElseGivesAllOfThis) {
 }
 
 TEST(KeptTest, WhatCannotBeReadIsDamageOfOurs) {
-  Response response = KeptResponse({}, {HashSha256({}), "text/plain", ""}, []() -> Result<Bytes> {
-    return Status(Code::kNotFound, "no such blob");
-  });
+  SharedBodies bodies;
+  Response response =
+      KeptResponse({}, {HashSha256({}), "text/plain", ""}, bodies,
+                   []() -> Result<Bytes> { return Status(Code::kNotFound, "no such blob"); });
   EXPECT_EQ(response.status, 500);
 }
 

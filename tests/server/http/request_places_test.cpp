@@ -21,7 +21,7 @@ Request From(const std::string& peer, const std::string& cookie = {}) {
 size_t TakeAll(RequestPlaces& places, const Request& request,
                std::vector<std::shared_ptr<void>>& held) {
   size_t taken = 0;
-  while (auto place = places.Take(request)) {
+  while (auto place = places.Take(request).held) {
     held.push_back(std::move(place));
     ++taken;
   }
@@ -36,12 +36,12 @@ TEST(RequestPlacesTest, APersonWhoTakesAllOfTheirsLeavesOthersTheirs) {
   places.Know(student, person);
   places.Know(again, person);
   EXPECT_EQ(TakeAll(places, student, held), RequestPlaces::kOfPerson);
-  EXPECT_EQ(places.Take(again), nullptr) << "another session of the same person";
+  EXPECT_EQ(places.Take(again).held, nullptr) << "another session of the same person";
   const Request neighbour = From("192.0.2.1", "cc");
   places.Know(neighbour, Uuid::New());
   EXPECT_EQ(TakeAll(places, neighbour, others), RequestPlaces::kOfPerson);
   held.clear();
-  EXPECT_NE(places.Take(student), nullptr) << "given back";
+  EXPECT_NE(places.Take(student).held, nullptr) << "given back";
 }
 
 TEST(RequestPlacesTest, AnAddressWithoutSessionsLeavesAQuarter) {
@@ -52,7 +52,7 @@ TEST(RequestPlacesTest, AnAddressWithoutSessionsLeavesAQuarter) {
   for (const char* made_up : {"x", "y", "z"})
     taken += TakeAll(places, From("192.0.2.1", made_up), held);
   EXPECT_EQ(taken, 48u);
-  EXPECT_NE(places.Take(From("198.51.100.7")), nullptr);
+  EXPECT_NE(places.Take(From("198.51.100.7")).held, nullptr);
 }
 
 }  // namespace

@@ -190,6 +190,7 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change, const Judge
   point.tissue = {1};
   result.surface = Must(store->blobs.PutBlob(EncodeSurface(point, std::array{0.3e-3f})));
   result.series = Must(store->blobs.PutBlob(AsBytes("{}")));
+  if (!score.reference_attempt.empty()) result.reference = *Uuid::Parse(score.reference_attempt);
   Must(store->results.FinishAttempt(id, result, {}));
   return id;
 }

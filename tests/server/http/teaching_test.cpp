@@ -815,6 +815,35 @@ TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly
   EXPECT_EQ(school_.store->references.ReferenceFor(school_.exercise)->value().dentist, "Dr. Vega");
 }
 
+TEST_F(TeachingTest, StudentSeesHowTheReferenceWasCutOnceTheComparedScoreIsReleased) {
+  const Uuid cut = school_.toms_scored;
+  const std::string path = "/api/v1/attempts/" + cut.Text();
+  const auto seen_by = [&](const std::string& login) {
+    return By(login).Get(path + "/series").status;
+  };
+  auto reference =
+      school_.store->references.AddReference(cut, "Dr. Vega", true, Actor{school_.ben, "page"});
+  ASSERT_TRUE(reference.ok()) << reference.status().message();
+  const Actor ada{school_.ada, "page"};
+  // Scored, released, and compared with nothing.
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
+  EXPECT_EQ(seen_by("sam"), 404);
+  const Uuid own = school_.ScoredAttempt(
+      school_.sam, {}, [&](scoring::ScoreResult& score) { score.reference_attempt = cut.Text(); });
+  EXPECT_EQ(seen_by("sam"), 404) << "not released";
+  ASSERT_TRUE(school_.store->judging.ReleaseAttempt(own, ada).ok());
+  EXPECT_EQ(seen_by("sam"), 200);
+  EXPECT_EQ(By("sam").Get(path + "/timeline").status, 503) << "it is being made";
+  for (const char* more :
+       {"", "/results", "/surface", "/deviation", "/ticks", "/annotations", "/signed-result"})
+    EXPECT_EQ(By("sam").Get(path + more).status, 404) << more;
+  EXPECT_EQ(seen_by("ada"), 404) << "an instructor of another cohort";
+  ASSERT_TRUE(school_.store->references.WithdrawReference(reference->id, ada).ok());
+  EXPECT_EQ(seen_by("sam"), 404) << "withdrawn";
+  ASSERT_TRUE(school_.store->references.AddReference(cut, "Dr. Vega", false, ada).ok());
+  EXPECT_EQ(seen_by("sam"), 404) << "without consent";
+}
+
 TEST_F(TeachingTest, ExcuseIsTakenBackByWhoMayExcuse) {
   const std::string path = Scored("");
   ASSERT_EQ(By("ada").Judge("POST", path, "/excuse", R"({"reason":"ill"})").status, 200);

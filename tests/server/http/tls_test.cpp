@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "tests/server/http/running_server.h"
+#include "tests/support/becomes.h"
 
 namespace enamel::server::http {
 namespace {
@@ -76,6 +77,28 @@ std::string Exchange(uint16_t port, int version, const std::string& request) {
   return out;
 }
 
+// Of the certificate that the server shows now.
+Sha256 FingerprintAt(uint16_t port) {
+  int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  Context context(SSL_CTX_new(TLS_client_method()));
+  Tls tls(SSL_new(context.get()));
+  SSL_set_fd(tls.get(), socket);
+  Sha256 out;
+  unsigned size = 0;
+  if (::connect(socket, reinterpret_cast<sockaddr*>(&to), sizeof(to)) == 0 &&
+      SSL_connect(tls.get()) == 1) {
+    Certificate found(SSL_get1_peer_certificate(tls.get()));
+    X509_digest(found.get(), EVP_sha256(), out.bytes.data(), &size);
+  }
+  ::close(socket);
+  EXPECT_EQ(size, out.bytes.size());
+  return out;
+}
+
 class TlsTest : public testing::Test {
  protected:
   TlsTest() { options_.tls = WriteCertificate(folder_.path()); }
@@ -116,6 +139,20 @@ TEST_F(TlsTest, ASilentPeerIsClosedAtTheHandshakeDeadline) {
   RunningServer server(school_, options_);
   RawClient silent(server.port());
   EXPECT_TRUE(silent.ClosedByServer());
+}
+
+// As a program that renews certificates replaces them.
+TEST_F(TlsTest, ACertificateThatWasReplacedIsTakenAndOneThatCannotBeUsedIsNot) {
+  options_.certificates = std::chrono::milliseconds(5);
+  RunningServer server(school_, options_);
+  const Sha256 first = FingerprintAt(server.port());
+  folder_.Write("key.pem", "no key");
+  const test::TempFolder others;
+  WriteCertificate(others.path());
+  std::filesystem::rename(others.path() / "certificate.pem", folder_.path() / "certificate.pem");
+  EXPECT_EQ(FingerprintAt(server.port()), first) << "its key has not come yet";
+  std::filesystem::rename(others.path() / "key.pem", folder_.path() / "key.pem");
+  EXPECT_TRUE(test::Becomes([&] { return FingerprintAt(server.port()) != first; }));
 }
 
 TEST_F(TlsTest, SaysWhichFileIsMissingOrWrong) {

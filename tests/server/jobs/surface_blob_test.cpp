@@ -138,9 +138,7 @@ TEST(DeviationOfSurfaceTest, VerticesAreFoundInTheCellsThatTheyWereMadeIn) {
     const surface::Mesh mesh = surface::ExtractSurface(volume);
     std::vector<float> deviation(mesh.position_m.size());
     for (size_t i = 0; i < deviation.size(); ++i) deviation[i] = mesh.position_m[i].z;
-    auto blob = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
-    ASSERT_TRUE(blob.ok()) << blob.status().message();
-    auto found = timeline::DecodeDeviation(*blob);
+    auto found = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
     ASSERT_TRUE(found.ok()) << found.status().message();
     const std::set<std::array<int, 3>> crossed = CrossedCells(volume);
     // Of the ball's a few lie nearer to a border than positions are rounded by.
@@ -164,9 +162,7 @@ TEST(DeviationOfSurfaceTest, VerticesThatWereNotComparedAreLeftOut) {
   const surface::Mesh mesh = surface::ExtractSurface(volume);
   std::vector<float> deviation(mesh.position_m.size(), std::nanf(""));
   deviation[7] = -0.25e-3f;
-  auto blob = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
-  ASSERT_TRUE(blob.ok());
-  auto found = timeline::DecodeDeviation(*blob);
+  auto found = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
   ASSERT_TRUE(found.ok());
   ASSERT_EQ(found->cells.size(), 1u);
   EXPECT_EQ(found->cells[0].deviation_um, -250);

@@ -246,6 +246,15 @@ TEST_F(ListenerTest, BehindAProxyThePeerIsWhomItNames) {
   EXPECT_EQ(peers_, (std::vector<std::string>{"192.0.2.8", "192.0.2.7"}));
 }
 
+TEST_F(ListenerTest, TlsFromAProxysAddressComesFromSomebodyWithoutAName) {
+  Start({.name = "test", .address = "127.0.0.1", .proxies = {"127.0.0.1"}});
+  Peer peer(port_);
+  peer.Send("\x16\x03\x01");
+  EXPECT_EQ(peer.Read(), 1);
+  std::lock_guard lock(mutex_);
+  EXPECT_EQ(peers_, std::vector<std::string>{""});
+}
+
 TEST_F(ListenerTest, WhoIsNoProxyIsNotAskedForAHeader) {
   Start({.name = "test", .address = "127.0.0.1", .proxies = {"192.0.2.1"}});
   Peer peer(port_);

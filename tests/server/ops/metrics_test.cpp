@@ -71,7 +71,10 @@ TEST(MetricsTest, DurationsAreCountedOnceAndAccumulate) {
   for (auto duration : durations) histogram.Add(duration);
   MetricsText text;
   text.Durations("read_seconds", "Reads.", histogram.counts());
+  text.Durations("call_seconds", "Calls.", histogram.counts(), {{"of", "keys"}});
   Parsed parsed = Parse(text.Take());
+  EXPECT_EQ(parsed.samples.at("call_seconds_bucket{of=\"keys\",le=\"0.001\"}"), 3);
+  EXPECT_EQ(parsed.samples.at("call_seconds_count{of=\"keys\"}"), 7);
   EXPECT_EQ(parsed.types.at("read_seconds"), "histogram");
   EXPECT_EQ(parsed.samples.at("read_seconds_bucket{le=\"0.0005\"}"), 2) << "up to and with";
   EXPECT_EQ(parsed.samples.at("read_seconds_bucket{le=\"0.001\"}"), 3);

@@ -41,6 +41,10 @@ TEST(ResultDocumentTest, GoldenFileReadsAsItsDescriptionSays) {
       {"surface", d->surface.Hex()},
       {"series", d->series.Hex()},
       {"judgement", d->judgement.Hex()},
+      {"score_file", d->score_file.Hex()},
+      {"tooth_file", d->tooth_file.Hex()},
+      {"surface_file", d->surface_file.Hex()},
+      {"series_file", d->series_file.Hex()},
       {"key", ToHex(d->key)},
       {"signature", ToHex(d->signature)}};
   for (const auto& [name, found] : members) EXPECT_EQ(found, says.at(name).as_string()) << name;
@@ -52,7 +56,7 @@ TEST(ResultDocumentTest, GoldenFileReadsAsItsDescriptionSays) {
   EXPECT_EQ(d->rubric_version, says.at("rubric_version").as_int64());
   EXPECT_EQ(d->flags, says.at("flags").as_int64());
   EXPECT_EQ(d->hand, says.at("hand").as_int64());
-  EXPECT_EQ(says.size(), 26u) << "every member is compared";
+  EXPECT_EQ(says.size(), 30u) << "every member is compared";
   EXPECT_EQ(EncodeResult(*d), Golden("result.bin"));
   EXPECT_TRUE(VerifyResult(*d)) << "signed apart from our code";
 }
@@ -101,7 +105,7 @@ TEST(ResultDocumentTest, ASignatureOverATicketIsNoneOverAResult) {
     return seed;
   }());
   d.signature =
-      trace::SignText("enamel.attempt-ticket.v1", ByteView(encoded).first(552), key.secret_key);
+      trace::SignText("enamel.attempt-ticket.v1", ByteView(encoded).first(680), key.secret_key);
   EXPECT_FALSE(VerifyResult(d));
 }
 

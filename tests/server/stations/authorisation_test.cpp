@@ -56,6 +56,7 @@ std::vector<Line> Lines() {
     {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"return_ticket",  In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"measure",        In({     kNo,    "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", kNo})},
     {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
   };
 }
@@ -153,6 +154,8 @@ class LinkAuthorisationTest : public ::testing::Test {
       out.mutable_return_ticket()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
     } else if (message == "live_state") {
       out.mutable_live_state();
+    } else if (message == "measure") {
+      out.mutable_measure();
     } else if (message == "ping") {
       out.mutable_ping();
     } else {

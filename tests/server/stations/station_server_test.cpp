@@ -27,7 +27,8 @@ class StationServerTest : public ::testing::Test {
  protected:
   ~StationServerTest() override { StopAndJoin(); }
 
-  void Start(LinkDeadlines deadlines = {}, size_t max_connections = 100) {
+  void Start(LinkDeadlines deadlines = {}, size_t max_connections = 100,
+             std::vector<std::string> proxies = {}) {
     auto identity = app::EnsureIdentity(world_.folder.path());
     ASSERT_TRUE(identity.ok()) << identity.status().message();
     fingerprint_ = identity->fingerprint;
@@ -37,6 +38,7 @@ class StationServerTest : public ::testing::Test {
     options.private_key = identity->private_key;
     options.deadlines = deadlines;
     options.max_connections = max_connections;
+    options.proxies = std::move(proxies);
     server_.emplace(io_, options, world_.services, pool_);
     auto port = server_->Start();
     ASSERT_TRUE(port.ok()) << port.status().message();
@@ -158,6 +160,30 @@ TEST_F(StationServerTest, StationIsToldThatItsRequestStillWaitsWhileTheDatabaseH
   });
   EXPECT_TRUE(station.Enrol().has_enrolled());
   EXPECT_GE(waiting, 2);
+}
+
+// A server may run on the proxy's machine, and is asked from there.
+TEST_F(StationServerTest, FromAProxysAddressOnlyAnotherServerConnectsDirectly) {
+  world_.services.measure = [] {
+    wire::Measured out;
+    out.set_timeline(7);
+    return out;
+  };
+  Start({}, 100, {"127.0.0.1"});
+  Connect(client_);
+  wire::Request request;
+  request.set_id(5);
+  request.mutable_measure();
+  const wire::Reply reply = Exchange(client_, request);
+  EXPECT_EQ(reply.reply_to(), 5u);
+  EXPECT_EQ(reply.measured().timeline(), 7);
+  EXPECT_TRUE(Ends(client_));
+  Connect(client_);
+  request.mutable_hello();
+  const wire::Error refused = Exchange(client_, request).error();
+  EXPECT_EQ(refused.code(), "invalid_input");
+  EXPECT_NE(refused.message().find("PROXY protocol"), std::string::npos) << refused.message();
+  EXPECT_TRUE(Ends(client_));
 }
 
 TEST_F(StationServerTest, FrameThatIsNoMessageIsNamedAndEndsTheConnection) {

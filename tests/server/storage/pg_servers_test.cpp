@@ -34,6 +34,7 @@
 #include "server/storage/store.h"
 #include "server/storage/upkeep/store_health.h"
 #include "tests/server/storage/store_world.h"
+#include "tests/support/becomes.h"
 #include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
 #include "tests/support/s3_stand_in.h"
@@ -503,8 +504,10 @@ TEST_F(PgServersTest, TheMajorityOfTheClocksCounts) {
   // Other servers: a row each, an hour ahead of the database.
   const auto add = [&](int first, int last) {
     for (int i = first; i <= last; ++i) {
-      sql::Query q(**db,
-                   "INSERT INTO write_probe SELECT 1, ?1, at_ms, ?2 FROM write_probe LIMIT 1");
+      sql::Query q(
+          **db,
+          "INSERT INTO write_probe SELECT 1, ?1, at_ms, ?2, 1, '127.0.0.1', 1 FROM write_probe "
+          "LIMIT 1");
       const Bytes id(16, static_cast<uint8_t>(i));
       ASSERT_TRUE(q.BindBlob(id).BindInt(kHourMs).Run().ok());
     }
@@ -522,6 +525,24 @@ TEST_F(PgServersTest, TheMajorityOfTheClocksCounts) {
   EXPECT_NE(health.clock_problem.find("behind most servers"), std::string::npos);
   EXPECT_TRUE(health.takes_recordings);
   FollowSystemClock();
+}
+
+// As where two standbys were promoted at once: their timelines have the same number.
+TEST_F(PgServersTest, ADatabaseThatLacksWhatThisServerCommittedTakesNoRecordings) {
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  ASSERT_TRUE(store->look.Beat().ok());
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_TRUE(store->health.Health().takes_recordings);
+  auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  ASSERT_TRUE((*db)->Exec("UPDATE write_probe SET beats = beats - 1").ok());
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(store->look.Beat().ok());
+    const StoreHealth health = store->health.Health();
+    EXPECT_FALSE(health.takes_recordings) << "and stays so";
+    EXPECT_FALSE(health.database_fails) << "no other server can help";
+    EXPECT_NE(health.problem.find("second primary"), std::string::npos) << health.problem;
+  }
 }
 
 TEST_F(PgServersTest, ADatabaseThatHangsIsNoticedAndOneThatRunsAgainToo) {

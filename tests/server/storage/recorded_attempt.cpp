@@ -69,15 +69,16 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   result.score = points;
   result.scored_ms = 300;
   result.reference = reference;
-  auto put = [&](const std::string& text) {
+  ResultDocument document;
+  auto put = [&](const std::string& text, Sha256& file) {
+    file = HashSha256(AsBytes(text));
     return *store->blobs.PutAttemptBlob(attempt, AsBytes(text));
   };
-  result.score_json = put("score of " + std::to_string(points));
-  result.final_volume = put("volume");
-  result.surface = put("surface");
-  result.series = put("series");
+  result.score_json = put("score of " + std::to_string(points), document.score_file);
+  result.final_volume = put("volume", document.tooth_file);
+  result.surface = put("surface", document.surface_file);
+  result.series = put("series", document.series_file);
   AttemptRow row = *store->attempts.AttemptById(attempt);
-  ResultDocument document;
   document.attempt = attempt;
   document.scored_ms = result.scored_ms;
   document.header = HashSha256(*store->recordings.AttemptHeader(attempt));

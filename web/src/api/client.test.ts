@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Client } from "./client";
+import { Client, kFirstBytes } from "./client";
 
 interface Call {
   readonly path: string;
@@ -59,7 +59,7 @@ test("what changes something repeats the session's csrf value; sign-in and reads
   assert.equal(calls[2]?.init.method, "POST");
 });
 
-test("no answer, a body that is no JSON and a surface that is none are each an error, never a throw", async () => {
+test("no answer, a body that is no JSON and all of a file where a part was asked for are each an error, never a throw", async () => {
   const { client } = clientThatGets([
     new Error("refused"),
     new Response("<html>"),
@@ -68,12 +68,32 @@ test("no answer, a body that is no JSON and a surface that is none are each an e
   ]);
   const unreachable = await client.teaching.exercises();
   const html = await client.teaching.exercises();
-  const surface = await client.surface("x");
+  const all = await client.timeline("x", 5, 9);
   const proxy = await client.teaching.exercises();
   assert.equal(!unreachable.ok && unreachable.error.code, "unreachable");
   assert.equal(!html.ok && html.error.code, "malformed");
-  assert.match(surface.ok ? "" : surface.error.message, /at least 32 bytes, found 4/);
+  assert.match(all.ok ? "" : all.error.message, /all of it where a part was asked for/);
   assert.match(proxy.ok ? "" : proxy.error.message, /status 502/);
+});
+
+test("what is asked ahead is given out once, and not to whoever signs in next", async () => {
+  const { client, calls } = clientThatGets([
+    Response.json({ person: {}, csrf: "a" }),
+    Response.json({ id: "x" }),
+    new Response("ENTT", { status: 206 }),
+    Response.json({ criteria: [] }),
+    Response.json({ person: {}, csrf: "b" }),
+    Response.json({ id: "x" }),
+  ]);
+  client.beginWith("x");
+  assert.equal(calls.length, 4);
+  assert.ok((await client.currentSession()).ok);
+  const part = await client.timeline("x", 0, kFirstBytes);
+  assert.equal(part.ok && (await new Response(part.value).text()), "ENTT");
+  assert.equal(calls.length, 4);
+  assert.ok((await client.signIn("a", "b")).ok);
+  assert.ok((await client.attempt("x")).ok);
+  assert.equal(calls.length, 6, "the attempt was asked for again");
 });
 
 test("what was read ahead is given out once, for its own attempt, and asked again where it failed", async () => {

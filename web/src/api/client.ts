@@ -1,8 +1,6 @@
 import { checkSeries, checkTicks } from "./series";
 import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
-import { readSurface } from "./read_surface";
-import type { Surface } from "./surface";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
 import type {
@@ -31,6 +29,9 @@ export interface AttemptQuery {
   readonly limit?: number | undefined;
 }
 
+// Of a timeline: the coarse tooth of every attempt that was looked at, and the fine one of most class I cavities.
+export const kFirstBytes = 65_536;
+
 interface Ahead {
   readonly id: string;
   series: Promise<ApiResult<Series>> | undefined;
@@ -56,7 +57,17 @@ export class Client {
     this.operations = new OperationsApi(this.http);
   }
 
+  // Asks for what will be wanted first: the session, and the tooth, where an attempt is to be shown.
+  beginWith(attempt: string | undefined): void {
+    this.http.askAhead("/session");
+    if (attempt === undefined) return;
+    this.http.askAhead(attemptPath(attempt));
+    this.http.askAhead(timelinePath(attempt), { range: [0, kFirstBytes], kept: true });
+    this.http.askAhead(scorePath(attempt), { kept: true });
+  }
+
   async signIn(login: string, password: string): Promise<ApiResult<Session>> {
+    this.http.forgetAhead();
     return this.keepCsrf(
       await this.http.json<Session>("POST", "/session", { body: { login, password }, signingIn: true }),
     );
@@ -98,7 +109,7 @@ export class Client {
   }
   // In the server's words: wordedScore (worded.ts) has those of the page.
   score(id: string, signal?: AbortSignal) {
-    return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal, kept: true });
+    return this.http.json<Score>("GET", scorePath(id), { signal, kept: true });
   }
   async series(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
     const ahead = await this.takeAhead(id);
@@ -110,8 +121,8 @@ export class Client {
     return result.ok ? understood(checkTicks(result.value)) : result;
   }
   // What is shown where nothing can be played back: some megabytes.
-  async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    return readSurface(await this.http.bytes(`${attemptPath(id)}/surface`, signal));
+  surface(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.bytes(`${attemptPath(id)}/surface`, signal);
   }
   // Reads the series of an attempt that will probably be opened next. It is given out once; a
   // failure is asked again.
@@ -128,18 +139,14 @@ export class Client {
     const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/series`, { signal, kept: true });
     return result.ok ? understood(checkSeries(result.value)) : result;
   }
-  // A part of the attempt's timeline (timeline.ts): bytes from `from` to before `to`.
+  // The attempt's timeline (tooth/timeline.ts), from `from` to before `to`, as it comes.
   timeline(id: string, from: number, to: number, signal?: AbortSignal) {
-    return this.http.range(`${attemptPath(id)}/timeline`, from, to, signal);
+    return this.http.stream(timelinePath(id), from, to, signal);
   }
-  // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is
+  // Of the tooth at the timeline's end from the reference (tooth/deviation.ts). Not found: there is
   // none to compare with.
   deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.http.kept(`${attemptPath(id)}/deviation`, signal);
-  }
-  // The same tooth, coarse, to be seen first. Not found: there is none.
-  coarseTooth(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.http.kept(`${attemptPath(id)}/coarse-tooth`, signal);
   }
   // What was said to the chair of an attempt that is being made, and saying something.
   liveRemarks(id: string, signal?: AbortSignal) {
@@ -148,15 +155,14 @@ export class Client {
   sendLiveRemark(id: string, text: string) {
     return this.http.json<LiveRemark>("POST", `/live/${segment(id)}/remarks`, { body: { text } });
   }
-  // By the hash that a timeline's head has.
-  startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.http.kept(`/start-teeth/${segment(hash)}`, signal);
-  }
   private keepCsrf(result: ApiResult<Session>): ApiResult<Session> {
     if (result.ok) this.http.csrf = result.value.csrf;
     return result;
   }
 }
+
+const scorePath = (id: string) => `${attemptPath(id)}/score`;
+const timelinePath = (id: string) => `${attemptPath(id)}/timeline`;
 
 function attemptPath(id: string): string {
   return `/attempts/${segment(id)}`;

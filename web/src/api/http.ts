@@ -66,6 +66,7 @@ export async function readAll<T>(
 // Result. `sessionLost` is called when a request needs a session and the server reports none.
 export class Http {
   csrf = ""; // the session's; empty while signed out
+  private readonly begun = new Map<string, Promise<Response>>(); // by path and range
   // Asks the person for the password again, where the server wants that for a change; true when it
   // was given, and the change is then sent once more.
   confirmPassword: () => Promise<boolean> = async () => false;
@@ -106,28 +107,50 @@ export class Http {
   async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.read(path, { signal });
   }
+  // Bytes from `from` to before `to`, as they come; fewer where there are no more. The browser keeps them, and asks
+  // each time whether they are still the same.
+  async stream(
+    path: string,
+    from: number,
+    to: number,
+    signal?: AbortSignal,
+  ): Promise<ApiResult<ReadableStream<Uint8Array<ArrayBuffer>>>> {
+    const response = await this.request("GET", path, { signal, range: [from, to], kept: true });
+    if (!response.ok) return response;
+    if (response.value.status !== 206 && from > 0) return fail(malformed("all of it where a part was asked for"));
+    const { body } = response.value;
+    return body === null ? fail(malformed("an empty body")) : ok(body);
+  }
   // From the browser's own cache where the server says that it may be kept.
   async kept(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.read(path, { signal, kept: true });
   }
-  // Bytes from `from` to before `to`; fewer where there are no more. The browser keeps them, and asks each time
-  // whether they are still the same.
-  async range(path: string, from: number, to: number, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.read(path, { signal, range: [from, to], kept: true });
-  }
 
   private async read(path: string, options: RequestOptions): Promise<ApiResult<ArrayBuffer>> {
     const response = await this.request("GET", path, options);
-    if (!response.ok) return response;
-    const bytes = await received(() => response.value.arrayBuffer());
-    // A server may answer a request for a part with all of it.
-    if (!bytes.ok || options.range === undefined || response.value.status === 206) return bytes;
-    return ok(bytes.value.slice(...options.range));
+    return response.ok ? received(() => response.value.arrayBuffer()) : response;
   }
 
   async empty(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<undefined>> {
     const response = await this.request(method, path, options);
     return response.ok ? ok(undefined) : response;
+  }
+
+  // Sends a request whose answer will be wanted soon; it is given out once.
+  askAhead(path: string, options: RequestOptions = {}): void {
+    const answer = this.send(`/api/v1${path}`, this.init("GET", options));
+    answer.catch(() => undefined); // whoever wants it is told
+    this.begun.set(aheadKey(path, options), answer);
+  }
+  // What was asked for belongs to somebody who is not here any more.
+  forgetAhead(): void {
+    this.begun.clear();
+  }
+  private takeAhead(method: Method, path: string, options: RequestOptions): Promise<Response> | undefined {
+    const key = aheadKey(path, options);
+    const answer = method === "GET" ? this.begun.get(key) : undefined;
+    this.begun.delete(key);
+    return answer;
   }
 
   private async request(
@@ -137,7 +160,8 @@ export class Http {
     confirmed = false,
   ): Promise<ApiResult<Response>> {
     try {
-      const response = await this.send(`/api/v1${path}`, this.init(method, options));
+      const response = await (this.takeAhead(method, path, options) ??
+        this.send(`/api/v1${path}`, this.init(method, options)));
       if (response.ok) return ok(response);
       if (response.status === 401 && options.signingIn !== true) this.sessionLost();
       const error = await refusal(response);
@@ -165,6 +189,8 @@ export class Http {
     return init;
   }
 }
+
+const aheadKey = (path: string, { range }: RequestOptions) => `${path} ${range?.join("-") ?? ""}`;
 
 // "?a=1&b=2" of what is given; empty when nothing is.
 export function queryText(query: Query): string {

@@ -1,8 +1,6 @@
 import type { Json } from "../base/document";
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment, type Tagged, tagOf } from "./http";
-import { readSurface } from "./read_surface";
-import type { Surface } from "./surface";
 import type {
   Annotation,
   Assignment,
@@ -49,8 +47,8 @@ export class TeachingApi {
   documentAddress(id: string): string {
     return `/api/v1${exercisePath(id)}/document`;
   }
-  async initialSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    return readSurface(await this.http.bytes(`${exercisePath(id)}/initial-surface`, signal));
+  initialSurface(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.bytes(`${exercisePath(id)}/initial-surface`, signal);
   }
   document(id: string, signal?: AbortSignal) {
     return this.http.json<Json>("GET", `${exercisePath(id)}/document`, { signal });

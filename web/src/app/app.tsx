@@ -17,8 +17,7 @@ import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
 import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
-import "../api/shared";
-import "../widgets/shared";
+import { studio } from "../tooth/link";
 import { part } from "../widgets/part";
 import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
@@ -49,6 +48,21 @@ client.onConfirmPassword(
       };
     }),
 );
+
+// Everything that the address shows is asked for at once: each answer takes as long as the network is long. Returns the
+// parts whose words it needs.
+export function askAhead(): ("attempt_page" | "exercise_page")[] {
+  const route = parseRoute(location.value);
+  client.beginWith(route.name === "attempt" ? route.id : undefined);
+  if (route.name !== "attempt" && route.name !== "exercise") return [];
+  try {
+    studio();
+  } catch {
+    // Told where the tooth would be.
+  }
+  (route.name === "attempt" ? OneAttempt : OneExercise).begin().catch(() => undefined); // told when it is to be shown
+  return [`${route.name}_page`];
+}
 
 export async function restoreSession(): Promise<void> {
   const result = await client.currentSession();

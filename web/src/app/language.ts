@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import type { LanguageChoice } from "../api/types";
 import { firstLanguage, languageOf, spokenLanguage, type Language } from "../base/language";
-import { changeLanguage } from "../base/words";
+import { changeLanguage, type loadWords } from "../base/words";
 
 // Which language the page speaks: the one that the person chose, else the one chosen in this
 // browser before signing in, else the first that the browser is set to and that the page has.
@@ -20,10 +20,14 @@ function kept(): Language | undefined {
 
 // `choice`: of a person; empty: none. False where its words could not be loaded: the page continues
 // in the one it has.
-export async function applyLanguage(choice: LanguageChoice): Promise<boolean> {
+// `soon`: the parts whose words are wanted next.
+export async function applyLanguage(
+  choice: LanguageChoice,
+  soon: Parameters<typeof loadWords>[0][] = [],
+): Promise<boolean> {
   const next = choice === "" ? (kept() ?? firstLanguage(navigator.languages)) : choice;
   try {
-    if (!begun || next !== spokenLanguage()) await changeLanguage(next, navigator.languages);
+    if (!begun || next !== spokenLanguage()) await changeLanguage(next, navigator.languages, soon);
     begun = true;
   } catch {
     return false;

@@ -1,6 +1,6 @@
 import { render } from "preact";
 import { check } from "../base/assert";
-import { App, restoreSession } from "./app";
+import { App, askAhead, restoreSession } from "./app";
 import { applyLanguage } from "./language";
 import { followLinks } from "./location";
 
@@ -8,7 +8,7 @@ const root = document.getElementById("app");
 check(root !== null, "index.html has an element with id app");
 followLinks();
 // Nothing can be said before its words are there.
-void applyLanguage("").then((spoken) => {
+void applyLanguage("", askAhead()).then((spoken) => {
   if (!spoken) {
     root.textContent = "This page could not be loaded. Diese Seite ließ sich nicht laden. 页面无法加载。";
     return;

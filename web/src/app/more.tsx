@@ -1,5 +1,3 @@
-import "../api/shared";
-import "../widgets/shared";
 import type { ComponentChildren } from "preact";
 import { AuditPage } from "../features/operations/audit_page";
 import { HealthPage } from "../features/operations/health_page";

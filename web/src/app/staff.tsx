@@ -1,5 +1,3 @@
-import "../api/shared";
-import "../widgets/shared";
 import type { ComponentChildren } from "preact";
 import type { Client } from "../api/client";
 import { AssignmentPage } from "../features/assignments/assignment_page";

@@ -2,6 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
   formatBytes,
+  formatDate,
+  formatDateTime,
   formatDuration,
   formatLimit,
   formatMoment,
@@ -85,4 +87,25 @@ test("a moment is shown in minutes, seconds and tenths", () => {
   assert.equal(formatMoment(5), "0:05.0");
   assert.equal(formatMoment(59.96), "1:00.0");
   assert.equal(formatMoment(-1), "–");
+});
+
+test("the format of a date is made once in each language", () => {
+  const real = Intl.DateTimeFormat;
+  let made = 0;
+  Intl.DateTimeFormat = class extends real {
+    constructor(...given: ConstructorParameters<typeof real>) {
+      super(...given);
+      ++made;
+    }
+  } as typeof real;
+  try {
+    speak("de");
+    const [german] = [formatDateTime(1e12), formatDateTime(2e12), formatDate(1e12), formatDate(2e12)];
+    assert.equal(made, 2, "with and without the time of day");
+    speak("en");
+    assert.notEqual(formatDateTime(1e12), german);
+  } finally {
+    Intl.DateTimeFormat = real;
+    speak("en");
+  }
 });

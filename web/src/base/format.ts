@@ -1,4 +1,4 @@
-import { numberText, spokenLanguage, spokenLocale } from "./language";
+import { dateText, numberText, spokenLanguage, spokenLocale } from "./language";
 
 // Numbers, units and times as people read them. Values that are not finite are shown as a dash.
 
@@ -123,11 +123,11 @@ function digitsFor(value: number): number {
 
 export function formatDateTime(unixMs: number): string {
   if (!Number.isFinite(unixMs) || unixMs <= 0) return kDash;
-  return new Intl.DateTimeFormat(spokenLocale(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(unixMs));
+  return dateText(unixMs, true);
 }
 
 export function formatDate(unixMs: number): string {
-  return new Intl.DateTimeFormat(spokenLocale(), { dateStyle: "medium" }).format(new Date(unixMs));
+  return dateText(unixMs, false);
 }
 
 // How long something took. Below a minute a measured time keeps its tenths.

@@ -28,7 +28,9 @@ interface Spoken {
 
 let now: Spoken = { language: "en", locale: "en" };
 let plurals = new Intl.PluralRules("en");
-let numbers = new Map<number, Intl.NumberFormat>(); // by least and most decimals: each takes long to make
+// Each takes long to make, a date's as long as a screen takes to be drawn.
+let numbers = new Map<number, Intl.NumberFormat>(); // by least and most decimals
+let dates = new Map<boolean, Intl.DateTimeFormat>(); // with the time of day
 
 export function speak(language: Language, browser: readonly string[] = []): void {
   const locale =
@@ -36,6 +38,7 @@ export function speak(language: Language, browser: readonly string[] = []): void
   now = { language, locale };
   plurals = new Intl.PluralRules(language);
   numbers = new Map();
+  dates = new Map();
 }
 
 function isLocale(code: string): boolean {
@@ -65,6 +68,15 @@ function numberFormat(least: number, most: number): Intl.NumberFormat {
   const made = new Intl.NumberFormat(now.language, { minimumFractionDigits: least, maximumFractionDigits: most });
   numbers.set(key, made);
   return made;
+}
+
+export function dateText(unixMs: number, withTime: boolean): string {
+  let format = dates.get(withTime);
+  if (format === undefined) {
+    format = new Intl.DateTimeFormat(now.locale, { dateStyle: "medium", ...(withTime ? { timeStyle: "short" } : {}) });
+    dates.set(withTime, format);
+  }
+  return format.format(new Date(unixMs));
 }
 
 // With the language's decimal sign, a true minus sign, and thin grouping of thousands (ISO

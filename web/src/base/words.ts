@@ -23,11 +23,15 @@ export async function loadWords(part: Part): Promise<void> {
   loaded.add(part);
 }
 
-// From now on in another language, with all parts that are there already. Nothing changes where one
-// cannot be loaded.
-export async function changeLanguage(language: Language, browser: readonly string[]): Promise<void> {
-  const parts = loaded.size === 0 ? ["first" as const] : [...loaded];
-  const found = await Promise.all(parts.map((part) => kParts[language][part]()));
+// From now on in another language, with all parts that are there already and those that are wanted `soon`. Nothing
+// changes where one cannot be loaded.
+export async function changeLanguage(
+  language: Language,
+  browser: readonly string[],
+  soon: readonly Part[] = [],
+): Promise<void> {
+  const parts = new Set<Part>(["first", ...loaded, ...soon]);
+  const found = await Promise.all([...parts].map((part) => kParts[language][part]()));
   messages = Object.assign({}, ...found.map((words) => words.default)) as Messages;
   for (const part of parts) loaded.add(part);
   speak(language, browser);

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { say } from "../base/words";
 
 // Small building blocks without any state of the application.
@@ -36,6 +36,17 @@ export function Notice({
         {children}
       </div>
     </div>
+  );
+}
+
+// Figures that are made when somebody unfolds them.
+export function Folded({ title, content }: { readonly title: string; readonly content: () => ComponentChildren }) {
+  const [open, setOpen] = useState(false);
+  return (
+    <details class="numbers" onToggle={(event) => setOpen(event.currentTarget.open)}>
+      <summary>{title}</summary>
+      {open && content()}
+    </details>
   );
 }
 

@@ -3,14 +3,40 @@ import { useEffect, useState } from "preact/hooks";
 import { loadWords, say } from "../base/words";
 import { ErrorNotice, Loading } from "./basics";
 
+// The browser would find the files that a part's script needs when that is there. The build names them in the page
+// (scripts/build.mjs).
+function loadWith(name: string): void {
+  const files = document.querySelector<HTMLMetaElement>(`meta[name="part-${name}"]`)?.content.split(" ") ?? [];
+  for (const href of files)
+    document.head.append(Object.assign(document.createElement("link"), { rel: "modulepreload", href }));
+}
+
+interface Props<Part> {
+  readonly show: (part: Part) => ComponentChildren;
+}
+
 // A part of the page that is loaded when somebody comes to it, with its words: a component that
-// shows what `show` makes of it.
+// shows what `show` makes of it. `begin` loads its script, for somebody who comes there soon.
 export function part<Part>(name: Parameters<typeof loadWords>[0], load: () => Promise<Part>) {
-  return function LoadedPart({ show }: { readonly show: (part: Part) => ComponentChildren }) {
-    const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">("loading");
+  let script: Promise<Part> | undefined;
+  let there: { readonly part: Part } | undefined; // with its words
+  const begin = () => {
+    if (script === undefined) loadWith(name);
+    script ??= load();
+    script.catch(() => {
+      script = undefined;
+    });
+    return script;
+  };
+  function LoadedPart({ show }: Props<Part>) {
+    const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">(there ?? "loading");
     useEffect(() => {
-      Promise.all([load(), loadWords(name)]).then(
-        ([part]) => setLoaded({ part }),
+      // Another language may be spoken than when it was loaded.
+      Promise.all([begin(), loadWords(name)]).then(
+        ([part]) => {
+          there ??= { part };
+          setLoaded(there);
+        },
         () => setLoaded("failed"),
       );
     }, []);
@@ -24,5 +50,6 @@ export function part<Part>(name: Parameters<typeof loadWords>[0], load: () => Pr
         />
       );
     return <>{show(loaded.part)}</>;
-  };
+  }
+  return Object.assign(LoadedPart, { begin });
 }

@@ -3,7 +3,7 @@ import type { AssignmentInsight, Spread } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { wordedInsight } from "../../api/worded";
 import { csvText } from "../../base/csv";
-import { downloadText, fileName } from "../../base/download";
+import { downloadFile, fileName } from "../../base/download";
 import { formatDateTime, formatDuration, formatPoints, formatQuantity, formatScore } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
@@ -26,7 +26,7 @@ export function InsightCard({ client, id, title }: Props) {
   });
   const save = (insight: AssignmentInsight) => {
     const { header, rows } = insightTable(insight);
-    downloadText(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
+    downloadFile(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
   };
   const aside =
     loaded.state === "ready" && loaded.value.students.length > 0 ? (

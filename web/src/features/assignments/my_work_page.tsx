@@ -5,7 +5,10 @@ import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Brief, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { part } from "../../widgets/part";
 import { dueText, exerciseTitle, leftText, phaseOf, resultText } from "./assignment_text";
+
+const Scores = part("my_progress", () => import("./my_progress"));
 
 // A student's assignments, the earliest due time first.
 export function MyWorkPage({ client }: { readonly client: Client }) {
@@ -25,7 +28,7 @@ export function MyWorkPage({ client }: { readonly client: Client }) {
           <ul class="card-list">
             {loaded.value.map((assignment) => (
               <li key={assignment.id}>
-                <AssignmentCard assignment={assignment} now={now} />
+                <AssignmentCard client={client} assignment={assignment} now={now} />
               </li>
             ))}
           </ul>
@@ -34,7 +37,13 @@ export function MyWorkPage({ client }: { readonly client: Client }) {
   );
 }
 
-function AssignmentCard({ assignment, now }: { readonly assignment: Assignment; readonly now: number }) {
+interface CardProps {
+  readonly client: Client;
+  readonly assignment: Assignment;
+  readonly now: number;
+}
+
+function AssignmentCard({ client, assignment, now }: CardProps) {
   const { exercise, mine } = assignment;
   const used = mine?.attempts_used ?? 0;
   return (
@@ -82,6 +91,9 @@ function AssignmentCard({ assignment, now }: { readonly assignment: Assignment; 
       </dl>
       {assignment.exam && <p class="hint">{say("my_work.exam")}</p>}
       {mine !== null && mine.refusal !== "" && <p class="hint">{mine.refusal}</p>}
+      {used > 0 && (
+        <Scores show={({ MyProgress }) => <MyProgress client={client} assignment={assignment.id} used={used} />} />
+      )}
       {used > 0 && exercise.id !== null && (
         <p>
           <a href={`/attempts?exercise=${exercise.id}`}>

@@ -9,7 +9,7 @@ import { say } from "../../base/words";
 import { Brief, Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
-import type { PointMm } from "../../widgets/tooth/scene";
+import type { PointMm } from "../../tooth/messages";
 import { useDraft } from "../../widgets/use_draft";
 import { commentsOf, dropComment, keepComment } from "./comment_bank";
 import { type Mark, secondsOfTick, tickAt } from "./moments";

@@ -1,5 +1,3 @@
-import "../../api/shared";
-import "../../widgets/shared";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
@@ -16,6 +14,7 @@ import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
+import { useSteps } from "../../widgets/use_steps";
 import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
@@ -74,6 +73,9 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
     { key: "o", what: say("attempt_key.more"), act: () => review.current?.plots.zoom?.(-1) },
     { key: "u", what: say("attempt_key.whole"), act: () => review.current?.plots.zoom?.(0) },
     { key: "v", what: say("attempt_key.lines"), act: () => review.current?.plots.more?.() },
+    { key: "g", what: say("attempt_key.target"), act: () => review.current?.plots.target?.() },
+    { key: "f", what: say("attempt_key.reference"), act: () => review.current?.plots.reference?.() },
+    { key: "m", what: say("attempt_key.measure"), act: () => review.current?.plots.measure?.() },
     { key: "x", what: say("attempt_key.next_mark"), act: () => review.current?.toMark(1) },
     { key: "z", what: say("attempt_key.mark_before"), act: () => review.current?.toMark(-1) },
     ...(!teacher
@@ -187,41 +189,57 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
   const { attempt, scored, done } = review;
   handle.current = review;
   useEffect(() => onDone(done), [done, onDone]);
+  // The tooth first: it is drawn elsewhere while these are made.
+  const step = useSteps(review.begun, 3);
   return (
     <>
       <div class="attempt-grid">
-        <Judgement review={review} onChanged={onChanged} />
+        <Judgement review={review} onChanged={onChanged} soon={step < 1} />
         {review.removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <Replay review={review} />}
       </div>
-      <div class="columns">
-        <RecordingPanel attempt={attempt} score={scored} />
-        <div class="stack">
-          <Contradictions attempt={attempt} />
-          <Nearness near={attempt.nearness} />
-          {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
-          {scored?.envelope != null && (
-            <EnvelopePanel
-              client={review.client}
-              exercise={attempt.exercise.id}
-              envelope={scored.envelope}
-              metrics={scored.metrics}
-              judged={scored.criteria.map((criterion) => criterion.name)}
-            />
-          )}
-        </div>
-      </div>
-      {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+      {step >= 2 && <Details review={review} />}
+      {step >= 3 && scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
     </>
   );
 }
 
+// The recording, and what else is known of it.
+function Details({ review }: { readonly review: Review }) {
+  const { attempt, scored } = review;
+  return (
+    <div class="columns">
+      <RecordingPanel attempt={attempt} score={scored} />
+      <div class="stack">
+        <Contradictions attempt={attempt} />
+        <Nearness near={attempt.nearness} />
+        {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
+        {scored?.envelope != null && (
+          <EnvelopePanel
+            client={review.client}
+            exercise={attempt.exercise.id}
+            envelope={scored.envelope}
+            metrics={scored.metrics}
+            judged={scored.criteria}
+          />
+        )}
+      </div>
+    </div>
+  );
+}
+
+interface JudgementProps {
+  readonly review: Review;
+  readonly onChanged: () => void;
+  readonly soon: boolean; // there is no time for it yet
+}
+
 // Score, appeal and remarks.
-function Judgement({ review, onChanged }: { readonly review: Review; readonly onChanged: () => void }) {
+function Judgement({ review, onChanged, soon }: JudgementProps) {
   const { client, attempt, score, scored, recorded } = review;
   const { reference } = attempt;
   return (
     <div class="stack">
-      {score.loaded.state === "loading" && (
+      {(score.loaded.state === "loading" || (soon && scored !== undefined)) && (
         <Card title={say("score.title")}>
           <Loading what={say("loading.score")} />
         </Card>
@@ -240,7 +258,7 @@ function Judgement({ review, onChanged }: { readonly review: Review; readonly on
           <p>{attempt.problem}</p>
         </Notice>
       )}
-      {scored !== undefined && (
+      {scored !== undefined && !soon && (
         <ScorePanel
           score={scored}
           reference={reference === null ? undefined : (reference.dentist ?? say("attempt.earlier_reference"))}

@@ -1,17 +1,14 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { FramePose, Head } from "../../api/timeline";
+import type { Head } from "../../tooth/timeline";
 import type { Series } from "../../api/types";
 import { FrameClock, seriesEndS, stepAt } from "./clock";
 
-const head = { ticks: 1050, rateHz: 1000, frameTicks: 100, frames: 11 } as Head;
-const pose = (gapTicks: number) => ({ gapTicks }) as FramePose;
+const head = { ticks: 1050, rateHz: 1000, frameTicks: 100, segmentFrames: 4, frames: 11 } as Head;
+const gapAt3 = [Uint32Array.of(0, 0, 0, 2000), new Uint32Array(4), new Uint32Array(3)];
 
 test("a frame ends after its ticks and every gap before; the last one may be shorter", () => {
-  const clock = new FrameClock(
-    head,
-    Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)),
-  );
+  const clock = new FrameClock(head, gapAt3);
   assert.deepEqual(
     [0, 1, 3, 4, 10, 11].map((frames) => clock.timeOf(frames)),
     [0, 0.1, 0.3, 2.4, 3, 3.05],
@@ -20,10 +17,7 @@ test("a frame ends after its ticks and every gap before; the last one may be sho
 });
 
 test("a time finds the frame whose end is nearest, and a frame's own time finds that frame", () => {
-  const clock = new FrameClock(
-    head,
-    Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)),
-  );
+  const clock = new FrameClock(head, gapAt3);
   for (let frames = 0; frames <= 11; ++frames) assert.equal(clock.framesAt(clock.timeOf(frames)), frames);
   assert.deepEqual(
     [-5, 0.04, 0.06, 1, 2, 99].map((timeS) => clock.framesAt(timeS)),
@@ -31,9 +25,8 @@ test("a time finds the frame whose end is nearest, and a frame's own time finds 
   );
 });
 
-test("gaps name the frame in which they end, also where poses are still to come", () => {
-  const poses = Array.from({ length: 5 }, (_, k) => (k === 1 ? undefined : pose(k === 3 ? 2000 : 0)));
-  assert.deepEqual(new FrameClock(head, poses).gaps, [{ frames: 4, seconds: 2, endS: 2.4 }]);
+test("gaps name the frame in which they end, also where segments are still to come", () => {
+  assert.deepEqual(new FrameClock(head, gapAt3.slice(0, 1)).gaps, [{ frames: 4, seconds: 2, endS: 2.4 }]);
 });
 
 test("thirty seconds are thirty seconds, also where a step of the series is longer than a frame", () => {

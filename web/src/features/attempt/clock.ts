@@ -1,5 +1,5 @@
 import type { Series } from "../../api/types";
-import type { FramePose, Head } from "../../api/timeline";
+import type { Head } from "../../tooth/timeline";
 
 // Times of an attempt, in seconds since its first tick, gaps included: what the series, the
 // playback and a link share.
@@ -11,22 +11,23 @@ export interface Gap {
   readonly endS: number;
 }
 
-// When each frame of a playback ends. Before its poses are here no gap is known.
+// When each frame of a playback ends. Of a segment that is not here yet no gap is known.
 export class FrameClock {
   readonly gaps: readonly Gap[];
   private readonly gapTicks: Float64Array; // before the end of so many frames
 
   constructor(
     private readonly head: Head,
-    poses: readonly (FramePose | undefined)[],
+    segments: readonly (Uint32Array | undefined)[], // of each frame, the ticks of its gaps
   ) {
     this.gapTicks = new Float64Array(head.frames + 1);
-    for (let k = 0; k < head.frames; ++k) this.gapTicks[k + 1] = this.gapTicks[k]! + (poses[k]?.gapTicks ?? 0);
-    this.gaps = poses.flatMap((pose, k) =>
-      pose === undefined || pose.gapTicks === 0
-        ? []
-        : [{ frames: k + 1, seconds: pose.gapTicks / head.rateHz, endS: this.timeOf(k + 1) }],
-    );
+    const gaps: Gap[] = [];
+    for (let k = 0; k < head.frames; ++k) {
+      const ticks = segments[Math.floor(k / head.segmentFrames)]?.[k % head.segmentFrames] ?? 0;
+      this.gapTicks[k + 1] = this.gapTicks[k]! + ticks;
+      if (ticks > 0) gaps.push({ frames: k + 1, seconds: ticks / head.rateHz, endS: this.timeOf(k + 1) });
+    }
+    this.gaps = gaps;
   }
 
   get endS(): number {

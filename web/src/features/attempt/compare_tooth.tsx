@@ -32,8 +32,7 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   );
   const others = loaded.state === "ready" ? loaded.value.items.filter((other) => other.id !== attempt.id) : [];
   const own = others.filter((other) => other.person.id === attempt.person.id);
-  const reference =
-    staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
+  const reference = comparable(attempt, staff);
   return (
     <select
       aria-label={say("compare.with")}
@@ -75,6 +74,13 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   );
 }
 
+// Students are offered it with the dentist's consent: only then does the answer name the dentist.
+type Reference = NonNullable<AttemptDetail["reference"]>;
+export function comparable({ id, reference }: AttemptDetail, staff: boolean): Reference | undefined {
+  if (reference === null || reference.attempt_id === id) return undefined;
+  return staff || reference.dentist !== null ? reference : undefined;
+}
+
 const title = (attempt: Attempt) =>
   `${formatDateTime(attempt.ticketed_ms)}${attempt.score === null ? "" : `, ${formatScore(attempt.score)}`}`;
 
@@ -83,7 +89,7 @@ export function attemptName(attempt: Attempt): string {
   return `${attempt.person.display_name}, ${title(attempt)}`;
 }
 
-function referenceName({ dentist }: NonNullable<AttemptDetail["reference"]>): string {
+export function referenceName({ dentist }: Reference): string {
   return dentist === null ? say("compare.reference") : say("compare.reference_of", { dentist });
 }
 
@@ -155,17 +161,17 @@ interface Props {
 export function OtherTooth({ name, other, anatomy, choices, look }: Props) {
   const { playback } = other;
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
+  const cut = playback.head?.cut;
   const angled = useMemo(
-    () => ({ ...outlook(compared, undefined, anatomy?.mesial), cavity: playback.cut }),
-    [compared, anatomy, playback.cut],
+    () => ({ ...outlook(compared, undefined, anatomy?.mesial), cavity: cut }),
+    [compared, anatomy, cut],
   );
-  const model = useMemo(() => ({ film: playback }), [playback]);
-  if (!isReady(other)) return <OtherMissing other={other} />;
+  if (!isReady(other) || playback.film === undefined) return <OtherMissing other={other} />;
   return (
     <div class="other-tooth">
       <ToothView
         led
-        model={model}
+        film={playback.film}
         anatomy={anatomy}
         busy={!playback.drawn}
         mode={compared === undefined || playback.showing ? "tissue" : choices.mode}

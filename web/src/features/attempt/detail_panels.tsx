@@ -12,10 +12,11 @@ import {
 import { metricTitle } from "../../base/metric_titles";
 import { say } from "../../base/words";
 import { Badge, Card, Notice } from "../../widgets/basics";
+import { still } from "../../widgets/still";
 import { DataTable } from "../../widgets/table";
 import { heldBy, recordingFacts, saidFacts } from "./summary";
 
-export function RecordingPanel({
+export const RecordingPanel = still(function RecordingPanel({
   attempt,
   score,
 }: {
@@ -82,9 +83,9 @@ export function RecordingPanel({
       </dl>
     </Card>
   );
-}
+});
 
-export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] }) {
+export const MetricsPanel = still(function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] }) {
   return (
     <Card title={say("recording.all_measurements")}>
       <dl class="facts stacked two">
@@ -97,7 +98,7 @@ export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] 
       </dl>
     </Card>
   );
-}
+});
 
 const kCauses: Readonly<Record<string, string>> = {
   get seal() {
@@ -121,7 +122,7 @@ const kCauses: Readonly<Record<string, string>> = {
 };
 
 // Every time the attempt was scored; nothing to say as long as that was once.
-export function RunsPanel({
+export const RunsPanel = still(function RunsPanel({
   client,
   requestKey,
   attemptId,
@@ -156,4 +157,4 @@ export function RunsPanel({
       <p class="hint">{say("recording.newest_counts")}</p>
     </Card>
   );
-}
+});

@@ -1,7 +1,5 @@
-import type { Surface } from "../../api/surface";
 import type { MesialX } from "../../api/tooth_number";
-
-export type Compared = Pick<Surface, "positionMm" | "normal" | "deviationMm">;
+import type { Compared } from "../../tooth/messages";
 
 // The deviation map in numbers, for people who do not or cannot see the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
@@ -66,7 +64,7 @@ export function outlook(
 function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefined {
   const sum = [0, 0, 0];
   let count = 0;
-  deviationMm?.forEach((value, vertex) => {
+  deviationMm.forEach((value, vertex) => {
     if (Number.isNaN(value)) return;
     ++count;
     for (let axis = 0; axis < 3; ++axis) sum[axis]! += positionMm[3 * vertex + axis]!;
@@ -81,7 +79,6 @@ export function summariseDeviation(
   mesial: MesialX | undefined,
 ): DeviationSummary | undefined {
   const { deviationMm } = surface;
-  if (deviationMm === undefined) return undefined;
   const sizes: number[] = [];
   let over = 0;
   let under = 0;

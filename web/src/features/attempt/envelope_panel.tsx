@@ -5,6 +5,7 @@ import { formatNumber, formatQuantity } from "../../base/format";
 import { metricTitle } from "../../base/metric_titles";
 import { say } from "../../base/words";
 import { Card } from "../../widgets/basics";
+import { still } from "../../widgets/still";
 import { DataTable } from "../../widgets/table";
 import { placeAmong } from "./envelope_place";
 
@@ -13,18 +14,18 @@ interface Props {
   readonly exercise: string;
   readonly envelope: Envelope;
   readonly metrics: Score["metrics"];
-  readonly judged: readonly string[]; // metrics of the rubric, in its order
+  readonly judged: Score["criteria"]; // in the rubric's order
 }
 
 // Where the attempt lies among several dentists' cuts. Points come from the newest of them alone.
-export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: Props) {
+export const EnvelopePanel = still(function EnvelopePanel({ client, exercise, envelope, metrics, judged }: Props) {
   const references = useRequest(exercise, (signal) => client.teaching.references(exercise, signal));
   const known = references.loaded.state === "ready" ? references.loaded.value : [];
   const nameOf = (attempt: string, place: number) =>
     known.find((each) => each.attempt_id === attempt)?.dentist ??
     say("envelope.dentist", { number: String(place + 1) });
   const [nearest] = envelope.references;
-  const rows = judged.flatMap((name) => {
+  const rows = judged.flatMap(({ name }) => {
     const place = envelope.metrics.find((each) => each.name === name);
     const own = metrics.find((each) => each.name === name);
     return place === undefined || own === undefined ? [] : [{ ...place, value: own.value }];
@@ -76,4 +77,4 @@ export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: P
       <p class="hint">{say("envelope.points")}</p>
     </Card>
   );
-}
+});

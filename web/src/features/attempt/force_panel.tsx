@@ -1,9 +1,12 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { downloadFile, fileName } from "../../base/download";
 import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
+import type { FilmLink } from "../../tooth/link";
+import { Card, ErrorNotice, Folded, Loading, TableFrame } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { stepAt, stepIn } from "./clock";
@@ -66,6 +69,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
     [near, series],
   );
   const lines = useMemo(() => linesOf(series), [series]);
+  const text = useMemo(() => plotText(series), [series]);
   const zoom = (atS: number, by: number) => setView(zoomed(whole, view, atS, by));
   plots.zoom = (direction) =>
     direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
@@ -147,7 +151,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
           lines={lines}
           leftTitle={say("force.force_n")}
           rightTitle={say("force.removed_mm3")}
-          label={plotText(series)}
+          label={text}
           cursor={at}
           onCursor={onCursor}
           onAxis={align}
@@ -161,7 +165,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
           onTime={onTime}
           leftTitle={say("force.force_n")}
           rightTitle={say("force.removed_mm3")}
-          label={`${plotText(series)} ${shownText}`}
+          label={`${text} ${shownText}`}
           onAxis={align}
           {...moved}
         />
@@ -204,13 +208,10 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
       <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>
         {say("force.more")}
       </button>
-      <MomentLinkButton link={review.link} />
+      <MomentLinkButton link={review.link} review={review} />
       <Readout lines={[...lines, ...moreLines, ...deepLines]} timeS={timeS} index={at} />
       <RangePanel series={series} range={review.range} />
-      <details class="numbers">
-        <summary>{say("force.as_table")}</summary>
-        <SeriesTable series={series} />
-      </details>
+      <Folded title={say("force.as_table")} content={() => <SeriesTable series={series} />} />
     </div>
   );
 }
@@ -276,10 +277,22 @@ function CloseUpPlot({
 
 // The address is shown as well: where the browser does not allow copying, it can be taken from
 // there.
-function MomentLinkButton({ link }: { readonly link: () => string }) {
+function MomentLinkButton({ link, review }: { readonly link: () => string; readonly review: Review }) {
   const [shown, setShown] = useState<string>();
+  const { control, attempt } = review;
+  const { film } = control?.playback ?? {};
+  const save = async (from: FilmLink) => {
+    const moment = formatMoment(review.momentS).replace(":", "m");
+    const name = fileName(wordedTitle(attempt.exercise.title), attempt.person.display_name, moment);
+    downloadFile(`${name}.stl`, "model/stl", await from.stl());
+  };
   return (
     <div class="moment-link no-print">
+      {film !== undefined && control?.playback.drawn === true && (
+        <button type="button" class="button small quiet" onClick={() => void save(film)}>
+          {say("force.save_tooth")}
+        </button>
+      )}
       <button type="button" class="button small quiet" onClick={() => setShown(link())}>
         {say("force.link")}
       </button>

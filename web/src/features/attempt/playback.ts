@@ -1,17 +1,12 @@
-import type { Client } from "../../api/client";
-import type { ApiError, ApiResult } from "../../api/http";
-import type { FramePose, Head } from "../../api/timeline";
-import type { BlockMesh } from "../../api/tooth_mesh";
-import type { Compared, Extent } from "../../api/tooth_work";
-import { segmentBytes } from "../../api/timeline";
-import { startToothWorker, ToothLink } from "../../api/tooth_link";
+import { type Client, kFirstBytes } from "../../api/client";
+import type { ApiError } from "../../api/http";
 import { say } from "../../base/words";
-import type { Detail, Film, FilmScreen } from "../../widgets/tooth/film";
+import { type FilmLink, studio } from "../../tooth/link";
+import type { Compared, Detail, FilmTold } from "../../tooth/messages";
+import type { Head } from "../../tooth/timeline";
 
-// An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs,
-// then the rest. What is loaded goes to a worker, which answers with triangles.
-
-const kFirstBytes = 16_384; // the head of an attempt of six hours
+// An attempt with the tooth being cut. Loads its timeline, which begins with what shows the end, and hands it to the
+// worker that draws it. What other moments need is asked for when the end is seen.
 
 export type PlaybackState =
   | { readonly state: "loading" }
@@ -26,43 +21,50 @@ export type DeviationState =
   | { readonly state: "failed"; readonly error: ApiError }
   | { readonly state: "ready"; readonly compared: Compared };
 
-export class Playback implements Film {
+// Until something has happened.
+class Wait<T> {
+  end: (value: T) => void = () => undefined;
+  readonly over = new Promise<T>((resolve) => {
+    this.end = resolve;
+  });
+}
+
+export class Playback {
   state: PlaybackState = { state: "loading" };
   deviation: DeviationState = { state: "loading" };
-  drawn = false; // the first fine picture was told
-  private coarse = false; // a coarse one was
-  private tellDrawn = (): void => undefined;
-  private readonly firstDrawn = new Promise<void>((resolve) => {
-    this.tellDrawn = resolve;
-  });
-  readonly tissues = new Set<number>(); // that were seen at the surface
-  whole = false; // all segments are here
+  detail: Detail = "none"; // of the tooth that was drawn
+  tissues: readonly number[] = []; // that were seen at the surface
+  whole = false; // every moment is here
   position = 0; // frames of the tooth that is shown or being made
-  head: Head | undefined;
-  extent: Extent = { centreMm: [0, 0, 0], radiusMm: 1 };
-  cut: Extent | undefined; // where something went, by the end
-  private link: ToothLink | undefined;
   wanted = 0; // frames of the tooth that was asked for last
-  readonly poses: FramePose[] = []; // by frame, where its segment is here
-  private readonly meshes = new Map<number, BlockMesh>();
-  private readonly screens = new Set<FilmScreen>();
+  head: Head | undefined;
+  readonly gaps: Uint32Array[] = []; // by segment: ticks that passed before each frame's end and were not recorded
+  readonly film: FilmLink | undefined; // undefined: this browser draws none
   private readonly abort = new AbortController();
+  private readonly headCame = new Wait<Head | undefined>(); // undefined: it cannot be read
+  private readonly endSeen = new Wait<void>();
 
   // `changed` is called whenever state, position or what is loaded has changed.
   constructor(
     private readonly client: Client,
     private readonly attempt: string,
     private readonly changed: () => void,
-  ) {}
+  ) {
+    try {
+      this.film = studio().film((told) => this.told(told));
+    } catch {
+      const error: ApiError = { code: "unreachable", status: 0, field: "", message: say("playback.no_worker") };
+      this.state = { state: "failed", error };
+    }
+  }
 
   dispose(): void {
     this.abort.abort();
-    this.link?.dispose();
-    this.screens.clear();
+    this.film?.close();
   }
 
-  get detail(): Detail {
-    return this.drawn ? "fine" : this.coarse ? "coarse" : "none";
+  get drawn(): boolean {
+    return this.detail === "fine";
   }
   get frames(): number {
     return this.head?.frames ?? 0;
@@ -73,157 +75,92 @@ export class Playback implements Film {
   }
 
   async load(): Promise<void> {
-    const error = await this.loadEnd();
-    if (this.abort.signal.aborted) return;
-    if (error !== undefined) {
-      this.state =
-        error.code === "unavailable" ? { state: "waiting", message: error.message } : { state: "failed", error };
-      this.changed();
-      return;
+    if (this.film === undefined) return;
+    const error = (await this.part(0, kFirstBytes)) ?? (await this.rest());
+    if (error === undefined || this.abort.signal.aborted) return;
+    this.state =
+      error.code === "unavailable" ? { state: "waiting", message: error.message } : { state: "failed", error };
+    this.changed();
+  }
+  // What the end needs, then all else.
+  private async rest(): Promise<ApiError | undefined> {
+    const head = await this.headCame.over;
+    if (head === undefined) return undefined;
+    const error = head.endsAt > kFirstBytes ? await this.part(kFirstBytes, head.endsAt) : undefined;
+    if (error !== undefined) return error;
+    await this.endSeen.over;
+    const from = Math.max(head.endsAt, kFirstBytes);
+    return from < head.fileBytes ? this.part(from, head.fileBytes) : undefined;
+  }
+  private async part(from: number, to: number): Promise<ApiError | undefined> {
+    const bytes = await this.client.timeline(this.attempt, from, to, this.abort.signal);
+    if (!bytes.ok) return bytes.error;
+    const reader = bytes.value.getReader();
+    try {
+      for (;;) {
+        const { done, value } = await reader.read();
+        if (done) return undefined;
+        // Its buffer is its own, or it would be handed over with what others hold.
+        const own = value.byteLength === value.buffer.byteLength ? value.buffer : value.slice().buffer;
+        this.film?.bytes(own);
+      }
+    } catch {
+      return { code: "unreachable", status: 0, field: "", message: say("error.unreachable") };
     }
-    this.position = this.wanted = this.frames;
-    this.state = { state: "ready" };
-    this.link?.seek(this.frames);
-    this.changed();
-    void this.loadDeviation();
-    await this.firstDrawn;
-    const rest = await this.loadRest();
-    if (this.abort.signal.aborted) return;
-    if (rest !== undefined) this.state = { state: "failed", error: rest };
-    else this.whole = true;
-    this.changed();
   }
 
-  private part(from: number, to: number): Promise<ApiResult<ArrayBuffer>> {
-    return this.client.timeline(this.attempt, from, to, this.abort.signal);
-  }
   private malformed(message: string): ApiError {
     return { code: "malformed", status: 0, field: "", message: say("playback.malformed", { reason: message }) };
   }
-  private fail(message: string): void {
-    this.state = { state: "failed", error: this.malformed(message) };
-    this.changed();
-  }
 
-  // Head, start tooth and last segment: the tooth at the end.
-  private async loadEnd(): Promise<ApiError | undefined> {
-    let link: ToothLink;
-    try {
-      link = this.link = new ToothLink(startToothWorker(), {
-        blocks: (blocks) => this.setBlocks(blocks),
-        shown: (frames, cut) => this.shown(frames, cut),
-        failed: (message) => this.fail(message),
-      });
-    } catch {
-      return { code: "unreachable", status: 0, field: "", message: say("playback.no_worker") };
+  private told(told: FilmTold): void {
+    switch (told.told) {
+      case "head":
+        this.head = told.head;
+        this.position = this.wanted = told.head.frames;
+        this.headCame.end(told.head);
+        break;
+      case "gaps":
+        this.gaps[told.segment] = told.ticks;
+        return; // all are known at the end
+      case "ready":
+        this.state = { state: "ready" };
+        void this.loadDeviation();
+        break;
+      case "whole":
+        this.whole = true;
+        break;
+      case "detail":
+        this.detail = told.detail;
+        this.tissues = told.tissues;
+        if (this.drawn) this.endSeen.end();
+        break;
+      case "compared":
+        this.deviation = !told.compared.ok
+          ? { state: "failed", error: this.malformed(told.compared.error) }
+          : told.compared.value === undefined
+            ? { state: "none" }
+            : { state: "ready", compared: told.compared.value };
+        break;
+      case "shown":
+        if (told.frames === this.position && told.tissues.length === this.tissues.length) return;
+        this.position = told.frames;
+        this.tissues = told.tissues;
+        break;
+      case "failed":
+        this.headCame.end(undefined);
+        this.state = { state: "failed", error: this.malformed(told.message) };
+        break;
     }
-    const coarse = this.loadCoarse(link);
-    const first = await this.part(0, kFirstBytes);
-    if (!first.ok) return first.error;
-    const head = await link.head(first.value);
-    if (!head.ok) return this.malformed(head.error);
-    this.head = head.value;
-    const last = head.value.segments.length - 1;
-    const [start, segment] = await Promise.all([
-      coarse.then(() => this.loadStart(link, head.value)),
-      last < 0 ? undefined : this.loadLast(link, head.value, last),
-    ]);
-    return start ?? segment;
-  }
-  // Something to look at, before hundreds of kB more. Without it nothing is lost.
-  private async loadCoarse(link: ToothLink): Promise<void> {
-    const bytes = await this.client.coarseTooth(this.attempt, this.abort.signal);
-    const extent = bytes.ok ? await link.coarse(bytes.value) : undefined;
-    if (extent?.ok !== true || this.drawn) return;
-    this.extent = extent.value;
-    this.coarse = true;
     this.changed();
-  }
-  private async loadStart(link: ToothLink, head: Head): Promise<ApiError | undefined> {
-    const bytes = await this.client.startTooth(head.start, this.abort.signal);
-    if (!bytes.ok) return bytes.error;
-    const extent = await link.start(bytes.value);
-    if (!extent.ok) return this.malformed(extent.error);
-    if (!this.coarse) this.extent = extent.value;
-    return undefined;
-  }
-  private async loadLast(link: ToothLink, head: Head, index: number): Promise<ApiError | undefined> {
-    const segment = head.segments[index]!;
-    const bytes = await this.part(segment.from, segment.from + segmentBytes(segment));
-    return bytes.ok ? this.takeSegment(link, head, index, bytes.value) : bytes.error;
-  }
-  private async takeSegment(
-    link: ToothLink,
-    head: Head,
-    index: number,
-    bytes: ArrayBuffer,
-  ): Promise<ApiError | undefined> {
-    const poses = await link.segment(index, bytes);
-    if (!poses.ok) return this.malformed(poses.error);
-    poses.value.forEach((pose, i) => {
-      this.poses[index * head.segmentFrames + i] = pose;
-    });
-    return undefined;
   }
 
   private async loadDeviation(): Promise<void> {
     const bytes = await this.client.deviation(this.attempt, this.abort.signal);
-    const compared = bytes.ok ? await this.link?.deviation(bytes.value) : undefined;
     if (this.abort.signal.aborted) return;
-    if (!bytes.ok)
-      this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };
-    else if (compared?.ok === true) this.deviation = { state: "ready", compared: compared.value };
-    else this.deviation = { state: "failed", error: this.malformed(compared?.error ?? say("playback.closed")) };
+    if (bytes.ok) return this.film?.deviation(bytes.value);
+    this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };
     this.changed();
-  }
-
-  // All other segments, in one answer: together they are smaller than a photograph.
-  private async loadRest(): Promise<ApiError | undefined> {
-    const { head, link } = this;
-    const last = head?.segments.at(-1);
-    if (head === undefined || link === undefined || last === undefined || last.from === head.bytes) return undefined;
-    const bytes = await this.part(head.bytes, last.from);
-    if (!bytes.ok) return bytes.error;
-    for (const [i, segment] of head.segments.slice(0, -1).entries()) {
-      const at = segment.from - head.bytes;
-      const error = await this.takeSegment(link, head, i, bytes.value.slice(at, at + segmentBytes(segment)));
-      if (error !== undefined) return error;
-    }
-    return undefined;
-  }
-
-  attach(screen: FilmScreen): () => void {
-    this.screens.add(screen);
-    for (const [block, mesh] of this.meshes) screen.setBlock(block, mesh);
-    this.tell(screen);
-    return () => {
-      this.screens.delete(screen);
-    };
-  }
-  private tell(screen: FilmScreen): void {
-    screen.setBur(this.head?.outline ?? [], this.showing ? this.pose(this.position) : undefined);
-  }
-  private setBlocks(blocks: readonly (readonly [number, BlockMesh | undefined])[]): void {
-    for (const [block, mesh] of blocks) {
-      if (mesh === undefined) this.meshes.delete(block);
-      else this.meshes.set(block, mesh);
-      for (const tissue of mesh?.tissue ?? []) this.tissues.add(tissue);
-      for (const screen of this.screens) screen.setBlock(block, mesh);
-    }
-  }
-  private shown(frames: number, cut: Extent | undefined): void {
-    this.cut ??= cut;
-    if (frames === this.position && this.drawn) return;
-    this.drawn = true;
-    this.tellDrawn();
-    this.position = frames;
-    for (const screen of this.screens) this.tell(screen);
-    this.changed();
-  }
-
-  // After so many frames; before the first one as after it.
-  pose(frames: number): FramePose | undefined {
-    return this.poses[Math.max(frames, 1) - 1];
   }
 
   // Shows the tooth after so many frames; the latest wish counts.
@@ -231,8 +168,7 @@ export class Playback implements Film {
     const wanted = Math.max(0, Math.min(Math.round(frames), this.frames));
     if (wanted === this.wanted) return;
     this.wanted = wanted;
-    this.tellDrawn(); // it may need the rest
-    for (const screen of this.screens) screen.expect();
-    this.link?.seek(wanted);
+    this.endSeen.end(); // it may need the rest
+    this.film?.seek(wanted);
   }
 }

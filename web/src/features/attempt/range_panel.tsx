@@ -1,10 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import { csvText } from "../../base/csv";
-import { downloadText, fileName } from "../../base/download";
+import { downloadFile, fileName } from "../../base/download";
 import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
 import { say, sayIf } from "../../base/words";
-import { Loading, TableFrame } from "../../widgets/basics";
+import { Folded, Loading, TableFrame } from "../../widgets/basics";
 import { seriesEndS, stepAt } from "./clock";
 import { speeds } from "./speed";
 
@@ -15,14 +15,13 @@ interface Props {
 
 // Figures of a part of the attempt, and the part as a file.
 export function RangePanel({ series, range }: Props) {
-  const [open, setOpen] = useState(false);
   const [fromS, toS] = range ?? [0, seriesEndS(series)];
   const text = say("range.moments", { from: formatMoment(fromS), to: formatMoment(toS) });
   return (
-    <details class="numbers" onToggle={(event) => setOpen(event.currentTarget.open)}>
-      <summary>{range === undefined ? say("range.figures_all") : say("range.figures", { range: text })}</summary>
-      {open && <RangeFigures series={series} from={stepAt(series, fromS)} to={stepAt(series, toS)} text={text} />}
-    </details>
+    <Folded
+      title={range === undefined ? say("range.figures_all") : say("range.figures", { range: text })}
+      content={() => <RangeFigures series={series} from={stepAt(series, fromS)} to={stepAt(series, toS)} text={text} />}
+    />
   );
 }
 
@@ -45,7 +44,7 @@ function RangeFigures({
   const speed = speeds(series);
   const save = () => {
     const { header, rows } = made.rangeTable(series, speed, from, to);
-    downloadText(`${fileName("attempt", text)}.csv`, "text/csv", csvText(header, rows));
+    downloadFile(`${fileName("attempt", text)}.csv`, "text/csv", csvText(header, rows));
   };
   const number = (value: number) => formatNumber(value, 2);
   return (

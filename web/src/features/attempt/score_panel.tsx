@@ -3,6 +3,7 @@ import { measuredText } from "../../api/worded";
 import { formatDateTime, formatNumber, formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Brief, Card, Notice, type Tone } from "../../widgets/basics";
+import { still } from "../../widgets/still";
 import { deductionsOf, deductionText } from "./deductions";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
 
@@ -17,7 +18,7 @@ interface Props {
   readonly onPlace: ((deduction: Deduction) => void) | undefined; // shows it on the tooth and the timeline
 }
 
-export function ScorePanel({ score, reference, override, onPlace }: Props) {
+export const ScorePanel = still(function ScorePanel({ score, reference, override, onPlace }: Props) {
   return (
     <Card title={say("score.title")} className="score-card">
       <div class="score-head">
@@ -40,7 +41,7 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
       <Criteria criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
     </Card>
   );
-}
+});
 
 const kTones = { acceptable: "good", with_remarks: "warning", not_acceptable: "bad" } as const;
 

@@ -1,5 +1,6 @@
 import { formatMoment, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
+import { still } from "../../widgets/still";
 import { kContactN, type Span, type SpanKind } from "./spans";
 
 const kKinds: readonly SpanKind[] = ["contact", "limit", "late", "gap", "lost"];
@@ -48,7 +49,7 @@ interface Props {
 
 // Parts of the attempt on the axis of time. For the eye and the pointer: keys go from mark to mark,
 // and the list says the same.
-export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
+export const SpanStrip = still(function SpanStrip({ spans, fromS, toS, onTime }: Props) {
   const share = (timeS: number) => 100 * Math.min(1, Math.max(0, (timeS - fromS) / (toS - fromS || 1)));
   const press = (event: MouseEvent) => {
     const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
@@ -67,10 +68,10 @@ export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
       ))}
     </div>
   );
-}
+});
 
 // The legend of the kinds that are on the strip.
-export function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
+export const SpanLegend = still(function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
   return (
     <p class="span-legend hint">
       {kKinds
@@ -83,7 +84,7 @@ export function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
         ))}
     </p>
   );
-}
+});
 
 function spanText({ kind, fromS, toS }: Span): string {
   const [from, to] = [formatMoment(fromS), formatMoment(toS)];

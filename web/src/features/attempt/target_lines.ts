@@ -1,5 +1,5 @@
 import type { Exercise } from "../../api/types";
-import type { PointMm, ToothLines } from "../../widgets/tooth/lines";
+import type { PointMm, ToothLines } from "../../tooth/messages";
 
 // What the exercise asks for, as lines in the scene's frame: of each part the opening and the
 // floor, joined at the corners, and how far beside it may be cut (the leeway).

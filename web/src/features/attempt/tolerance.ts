@@ -1,5 +1,5 @@
 import type { Exercise } from "../../api/types";
-import { kContourStepMm } from "../../widgets/tooth/deviation_scale";
+import { kContourStepMm } from "../../tooth/deviation_scale";
 
 type Criteria = Exercise["rubric"]["criteria"];
 

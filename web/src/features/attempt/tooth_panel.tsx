@@ -1,18 +1,28 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Surface } from "../../api/surface";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { type Look, sameLook } from "../../base/moment_link";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { Card, ErrorNotice, Folded, Loading } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
-import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
-import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
-import { type LookHandle, type ToothPin, type ToothSource, ToothView } from "../../widgets/tooth/tooth_view";
-import { attemptName, CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth";
+import type { FilmLink } from "../../tooth/link";
+import type { AngledView, ColorMode, Compared, PointMm } from "../../tooth/messages";
+import { useStillFilm } from "../../widgets/tooth/still_film";
+import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
+import { type LookHandle, type ToothPin, type ToothPoint, ToothView } from "../../widgets/tooth/tooth_view";
+import {
+  attemptName,
+  CompareBar,
+  CompareChoice,
+  comparable,
+  isReady,
+  OtherTooth,
+  referenceName,
+} from "./compare_tooth";
 import type { Placement } from "./compare";
-import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
+import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
+import { joinedLines, measuredLines, measuredText, nameOfPoint, withPoint } from "./measure";
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
@@ -26,24 +36,24 @@ export function ToothPanel({ review }: { readonly review: Review }) {
   const { control, surface } = review;
   if (control === undefined) return null;
   const { playback } = control;
-  const still = surface.loaded;
   const { state } = playback.state;
-  const played = state === "ready" || (state === "loading" && playback.detail !== "none");
-  const waits = !played && (state === "loading" || still.state === "loading");
+  const played = state === "ready" || state === "loading";
   return (
     <Card className="tooth-card" title={playback.showing ? say("tooth_card.during") : say("tooth_card.after")}>
-      {waits && <Loading what={say("loading.picture")} />}
-      {!played && !waits && still.state === "failed" && (
+      {played && playback.film !== undefined ? (
+        <PlayedTooth review={review} control={control} film={playback.film} />
+      ) : surface.loaded.state === "failed" ? (
         <ErrorNotice
           title={say("exercise_page.picture_failed")}
-          message={still.error.message}
+          message={surface.loaded.error.message}
           onRetry={surface.reload}
         />
-      )}
-      {played ? (
-        <PlayedTooth review={review} control={control} />
       ) : (
-        !waits && still.state === "ready" && <StillTooth surface={still.value} review={review} control={control} />
+        <StillTooth
+          surface={surface.loaded.state === "ready" ? surface.loaded.value : undefined}
+          review={review}
+          control={control}
+        />
       )}
     </Card>
   );
@@ -54,10 +64,9 @@ interface Shown {
   readonly control: PlaybackControl;
 }
 
-function PlayedTooth(props: Shown) {
+function PlayedTooth(props: Shown & { readonly film: FilmLink }) {
   const { playback } = props.control;
   const { deviation } = playback;
-  const tissues = [...playback.tissues].sort((a, b) => a - b);
   const missing =
     deviation.state === "loading"
       ? say("tooth_card.deviation_loading")
@@ -67,22 +76,28 @@ function PlayedTooth(props: Shown) {
   return (
     <LoadedTooth
       {...props}
-      model={{ film: playback }}
+      played
       compared={deviation.state === "ready" ? deviation.compared : undefined}
-      tissues={tissues}
+      tissues={playback.tissues}
       missing={missing}
       busy={!playback.drawn}
     />
   );
 }
 
-function StillTooth({ surface, ...props }: Shown & { readonly surface: Surface }) {
-  const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
+// `surface`: undefined while it is loading.
+function StillTooth({ surface, ...props }: Shown & { readonly surface: ArrayBuffer | undefined }) {
+  const still = useStillFilm(surface);
+  if (still.state === "loading") return <Loading what={say("loading.picture")} />;
+  if (still.state === "failed")
+    return <ErrorNotice title={say("exercise_page.picture_failed")} message={still.message} />;
+  const { film, tissues, compared } = still.value;
   return (
     <LoadedTooth
       {...props}
-      model={{ surface }}
-      compared={surface.deviationMm === undefined ? undefined : surface}
+      film={film}
+      played={false}
+      compared={compared}
       tissues={tissues}
       missing={say("tooth_card.nothing")}
       busy={false}
@@ -91,14 +106,15 @@ function StillTooth({ surface, ...props }: Shown & { readonly surface: Surface }
 }
 
 interface Loaded3d extends Shown {
-  readonly model: ToothSource;
+  readonly film: FilmLink;
+  readonly played: boolean; // it has moments
   readonly compared: Compared | undefined;
   readonly tissues: readonly number[];
   readonly missing: string; // why there is no deviation
   readonly busy: boolean;
 }
 
-function LoadedTooth({ model, compared, tissues, missing, busy, review, control }: Loaded3d) {
+function LoadedTooth({ film, played, compared, tissues, missing, busy, review, control }: Loaded3d) {
   const { client, attempt, anatomy, toleranceMm, recorded: series, marks, chosen, point, look } = review;
   const cursor = series !== undefined && review.moved ? review.cursor : undefined; // undefined: no tool is drawn
   const mesial = anatomy?.mesial;
@@ -106,7 +122,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
     () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm, mesial)),
     [compared, toleranceMm, mesial],
   );
-  const { cut } = control.playback;
+  const cut = control.playback.head?.cut;
   const worst = summary?.sides[0]?.side;
   const angled = useMemo(
     (): AngledView => ({ ...outlook(compared, worst, mesial), cavity: cut }),
@@ -126,7 +142,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
-  const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
+  const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback.film : undefined;
   const [choices, setChoices] = useState<ToothChoices>({
     mode: "deviation",
     section: undefined,
@@ -145,20 +161,45 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
     () => (exercise.state === "ready" ? draw?.linesOfTarget(exercise.value.value.target) : undefined),
     [exercise, draw],
   );
+  const [measured, setMeasured] = useState<readonly PointMm[]>(); // undefined: nobody measures
+  const drawnLines = useMemo(
+    () => joinedLines(lines, measured === undefined ? undefined : measuredLines(measured)),
+    [lines, measured],
+  );
+  const reference = comparable(attempt, review.teacher);
+  review.plots.target = () => setChoices({ ...choices, target: !choices.target });
+  review.plots.measure = () => setMeasured(measured === undefined ? [] : undefined);
+  review.plots.reference = () => {
+    if (reference === undefined) return;
+    setCompareWith(compareWith === undefined ? reference.attempt_id : undefined);
+    setOtherName(referenceName(reference));
+    setPlacement("top");
+  };
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
-  const pictured = during ? say("tooth_card.picture_during") : pictureText(summary, tissues);
+  const after = useMemo(() => pictureText(summary, tissues), [summary, tissues]);
+  const pictured = during ? say("tooth_card.picture_during") : after;
   const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
   const forceN = cursor === undefined ? undefined : (series?.force_vector_n?.[cursor] as PointMm | undefined);
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
+  const points = useMemo(
+    () => measured?.map((pointMm, i): ToothPoint => ({ text: nameOfPoint(i), pointMm })),
+    [measured],
+  );
+  const pick =
+    measured !== undefined
+      ? (at: PointMm) => setMeasured(withPoint(measured, at))
+      : review.annotates
+        ? review.setPoint
+        : undefined;
   return (
     <>
       <PlaybackBar control={control} />
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
         <ToothView
-          model={model}
+          film={film}
           anatomy={anatomy}
           busy={busy}
           mode={mode}
@@ -168,10 +209,11 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
           tool={during ? undefined : path.at(-1)}
           path={path}
           forceN={forceN}
-          lines={lines}
+          lines={drawnLines}
           pins={pins}
+          {...(points === undefined ? {} : { points })}
           look={look}
-          onPick={review.annotates ? review.setPoint : undefined}
+          onPick={pick}
           onPin={(key) => {
             const mark = marks.find((item) => item.annotation.id === key);
             if (mark !== undefined) review.choose(mark);
@@ -184,7 +226,9 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
             choices={choices}
             onChoices={setChoices}
             compared={summary !== undefined && !during}
-            played={"film" in model}
+            played={played}
+            measures={measured !== undefined}
+            onMeasures={(on) => setMeasured(on ? [] : undefined)}
           >
             {series !== undefined && (
               <CompareChoice
@@ -212,6 +256,11 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
         )}
       </div>
       {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
+      {measured !== undefined && (
+        <p class="measured" role="status">
+          {measuredText(measured)}
+        </p>
+      )}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>
@@ -255,9 +304,12 @@ function pinsOf(marks: readonly Mark[], chosen: string | undefined, point: Point
 }
 
 function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
+  return <Folded title={say("tooth_card.numbers")} content={() => <DeviationFigures summary={summary} />} />;
+}
+
+function DeviationFigures({ summary }: { readonly summary: DeviationSummary }) {
   return (
-    <details class="numbers">
-      <summary>{say("tooth_card.numbers")}</summary>
+    <>
       <p>{deviationText(summary)}</p>
       <table>
         <caption class="hidden">{say("tooth_card.by_side")}</caption>
@@ -283,7 +335,7 @@ function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
         </tbody>
       </table>
       <p class="hint">{say("tooth_card.plus")}</p>
-    </details>
+    </>
   );
 }
 

@@ -2,8 +2,7 @@ import type { ComponentChildren } from "preact";
 import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { Segmented } from "../../widgets/basics";
-import type { ColorMode } from "../../widgets/tooth/scene";
-import type { SectionPlane } from "../../widgets/tooth/section";
+import type { ColorMode, SectionPlane } from "../../tooth/messages";
 
 export interface ToothChoices {
   readonly mode: ColorMode;
@@ -17,6 +16,8 @@ interface Props {
   readonly onChoices: (choices: ToothChoices) => void;
   readonly compared: boolean; // there is a deviation to colour by
   readonly played: boolean; // there is a bur to follow
+  readonly measures: boolean; // points for distances are put
+  readonly onMeasures: (on: boolean) => void;
   readonly children?: ComponentChildren;
 }
 
@@ -24,7 +25,7 @@ const kSections: readonly SectionPlane["across"][] = ["y", "x", "z", "view"];
 const kSteps = 100;
 
 // What is shown of the tooth: by which colours, cut where, and whether one stays at the bur.
-export function ToothTools({ choices, onChoices, compared, played, children }: Props) {
+export function ToothTools({ choices, onChoices, compared, played, measures, onMeasures, children }: Props) {
   const { mode, section, follow, target } = choices;
   const set = (change: Partial<ToothChoices>) => onChoices({ ...choices, ...change });
   const chooseSection = (across: string) => {
@@ -91,6 +92,15 @@ export function ToothTools({ choices, onChoices, compared, played, children }: P
         onClick={() => set({ target: !target })}
       >
         {say("tools.target")}
+      </button>
+      <button
+        type="button"
+        class="button small"
+        aria-pressed={measures}
+        title={say("measure.hint")}
+        onClick={() => onMeasures(!measures)}
+      >
+        {say("tools.measure")}
       </button>
       {children}
     </div>

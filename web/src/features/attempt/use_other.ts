@@ -36,7 +36,7 @@ export function useOther(
   const theirs = loaded.state === "ready" ? loaded.value : undefined;
   const path = usePath(sync === "path" ? series : undefined, theirs, setSync);
   const clock = useMemo(
-    () => (playback?.head === undefined ? undefined : new FrameClock(playback.head, playback.poses)),
+    () => (playback?.head === undefined ? undefined : new FrameClock(playback.head, playback.gaps)),
     [playback, playback?.head, playback?.whole],
   );
   const at =

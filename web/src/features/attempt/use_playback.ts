@@ -80,7 +80,7 @@ export function usePlayback(
   const ready = playback?.state.state === "ready";
   const head = playback?.head;
   const clock = useMemo(
-    () => (playback === undefined || head === undefined ? undefined : new FrameClock(head, playback.poses)),
+    () => (playback === undefined || head === undefined ? undefined : new FrameClock(head, playback.gaps)),
     [playback, head, playback?.whole],
   );
   const latest = useRef({ clock, loop, setTime });

@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Anatomy } from "../../api/tooth_number";
 import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
@@ -14,6 +14,7 @@ import { nextMark, spansOf } from "./spans";
 import { usePlayback } from "./use_playback";
 
 const kBeyondS = 0.05; // an address has hundredths; less is rounding
+const kToothFirstMs = 1500;
 const kNoRemarks: readonly Annotation[] = [];
 
 // The attempt under review, and the reviewer.
@@ -26,8 +27,11 @@ export interface Reviewed {
   readonly toleranceMm: number; // of the rubric
 }
 
-// What the page's keys do with the plots.
+// What the page's keys do with the picture of the tooth, and with the plots.
 interface PlotKeys {
+  target?: () => void; // each shows it and hides it again
+  reference?: () => void;
+  measure?: () => void;
   more?: () => void; // shows and hides the second plot
   zoom?: (direction: -1 | 0 | 1) => void; // 0: all
 }
@@ -56,9 +60,13 @@ export function useReview(reviewed: Reviewed) {
   const moment = useMoment(client, removed ? undefined : id, key, recorded, draft?.seconds);
   const { momentS, control, setTimeS, setCursor } = moment;
   const there =
-    control !== undefined && (control.playback.detail !== "none" || control.playback.state.state !== "loading");
+    removed ||
+    (control !== undefined && (control.playback.detail !== "none" || control.playback.state.state !== "loading"));
   useEffect(() => {
     if (there) setBegun(true);
+    // Where it takes long the rest need not wait.
+    const timer = setTimeout(() => setBegun(true), kToothFirstMs);
+    return () => clearTimeout(timer);
   }, [there]);
 
   const plots = useMemo((): PlotKeys => ({}), []);
@@ -78,10 +86,23 @@ export function useReview(reviewed: Reviewed) {
     if (step !== undefined) setCursor(step);
     picture.current?.scrollIntoView({ block: "nearest" });
   };
+  const place = useRef<(deduction: Deduction) => void>(undefined);
+  place.current = (deduction) => {
+    setCameFrom(document.activeElement instanceof HTMLElement ? document.activeElement : undefined);
+    const [x, y, z] = deduction.position_mm;
+    if (x !== undefined && y !== undefined && z !== undefined) {
+      setPoint([x, y, z]);
+      moment.look.near?.([x, y, z]);
+    }
+    go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
+  };
+  const showPlace = useCallback((deduction: Deduction) => place.current?.(deduction), []);
   return {
     ...reviewed,
     ...moment,
+    showPlace, // the same at every moment
     key,
+    begun,
     removed,
     score,
     scored,
@@ -111,15 +132,6 @@ export function useReview(reviewed: Reviewed) {
             cameFrom.scrollIntoView({ block: "center" });
             cameFrom.focus({ preventScroll: true });
           },
-    showPlace: (deduction: Deduction) => {
-      setCameFrom(document.activeElement instanceof HTMLElement ? document.activeElement : undefined);
-      const [x, y, z] = deduction.position_mm;
-      if (x !== undefined && y !== undefined && z !== undefined) {
-        setPoint([x, y, z]);
-        moment.look.near?.([x, y, z]);
-      }
-      go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
-    },
     toMark: (direction: -1 | 1) => {
       const at = nextMark(spans, momentS, direction);
       setNoMark(at === undefined && scored !== undefined);

@@ -4,7 +4,7 @@ import { readAll } from "../../api/http";
 import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";
-import { downloadText, fileName } from "../../base/download";
+import { downloadFile, fileName } from "../../base/download";
 import { formatScore } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
@@ -49,7 +49,7 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
     attempts,
   } = book;
   const save = (name: string, table: CsvTable) =>
-    downloadText(`${fileName(cohort.name, name)}.csv`, "text/csv", csvText(table.header, table.rows));
+    downloadFile(`${fileName(cohort.name, name)}.csv`, "text/csv", csvText(table.header, table.rows));
   if (assignments.length === 0) return <Empty>{say("grades.none")}</Empty>;
   return (
     <>

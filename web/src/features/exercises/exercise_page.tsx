@@ -1,5 +1,3 @@
-import "../../api/shared";
-import "../../widgets/shared";
 import { wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";

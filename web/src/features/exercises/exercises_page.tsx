@@ -5,10 +5,11 @@ import type { ExerciseState, ExerciseSummary } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, Segmented } from "../../widgets/basics";
+import { Badge, Card, Empty, ErrorNotice, Folded, Loading, PageTitle, Segmented } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
 import { part } from "../../widgets/part";
 import { DataTable } from "../../widgets/table";
+import { Copying } from "./copying";
 import { DocumentForm } from "./document_form";
 
 // Most people never import.
@@ -182,11 +183,25 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
       )}
       {adding && (
         <Dialog title={say("exercise_list.add")} onClose={() => setAdding(false)}>
-          <DocumentForm
-            action={say("common.add")}
-            onCancel={() => setAdding(false)}
-            send={(text) => client.teaching.putDraft(text)}
-            onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)}
+          <Copying
+            show={({ CopyForm }) => (
+              <CopyForm
+                client={client}
+                onCancel={() => setAdding(false)}
+                onDone={(exercise) => onOpen(`/editor?exercise=${exercise.id}`)}
+              />
+            )}
+          />
+          <Folded
+            title={say("copy_exercise.from_file")}
+            content={() => (
+              <DocumentForm
+                action={say("common.add")}
+                onCancel={() => setAdding(false)}
+                send={(text) => client.teaching.putDraft(text)}
+                onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)}
+              />
+            )}
           />
         </Dialog>
       )}

@@ -1,14 +1,14 @@
 import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Surface } from "../../api/surface";
 import { type Anatomy, anatomyOf, toScene } from "../../api/tooth_number";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { TissueLegend } from "../../widgets/tooth/legend";
-import type { AngledView, PointMm } from "../../widgets/tooth/scene";
-import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
+import type { AngledView, Extent, PointMm } from "../../tooth/messages";
+import { useStillFilm } from "../../widgets/tooth/still_film";
+import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
 const kDirection = [0.5, -0.6, 0.9] as const; // with mesial at +x
@@ -30,20 +30,25 @@ export function InitialTooth({ client, exercise }: { readonly client: Client; re
   );
 }
 
-function Tooth({ surface, target }: { readonly surface: Surface; readonly target: Exercise["target"] }) {
-  const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
+function Tooth({ surface, target }: { readonly surface: ArrayBuffer; readonly target: Exercise["target"] }) {
+  const still = useStillFilm(surface);
   const anatomy = useMemo((): Anatomy => anatomyOf(target), [target]);
+  const extent = still.state === "ready" ? still.value.extent : undefined;
   const angled = useMemo(
     (): AngledView => ({
       direction: [kDirection[0] * anatomy.mesial, kDirection[1], kDirection[2]],
-      centre: crownOf(surface, anatomy),
+      centre: extent === undefined ? undefined : crownOf(extent, anatomy),
     }),
-    [surface, anatomy],
+    [extent, anatomy],
   );
+  if (still.state === "loading") return <Loading what={say("loading.picture")} />;
+  if (still.state === "failed")
+    return <ErrorNotice title={say("exercise_page.picture_failed")} message={still.message} />;
+  const { film, tissues } = still.value;
   return (
     <>
       <ToothView
-        model={{ surface }}
+        film={film}
         anatomy={anatomy}
         mode="tissue"
         angled={angled}
@@ -54,15 +59,8 @@ function Tooth({ surface, target }: { readonly surface: Surface; readonly target
   );
 }
 
-function crownOf({ positionMm }: Surface, anatomy: Anatomy): PointMm {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positionMm.length; ++i) {
-    low[i % 3] = Math.min(low[i % 3]!, positionMm[i]!);
-    high[i % 3] = Math.max(high[i % 3]!, positionMm[i]!);
-  }
+function crownOf({ centreMm, radiusMm }: Extent, anatomy: Anatomy): PointMm {
   const occlusal = toScene(anatomy, [0, 0, 1]);
-  const along = (axis: 0 | 1 | 2) =>
-    (low[axis]! + high[axis]!) / 2 + (0.5 - kFromTop) * (high[axis]! - low[axis]!) * occlusal[axis];
+  const along = (axis: 0 | 1 | 2) => centreMm[axis] + (1 - 2 * kFromTop) * radiusMm * occlusal[axis];
   return [along(0), along(1), along(2)];
 }

@@ -1,18 +1,17 @@
 import type { Client } from "../../api/client";
+import { type CriterionProgress, type Done, nextStep, progressOf } from "../../api/progress";
 import type { Attempt } from "../../api/types";
 import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
-import { formatNumber, formatPoints } from "../../base/format";
+import { formatPoints } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Card, Notice } from "../../widgets/basics";
+import { Card } from "../../widgets/basics";
+import { Curve } from "../../widgets/curve";
+import { NextStepNotice } from "../../widgets/next_step";
 import { DataTable } from "../../widgets/table";
-import { type CriterionProgress, type Done, nextStep, progressOf } from "./progress";
 
 const kMostScores = 20; // the newest that are read
-const kWidth = 120;
-const kHeight = 28;
-const kInset = 4;
 
 // How one comes on, and what to work at next. Nothing where no score may be seen yet.
 export function ProgressCard({ client, attempts }: { readonly client: Client; readonly attempts: readonly Attempt[] }) {
@@ -35,16 +34,7 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
   const next = nextStep(done);
   return (
     <Card title={say("progress.title")}>
-      {next !== undefined && (
-        <Notice tone="neutral" title={say("progress.next", { title: next.title })}>
-          <p>
-            {next.of === 1
-              ? say("progress.lost_once", { points: formatPoints(next.lost) })
-              : say("progress.lost_often", { points: formatPoints(next.lost), count: next.of })}{" "}
-            {next.reason}
-          </p>
-        </Notice>
-      )}
+      {next !== undefined && <NextStepNotice next={next} />}
       <DataTable
         label={say("progress.table")}
         items={rows}
@@ -52,7 +42,7 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
         dense
         columns={[
           { title: say("common.criterion"), cell: (row) => row.title },
-          { title: say("progress.over"), cell: (row) => <Curve row={row} /> },
+          { title: say("progress.over"), cell: (row) => <Curve shares={row.shares} title={row.title} /> },
           { title: say("progress.best"), number: true, cell: (row) => pointsText(row, row.best) },
           { title: say("progress.last"), number: true, cell: (row) => pointsText(row, row.last) },
         ]}
@@ -64,25 +54,4 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
 
 function pointsText({ maxPoints }: CriterionProgress, share: number): string {
   return `${formatPoints(share * maxPoints)} / ${formatPoints(maxPoints)}`;
-}
-
-function Curve({ row: { shares, title } }: { readonly row: CriterionProgress }) {
-  const x = (i: number) =>
-    shares.length === 1 ? kWidth / 2 : kInset + ((kWidth - 2 * kInset) * i) / (shares.length - 1);
-  const y = (share: number) => kHeight - kInset - (kHeight - 2 * kInset) * share;
-  return (
-    <svg
-      class="curve"
-      viewBox={`0 0 ${kWidth} ${kHeight}`}
-      role="img"
-      aria-label={say("progress.curve", {
-        title,
-        shares: shares.map((share) => `${formatNumber(100 * share, 0)} %`).join(", "),
-      })}
-    >
-      <line x1="0" x2={kWidth} y1={y(1)} y2={y(1)} />
-      <polyline points={shares.map((share, i) => `${x(i)},${y(share)}`).join(" ")} />
-      <circle cx={x(shares.length - 1)} cy={y(shares.at(-1) ?? 0)} r="3" />
-    </svg>
-  );
 }

@@ -6,6 +6,7 @@ import type { Exercise } from "../../api/types";
 import { say, sayWith } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { Confirm, Dialog } from "../../widgets/dialog";
+import { Copying } from "./copying";
 import { DocumentForm } from "./document_form";
 
 interface Props {
@@ -16,7 +17,7 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-type Open = "publish" | "retire" | "delete" | "replace" | "share";
+type Open = "copy" | "publish" | "retire" | "delete" | "replace" | "share";
 
 // What a teacher can do with an exercise: replace, publish or delete a draft; retire what is
 // published.
@@ -38,8 +39,33 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
     setDone(text);
     onChanged();
   };
-  // Others' exercises are to read and to assign.
-  if (!exercise.may.includes("change")) return null;
+  const copy = open === "copy" && (
+    <Dialog title={say("copy_exercise.dialog", { title: wordedTitle(exercise.title) })} onClose={close}>
+      <Copying
+        show={({ CopyForm }) => (
+          <CopyForm
+            client={client}
+            from={exercise.id}
+            onCancel={close}
+            onDone={(made) => onOpen(`/editor?exercise=${made.id}`)}
+          />
+        )}
+      />
+    </Dialog>
+  );
+  const copyButton = (
+    <button type="button" class="button" onClick={() => setOpen("copy")}>
+      {say("copy_exercise.ask")}
+    </button>
+  );
+  // Others' exercises are to read, to assign and to copy.
+  if (!exercise.may.includes("change"))
+    return (
+      <div class="actions">
+        <div class="button-row">{copyButton}</div>
+        {copy}
+      </div>
+    );
   return (
     <div class="actions">
       <div class="button-row">
@@ -77,7 +103,9 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
         <button type="button" class="button" onClick={() => setOpen("share")}>
           {exercise.shared ? say("staff.unshare_ask") : say("staff.share_ask")}
         </button>
+        {copyButton}
       </div>
+      {copy}
       <div aria-live="polite">
         {done !== undefined && (
           <Notice tone="good">

@@ -5,7 +5,7 @@ import type { AuditEntry } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { usePages } from "../../api/use_pages";
 import { csvText } from "../../base/csv";
-import { downloadText } from "../../base/download";
+import { downloadFile } from "../../base/download";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
 import { say, sayIfWith, sayWith } from "../../base/words";
@@ -243,7 +243,7 @@ async function idOf(client: Client, login: string): Promise<string | undefined> 
 }
 
 function save(entries: readonly AuditEntry[]): void {
-  downloadText(
+  downloadFile(
     "audit.csv",
     "text/csv",
     csvText(

@@ -4,7 +4,7 @@ import type { RosterOutcome } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";
-import { downloadText } from "../../base/download";
+import { downloadFile } from "../../base/download";
 import { formatNumber } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
@@ -97,7 +97,7 @@ export function RosterPage({ client }: { readonly client: Client }) {
               <button
                 type="button"
                 class="button quiet"
-                onClick={() => downloadText("roster_example.csv", "text/csv", kExample)}
+                onClick={() => downloadFile("roster_example.csv", "text/csv", kExample)}
               >
                 {say("roster.example")}
               </button>
@@ -215,7 +215,7 @@ function detailText({ renames, joins, note }: RosterOutcome["people"][number]): 
 function Done({ report }: { readonly report: RosterOutcome }) {
   const { passwords } = report;
   const save = () =>
-    downloadText(
+    downloadFile(
       "passwords.csv",
       "text/csv",
       csvText(

@@ -1,9 +1,10 @@
 import { useEffect, useRef } from "preact/hooks";
 import { formatSigned } from "../../base/format";
 import { say } from "../../base/words";
-import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
-import { kGhostColor } from "./ghost_color";
-import { tissueColor, tissueTitle } from "./tissue";
+import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "../../tooth/deviation_scale";
+import { kGhostColor } from "../../tooth/ghost_color";
+import { tissueColor } from "../../tooth/tissue_color";
+import { tissueTitle } from "./tissue";
 
 const kTicks = [-0.5, -0.3, -0.1, 0.1, 0.3, 0.5] as const;
 const kPixels = 220;

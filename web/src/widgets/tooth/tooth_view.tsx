@@ -1,17 +1,26 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useMemo, useRef, useState } from "preact/hooks";
-import type { Surface } from "../../api/surface";
-import { type Anatomy, toScene } from "../../api/tooth_number";
+import type { Anatomy } from "../../api/tooth_number";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
 import type { Look } from "../../base/moment_link";
 import { say } from "../../base/words";
-import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothModel, ToothScene } from "./scene";
-import type { Detail, Film } from "./film";
-import type { ToothLines } from "./lines";
-import type { SectionPlane } from "./section";
+import { type FilmLink, type ScreenLink, studio } from "../../tooth/link";
+import type {
+  AngledView,
+  CameraPreset,
+  ColorMode,
+  PointMm,
+  ScreenState,
+  SectionPlane,
+  SurfacePoint,
+  ToothLines,
+} from "../../tooth/messages";
+import { Loading } from "../basics";
+import { type Drawn, kDirections, place } from "./overlay";
 import { tissueTitle } from "./tissue";
+import { turnedBy } from "./turning";
 
 // A numbered mark at a point of the tooth.
 export interface ToothPin {
@@ -25,17 +34,16 @@ export interface ToothPin {
 // Lets the owner of a view read and set its camera, and say where to begin.
 export interface LookHandle {
   readonly begin: Look | undefined;
-  now: (() => Look) | undefined; // set while the picture is there
+  now: (() => Look) | undefined; // set while a picture is there
   set?: ((look: Look) => void) | undefined; // the same
   near?: ((point: PointMm) => void) | undefined; // the same: shows a place
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
-// A fixed surface, or a tooth in playback.
-export type ToothSource = { readonly surface: Surface } | { readonly film: Film };
+export type ToothPoint = Pick<ToothPin, "text" | "pointMm">; // the same, to look at
 
 interface Props {
-  readonly model: ToothSource;
+  readonly film: FilmLink;
   readonly anatomy: Anatomy | undefined; // undefined: not known yet, and its sides are not named
   readonly mode: ColorMode;
   readonly label: string; // what the picture shows, for who cannot see it
@@ -46,18 +54,17 @@ interface Props {
   readonly lines?: ToothLines | undefined;
   readonly forceN?: PointMm | undefined; // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
-  readonly ghost?: Film | undefined; // another tooth over it, translucent
+  readonly ghost?: FilmLink | undefined; // another tooth over it, translucent
   readonly led?: boolean; // from where to look is chosen elsewhere
   readonly follow?: boolean; // the camera stays at the bur
   readonly children?: ComponentChildren; // more to choose, beside where to look from
   readonly busy?: boolean; // more of it comes soon
   readonly pins?: readonly ToothPin[];
+  readonly points?: readonly ToothPoint[];
   readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
   readonly onPick?: ((point: PointMm) => void) | undefined; // a click on the tooth that does not turn it
 }
-
-type Side = "mesial" | "distal" | "buccal" | "lingual";
 
 // Where there is little room the first letters stand for the word.
 const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
@@ -70,33 +77,35 @@ const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
   ["distal", 4],
   ["apical", 4],
 ];
-// Mesial, buccal, occlusal.
-const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
-  ["mesial", [1, 0, 0]],
-  ["distal", [-1, 0, 0]],
-  ["buccal", [0, 1, 0]],
-  ["lingual", [0, -1, 0]],
-];
 const kKeyStepRad = Math.PI / 24;
+const kKeyPan = 0.1; // of half the picture's height, with Shift
 const kKeyZoom = 1.15;
+// To the right and down.
+const kArrows: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, -1],
+  ArrowDown: [0, 1],
+};
 const kSameMm = 0.005; // shown as no deviation: rounds to zero
-const kLabelMarginPx = [38, 18] as const; // half a label and a little air
-const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
-const kWidePx = 560;
 const kClickMovesPx = 4; // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
-const kBesideTooth = 1.05; // of the radius of the ball around it
+const kNoPoints: readonly ToothPoint[] = [];
 const kLeastForceN = 0.05; // less is no contact
-const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
+const kNoPath: readonly PointMm[] = [];
 
-// Fetches the drawing code for a page that will show a tooth soon. Nobody waits for it.
+// Starts what draws teeth, for a page that will show one soon.
 export function prepareTooth(): void {
-  import("./scene").catch(() => undefined); // told when a tooth is to be shown
+  try {
+    studio();
+  } catch {
+    // Told when a tooth is to be shown.
+  }
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
 export function ToothView({
-  model,
+  film,
   anatomy,
   mode,
   label,
@@ -109,92 +118,92 @@ export function ToothView({
   follow = false,
   children,
   tool,
-  path,
+  path = kNoPath,
   forceN,
   lines,
   pins = kNoPins,
+  points = kNoPoints,
   look,
   onPin,
   onPick,
 }: Props) {
-  const film = "film" in model ? model.film : undefined;
-  const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
   const felt = newton >= kLeastForceN ? forceN : undefined;
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
-  const scene = useRef<ToothScene | undefined>(undefined);
-  const shownAnatomy = useRef(anatomy); // read as it is drawn
-  shownAnatomy.current = anatomy;
   const [problem, setProblem] = useState("");
-  const [ready, setReady] = useState(false);
+  const [drawn, setDrawn] = useState(false); // something of it
+  const [screen, setScreen] = useState<ScreenLink>();
   const [under, setUnder] = useState<SurfacePoint>();
-  const begin = useRef({ model, angled, look });
-  begin.current = { model, angled, look };
+  const state: ScreenState = {
+    mode,
+    angled,
+    anatomy,
+    tool,
+    path,
+    forceN: felt,
+    lines,
+    section,
+    ghost: ghost?.number,
+    follow,
+  };
+  const latest = useRef({ state, anatomy, look });
+  latest.current = { state, anatomy, look };
+  const sent = useRef(state);
 
   useEffect(() => {
     const element = frame.current;
     if (element === null) return undefined;
-    const { model, angled, look } = begin.current;
     const cleanup = new Disposables();
-    let abandoned = false;
-    cleanup.add(() => {
-      abandoned = true;
-    });
-    import("./scene")
-      .then((module) => {
-        if (abandoned) return;
-        scene.current = openScene(
-          module.ToothScene,
-          element,
-          "film" in model ? { extent: model.film.extent } : model,
-          angled,
-          look,
-          shownAnatomy,
-          () => ("film" in model ? model.film.detail : "fine"),
-          cleanup,
-          setProblem,
-        );
-        const opened = scene.current;
-        if (look !== undefined) {
-          look.now = () => opened.look();
-          look.set = (wanted) => opened.setLook(wanted);
-          look.near = (point) => opened.near(point);
-          if (look.begin !== undefined) opened.setLook(look.begin);
-        }
+    sent.current = latest.current.state;
+    const shown = (told: Drawn) => {
+      place(element, told, latest.current.anatomy);
+      setDrawn(true);
+      const handle = latest.current.look;
+      if (handle === undefined) return;
+      handle.now = () => told.look;
+      handle.moved?.(told.look);
+    };
+    try {
+      const opened = openScreen(element, film, sent.current, latest.current.look?.begin, cleanup, shown, setProblem);
+      const handle = latest.current.look;
+      if (handle !== undefined) {
+        handle.set = (wanted) => opened.look(wanted);
+        handle.near = (point) => opened.near(point);
         cleanup.add(() => {
-          scene.current = undefined;
-          if (look !== undefined) look.now = look.set = look.near = undefined;
+          handle.now = handle.set = handle.near = undefined;
         });
-        setReady(true);
-      })
-      .catch(() => setProblem(say("tooth.no_webgl")));
+      }
+      setScreen(opened);
+    } catch {
+      setProblem(say("tooth.no_webgl"));
+    }
     return () => {
-      setReady(false);
+      setScreen(undefined);
+      setDrawn(false);
       cleanup.dispose();
     };
-  }, [source]);
+  }, [film]);
 
-  useEffect(() => scene.current?.setMode(mode), [mode, ready]);
-  useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
-  useEffect(() => scene.current?.setForce(felt), [felt, ready]);
-  useEffect(() => scene.current?.setLines(lines), [lines, ready]);
   useEffect(() => {
-    if (anatomy !== undefined) scene.current?.setAnatomy(anatomy);
-  }, [anatomy, ready]);
-  useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
-  useEffect(() => (ready && scene.current !== undefined ? film?.attach(scene.current) : undefined), [film, ready]);
-  useEffect(() => scene.current?.setSection(section), [section, ready]);
-  useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
-  useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
-  const detail = film?.detail;
-  useEffect(() => scene.current?.redraw(), [pins, detail, ready]);
+    if (screen === undefined) return;
+    const change = changeOf(sent.current, state);
+    sent.current = state;
+    if (change !== undefined) screen.set(change);
+  });
+  useEffect(() => screen?.redraw(), [pins, points, screen]);
   // Looked up once a frame, however often the pointer moves.
   const over = useRef<Place | undefined>(undefined);
   const looking = useMemo(
     () =>
-      new FrameScheduler(() => setUnder(over.current === undefined ? undefined : scene.current?.pick(...over.current))),
-    [],
+      new FrameScheduler(() => {
+        const asked = over.current;
+        if (asked === undefined || screen === undefined) return setUnder(undefined);
+        void screen.pick(...asked).then((point) => {
+          if (over.current === asked) setUnder(point);
+        });
+      }),
+    [screen],
   );
   useEffect(() => () => looking.cancel(), [looking]);
   const hover = (place: Place | undefined) => {
@@ -207,9 +216,19 @@ export function ToothView({
     if (onPick === undefined || Math.hypot(event.clientX - x, event.clientY - y) > kClickMovesPx) return;
     if (!(event.target instanceof HTMLCanvasElement)) return;
     const box = event.target.getBoundingClientRect();
-    const hit = scene.current?.pick(event.clientX - box.left, event.clientY - box.top);
-    if (hit !== undefined) onPick(hit.pointMm);
+    void screen?.pick(event.clientX - box.left, event.clientY - box.top).then((hit) => {
+      if (hit !== undefined) onPick(hit.pointMm);
+    });
   };
+  // By keys: where the cross is.
+  const pickMiddle = () => {
+    const element = frame.current;
+    if (onPick === undefined || element === null) return;
+    void screen?.pick(element.clientWidth / 2, element.clientHeight / 2).then((hit) => {
+      if (hit !== undefined) onPick(hit.pointMm);
+    });
+  };
+  const ready = drawn && problem === "";
 
   return (
     <div class="tooth">
@@ -222,10 +241,10 @@ export function ToothView({
         aria-roledescription={say("tooth.view")}
         aria-label={label}
         aria-describedby={keys}
-        aria-busy={(!ready || busy) && problem === ""}
-        onKeyDown={(event) => handleKey(event, scene.current)}
-        onFocus={() => scene.current?.setZoomEnabled(true)}
-        onBlur={() => scene.current?.setZoomEnabled(false)}
+        aria-busy={(!drawn || busy) && problem === ""}
+        onKeyDown={(event) =>
+          event.key === "Enter" && event.target === event.currentTarget ? pickMiddle() : handleKey(event, screen)
+        }
         onPointerDown={(event) => {
           pressed.current = [event.clientX, event.clientY];
         }}
@@ -236,6 +255,11 @@ export function ToothView({
         {kDirections.map(([name]) => (
           <span key={name} class="tooth-direction" aria-hidden="true">
             {say(`side.${name}`)}
+          </span>
+        ))}
+        {points.map((point, i) => (
+          <span key={i} class="tooth-pin" aria-hidden="true" data-point={point.pointMm.join(" ")}>
+            {point.text}
           </span>
         ))}
         {pins.map((pin) => (
@@ -251,7 +275,13 @@ export function ToothView({
             {pin.text}
           </button>
         ))}
+        <p class="tooth-scale" aria-hidden="true" />
         {name !== undefined && <p class="tooth-name">{name}</p>}
+        {!drawn && problem === "" && (
+          <div class="tooth-problem">
+            <Loading what={say("loading.picture")} />
+          </div>
+        )}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
         {felt !== undefined && (
           <p class="tooth-force" title={say("tooth.force_arrow")}>
@@ -277,7 +307,7 @@ export function ToothView({
                   class="button small"
                   disabled={!ready || (anatomy === undefined && (preset === "mesial" || preset === "distal"))}
                   title={title}
-                  onClick={() => scene.current?.view(preset)}
+                  onClick={() => screen?.view(preset)}
                 >
                   {title.slice(0, short)}
                   <span class="preset-rest">{title.slice(short)}</span>
@@ -288,103 +318,80 @@ export function ToothView({
         )}
         {children}
         <p class="hint" id={keys}>
-          {say("tooth.drag")}
+          {onPick === undefined ? say("tooth.drag") : say("tooth.drag_and_enter")}
         </p>
       </div>
     </div>
   );
 }
 
-function openScene(
-  Scene: typeof ToothScene,
+// Throws where the browser has no such canvas or worker.
+function openScreen(
   element: HTMLElement,
-  model: ToothModel,
-  angled: AngledView,
-  look: LookHandle | undefined,
-  anatomy: { readonly current: Anatomy | undefined },
-  detail: () => Detail,
+  film: FilmLink,
+  state: ScreenState,
+  look: Look | undefined,
   cleanup: Disposables,
+  shown: (told: Drawn) => void,
   report: (problem: string) => void,
-): ToothScene {
+): ScreenLink {
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
-  const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
-    placeLabels(labels, element, anatomy.current, project, centre, radius);
-    placePins(element, project);
-    element.dataset["tooth"] = detail();
-    if (look?.now !== undefined) look.moved?.(look.now());
+  const offscreen = canvas.transferControlToOffscreen();
+  const screen = studio().screen(offscreen, film, state, look, (told) => {
+    if (told.told === "lost") return report(say(told.stopped ? "tooth.driver_stopped" : "tooth.no_webgl"));
+    canvas.dataset["drawn"] = told.effort;
+    shown(told);
   });
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
-  cleanup.add(() => scene.dispose());
-  cleanup.listen(canvas, "webglcontextlost", () => report(say("tooth.driver_stopped")));
-  const observer = new ResizeObserver(() => scene.resize(element.clientWidth, element.clientHeight));
+  cleanup.add(() => screen.close());
+  const observer = new ResizeObserver(() =>
+    screen.resize(element.clientWidth, element.clientHeight, window.devicePixelRatio),
+  );
   observer.observe(element);
   cleanup.add(() => observer.disconnect());
-  return scene;
+  cleanup.add(
+    turnedBy(
+      canvas,
+      {
+        turn: (azimuthRad, polarRad) => screen.rotate(azimuthRad, polarRad, true),
+        zoom: (factor) => screen.zoom(factor),
+      },
+      // Wheel zoom takes over the page's own scrolling, so only while the view has the focus.
+      () => document.activeElement === element,
+    ),
+  );
+  cleanup.listen(window, "beforeprint", () => screen.settle()); // paper gets what was drawn last
+  return screen;
 }
 
-// Names of the sides at the edge of the picture, in the direction in which they lie; hidden where
-// they lie towards the viewer or away.
-function placeLabels(
-  labels: readonly HTMLElement[],
-  frame: HTMLElement,
-  anatomy: Anatomy | undefined,
-  project: (point: PointMm) => PointMm,
-  centre: PointMm,
-  radius: number,
-): void {
-  const [cx, cy] = project(centre);
-  kDirections.forEach(([, direction], i) => {
-    const label = labels[i];
-    if (label === undefined) return;
-    const [x, y, z] = anatomy === undefined ? [0, 0, 0] : toScene(anatomy, direction);
-    const at = project([centre[0] + x * radius, centre[1] + y * radius, centre[2] + z * radius]);
-    const [dx, dy] = [at[0] - cx, at[1] - cy];
-    const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
-    // At the edge of the picture, or beside the tooth where that is nearer.
-    const toEdge = Math.min(
-      kBesideTooth,
-      (half[0] - kLabelMarginPx[0] - (frame.clientWidth > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
-      (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
-    );
-    const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
-    label.style.visibility = visible ? "visible" : "hidden";
-    if (visible)
-      label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
-  });
+// What has changed; undefined: nothing.
+function changeOf(was: ScreenState, now: ScreenState): Partial<ScreenState> | undefined {
+  const keys = (Object.keys(now) as (keyof ScreenState)[]).filter((key) => was[key] !== now[key]);
+  if (keys.length === 0) return undefined;
+  const change = Object.fromEntries(keys.map((key) => [key, now[key]]));
+  // They are one picture.
+  return "tool" in change || "path" in change ? { ...change, tool: now.tool, path: now.path } : change;
 }
 
-function placePins(frame: HTMLElement, project: (point: PointMm) => PointMm): void {
-  for (const pin of frame.querySelectorAll<HTMLElement>(".tooth-pin")) {
-    const [x = 0, y = 0, z = 0] = (pin.dataset["point"] ?? "").split(" ").map(Number);
-    const [left, top] = project([x, y, z]);
-    pin.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+function handleKey(event: KeyboardEvent, screen: ScreenLink | undefined): void {
+  if (screen === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+  const arrow = kArrows[event.key];
+  if (arrow !== undefined) {
+    const [right, down] = arrow;
+    if (event.shiftKey) screen.pan(kKeyPan * right, -kKeyPan * down);
+    else screen.rotate(kKeyStepRad * right, kKeyStepRad * down);
+    event.preventDefault();
+    return;
   }
-}
-
-function handleKey(event: KeyboardEvent, scene: ToothScene | undefined): void {
-  if (scene === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
   switch (event.key) {
-    case "ArrowLeft":
-      scene.rotate(-kKeyStepRad, 0);
-      break;
-    case "ArrowRight":
-      scene.rotate(kKeyStepRad, 0);
-      break;
-    case "ArrowUp":
-      scene.rotate(0, -kKeyStepRad);
-      break;
-    case "ArrowDown":
-      scene.rotate(0, kKeyStepRad);
-      break;
     case "+":
     case "=":
-      scene.zoom(1 / kKeyZoom);
+      screen.zoom(1 / kKeyZoom);
       break;
     case "-":
-      scene.zoom(kKeyZoom);
+      screen.zoom(kKeyZoom);
       break;
     default:
       return;
@@ -402,6 +409,7 @@ function placeOf(event: PointerEvent): Place | undefined {
 }
 
 function pointText({ tissue, deviationMm }: SurfacePoint): string {
+  if (tissue === undefined) return say("tooth.cut");
   if (deviationMm === undefined) return tissueTitle(tissue);
   if (Number.isNaN(deviationMm)) return say("tooth.untouched", { tissue: tissueTitle(tissue) });
   const size = Math.abs(deviationMm);

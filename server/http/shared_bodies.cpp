@@ -1,0 +1,71 @@
+#include "server/http/shared_bodies.h"
+
+#include <algorithm>
+
+namespace enamel::server::http {
+
+Result<SharedBodies::Body> SharedBodies::Get(const Sha256& name, const Read& read) {
+  {
+    MutexLock lock(mutex_);
+    Forget();
+    for (;;) {
+      Slot& slot = slots_[name];
+      if (Body body = slot.body.lock()) return body;
+      if (!slot.reading) {
+        slot.reading = true;
+        break;
+      }
+      read_.wait(mutex_);
+    }
+  }
+  Result<Bytes> bytes = read();
+  Body body;
+  if (bytes.ok()) body = std::make_shared<const std::string>(AsText(*bytes));
+  MutexLock lock(mutex_);
+  // After a failure the next that waits tries for itself.
+  if (body == nullptr) {
+    slots_.erase(name);
+  } else {
+    slots_[name] = {body, false};
+  }
+  read_.notify_all();
+  if (body == nullptr) return bytes.status();
+  return body;
+}
+
+Result<SharedBodies::Body> SharedBodies::Made(const Sha256& name, const Read& make) {
+  Result<Body> body = Get(name, make);
+  if (body.ok()) {
+    MutexLock lock(mutex_);
+    Keep(name, *body);
+  }
+  return body;
+}
+
+void SharedBodies::Keep(const Sha256& name, const Body& body) {
+  const auto now = std::chrono::steady_clock::now();
+  const auto at = std::ranges::find(kept_, name, &Kept::name);
+  if (at != kept_.end()) {
+    at->used = now;
+    kept_.splice(kept_.begin(), kept_, at);
+    return;
+  }
+  kept_.push_front({name, body, now});
+  kept_bytes_ += body->size();
+  Forget();
+}
+
+void SharedBodies::Forget() {
+  const auto old = std::chrono::steady_clock::now() - kFor;
+  while (!kept_.empty() && (kept_bytes_ > kKeptBytes || kept_.back().used < old)) {
+    kept_bytes_ -= kept_.back().body->size();
+    kept_.pop_back();
+  }
+  // Most are gone with their last answer.
+  constexpr size_t kMany = 1000;
+  if (slots_.size() < kMany) return;
+  std::erase_if(slots_,
+                [](const auto& one) { return !one.second.reading && one.second.body.expired(); });
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/base/bytes.h"
+#include "common/base/mutex.h"
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+
+namespace enamel::server::http {
+
+// Large answers in memory once, however many are being sent: whoever asks while another reads the
+// same waits for that. What was computed stays for a while. Thread safety: any thread; calls block.
+class SharedBodies {
+ public:
+  using Body = std::shared_ptr<const std::string>;
+  using Read = std::function<Result<Bytes>()>;
+
+  // `read` gives what is named; a failure is every waiting caller's.
+  Result<Body> Get(const Sha256& name, const Read& read);
+  // The same, and it stays for kFor after its last use, among the newest of kKeptBytes.
+  Result<Body> Made(const Sha256& name, const Read& make);
+
+  static constexpr size_t kKeptBytes = 32u << 20;
+  static constexpr std::chrono::minutes kFor{5};
+
+ private:
+  struct Slot {
+    std::weak_ptr<const std::string> body{};
+    bool reading = false;
+  };
+  struct Kept {
+    Sha256 name;
+    Body body;
+    std::chrono::steady_clock::time_point used;
+  };
+  void Keep(const Sha256& name, const Body& body) ENAMEL_REQUIRES(mutex_);
+  void Forget() ENAMEL_REQUIRES(mutex_);
+
+  Mutex mutex_;
+  std::condition_variable_any read_;
+  std::map<Sha256, Slot> slots_ ENAMEL_GUARDED_BY(mutex_);
+  std::list<Kept> kept_ ENAMEL_GUARDED_BY(mutex_);  // the newest first
+  size_t kept_bytes_ ENAMEL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace enamel::server::http

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/base/result.h"
+#include "server/results/result_files.h"
+#include "server/storage/store.h"
+
+// A score outside the house: the signed result of an attempt's newest run with the files that it
+// binds (schemas/result.md, "Files"). Thread safety: functions, any thread; they block for the
+// store.
+namespace enamel::server {
+
+// What is known of a recording as one trace file; also of one that has not ended.
+Result<Bytes> TraceFileOf(Store& store, const AttemptRow& row);
+
+// Gives result.bin and each bound file that is kept, one after the other; what a retention rule
+// removed is left out. `take` gets an error for a file that cannot be read (kConflict: the score was
+// not signed), and ends the walk with one of its own. Errors: kConflict (no score yet), those of
+// `take`.
+Status ForEachResultFile(Store& store, const AttemptRow& row,
+                         const std::function<Status(std::string_view name, Result<Bytes>)>& take);
+
+}  // namespace enamel::server

@@ -1,0 +1,227 @@
+#include "server/storage/judging/marking_rows.h"
+
+#include <algorithm>
+
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+#include "server/storage/engine/sql_names.h"
+
+namespace enamel::server {
+namespace {
+
+Status NoSuchWork(const Uuid& work) {
+  return Status(Code::kNotFound, "no work " + work.Text() + " that you mark");
+}
+
+Result<MarkingRow> FindMarking(Db& db, const Uuid& id) {
+  MarkingRow out;
+  {
+    Query q(db,
+            "SELECT id, assignment, created_ms, ended_ms, (SELECT count(*) FROM marking_works w "
+            "WHERE w.tenant = ?1 AND w.marking = ?2) FROM markings WHERE tenant = ?1 AND id = ?2");
+    if (!q.Bind(id).Next()) {
+      ENAMEL_RETURN_IF_ERROR(q.status());
+      return Status(Code::kNotFound, "no marking " + id.Text());
+    }
+    out = {q.Id(0), q.Id(1), q.Int(2), q.Int(3), {}, static_cast<uint32_t>(q.Int(4))};
+  }
+  Query q(db,
+          "SELECT p.person, (SELECT count(*) FROM marks k JOIN marking_works w ON w.tenant = "
+          "k.tenant AND w.id = k.work WHERE k.tenant = ?1 AND w.marking = ?2 AND k.marker = "
+          "p.person) FROM marking_people p WHERE p.tenant = ?1 AND p.marking = ?2 ORDER BY "
+          "p.person");
+  for (q.Bind(id); q.Next();) out.markers.push_back({q.Id(0), static_cast<uint32_t>(q.Int(1))});
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<std::vector<Uuid>> IdsOfMarkings(Db& db, const Uuid& assignment) {
+  Query q(db,
+          "SELECT id FROM markings WHERE tenant = ?1 AND assignment = ?2 ORDER BY created_ms DESC, "
+          "id DESC");
+  std::vector<Uuid> out;
+  for (q.Bind(assignment); q.Next();) out.push_back(q.Id(0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Status MustNotBeReleased(Db& db, const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
+  if (!row.released) return Status::Ok();
+  return Status(Code::kConflict, "attempt " + attempt.Text() +
+                                     " is released: its score is known, and marks of it are not "
+                                     "blind any more");
+}
+
+Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt) {
+  ENAMEL_RETURN_IF_ERROR(MustNotBeReleased(db, attempt));
+  Query q(db, "INSERT INTO marking_works (tenant, id, marking, attempt) VALUES (?1, ?2, ?3, ?4)");
+  // Random, and not the time's as other ids: it would tell the order in which they were made.
+  Uuid id;
+  const Sha256 hash = HashSha256(Uuid::New().view());
+  std::copy_n(hash.bytes.begin(), id.bytes.size(), id.bytes.begin());
+  return q.Bind(id).Bind(marking).Bind(attempt).Run();
+}
+
+}  // namespace
+
+Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
+                                             const std::vector<Uuid>& attempts,
+                                             const std::vector<Uuid>& markers, const Actor& by) {
+  const Uuid id = Uuid::New();
+  const Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto earlier, IdsOfMarkings(db, assignment));
+    for (const Uuid& marking : earlier) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, marking));
+      if (row.ended_ms != 0 || row.done()) continue;
+      return Status(Code::kConflict,
+                    "a blind marking of this assignment is under way; finish it or give it up");
+    }
+    {
+      Query q(db,
+              "INSERT INTO markings (tenant, id, assignment, created_ms) VALUES (?1, ?2, ?3, ?4)");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(assignment).Bind(NowMs()).Run());
+    }
+    for (const Uuid& marker : markers) {
+      Query q(db, "INSERT INTO marking_people (tenant, marking, person) VALUES (?1, ?2, ?3)");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(marker).Run());
+    }
+    for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(AddWork(db, id, attempt));
+    return WriteAudit(db, by, "marking.begin", id.Text(), "{}",
+                      JsonOf({{"assignment", assignment.Text()},
+                              {"markers", std::to_string(markers.size())},
+                              {"works", std::to_string(attempts.size())}}));
+  });
+  if (!status.ok()) return status;
+  return MarkingById(id);
+}
+
+Result<std::vector<MarkingRow>> MarkingRows::MarkingsOf(const Uuid& assignment) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<MarkingRow>> {
+    ENAMEL_ASSIGN_OR_RETURN(const auto ids, IdsOfMarkings(db, assignment));
+    std::vector<MarkingRow> out;
+    for (const Uuid& id : ids) {
+      ENAMEL_ASSIGN_OR_RETURN(out.emplace_back(), FindMarking(db, id));
+    }
+    return out;
+  });
+}
+
+Result<MarkingRow> MarkingRows::MarkingById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindMarking(db, id); });
+}
+
+Result<std::vector<MarkingWork>> MarkingRows::WorksOf(const Uuid& marking) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<MarkingWork>> {
+    Query q(db,
+            "SELECT id, marking, attempt FROM marking_works WHERE tenant = ?1 AND marking = ?2 "
+            "ORDER BY id");
+    std::vector<MarkingWork> out;
+    for (q.Bind(marking); q.Next();) out.push_back({q.Id(0), q.Id(1), q.Id(2)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<MarkingWork> MarkingRows::WorkById(const Uuid& work) {
+  return rows_.Read([&](Db& db) -> Result<MarkingWork> {
+    Query q(db, "SELECT id, marking, attempt FROM marking_works WHERE tenant = ?1 AND id = ?2");
+    if (q.Bind(work).Next()) return MarkingWork{q.Id(0), q.Id(1), q.Id(2)};
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    return NoSuchWork(work);
+  });
+}
+
+Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    Uuid attempt;
+    {
+      Query q(db,
+              "SELECT w.attempt, m.ended_ms FROM marking_works w JOIN markings m ON m.tenant = "
+              "w.tenant AND m.id = w.marking JOIN marking_people p ON p.tenant = w.tenant AND "
+              "p.marking = w.marking WHERE w.tenant = ?1 AND w.id = ?2 AND p.person = ?3");
+      if (!q.Bind(mark.work).Bind(mark.marker).Next()) {
+        ENAMEL_RETURN_IF_ERROR(q.status());
+        return NoSuchWork(mark.work);
+      }
+      if (q.Int(1) != 0) {
+        return Status(Code::kConflict, "this blind marking was given up; nothing more is marked");
+      }
+      attempt = q.Id(0);
+    }
+    ENAMEL_RETURN_IF_ERROR(MustNotBeReleased(db, attempt));
+    Query q(db,
+            "INSERT INTO marks (tenant, work, marker, rating, criteria, made_ms) VALUES (?1, ?2, "
+            "?3, ?4, ?5, ?6)");
+    q.Bind(mark.work).Bind(mark.marker).Bind(int64_t{mark.rating}).Bind(mark.criteria);
+    ENAMEL_RETURN_IF_ERROR(Explain(q.Bind(NowMs()).Run(),
+                                   "you have marked this work; a mark is given once, before any "
+                                   "other is seen"));
+    return WriteAudit(db, by, "marking.mark", mark.work.Text(), "{}",
+                      JsonOf({{"rating", std::to_string(mark.rating)},
+                              {"criteria", HashSha256(AsBytes(mark.criteria)).Hex()}}));
+  });
+}
+
+Result<std::vector<BlindMark>> MarkingRows::MarksOf(const Uuid& marking) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<BlindMark>> {
+    Query q(db,
+            "SELECT k.work, k.marker, k.rating, k.criteria, k.made_ms FROM marks k JOIN "
+            "marking_works w ON w.tenant = k.tenant AND w.id = k.work WHERE k.tenant = ?1 AND "
+            "w.marking = ?2 ORDER BY k.work, k.marker");
+    std::vector<BlindMark> out;
+    for (q.Bind(marking); q.Next();) {
+      out.push_back({q.Id(0), q.Id(1), static_cast<int32_t>(q.Int(2)), q.Text(3), q.Int(4)});
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<std::vector<std::string>> MarkingRows::CriteriaBy(const Uuid& marker) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<std::string>> {
+    Query q(db,
+            "SELECT criteria FROM marks WHERE tenant = ?1 AND marker = ?2 ORDER BY made_ms DESC, "
+            "work LIMIT 500");
+    std::vector<std::string> out;
+    for (q.Bind(marker); q.Next();) out.push_back(q.Text(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status MarkingRows::EndMarking(const Uuid& id, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));
+    if (row.ended_ms != 0 || row.done()) {
+      return Status(Code::kConflict, row.done()
+                                         ? "all markers are done; there is nothing to give up"
+                                         : "this blind marking was given up before");
+    }
+    Query q(db, "UPDATE markings SET ended_ms = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "marking.end", id.Text(), "{}", "{}");
+  });
+}
+
+Result<std::set<Uuid>> MarkingRows::HiddenFrom(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::set<Uuid>> {
+    Query q(
+        db,
+        "SELECT w.attempt FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id "
+        "= p.marking JOIN marking_works w ON w.tenant = m.tenant AND w.marking = m.id WHERE "
+        "p.tenant = ?1 AND p.person = ?2 AND m.ended_ms = 0 AND (SELECT count(*) FROM marks k "
+        "JOIN marking_works x ON x.tenant = k.tenant AND x.id = k.work WHERE k.tenant = ?1 AND "
+        "x.marking = m.id) < (SELECT count(*) FROM marking_works x WHERE x.tenant = ?1 AND "
+        "x.marking = m.id) * (SELECT count(*) FROM marking_people o WHERE o.tenant = ?1 AND "
+        "o.marking = m.id)");
+    std::set<Uuid> out;
+    for (q.Bind(person); q.Next();) out.insert(q.Id(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server

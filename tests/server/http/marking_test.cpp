@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "common/scoring/score.h"
+#include "tests/server/http/running_server.h"
+
+// Blind marking over the wire: nobody who marks sees a name or a computed score before all are done.
+namespace enamel::server::http {
+namespace {
+
+namespace json = boost::json;
+
+class MarkingTest : public testing::Test {
+ protected:
+  MarkingTest() {
+    for (const char* login : {"ada", "ben", "root", "sam"}) {
+      visitors_.emplace(login, Visitor(server_.port(), login));
+    }
+    AssignmentRow row;
+    row.exercise = "class-1-occlusal";
+    row.cohort = school_.cohort_a;
+    assignment_ = school_.store->assignments.AddAssignment(row, kBy)->id;
+    for (int i = 0; i < 9; ++i) {
+      attempts_.push_back(school_.ScoredAttempt(
+          i % 2 == 0 ? school_.sam : school_.sue,
+          [&](AttemptRow& attempt) { attempt.assignment = assignment_; },
+          [&](scoring::ScoreResult& result) { result.score = kScore0 + 7.5 * i; }));
+    }
+  }
+
+  Visitor& By(const std::string& login) { return visitors_.at(login); }
+  std::string OfAssignment(const std::string& rest) const {
+    return "/api/v1/assignments/" + assignment_.Text() + rest;
+  }
+  std::string Markers(const std::vector<Uuid>& ids) const {
+    json::array list;
+    for (const Uuid& id : ids) list.emplace_back(id.Text());
+    return json::serialize(json::object{{"marker_ids", std::move(list)}});
+  }
+  std::string Begin() {
+    RawResponse answer =
+        By("ada").Post(OfAssignment("/markings"), Markers({school_.ada, school_.ben}));
+    EXPECT_EQ(answer.status, 201) << answer.body;
+    return std::string(Parsed(answer).at("id").as_string());
+  }
+  json::object Seen(const std::string& login, const std::string& marking) {
+    RawResponse answer = By(login).Get("/api/v1/markings/" + marking);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return Parsed(answer).as_object();
+  }
+  std::vector<std::string> WorksOf(const std::string& login, const std::string& marking) {
+    std::vector<std::string> out;
+    const json::object seen = Seen(login, marking);
+    for (const json::value& work : seen.at("mine").as_array()) {
+      out.emplace_back(work.at("id").as_string());
+    }
+    return out;
+  }
+  RawResponse Mark(const std::string& login, const std::string& work, const std::string& body) {
+    return By(login).Post("/api/v1/marking-works/" + work + "/marks", body);
+  }
+  static std::string Body(int rating, double points, const std::string& comment = "") {
+    return json::serialize(json::object{
+        {"rating", rating},
+        {"criteria", {{"wall_mesial_mm", {{"points", points}, {"comment", comment}}}}}});
+  }
+  // All of it, by both.
+  void MarkAll(const std::string& marking) {
+    for (const char* login : {"ada", "ben"}) {
+      const auto works = WorksOf("ada", marking);
+      for (size_t i = 0; i < works.size(); ++i) {
+        const int rating = 1 + static_cast<int>(i % 5);
+        EXPECT_EQ(Mark(login, works[i], Body(rating, 3.0 * rating, "wall out")).status, 204);
+      }
+    }
+  }
+
+  inline static const Actor kBy{{}, "test"};
+  static constexpr double kScore0 = 31.25;
+  School school_;
+  RunningServer server_{school_};
+  std::map<std::string, Visitor> visitors_;
+  Uuid assignment_;
+  std::vector<Uuid> attempts_;
+};
+
+TEST_F(MarkingTest, AMarkerSeesNeitherNamesNorAttemptsNorScores) {
+  const std::string marking = Begin();
+  for (const char* login : {"ada", "ben"}) {
+    const std::string told = json::serialize(Seen(login, marking));
+    EXPECT_EQ(told.find("Person s"), std::string::npos) << told;
+    EXPECT_EQ(told.find("31.25"), std::string::npos);
+    for (const Uuid& attempt : attempts_) {
+      EXPECT_EQ(told.find(attempt.Text()), std::string::npos);
+    }
+    EXPECT_EQ(WorksOf(login, marking).size(), attempts_.size());
+  }
+  EXPECT_EQ(By("sam").Get("/api/v1/markings/" + marking).status, 403);
+  EXPECT_EQ(By("sam").Get(OfAssignment("/markings")).status, 403);
+}
+
+TEST_F(MarkingTest, EachMarkerHasAnOrderOfTheirOwn) {
+  const std::string marking = Begin();
+  const auto first = WorksOf("ada", marking), second = WorksOf("ben", marking);
+  EXPECT_NE(first, second);
+  EXPECT_EQ(first, WorksOf("ada", marking)) << "and it stays";
+  EXPECT_TRUE(std::ranges::is_permutation(first, second));
+}
+
+TEST_F(MarkingTest, AMarkersOtherPagesHideTheScoresUntilAllAreDone) {
+  const std::string attempt = "/api/v1/attempts/" + attempts_[0].Text();
+  EXPECT_FALSE(Parsed(By("ada").Get(attempt)).at("score").is_null());
+  const std::string marking = Begin();
+  EXPECT_TRUE(Parsed(By("ada").Get(attempt)).at("score").is_null());
+  for (const char* part : {"/score", "/surface", "/series", "/results"}) {
+    EXPECT_EQ(By("ada").Get(attempt + part).status, 403) << part;
+  }
+  EXPECT_EQ(By("ada").Get(OfAssignment("/insight")).status, 403);
+  const RawResponse grades =
+      By("ada").Get("/api/v1/cohorts/" + school_.cohort_a.Text() + "/grades");
+  EXPECT_EQ(grades.body.find("91.25"), std::string::npos) << grades.body;
+  EXPECT_FALSE(Parsed(By("root").Get(attempt)).at("score").is_null()) << "who marks nothing";
+  MarkAll(marking);
+  EXPECT_FALSE(Parsed(By("ada").Get(attempt)).at("score").is_null());
+  EXPECT_EQ(By("ada").Get(attempt + "/score").status, 200);
+}
+
+TEST_F(MarkingTest, AfterTheLastMarkEverybodysMarksAreBesideTheProgramsPoints) {
+  const std::string marking = Begin();
+  EXPECT_TRUE(Seen("ada", marking).at("results").is_null());
+  MarkAll(marking);
+  const json::object seen = Seen("ada", marking);
+  EXPECT_EQ(seen.at("done"), true);
+  const json::value& results = seen.at("results");
+  ASSERT_EQ(results.at("works").as_array().size(), attempts_.size());
+  for (const json::value& work : results.at("works").as_array()) {
+    EXPECT_EQ(work.at("marks").as_array().size(), 2U);
+    EXPECT_FALSE(work.at("computed_score").is_null());
+  }
+  EXPECT_NEAR(results.at("standard").at("icc_2_1").at("value").as_double(), 1, 1e-9)
+      << "both gave the same";
+  EXPECT_FALSE(results.at("agreement").as_array().empty());
+  EXPECT_EQ(seen.at("comments").at(0).at("comment"), "wall out") << "said once, offered again";
+  EXPECT_EQ(seen.at("comments").as_array().size(), 1U);
+}
+
+TEST_F(MarkingTest, MarksThatAreNoneOrTwiceOrOfOthersWorkAreRefused) {
+  const std::string marking = Begin();
+  const std::string work = WorksOf("ada", marking)[0];
+  EXPECT_EQ(Mark("ada", work, R"({"criteria":{"wall_mesial_mm":{"points":5}}})").status, 400)
+      << "the rating comes first";
+  EXPECT_EQ(Mark("ada", work, Body(6, 5)).status, 400);
+  EXPECT_EQ(Mark("ada", work, Body(3, 21)).status, 400) << "of 20";
+  EXPECT_EQ(Mark("ada", work, R"({"rating":3,"criteria":{}})").status, 400);
+  EXPECT_EQ(Mark("ada", work,
+                 R"({"rating":3,"criteria":{"wall_mesial_mm":{"points":5},"time_s":{"points":1}}})")
+                .status,
+            400);
+  EXPECT_EQ(Mark("root", work, Body(3, 5)).status, 404) << "not a marker";
+  EXPECT_EQ(Mark("ada", attempts_[0].Text(), Body(3, 5)).status, 404) << "an attempt's id";
+  EXPECT_EQ(Mark("ada", work, Body(3, 5)).status, 204);
+  EXPECT_EQ(Mark("ada", work, Body(4, 6)).status, 409) << "twice";
+  EXPECT_EQ(Mark("ben", work, Body(4, 6)).status, 204);
+}
+
+TEST_F(MarkingTest, WhatIsReleasedOrGivenUpIsMarkedNoMore) {
+  const std::string marking = Begin();
+  const auto works = WorksOf("ada", marking);
+  for (const Uuid& attempt : attempts_) {
+    ASSERT_TRUE(school_.store->judging.ReleaseAttempt(attempt, kBy).ok());
+  }
+  const RawResponse released = Mark("ada", works[0], Body(3, 5));
+  EXPECT_EQ(released.status, 409) << released.body;
+  EXPECT_NE(released.body.find("released"), std::string::npos);
+  const std::string path = "/api/v1/markings/" + marking;
+  const std::string csrf = "X-Enamel-Csrf: " + By("ada").csrf + "\r\n";
+  EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 204);
+  EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 409) << "given up before";
+  EXPECT_EQ(Mark("ada", works[0], Body(3, 5)).status, 409);
+  EXPECT_FALSE(
+      Parsed(By("ada").Get("/api/v1/attempts/" + attempts_[0].Text())).at("score").is_null());
+  EXPECT_EQ(By("ada").Post(OfAssignment("/markings"), Markers({school_.ada, school_.ben})).status,
+            409)
+      << "nothing is left to mark blind";
+}
+
+TEST_F(MarkingTest, MarkersAndWorkThatCannotBeAreRefused) {
+  const std::string path = OfAssignment("/markings");
+  EXPECT_EQ(By("ada").Post(path, Markers({school_.ada})).status, 400) << "one alone";
+  EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.ada})).status, 400);
+  EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.sam})).status, 400) << "a student";
+  EXPECT_EQ(By("ben").Post(path, Markers({school_.ada, school_.ben})).status, 404);
+  Begin();
+  EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.ben})).status, 409) << "under way";
+}
+
+}  // namespace
+}  // namespace enamel::server::http

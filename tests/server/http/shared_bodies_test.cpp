@@ -1,0 +1,116 @@
+#include "server/http/shared_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "server/http/unsent_bytes.h"
+
+// Large answers: in memory once, and shared out among those who read them.
+namespace enamel::server::http {
+namespace {
+
+const Sha256 kName = HashSha256(AsBytes("a"));
+
+TEST(SharedBodiesTest, WhatManyAskForIsReadOnceAndInMemoryOnce) {
+  SharedBodies bodies;
+  std::atomic<int> reads{0}, asking{0};
+  std::vector<SharedBodies::Body> got(8);
+  {
+    std::vector<std::jthread> all;
+    for (auto& body : got) {
+      all.emplace_back([&] {
+        ++asking;
+        auto found = bodies.Get(kName, [&]() -> Result<Bytes> {
+          ++reads;
+          // The others come meanwhile.
+          while (asking < 8) std::this_thread::yield();
+          return Bytes(1000, 'x');
+        });
+        ASSERT_TRUE(found.ok());
+        body = *found;
+      });
+    }
+  }
+  EXPECT_EQ(reads, 1);
+  for (const auto& body : got) EXPECT_EQ(body, got[0]);
+  got.clear();
+  EXPECT_TRUE(bodies.Get(kName, [&]() -> Result<Bytes> { return ++reads, Bytes(); }).ok());
+  EXPECT_EQ(reads, 2) << "nobody was sending it any more";
+}
+
+TEST(SharedBodiesTest, WhatWasComputedStaysForAWhileAndAFailureDoesNot) {
+  SharedBodies bodies;
+  int made = 0;
+  const auto make = [&]() -> Result<Bytes> {
+    if (++made == 1) return Status(Code::kUnavailable, "no");
+    return Bytes(1000, 'x');
+  };
+  EXPECT_FALSE(bodies.Made(kName, make).ok());
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(bodies.Made(kName, make).ok());
+  EXPECT_EQ(made, 2);
+  // Others take its room.
+  for (size_t at = 0; at <= SharedBodies::kKeptBytes; at += 1 << 20) {
+    const Sha256 name = HashSha256(AsBytes(std::to_string(at)));
+    EXPECT_TRUE(bodies.Made(name, [] { return Result<Bytes>(Bytes(1 << 20)); }).ok());
+  }
+  EXPECT_TRUE(bodies.Made(kName, make).ok());
+  EXPECT_EQ(made, 3);
+}
+
+// Some answers of one person, and how many of them were given up.
+struct Answers {
+  std::vector<std::shared_ptr<UnsentBytes::Sending>> sending;
+  std::atomic<int> given_up{0};
+
+  bool Add(UnsentBytes& unsent, const std::string& of, const void* body, size_t bytes) {
+    auto one = unsent.Add(of, body, bytes);
+    if (one == nullptr) return false;
+    one->OnGivenUp([this] { ++given_up; });
+    sending.push_back(std::move(one));
+    return true;
+  }
+};
+
+TEST(UnsentBytesTest, WhoHoldsMostMakesRoomForWhoHoldsLess) {
+  UnsentBytes unsent(1000);
+  Answers slow, other;
+  const std::vector<char> bodies(100);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(slow.Add(unsent, "slow", &bodies[i], 100));
+  EXPECT_FALSE(slow.Add(unsent, "slow", &bodies[10], 100)) << "nobody holds more";
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(other.Add(unsent, "other", &bodies[20 + i], 100));
+  EXPECT_EQ(slow.given_up, 5);
+  EXPECT_EQ(other.given_up, 0);
+  EXPECT_FALSE(other.Add(unsent, "other", &bodies[30], 100)) << "as much as anybody";
+  EXPECT_EQ(unsent.bytes(), 1000u);
+  slow.sending.clear();
+  other.sending.clear();
+  EXPECT_EQ(unsent.bytes(), 0u);
+}
+
+TEST(UnsentBytesTest, OneBodyCountsOnceHoweverManyReadIt) {
+  UnsentBytes unsent(1000);
+  Answers all;
+  const char body = 0, another = 0;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(all.Add(unsent, "student " + std::to_string(i), &body, 900));
+  }
+  EXPECT_EQ(unsent.bytes(), 900u);
+  EXPECT_FALSE(all.Add(unsent, "late", &another, 900));
+  EXPECT_EQ(all.given_up, 0);
+}
+
+TEST(UnsentBytesTest, AnAnswerThatIsGivenUpBeforeItIsSentIsClosedAtOnce) {
+  UnsentBytes unsent(100);
+  const char body = 0, another = 0, third = 0;
+  const auto first = unsent.Add("slow", &body, 60), second = unsent.Add("slow", &another, 40);
+  EXPECT_NE(unsent.Add("other", &third, 50), nullptr);
+  bool closed = false;
+  first->OnGivenUp([&] { closed = true; });
+  EXPECT_TRUE(closed);
+}
+
+}  // namespace
+}  // namespace enamel::server::http

@@ -1,0 +1,90 @@
+#include "server/storage/store_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <semaphore>
+#include <string>
+#include <thread>
+
+#include "common/base/mutex.h"
+
+// Whose work gets a thread when.
+namespace enamel::server {
+namespace {
+
+class StorePoolTest : public ::testing::Test {
+ protected:
+  // Notes its name once it has a thread, which it keeps until `go`.
+  void Post(StorePool& pool, const Turn& turn, const std::string& name) {
+    boost::asio::co_spawn(
+        io_,
+        [this, &pool, turn, name]() -> boost::asio::awaitable<void> {
+          co_await pool.Run(turn, [&] {
+            {
+              MutexLock lock(mutex_);
+              order_ += name;
+            }
+            begun_.release();
+            go_.acquire();
+            return true;
+          });
+        },
+        boost::asio::detached);
+    // It is in the pool's line.
+    io_.restart();
+    io_.poll();
+  }
+  void Finish(int count) {
+    go_.release(count);
+    io_.restart();
+    io_.run();
+  }
+  std::string order() {
+    MutexLock lock(mutex_);
+    return order_;
+  }
+
+  boost::asio::io_context io_;
+  std::counting_semaphore<> begun_{0}, go_{0};
+  Mutex mutex_;
+  std::string order_ ENAMEL_GUARDED_BY(mutex_);
+};
+
+TEST_F(StorePoolTest, NobodyWaitsBehindAllOfAnothersWork) {
+  StorePool pool(1);
+  Post(pool, Turn("many"), "a");
+  begun_.acquire();
+  for (const char* name : {"b", "c", "d"}) Post(pool, Turn("many"), name);
+  Post(pool, Turn("few"), "X");
+  Post(pool, Turn("few"), "Y");
+  Finish(6);
+  EXPECT_EQ(order(), "abXcYd");
+}
+
+TEST_F(StorePoolTest, ThoseWhoGoFirstGetEveryOtherTurn) {
+  StorePool pool(1);
+  Post(pool, Turn("guesser"), "a");
+  begun_.acquire();
+  for (const char* name : {"b", "c"}) Post(pool, Turn("guesser"), name);
+  for (const char* name : {"1", "2", "3"}) Post(pool, Turn(name, true), name);
+  Finish(6);
+  EXPECT_EQ(order(), "a1b2c3");
+}
+
+TEST_F(StorePoolTest, OneHasAsManyThreadsAsOneMayHave) {
+  StorePool pool(2, 1);
+  Post(pool, Turn("many"), "a");
+  Post(pool, Turn("many"), "b");
+  begun_.acquire();
+  Post(pool, Turn("few"), "X");
+  begun_.acquire();
+  EXPECT_EQ(order(), "aX") << "the second thread is for others";
+  Finish(3);
+  EXPECT_EQ(order().size(), 3u);
+}
+
+}  // namespace
+}  // namespace enamel::server

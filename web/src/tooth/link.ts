@@ -1,0 +1,207 @@
+import type { Look } from "../base/moment_link";
+import type {
+  CameraPreset,
+  FilmAsk,
+  FilmTold,
+  PointMm,
+  ScreenAsk,
+  ScreenState,
+  ScreenTold,
+  StudioAsk,
+  StudioTold,
+  SurfacePoint,
+} from "./messages";
+
+// The page's end of the worker that reads and draws teeth (studio.ts): the page's thread hands over bytes, a canvas
+// and wishes, and never meshes or draws.
+
+// A worker, or what stands for one.
+export interface StudioPort {
+  postMessage(asked: StudioAsk, transfer: Transferable[]): void;
+  onmessage: ((event: { readonly data: StudioTold }) => void) | null;
+  onerror: ((event: { readonly message?: string }) => void) | null;
+  terminate(): void;
+}
+
+export class StudioLink {
+  private next = 0;
+  private readonly films = new Map<number, (told: FilmTold) => void>();
+  private readonly screens = new Map<number, (told: ScreenTold) => void>();
+  lost = false; // nothing answers any more
+
+  constructor(private readonly port: StudioPort) {
+    port.onmessage = ({ data }) => {
+      if ("film" in data) this.films.get(data.film)?.(data.message);
+      else this.screens.get(data.screen)?.(data.message);
+    };
+    port.onerror = () => {
+      this.lost = true;
+      const message = "what reads it could not be loaded or has stopped: load the page again";
+      for (const told of [...this.films.values()]) told({ told: "failed", message });
+      for (const told of [...this.screens.values()]) told({ told: "lost", stopped: false });
+    };
+  }
+
+  film(told: (told: Exclude<FilmTold, { told: "stl" }>) => void): FilmLink {
+    const film = this.next++;
+    const link = new FilmLink(
+      film,
+      (message, transfer = []) => this.port.postMessage({ film, message }, transfer),
+      () => this.films.delete(film),
+    );
+    this.films.set(film, (message) => {
+      if (message.told === "stl") link.gave(message.bytes);
+      else told(message);
+    });
+    return link;
+  }
+
+  screen(
+    canvas: OffscreenCanvas,
+    film: FilmLink,
+    state: ScreenState,
+    look: Look | undefined,
+    told: (told: Exclude<ScreenTold, { told: "picked" }>) => void,
+  ): ScreenLink {
+    const screen = this.next++;
+    const link = new ScreenLink(
+      (message, transfer = []) => this.port.postMessage({ screen, message }, transfer),
+      () => this.screens.delete(screen),
+    );
+    this.screens.set(screen, (message) => {
+      if (message.told === "picked") link.picked(message.id, message.point);
+      else told(message);
+    });
+    this.port.postMessage({ screen, message: { ask: "open", canvas, film: film.number, state, look } }, [canvas]);
+    return link;
+  }
+}
+
+export class FilmLink {
+  private readonly waiting: ((bytes: ArrayBuffer) => void)[] = [];
+
+  constructor(
+    readonly number: number,
+    private readonly ask: (message: FilmAsk, transfer?: Transferable[]) => void,
+    private readonly ended: () => void,
+  ) {}
+
+  // The bytes are handed over: whoever gave them has them no longer.
+  bytes(bytes: ArrayBuffer): void {
+    this.ask({ ask: "bytes", bytes }, [bytes]);
+  }
+  surface(bytes: ArrayBuffer): void {
+    this.ask({ ask: "surface", bytes }, [bytes]);
+  }
+  deviation(bytes: ArrayBuffer): void {
+    this.ask({ ask: "deviation", bytes }, [bytes]);
+  }
+  // The latest wish counts. Where that part is not here yet it is fulfilled when it is.
+  seek(frames: number): void {
+    this.ask({ ask: "seek", frames });
+  }
+  // The tooth as it is shown, as STL (stl.ts).
+  stl(): Promise<ArrayBuffer> {
+    this.ask({ ask: "stl" });
+    return new Promise((resolve) => this.waiting.push(resolve));
+  }
+  gave(bytes: ArrayBuffer): void {
+    this.waiting.shift()?.(bytes);
+  }
+  // Afterwards nothing is reported.
+  close(): void {
+    this.ask({ ask: "close" });
+    this.ended();
+  }
+}
+
+export class ScreenLink {
+  private nextPick = 0;
+  private readonly picks = new Map<number, (point: SurfacePoint | undefined) => void>();
+
+  constructor(
+    private readonly ask: (message: ScreenAsk, transfer?: Transferable[]) => void,
+    private readonly ended: () => void,
+  ) {}
+
+  set(state: Partial<ScreenState>): void {
+    this.ask({ ask: "set", state });
+  }
+  resize(width: number, height: number, ratio: number): void {
+    this.ask({ ask: "resize", width, height, ratio });
+  }
+  view(preset: CameraPreset): void {
+    this.ask({ ask: "view", preset });
+  }
+  near(pointMm: PointMm): void {
+    this.ask({ ask: "near", pointMm });
+  }
+  look(look: Look): void {
+    this.ask({ ask: "look", look });
+  }
+  // `more`: the motion goes on.
+  rotate(azimuthRad: number, polarRad: number, more = false): void {
+    this.ask({ ask: "rotate", azimuthRad, polarRad, more });
+  }
+  zoom(factor: number): void {
+    this.ask({ ask: "zoom", factor });
+  }
+  // Of half the picture's height: where one looks from then on.
+  pan(right: number, up: number): void {
+    this.ask({ ask: "pan", right, up });
+  }
+  redraw(): void {
+    this.ask({ ask: "redraw" });
+  }
+  settle(): void {
+    this.ask({ ask: "settle" });
+  }
+  // What is under a point of the picture, in CSS pixels from its top left corner.
+  pick(x: number, y: number): Promise<SurfacePoint | undefined> {
+    const id = this.nextPick++;
+    this.ask({ ask: "pick", id, x, y });
+    return new Promise((resolve) => this.picks.set(id, resolve));
+  }
+  picked(id: number, point: SurfacePoint | undefined): void {
+    this.picks.get(id)?.(point);
+    this.picks.delete(id);
+  }
+  close(): void {
+    this.ask({ ask: "close" });
+    this.ended();
+  }
+}
+
+// What the build puts in: the address of the worker's script, whose name changes with its content.
+declare const kToothWorkerAddress: string;
+
+interface TrustedTypePolicies {
+  createPolicy(
+    name: string,
+    rules: { createScriptURL: (address: string) => string },
+  ): { createScriptURL(address: string): unknown };
+}
+
+// The server's Content-Security-Policy names this policy and no other (server/http/site.cpp), once:
+// no other script can run as a worker, even on a page that was tampered with.
+const kPolicyName = "enamel-worker";
+let trusted: unknown;
+function workerAddress(): string | URL {
+  const policies = (globalThis as { trustedTypes?: TrustedTypePolicies }).trustedTypes;
+  if (policies === undefined) return kToothWorkerAddress;
+  trusted ??= policies.createPolicy(kPolicyName, { createScriptURL: onlyWorker }).createScriptURL(kToothWorkerAddress);
+  return trusted as URL;
+}
+function onlyWorker(address: string): string {
+  if (address !== kToothWorkerAddress) throw new TypeError(`only ${kToothWorkerAddress} runs as a worker`);
+  return address;
+}
+
+let only: StudioLink | undefined;
+
+// The one of this page, which starts its worker. Throws where the browser refuses workers.
+export function studio(): StudioLink {
+  if (only === undefined || only.lost)
+    only = new StudioLink(new Worker(workerAddress(), { type: "module" }) as unknown as StudioPort);
+  return only;
+}

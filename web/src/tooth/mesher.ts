@@ -1,0 +1,411 @@
+import { type ChangingPart, kTriangles } from "./changing";
+import { kNotCompared, type ToothDeviation } from "./deviation";
+import { kBrickSide, kDeep, kFarOut, kSteps } from "./samples";
+
+// Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a
+// vertex in each cell that the surface crosses, at the mean of its edges' crossings; a quad for
+// each crossed edge, split along its shorter diagonal. Made block by block, so that only what was
+// cut is meshed again, and only of the bricks that change: a mesh has the rest (part_mesh.ts).
+
+const kBlockBricks = 4; // along each axis
+const kBlock = kBlockBricks * kBrickSide;
+const kSide = kBlock + 2; // with a layer of the neighbours' samples around
+const kNear = kBlockBricks + 2; // bricks of a block along each axis, with a layer of its neighbours around
+const kCells = kBlock + 1; // of a block along each axis; the outer ones are its neighbours' too
+
+export interface BlockMesh {
+  readonly positionMm: Float32Array<ArrayBuffer>; // (n x 3), scene frame
+  readonly normal: Int8Array<ArrayBuffer>; // (n x 4), x y z 0, /127, outward
+  readonly tissue: Uint8Array<ArrayBuffer>; // (n)
+  readonly deviation: Float32Array<ArrayBuffer> | undefined; // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
+  readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
+}
+
+const kStep = Int32Array.of(1, kSide, kSide * kSide);
+const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
+const kNextTo = 1 / 16; // of a cell
+const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
+
+// Makes the meshes of a tooth as it is now. Owns buffers that it uses again, one mesh at a
+// time: a whole tooth is hundreds of thousands of vertices, and an object for each would be most of
+// the time.
+export class ToothMesher {
+  private readonly samples = new Int8Array(kSide ** 3);
+  // Of the block's bricks and their neighbours: bit 0: some samples are solid; bit 1: some are air. 0: nothing needs it.
+  private readonly sides = new Uint8Array(kNear ** 3);
+  private readonly vertexOf = new Int32Array(kCells ** 3);
+  private readonly position = new Float32Array(3 * kCells ** 3);
+  private readonly normal = new Int8Array(4 * kCells ** 3);
+  private readonly tissue = new Uint8Array(kCells ** 3);
+  private readonly compared = new Float32Array(2 * kCells ** 3);
+  // Of the tooth at its end; vertices of cells that it knows carry it, at whatever moment.
+  deviation: ToothDeviation | undefined;
+  private triangle = new Uint16Array(1 << 16);
+  private vertices = 0;
+  private corners = 0; // of triangles
+  private readonly p = new Float64Array(3); // the last vertex in its cell
+  private readonly first = new Int32Array(3); // voxel of local sample (0, 0, 0)
+  private readonly blocks: readonly [number, number, number];
+
+  constructor(private readonly part: ChangingPart) {
+    const across = (bricks: number) => Math.ceil(bricks / kBlockBricks);
+    const [x, y, z] = part.bricks.grid.bricks;
+    this.blocks = [across(x), across(y), across(z)];
+  }
+
+  // All that have bricks which change.
+  allBlocks(): number[] {
+    const [nx, ny] = this.part.bricks.grid.bricks;
+    const out = new Set<number>();
+    for (const b of this.part.bricks.changing) {
+      const at = [b % nx, Math.floor(b / nx) % ny, Math.floor(b / (nx * ny))].map((n) => n >> 2) as [
+        number,
+        number,
+        number,
+      ];
+      out.add((at[2] * this.blocks[1] + at[1]) * this.blocks[0] + at[0]);
+    }
+    return [...out].sort((a, b) => a - b);
+  }
+  // The blocks whose mesh a change of these bricks can change.
+  blocksOf(bricks: Iterable<number>): Set<number> {
+    const out = new Set<number>();
+    for (const brick of bricks) this.blocksAt(brick, out);
+    return out;
+  }
+  private blocksAt(brick: number, out: Set<number>): void {
+    const [nx, ny] = this.part.bricks.grid.bricks;
+    const at = [brick % nx, Math.floor(brick / nx) % ny, Math.floor(brick / (nx * ny))] as const;
+    const range = (axis: 0 | 1 | 2) =>
+      [Math.max(0, at[axis] - 1) >> 2, Math.min((at[axis] + 1) >> 2, this.blocks[axis] - 1)] as const;
+    const [x, y, z] = [range(0), range(1), range(2)];
+    for (let k = z[0]; k <= z[1]; ++k) {
+      for (let j = y[0]; j <= y[1]; ++j) {
+        for (let i = x[0]; i <= x[1]; ++i) out.add((k * this.blocks[1] + j) * this.blocks[0] + i);
+      }
+    }
+  }
+
+  // Of the block's last mesh, the vertices that the block before does not have too: neighbours
+  // share those of a layer.
+  ownVertices(): number[] {
+    const out: number[] = [];
+    this.vertexOf.forEach((vertex, cell) => {
+      const row = Math.floor(cell / kCells);
+      if (vertex >= 0 && cell % kCells !== 0 && row % kCells !== 0 && row >= kCells) out.push(vertex);
+    });
+    return out;
+  }
+
+  // Undefined: no surface passes there.
+  mesh(block: number): BlockMesh | undefined {
+    const [nx, ny] = this.blocks;
+    const at = [block % nx, Math.floor(block / nx) % ny, Math.floor(block / (nx * ny))] as const;
+    at.forEach((n, axis) => {
+      this.first[axis] = n * kBlock - 1;
+    });
+    this.sides.fill(0);
+    if (!this.nearQuads(at) || !this.gather()) return undefined;
+    this.vertexOf.fill(-1);
+    this.vertices = this.corners = 0;
+    this.quads(at);
+    if (this.corners === 0) return undefined;
+    return {
+      positionMm: this.position.slice(0, 3 * this.vertices),
+      normal: this.normal.slice(0, 4 * this.vertices),
+      tissue: this.tissue.slice(0, this.vertices),
+      deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices),
+      triangle: this.triangle.slice(0, this.corners),
+    };
+  }
+
+  // Marks the block's bricks that have triangles, and all around them. False: there is none.
+  private nearQuads(at: readonly [number, number, number]): boolean {
+    let found = false;
+    this.eachOwn(at, (i, j, k) => {
+      found = true;
+      for (let z = k; z < k + 3; ++z)
+        for (let y = j; y < j + 3; ++y)
+          this.sides.fill(1, (z * kNear + y) * kNear + i, (z * kNear + y) * kNear + i + 3);
+    });
+    return found;
+  }
+
+  // The samples of what is marked. False: all are on one side.
+  private gather(): boolean {
+    const [bx, by, bz] = this.part.bricks.grid.bricks;
+    const [fx, fy, fz] = [this.first[0]! >> 3, this.first[1]! >> 3, this.first[2]! >> 3];
+    let all = 0;
+    for (let n = 0; n < this.sides.length; ++n) {
+      if (this.sides[n] === 0) continue;
+      const [x, y, z] = [n % kNear, Math.floor(n / kNear) % kNear, Math.floor(n / (kNear * kNear))];
+      const [i, j, k] = [fx + x, fy + y, fz + z];
+      const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
+      const samples = inside ? this.part.samples((k * by + j) * bx + i) : kFarOut;
+      const [lx, ly, lz] = [x, y, z].map((m) => (m - 1) * kBrickSide + 1) as [number, number, number];
+      if (typeof samples === "number") {
+        this.fillBrick(samples, lx, ly, lz);
+        this.sides[n] = samples < 0 ? 1 : 2;
+      } else this.sides[n] = this.copyBrick(samples, lx, ly, lz);
+      all |= this.sides[n]!;
+    }
+    return all === 3;
+  }
+
+  // `x`, `y`, `z`: local place of the brick's first sample; what lies outside the block is left
+  // out.
+  private fillBrick(q: number, x: number, y: number, z: number): void {
+    for (let k = Math.max(0, z); k < Math.min(kSide, z + kBrickSide); ++k) {
+      for (let j = Math.max(0, y); j < Math.min(kSide, y + kBrickSide); ++j) {
+        const row = (k * kSide + j) * kSide;
+        this.samples.fill(q, row + Math.max(0, x), row + Math.min(kSide, x + kBrickSide));
+      }
+    }
+  }
+  // Bit 0: some are solid; bit 1: some are air.
+  private copyBrick(from: Int8Array, x: number, y: number, z: number): number {
+    const to = this.samples;
+    const [x0, x1] = [Math.max(0, x), Math.min(kSide, x + kBrickSide)];
+    const [y0, y1] = [Math.max(0, y), Math.min(kSide, y + kBrickSide)];
+    const [z0, z1] = [Math.max(0, z), Math.min(kSide, z + kBrickSide)];
+    let any = 0;
+    let all = -1;
+    for (let k = z0; k < z1; ++k) {
+      for (let j = y0; j < y1; ++j) {
+        const row = (k * kSide + j) * kSide;
+        const own = (k - z) * 64 + (j - y) * 8 - x;
+        for (let i = x0; i < x1; ++i) {
+          const q = from[own + i]!;
+          to[row + i] = q;
+          any |= q;
+          all &= q;
+        }
+      }
+    }
+    return (any < 0 ? 1 : 0) | (all >= 0 ? 2 : 0);
+  }
+
+  // Of the bricks that change, in the block.
+  private quads(at: readonly [number, number, number]): void {
+    this.eachOwn(at, (i, j, k) => {
+      const first = [i, j, k].map((n, axis) => at[axis] === 0 && n === 0) as [boolean, boolean, boolean];
+      if (this.mayCross(i, j, k, first)) this.brickQuads(i, j, k, first);
+    });
+  }
+  // Each that has triangles, by its place in the block.
+  private eachOwn(at: readonly [number, number, number], act: (i: number, j: number, k: number) => void): void {
+    const { grid, flags } = this.part.bricks;
+    const [bx, by, bz] = grid.bricks;
+    const [ex, ey, ez] = [bx, by, bz].map((n, axis) => Math.min(kBlockBricks, n - at[axis]! * kBlockBricks)) as [
+      number,
+      number,
+      number,
+    ];
+    for (let k = 0; k < ez; ++k) {
+      for (let j = 0; j < ey; ++j) {
+        for (let i = 0; i < ex; ++i) {
+          const [x, y, z] = [at[0] * kBlockBricks + i, at[1] * kBlockBricks + j, at[2] * kBlockBricks + k];
+          if (flags[(z * by + y) * bx + x]! & kTriangles) act(i, j, k);
+        }
+      }
+    }
+  }
+  // False: its samples, and those its edges lead to, are all on one side.
+  private mayCross(i: number, j: number, k: number, first: readonly [boolean, boolean, boolean]): boolean {
+    const own = ((k + 1) * kNear + j + 1) * kNear + i + 1;
+    let sides = this.sides[own]! | this.sides[own + 1]! | this.sides[own + kNear]! | this.sides[own + kNear * kNear]!;
+    if (first[0]) sides |= this.sides[own - 1]!;
+    if (first[1]) sides |= this.sides[own - kNear]!;
+    if (first[2]) sides |= this.sides[own - kNear * kNear]!;
+    return sides === 3;
+  }
+  // Of the crossed edges whose first sample is the brick's; with those one voxel below the grid, where the brick
+  // is the grid's first.
+  private brickQuads(i: number, j: number, k: number, first: readonly [boolean, boolean, boolean]): void {
+    const s = this.samples;
+    const [fx, fy, fz] = [i, j, k].map((n, axis) => n * kBrickSide + (first[axis] ? 0 : 1)) as [number, number, number];
+    const [lx, ly, lz] = [i, j, k].map((n) => (n + 1) * kBrickSide) as [number, number, number];
+    for (let z = fz; z <= lz; ++z) {
+      for (let y = fy; y <= ly; ++y) {
+        let n = (z * kSide + y) * kSide + fx;
+        for (let x = fx; x <= lx; ++x, ++n) {
+          const side = s[n]! >> 7;
+          const crossed =
+            (side ^ (s[n + 1]! >> 7)) | (side ^ (s[n + kSide]! >> 7)) | (side ^ (s[n + kSide * kSide]! >> 7));
+          if (crossed === 0) continue;
+          for (let axis = 0; axis < 3; ++axis) {
+            if (s[n + kStep[axis]!]! >> 7 !== side) this.quad(x, y, z, axis, side < 0);
+          }
+        }
+      }
+    }
+  }
+
+  private quad(x: number, y: number, z: number, axis: number, inside: boolean): void {
+    const u = kCellStep[(axis + 1) % 3]!;
+    const w = kCellStep[(axis + 2) % 3]!;
+    const cell = (z * kCells + y) * kCells + x;
+    // Counter-clockwise seen from the far end of the edge, since u x w is along it.
+    const a = this.vertex(cell - u - w);
+    const b = this.vertex(inside ? cell - w : cell - u);
+    const c = this.vertex(cell);
+    const d = this.vertex(inside ? cell - u : cell - w);
+    if (this.length2(a, c) <= this.length2(b, d)) {
+      this.addTriangle(a, b, c);
+      this.addTriangle(a, c, d);
+    } else {
+      this.addTriangle(a, b, d);
+      this.addTriangle(b, c, d);
+    }
+  }
+  private addTriangle(a: number, b: number, c: number): void {
+    if (this.corners + 3 > this.triangle.length) {
+      const more = new Uint16Array(2 * this.triangle.length);
+      more.set(this.triangle);
+      this.triangle = more;
+    }
+    this.triangle[this.corners++] = a;
+    this.triangle[this.corners++] = b;
+    this.triangle[this.corners++] = c;
+  }
+  private length2(a: number, b: number): number {
+    const p = this.position;
+    const [x, y, z] = [p[3 * a]! - p[3 * b]!, p[3 * a + 1]! - p[3 * b + 1]!, p[3 * a + 2]! - p[3 * b + 2]!];
+    return x * x + y * y + z * z;
+  }
+
+  private vertex(cell: number): number {
+    const known = this.vertexOf[cell]!;
+    if (known >= 0) return known;
+    const x = cell % kCells;
+    const row = (cell - x) / kCells;
+    const y = row % kCells;
+    const z = (row - y) / kCells;
+    const n = (z * kSide + y) * kSide + x;
+    const index = this.vertices++;
+    this.vertexOf[cell] = index;
+    const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
+    const under = this.place(n, index, vx, vy, vz);
+    this.tissue[index] = this.tissueAt(vx + (under & 1), vy + ((under >> 1) & 1), vz + (under >> 2));
+    if (this.deviation !== undefined) this.compare(index, [vx, vy, vz], this.deviation);
+    return index;
+  }
+  private compare(index: number, cell: readonly [number, number, number], deviation: ToothDeviation): void {
+    const um = this.deviationOf(cell, deviation) ?? this.deviationBeside(cell, deviation);
+    this.compared[2 * index] = um === undefined ? 0 : um / 1000;
+    this.compared[2 * index + 1] = um === undefined ? 0 : 1;
+  }
+  private deviationOf([x, y, z]: readonly [number, number, number], { bricks }: ToothDeviation): number | undefined {
+    const [nx, ny] = this.part.bricks.grid.bricks;
+    if (x < 0 || y < 0 || z < 0) return undefined;
+    const um = bricks.get(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3))?.[(z & 7) * 64 + (y & 7) * 8 + (x & 7)];
+    return um === kNotCompared ? undefined : um;
+  }
+  // Cells that are not the block's count as crossed.
+  private isCrossed(cell: readonly [number, number, number]): boolean {
+    const [x, y, z] = cell.map((n, axis) => n - this.first[axis]!) as [number, number, number];
+    if ([x, y, z].some((n) => n < 0 || n >= kCells)) return true;
+    let solid = 0;
+    for (let i = 0; i < 8; ++i)
+      if (this.samples[((z + (i >> 2)) * kSide + y + ((i >> 1) & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
+    return solid !== 0 && solid !== 8;
+  }
+  // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position
+  // was rounded.
+  private deviationBeside([x, y, z]: readonly [number, number, number], deviation: ToothDeviation): number | undefined {
+    for (let axis = 0; axis < 3; ++axis) {
+      const at = this.p[axis]!;
+      const step = at < kNextTo ? -1 : at > 1 - kNextTo ? 1 : 0;
+      if (step === 0) continue;
+      const beside = [x, y, z] as [number, number, number];
+      beside[axis]! += step;
+      const um = this.deviationOf(beside, deviation);
+      if (um !== undefined && !this.isCrossed(beside)) return um;
+    }
+    return undefined;
+  }
+  private tissueAt(x: number, y: number, z: number): number {
+    const [nx, ny] = this.part.bricks.grid.bricks;
+    return this.part.tissue(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3), (z & 7) * 64 + (y & 7) * 8 + (x & 7));
+  }
+
+  // Where the vertex of the cell at sample `n`, of voxel (vx, vy, vz), is and where it points; returns the inside corner
+  // that it is nearest to. Written out edge by edge: a tooth has hundreds of thousands, at each moment thousands.
+  private place(n: number, index: number, vx: number, vy: number, vz: number): number {
+    const s = this.samples;
+    // Corner i is (i & 1, i >> 1 & 1, i >> 2). Each sample stands for half a step more: 0 has no side.
+    const v0 = s[n]! + 0.5;
+    const v1 = s[n + 1]! + 0.5;
+    const v2 = s[n + kSide]! + 0.5;
+    const v3 = s[n + kSide + 1]! + 0.5;
+    const m = n + kSide * kSide;
+    const v4 = s[m]! + 0.5;
+    const v5 = s[m + 1]! + 0.5;
+    const v6 = s[m + kSide]! + 0.5;
+    const v7 = s[m + kSide + 1]! + 0.5;
+    const [x01, x23, x45, x67] = [crossing(v0, v1), crossing(v2, v3), crossing(v4, v5), crossing(v6, v7)];
+    const [y02, y13, y46, y57] = [crossing(v0, v2), crossing(v1, v3), crossing(v4, v6), crossing(v5, v7)];
+    const [z04, z15, z26, z37] = [crossing(v0, v4), crossing(v1, v5), crossing(v2, v6), crossing(v3, v7)];
+    // The mean of the crossings of the cell's edges, of which there is at least one.
+    const onX = one(x01) + one(x23) + one(x45) + one(x67);
+    const onY = one(y02) + one(y13) + one(y46) + one(y57);
+    const count = onX + onY + one(z04) + one(z15) + one(z26) + one(z37);
+    const px = (x01 + x23 + x45 + x67 + one(y13) + one(y57) + one(z15) + one(z37)) / count;
+    const py = (one(x23) + one(x67) + y02 + y13 + y46 + y57 + one(z26) + one(z37)) / count;
+    const pz = (one(x45) + one(x67) + one(y46) + one(y57) + z04 + z15 + z26 + z37) / count;
+    this.p[0] = px;
+    this.p[1] = py;
+    this.p[2] = pz;
+    const { voxelMm, originMm } = this.part.bricks.grid;
+    // In the steps of a mesh, which what does not change has.
+    this.position[3 * index] = originMm[0] + (vx + Math.round(kSteps * px) / kSteps) * voxelMm;
+    this.position[3 * index + 1] = originMm[1] + (vy + Math.round(kSteps * py) / kSteps) * voxelMm;
+    this.position[3 * index + 2] = originMm[2] + (vz + Math.round(kSteps * pz) / kSteps) * voxelMm;
+    // The direction of the trilinear interpolation's gradient there.
+    const [qx, qy, qz] = [1 - px, 1 - py, 1 - pz];
+    let gx = (v1 - v0) * qy * qz + (v3 - v2) * py * qz + (v5 - v4) * qy * pz + (v7 - v6) * py * pz;
+    let gy = (v2 - v0) * qx * qz + (v3 - v1) * px * qz + (v6 - v4) * qx * pz + (v7 - v5) * px * pz;
+    let gz = (v4 - v0) * qx * qy + (v5 - v1) * px * qy + (v6 - v2) * qx * py + (v7 - v3) * px * py;
+    let length = Math.sqrt(gx * gx + gy * gy + gz * gz);
+    // Where it vanishes, from the inside corners to the outside ones.
+    if (length < kFlat) {
+      gx = side(v1) - side(v0) + side(v3) - side(v2) + side(v5) - side(v4) + side(v7) - side(v6);
+      gy = side(v2) - side(v0) + side(v3) - side(v1) + side(v6) - side(v4) + side(v7) - side(v5);
+      gz = side(v4) - side(v0) + side(v5) - side(v1) + side(v6) - side(v2) + side(v7) - side(v3);
+      length = Math.sqrt(gx * gx + gy * gy + gz * gz);
+      if (length === 0) gz = length = 1;
+    }
+    this.normal[4 * index] = Math.round((127 * gx) / length);
+    this.normal[4 * index + 1] = Math.round((127 * gy) / length);
+    this.normal[4 * index + 2] = Math.round((127 * gz) / length);
+    // Squares of the distances to the corners that are inside.
+    const [x0, x1, y0, y1, z0, z1] = [px * px, qx * qx, py * py, qy * qy, pz * pz, qz * qz];
+    const d0 = v0 < 0 ? x0 + y0 + z0 : Infinity;
+    const d1 = v1 < 0 ? x1 + y0 + z0 : Infinity;
+    const d2 = v2 < 0 ? x0 + y1 + z0 : Infinity;
+    const d3 = v3 < 0 ? x1 + y1 + z0 : Infinity;
+    const d4 = v4 < 0 ? x0 + y0 + z1 : Infinity;
+    const d5 = v5 < 0 ? x1 + y0 + z1 : Infinity;
+    const d6 = v6 < 0 ? x0 + y1 + z1 : Infinity;
+    const d7 = v7 < 0 ? x1 + y1 + z1 : Infinity;
+    const least = Math.min(d0, d1, d2, d3, d4, d5, d6, d7);
+    if (least === d0) return 0;
+    if (least === d1) return 1;
+    if (least === d2) return 2;
+    if (least === d3) return 3;
+    if (least === d4) return 4;
+    if (least === d5) return 5;
+    return least === d6 ? 6 : 7;
+  }
+}
+
+// How far along an edge with these ends the surface crosses it; 0: not.
+function crossing(a: number, b: number): number {
+  return a < 0 === b < 0 ? 0 : a / (a - b);
+}
+function one(crossed: number): number {
+  return crossed > 0 ? 1 : 0;
+}
+function side(sample: number): number {
+  return sample < 0 ? -0.5 : 0.5;
+}

@@ -1,0 +1,123 @@
+import type { Anatomy } from "../api/tooth_number";
+import type { Look } from "../base/moment_link";
+import type { Result } from "../base/result";
+import type { Extent, PointMm } from "./places";
+import type { Head } from "./timeline";
+
+// What the page and the worker that draws its teeth tell each other. A film is a tooth: the moments of an attempt, or
+// a surface that stays as it is. A screen is a picture of one. The page numbers both.
+
+export type { Extent, PointMm };
+
+// Vertices that were compared with the reference. NaN: it was not.
+export interface Compared {
+  readonly positionMm: Float32Array; // (n x 3)
+  readonly normal: Int8Array; // (n x 4), x y z 0, /127, outward
+  readonly deviationMm: Float32Array; // (n), + = more removed than in the reference
+}
+
+// How much of a tooth is there.
+export type Detail = "none" | "coarse" | "fine";
+
+export type FilmAsk =
+  | { readonly ask: "bytes"; readonly bytes: ArrayBuffer } // more of a timeline's file
+  | { readonly ask: "surface"; readonly bytes: ArrayBuffer } // instead of one (surface.ts)
+  | { readonly ask: "deviation"; readonly bytes: ArrayBuffer } // after the file's last segment
+  | { readonly ask: "seek"; readonly frames: number } // the latest one counts
+  | { readonly ask: "stl" } // of what is shown
+  | { readonly ask: "close" };
+
+export type FilmTold =
+  | { readonly told: "head"; readonly head: Head }
+  | { readonly told: "gaps"; readonly segment: number; readonly ticks: Uint32Array } // before each frame's end
+  | { readonly told: "ready" } // the end can be shown
+  | { readonly told: "whole" } // and every other moment
+  | { readonly told: "detail"; readonly detail: Detail; readonly extent: Extent; readonly tissues: readonly number[] }
+  | { readonly told: "compared"; readonly compared: Result<Compared | undefined, string> } // undefined: with nothing
+  | { readonly told: "shown"; readonly frames: number; readonly tissues: readonly number[] } // on all its screens
+  | { readonly told: "stl"; readonly bytes: ArrayBuffer }
+  | { readonly told: "failed"; readonly message: string }; // the file is damaged there
+
+export type ColorMode = "tissue" | "deviation";
+export type CameraPreset = "angled" | "cavity" | "occlusal" | "buccal" | "lingual" | "mesial" | "distal" | "apical";
+export type Effort = "quick" | "full";
+
+// The view into the cavity: direction and target.
+export interface AngledView {
+  readonly direction: PointMm;
+  readonly centre: PointMm | undefined; // undefined: the middle of the tooth
+  readonly cavity?: Extent | undefined; // what "cavity" frames; undefined: as "angled"
+}
+
+// A plane that hides what is in front of it.
+export interface SectionPlane {
+  readonly across: "x" | "y" | "z" | "view"; // what the plane stands across: an axis of the scene, or the line of sight
+  readonly share: number; // −1 … 1 of the tooth's radius from its middle
+  readonly flipped: boolean; // hides the other side
+}
+
+// Ways through the picture of a tooth, drawn over it.
+export interface ToothLines {
+  readonly solid: readonly (readonly PointMm[])[];
+  readonly faint: readonly (readonly PointMm[])[]; // dashed
+}
+
+export interface SurfacePoint {
+  readonly tissue: number | undefined; // undefined: on the plane of a section
+  readonly deviationMm: number | undefined; // NaN: untouched; undefined: nothing to compare with
+  readonly pointMm: PointMm; // where exactly
+}
+
+// What a picture shows beside its tooth.
+export interface ScreenState {
+  readonly mode: ColorMode;
+  readonly angled: AngledView; // what it begins with
+  readonly anatomy: Anatomy | undefined; // undefined: not known yet
+  readonly tool: PointMm | undefined;
+  readonly path: readonly PointMm[];
+  readonly forceN: PointMm | undefined; // on the hand
+  readonly lines: ToothLines | undefined;
+  readonly section: SectionPlane | undefined;
+  readonly ghost: number | undefined; // another film over it
+  readonly follow: boolean; // the camera stays at the bur
+}
+
+export type ScreenAsk =
+  | {
+      readonly ask: "open";
+      readonly canvas: OffscreenCanvas;
+      readonly film: number;
+      readonly state: ScreenState;
+      readonly look: Look | undefined;
+    }
+  | { readonly ask: "set"; readonly state: Partial<ScreenState> }
+  | { readonly ask: "resize"; readonly width: number; readonly height: number; readonly ratio: number } // CSS pixels
+  | { readonly ask: "view"; readonly preset: CameraPreset }
+  | { readonly ask: "near"; readonly pointMm: PointMm }
+  | { readonly ask: "look"; readonly look: Look }
+  | { readonly ask: "rotate"; readonly azimuthRad: number; readonly polarRad: number; readonly more: boolean } // more: motion follows
+  | { readonly ask: "zoom"; readonly factor: number }
+  | { readonly ask: "pan"; readonly right: number; readonly up: number } // of half the picture's height
+  | { readonly ask: "redraw" } // what lies over it has moved
+  | { readonly ask: "settle" } // in full now
+  | { readonly ask: "pick"; readonly id: number; readonly x: number; readonly y: number } // CSS pixels from the top left
+  | { readonly ask: "close" };
+
+export type ScreenTold =
+  | {
+      readonly told: "drawn";
+      readonly effort: Effort;
+      readonly detail: Detail;
+      readonly projection: readonly number[]; // 4 × 4, columns: from the scene to −1 … 1
+      readonly look: Look;
+      readonly extent: Extent;
+    }
+  | { readonly told: "picked"; readonly id: number; readonly point: SurfacePoint | undefined }
+  | { readonly told: "lost"; readonly stopped: boolean }; // there is no picture: no WebGL, or the driver has stopped
+
+export type StudioAsk =
+  | { readonly film: number; readonly message: FilmAsk }
+  | { readonly screen: number; readonly message: ScreenAsk };
+export type StudioTold =
+  | { readonly film: number; readonly message: FilmTold }
+  | { readonly screen: number; readonly message: ScreenTold };

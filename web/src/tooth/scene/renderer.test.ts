@@ -1,0 +1,49 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DrawingPace, isSoftware, pixelRatio } from "./renderer";
+
+test("renderers without a graphics card are recognised", () => {
+  for (const name of [
+    "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)",
+    "llvmpipe (LLVM 15.0.6, 256 bits)",
+    "ANGLE (Microsoft, Microsoft Basic Render Driver Direct3D11)",
+    "Apple Software Renderer",
+  ])
+    assert.equal(isSoftware(name), true, name);
+  for (const name of [
+    "ANGLE (Intel, Mesa Intel(R) UHD Graphics 620 (KBL GT2), OpenGL 4.6)",
+    "NVIDIA GeForce RTX 3060/PCIe/SSE2",
+    "Apple M1",
+    "WebKit WebGL",
+  ])
+    assert.equal(isSoftware(name), false, name);
+});
+
+test("what moves is drawn quickly where drawing is slow, and in full once it stands; elsewhere always in full", () => {
+  let draws = 0;
+  let due: (() => void) | undefined;
+  const later = (act: () => void) => {
+    due = act;
+    return () => {
+      due = undefined;
+    };
+  };
+  const redraw = () => {
+    ++draws;
+  };
+  const slow = new DrawingPace(true, redraw, later);
+  slow.moved();
+  const first = due;
+  slow.moved();
+  assert.notEqual(due, first, "a later motion puts it off");
+  assert.deepEqual([slow.effort, draws], ["quick", 0]);
+  due?.();
+  assert.deepEqual([slow.effort, draws], ["full", 1]);
+  slow.moved();
+  slow.stop();
+  assert.equal(due, undefined, "nothing is drawn after the end");
+  const fast = new DrawingPace(false, redraw, later);
+  fast.moved();
+  assert.deepEqual([due, draws, fast.effort], [undefined, 1, "full"]);
+  assert.ok(pixelRatio("quick", 1) < pixelRatio("full", 1));
+});

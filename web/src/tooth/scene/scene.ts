@@ -1,0 +1,304 @@
+import { Disposables } from "../../base/disposables";
+import { FrameScheduler } from "../../base/frame";
+import type { Look } from "../../base/moment_link";
+import type { Film, FilmScreen } from "../film";
+import type { Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
+import type { BlockMesh } from "../mesher";
+import type { FramePose, Head } from "../timeline";
+import { type BlockHit, ToothBlocks } from "./blocks";
+import { screenColor } from "./colors";
+import { ForceArrow } from "./force_arrow";
+import { Ghost, kMarking, kSameMm } from "./ghost";
+import { beginPicture, drawOver, type Gl, type Program, Shape } from "./gl";
+import { LineGroup } from "./line_group";
+import { type Frame, Paint } from "./paint";
+import { DrawingPace, drawsSlowly, pixelRatio } from "./renderer";
+import { normalOf, Section } from "./section";
+import { Sight } from "./sight";
+import { ball, revolved } from "./solids";
+import { dot, kUnmoved, kUnturned, placed, turnBetween, unit, type Vec } from "./vec";
+
+const kLeastRadiusMm = 0.5;
+// The tool's mark, and its rim.
+const kMarks = [
+  { color: "#ffffff", radiusMm: 0.29 },
+  { color: "#0b7a4b", radiusMm: 0.2 },
+] as const;
+const kTrailTint = [...screenColor("#101418"), 0.55];
+
+type Drawn = Extract<ScreenTold, { told: "drawn" }>;
+
+// A picture of a tooth: owns the WebGL context, draws only when something changed. Throws from the constructor where
+// WebGL 2 is not available.
+export class ToothScene implements FilmScreen {
+  readonly sight: Sight;
+  private readonly gl: Gl;
+  private readonly cleanup = new Disposables();
+  private readonly frame = new FrameScheduler(() => this.draw());
+  private readonly paint: Paint;
+  private readonly blocks: ToothBlocks;
+  private readonly mark: Shape;
+  private tool: PointMm | undefined;
+  private bur: Shape | undefined;
+  private pose: FramePose | undefined; // of the bur; undefined: it is not shown
+  private trail: Shape | undefined;
+  private readonly arrow: ForceArrow;
+  private readonly lines: LineGroup;
+  private readonly pace: DrawingPace;
+  private readonly section: Section;
+  private ghost: { readonly drawn: Ghost; readonly end: () => void } | undefined;
+  private follows = false; // the camera stays at the bur
+  private detail: Detail = "none";
+  private extent: Extent = { centreMm: [0, 0, 0], radiusMm: 1 };
+  private size = { width: 0, height: 0, ratio: 1 };
+
+  constructor(
+    private readonly canvas: OffscreenCanvas,
+    state: ScreenState,
+    private readonly drawn: (drawn: Drawn) => void,
+  ) {
+    const slow = drawsSlowly();
+    const gl = canvas.getContext("webgl2", { antialias: !slow, stencil: true, powerPreference: "low-power" });
+    if (gl === null) throw new Error("expected WebGL 2");
+    this.gl = gl;
+    this.cleanup.add(() => gl.getExtension("WEBGL_lose_context")?.loseContext());
+    const kept = <T extends { dispose(): void }>(made: T): T => {
+      this.cleanup.add(() => made.dispose());
+      return made;
+    };
+    this.paint = kept(new Paint(gl, kSameMm));
+    this.blocks = kept(new ToothBlocks(gl));
+    this.section = kept(new Section(gl));
+    this.arrow = kept(new ForceArrow(gl));
+    this.lines = kept(new LineGroup(gl));
+    this.mark = kept(ball(gl));
+    this.pace = new DrawingPace(slow, () => this.draw());
+    this.cleanup.add(() => this.pace.stop());
+    this.cleanup.add(() => this.endGhost());
+    this.cleanup.add(() => this.trail?.dispose());
+    this.cleanup.add(() => this.bur?.dispose());
+    this.sight = new Sight(state.angled, () => this.frame.request());
+    this.cleanup.add(() => this.frame.cancel());
+  }
+
+  dispose(): void {
+    this.cleanup.dispose();
+  }
+
+  // `film`: gives the one of a number.
+  set(state: Partial<ScreenState>, film: (ghost: number) => Film | undefined): void {
+    if (state.mode !== undefined) this.paint.heat = state.mode === "deviation";
+    if (state.angled !== undefined) this.sight.setAngled(state.angled);
+    if (state.anatomy !== undefined) this.sight.setAnatomy(state.anatomy);
+    if ("tool" in state || "path" in state) this.setTool(state.tool, state.path ?? []);
+    if ("forceN" in state) this.arrow.set(state.forceN);
+    if ("lines" in state) this.lines.set(state.lines);
+    if ("section" in state) this.setSection(state.section);
+    if ("ghost" in state) this.setGhost(state.ghost === undefined ? undefined : film(state.ghost));
+    if (state.follow !== undefined) this.setFollow(state.follow);
+    this.frame.request();
+  }
+
+  private setTool(point: PointMm | undefined, path: readonly PointMm[]): void {
+    this.tool = point;
+    this.trail?.dispose();
+    this.trail =
+      path.length < 2
+        ? undefined
+        : new Shape(
+            this.gl,
+            { position: { data: Float32Array.from(path.flat()), size: 3 } },
+            undefined,
+            this.gl.LINE_STRIP,
+          );
+  }
+
+  setDetail(detail: Detail, extent: Extent): void {
+    this.detail = detail;
+    if (extent === this.extent) return;
+    this.extent = { ...extent, radiusMm: Math.max(extent.radiusMm, kLeastRadiusMm) };
+    this.sight.setExtent(this.extent);
+  }
+  expect(): void {
+    this.pace.moved();
+  }
+  setBlock(index: number, mesh: BlockMesh | undefined): void {
+    this.blocks.set(index, mesh);
+    this.section.changed();
+    this.moved();
+  }
+  setBur(outline: Head["outline"], pose: FramePose | undefined): void {
+    if (this.bur === undefined && pose !== undefined && outline.length > 1) this.bur = revolved(this.gl, outline);
+    if (this.bur === undefined) return;
+    this.pose = pose;
+    if (this.follows) this.follow();
+    this.moved();
+  }
+
+  // Another tooth over this one, translucent; undefined: none. It can neither be pointed at nor
+  // does it change what is framed.
+  private setGhost(film: Film | undefined): void {
+    this.endGhost();
+    if (film !== undefined) {
+      const drawn = new Ghost(
+        this.gl,
+        () => this.pace.moved(),
+        () => this.moved(),
+      );
+      this.ghost = { drawn, end: film.attach(drawn) };
+      drawn.section.set(this.section.wanted);
+    }
+  }
+  private endGhost(): void {
+    if (this.ghost === undefined) return;
+    const { drawn, end } = this.ghost;
+    this.ghost = undefined;
+    end();
+    drawn.dispose();
+  }
+
+  // Undefined: none. The hidden part cannot be pointed at either.
+  private setSection(plane: ScreenState["section"]): void {
+    const was = this.section.wanted;
+    this.section.set(plane);
+    this.ghost?.drawn.section.set(plane);
+    // Seen from aside a cut is a line.
+    const turns = plane !== undefined && plane.across !== "view";
+    if (turns && (plane.across !== was?.across || plane.flipped !== was.flipped)) this.sight.face(normalOf(plane));
+  }
+  private setFollow(on: boolean): void {
+    this.follows = on;
+    if (on) this.follow();
+  }
+  private follow(): void {
+    if (this.pose !== undefined) this.sight.follow(this.pose.tipMm);
+  }
+
+  // What lies over the picture has moved without it.
+  redraw(): void {
+    this.frame.request();
+  }
+  // More motion is likely to follow at once.
+  moved(): void {
+    this.pace.moved();
+    this.frame.request();
+  }
+  settle(): void {
+    this.pace.settle();
+  }
+
+  // CSS pixels, and how many of the screen's each has.
+  resize(width: number, height: number, ratio: number): void {
+    if (width < 1 || height < 1) return;
+    this.size = { width, height, ratio };
+    this.sight.resize(width, height);
+    this.frame.request();
+  }
+
+  // What is under a point of the picture, in CSS pixels from its top left corner.
+  pick(x: number, y: number): SurfacePoint | undefined {
+    const { width, height } = this.size;
+    const way = this.sight.wayThrough((2 * x) / width - 1, 1 - (2 * y) / height);
+    const { eye } = this.sight;
+    const hit = this.blocks.firstHit(eye, way, (at) => this.section.isShown(at));
+    if (hit === undefined) return undefined;
+    // The inside of the surface stands for the cut.
+    const inside = this.section.on && dot(normalAt(hit), way) > 0;
+    return inside ? { tissue: undefined, deviationMm: undefined, pointMm: this.section.meets(eye, way) } : pointOf(hit);
+  }
+
+  drawNow(): void {
+    this.frame.cancel();
+    this.draw();
+  }
+  private draw(): void {
+    const { gl, sight } = this;
+    if (this.size.width < 1 || this.detail === "none" || gl.isContextLost()) return;
+    const { centreMm, radiusMm } = this.extent;
+    this.section.update(centreMm, radiusMm, sight.away, () => this.blocks.meshes());
+    this.ghost?.drawn.section.update(centreMm, radiusMm, sight.away, this.ghost.drawn.parts);
+    this.fit();
+    const picture = sight.picture;
+    this.drawFrame({
+      view: sight.fromScene,
+      projection: sight.projection,
+      picture,
+      plane: this.section.on ? this.section.plane : undefined,
+    });
+    this.drawn({
+      told: "drawn",
+      effort: this.pace.effort,
+      detail: this.detail,
+      projection: picture,
+      look: sight.look(),
+      extent: this.extent,
+    });
+  }
+  // As many pixels as the effort asks for.
+  private fit(): void {
+    const ratio = pixelRatio(this.pace.effort, this.size.ratio);
+    const [width, height] = [Math.floor(this.size.width * ratio), Math.floor(this.size.height * ratio)];
+    if (this.canvas.width === width && this.canvas.height === height) return;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    this.gl.viewport(0, 0, width, height);
+  }
+  private drawFrame(frame: Frame): void {
+    const { gl, paint, ghost, bur, pose } = this;
+    beginPicture(gl);
+    paint.tooth(this.pace.effort, frame);
+    // Behind a section's plane one looks at the inside of the surface: painted flat it is the cut.
+    drawOver(gl, {
+      faces: frame.plane === undefined ? "front" : "both",
+      stencil: ghost === undefined ? undefined : kMarking,
+    });
+    this.blocks.draw(frame.picture);
+    ghost?.drawn.draw(paint, frame);
+    if (bur !== undefined && pose !== undefined) {
+      paint.bur(frame, placed(turnBetween([0, 0, 1], unit(pose.axis)), pose.tipMm));
+      drawOver(gl, {});
+      bur.draw();
+    }
+    this.drawOnTop(paint.plain(frame));
+  }
+  // What is seen through the tooth.
+  private drawOnTop(plain: Program): void {
+    const { gl, tool } = this;
+    drawOver(gl, { depth: false, mixed: true });
+    plain.set("tint", kTrailTint);
+    this.trail?.draw();
+    this.lines.draw(plain);
+    drawOver(gl, { depth: false });
+    for (const { color, radiusMm } of tool === undefined ? [] : kMarks) {
+      plain.set("tint", [...screenColor(color), 1]);
+      plain.set("model", placed(kUnturned, tool!, [radiusMm, radiusMm, radiusMm]));
+      this.mark.draw();
+    }
+    plain.set("model", kUnmoved);
+    this.ghost?.drawn.section.draw(plain);
+    this.section.draw(plain);
+    // At the bur or, where none is shown, at the tool's mark.
+    this.arrow.draw(plain, this.bur === undefined ? tool : (this.pose?.tipMm ?? tool));
+  }
+
+  look(look: Look): void {
+    this.sight.setLook(look);
+    this.frame.request();
+  }
+}
+
+function normalAt({ mesh: { normal }, vertex }: BlockHit): Vec {
+  return [normal[4 * vertex]!, normal[4 * vertex + 1]!, normal[4 * vertex + 2]!];
+}
+
+// A place whose deviation is not known looks untouched.
+function pointOf(hit: BlockHit): SurfacePoint {
+  const {
+    mesh: { tissue, deviation },
+    vertex,
+    at,
+  } = hit;
+  const deviationMm =
+    deviation === undefined ? undefined : deviation[2 * vertex + 1] === 0 ? Number.NaN : deviation[2 * vertex];
+  return { tissue: tissue[vertex] ?? 0, deviationMm, pointMm: at };
+}

@@ -1,0 +1,104 @@
+import { type Anatomy, toScene } from "../../api/tooth_number";
+import { formatNumber } from "../../base/format";
+import type { PointMm, ScreenTold } from "../../tooth/messages";
+
+// What lies over the picture of a tooth, put in its place whenever that was drawn.
+
+export type Drawn = Extract<ScreenTold, { told: "drawn" }>;
+type Side = "mesial" | "distal" | "buccal" | "lingual";
+
+// Mesial, buccal, occlusal.
+export const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
+  ["mesial", [1, 0, 0]],
+  ["distal", [-1, 0, 0]],
+  ["buccal", [0, 1, 0]],
+  ["lingual", [0, -1, 0]],
+];
+const kLabelMarginPx = [38, 18] as const; // half a label and a little air
+const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
+const kWidePx = 560;
+const kBesideTooth = 1.05; // of the radius of the ball around it
+const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
+const kScaleMostPx = 96;
+const kScaleMm = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20] as const;
+
+// What lies over the picture.
+export function place(
+  element: HTMLElement,
+  { projection, extent, detail, look }: Drawn,
+  anatomy: Anatomy | undefined,
+): void {
+  const [width, height] = [element.clientWidth, element.clientHeight];
+  const project = (point: PointMm): PointMm => {
+    const [x, y, z, w] = [0, 1, 2, 3].map(
+      (row) =>
+        projection[row]! * point[0] +
+        projection[4 + row]! * point[1] +
+        projection[8 + row]! * point[2] +
+        projection[12 + row]!,
+    ) as [number, number, number, number];
+    return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height, z / w];
+  };
+  const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
+  placeLabels(labels, element, anatomy, project, extent.centreMm, extent.radiusMm);
+  placePins(element, project);
+  placeScale(element, pxPerMm(projection, look.centreMm, element.clientWidth));
+  element.dataset["tooth"] = detail;
+}
+
+// Names of the sides at the edge of the picture, in the direction in which they lie; hidden where
+// they lie towards the viewer or away.
+function placeLabels(
+  labels: readonly HTMLElement[],
+  frame: HTMLElement,
+  anatomy: Anatomy | undefined,
+  project: (point: PointMm) => PointMm,
+  centre: PointMm,
+  radius: number,
+): void {
+  const [cx, cy] = project(centre);
+  kDirections.forEach(([, direction], i) => {
+    const label = labels[i];
+    if (label === undefined) return;
+    const [x, y, z] = anatomy === undefined ? [0, 0, 0] : toScene(anatomy, direction);
+    const at = project([centre[0] + x * radius, centre[1] + y * radius, centre[2] + z * radius]);
+    const [dx, dy] = [at[0] - cx, at[1] - cy];
+    const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
+    // At the edge of the picture, or beside the tooth where that is nearer.
+    const toEdge = Math.min(
+      kBesideTooth,
+      (half[0] - kLabelMarginPx[0] - (frame.clientWidth > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
+      (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
+    );
+    const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
+    label.style.visibility = visible ? "visible" : "hidden";
+    if (visible)
+      label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
+  });
+}
+
+function placePins(frame: HTMLElement, project: (point: PointMm) => PointMm): void {
+  for (const pin of frame.querySelectorAll<HTMLElement>(".tooth-pin")) {
+    const [x = 0, y = 0, z = 0] = (pin.dataset["point"] ?? "").split(" ").map(Number);
+    const [left, top] = project([x, y, z]);
+    pin.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+  }
+}
+
+// The longest length of a usual size that is not too wide.
+function placeScale(frame: HTMLElement, perMm: number): void {
+  const scale = frame.querySelector<HTMLElement>(".tooth-scale");
+  if (scale === null) return;
+  const mm = kScaleMm.filter((length) => length * perMm <= kScaleMostPx).at(-1) ?? kScaleMm[0];
+  scale.style.width = `${(mm * perMm).toFixed(1)}px`;
+  scale.textContent = `${formatNumber(mm, 1)}\u00a0mm`; // short, as it stands in it
+}
+
+// Across the picture, at a point of the scene. The columns of `m` lead from the scene to −1 … 1.
+export function pxPerMm(m: readonly number[], [x, y, z]: PointMm, widthPx: number): number {
+  const row = (i: number) => [m[i]!, m[4 + i]!, m[8 + i]!] as const;
+  const at = (i: number) => row(i)[0] * x + row(i)[1] * y + row(i)[2] * z + m[12 + i]!;
+  const [w, right] = [at(3), at(0) / at(3)];
+  const [across, away] = [row(0), row(3)];
+  return (Math.hypot(...across.map((value, axis) => value - right * away[axis]!)) / w) * (widthPx / 2);
+}
