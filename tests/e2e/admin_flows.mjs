@@ -1,5 +1,6 @@
 // What an admin does, against the mock server.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { mkdtempSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -40,7 +41,9 @@ async function drawnReport(world) {
     .locator("canvas")
     .waitFor();
   await press.getByText("Figures, and positions of tip and bur").click();
-  assert.ok((await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count()) >= 4);
+  await eventually(async () =>
+    assert.ok((await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count()) >= 4),
+  );
   // What else was found is drawn below: a share of cases, a map of verdicts, a table.
   for (const name of [/^Share of hands below a difference from plain Maxwell/, /^Map\. delay, ticks against B/]) {
     await page.getByRole("img", { name }).locator("canvas").waitFor();
@@ -48,7 +51,7 @@ async function drawnReport(world) {
   await page.getByRole("group", { name: "Adversary: games" }).getByText("UNDER 1 nJ").waitFor();
   await page.reload();
   await press.waitFor();
-  assert.equal(await draw.getAttribute("aria-pressed"), "true");
+  await eventually(async () => assert.equal(await draw.getAttribute("aria-pressed"), "true"));
   await card.getByRole("button", { name: "Close" }).click();
   assert.equal(await card.count(), 0);
   assert.equal(new URL(page.url()).search, "");
@@ -353,7 +356,7 @@ async function jobsAndAudit(world) {
   assert.ok(world.mock.jobs.some((job) => job.state === "cancelled"));
   await page.getByLabel("State").selectOption("failed");
   await page.getByText("The volume of the scene is missing.").waitFor();
-  assert.equal(await page.locator("tbody tr").count(), 1);
+  await eventually(async () => assert.equal(await page.locator("tbody tr").count(), 1));
 
   await page.getByRole("link", { name: "Audit" }).click();
   await page.getByLabel("Who (login)").fill("nobody");

@@ -57,7 +57,7 @@ async function besideTheReference(world) {
   const name = await choice.locator("option", { hasText: "The reference, " }).textContent();
   await choice.selectOption({ label: name });
   await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
-  assert.equal(await page.locator(".tooth-name").last().innerText(), name);
+  await eventually(async () => assert.equal(await page.locator(".tooth-name").last().innerText(), name));
   await world.picture(page, "beside_reference");
 }
 

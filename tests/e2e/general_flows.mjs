@@ -1,5 +1,6 @@
 // Signing in, languages, and what each role sees first.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
 import { accessible, signedIn, signIn } from "./session.mjs";
 
@@ -23,8 +24,8 @@ async function wrongPassword(world) {
   await signIn(page, { login: world.logins.student.login, password: "not this one" });
   const alert = page.getByRole("alert");
   await alert.waitFor();
-  assert.match(await alert.innerText(), /Wrong login or password/);
-  assert.equal(await page.getByLabel("Login").inputValue(), world.logins.student.login);
+  await eventually(async () => assert.match(await alert.innerText(), /Wrong login or password/));
+  await eventually(async () => assert.equal(await page.getByLabel("Login").inputValue(), world.logins.student.login));
   await accessible(page, "sign-in with an error");
   await signIn(page, world.logins.student);
   await page.getByRole("heading", { level: 1, name: "My work" }).waitFor();
@@ -53,7 +54,7 @@ async function studentLooksAround(world) {
   await accessible(page, "exercises");
   await page.locator("main article a").first().click();
   await page.getByRole("heading", { level: 2, name: "Task" }).waitFor();
-  assert.match(await page.getByRole("main").innerText(), /Depth\s+[\d.]+\smm/);
+  await eventually(async () => assert.match(await page.getByRole("main").innerText(), /Depth\s+[\d.]+\smm/));
   await accessible(page, "an exercise");
   await page.getByRole("link", { name: "My attempts" }).click();
   await page.getByRole("heading", { level: 1, name: "My attempts" }).waitFor();
@@ -65,7 +66,7 @@ async function studentLooksAround(world) {
 async function foreignAttempt(world) {
   const page = await signedIn(world, "student", `/attempts/${world.foreignAttempt}`);
   await page.getByRole("heading", { level: 1, name: "Attempt" }).waitFor();
-  assert.match(await page.getByRole("alert").innerText(), /Attempt not found/);
+  await eventually(async () => assert.match(await page.getByRole("alert").innerText(), /Attempt not found/));
   await accessible(page, "a missing attempt");
 }
 
@@ -102,7 +103,7 @@ async function speaksLanguages(world) {
   await page.goto(`/attempts/${id(120)}`);
   await page.getByRole("button", { name: "Deutsch" }).click();
   await page.getByRole("heading", { name: "Anmelden" }).waitFor();
-  assert.equal(await page.locator("html").getAttribute("lang"), "de");
+  await eventually(async () => assert.equal(await page.locator("html").getAttribute("lang"), "de"));
   await accessible(page, "the sign-in in German");
   await world.picture(page, "sign_in_de");
   await page.getByLabel("Anmeldename").fill(login);
@@ -112,7 +113,7 @@ async function speaksLanguages(world) {
   await page.getByLabel("Passwort").fill(password);
   await page.getByRole("button", { name: "Anmelden", exact: true }).click();
   await page.getByTestId("score").waitFor();
-  assert.match(await page.locator(".score-card").innerText(), /von 100[\s\S]*Referenz: /);
+  await eventually(async () => assert.match(await page.locator(".score-card").innerText(), /von 100[\s\S]*Referenz: /));
   await page.getByText("Abweichung in Zahlen").waitFor();
   // Of a real server it is not known which exercises it has.
   if (world.mock !== undefined) await builtInExercisesAreTranslated(page);
@@ -123,7 +124,7 @@ async function speaksLanguages(world) {
   await other.getByRole("button", { name: "Abmelden" }).waitFor();
   await other.getByLabel("Sprache dieser Seite").selectOption("zh");
   await other.getByRole("button", { name: "退出登录" }).waitFor();
-  assert.equal(await other.locator("html").getAttribute("lang"), "zh-Hans");
+  await eventually(async () => assert.equal(await other.locator("html").getAttribute("lang"), "zh-Hans"));
   await other.goto(`/attempts/${id(120)}`);
   await other.getByTestId("score").waitFor();
   await world.picture(other, "result_zh", { fullPage: true });
@@ -137,10 +138,12 @@ async function speaksLanguages(world) {
   await world.picture(teacher, "grading_zh", { fullPage: true });
   await teacher.goto(`/assignments/${id(500)}`);
   await teacher.locator(".insight .tenths").first().waitFor();
-  assert.match(await teacher.locator(".insight").innerText(), /近中壁/, "titles of built-in criteria");
+  await eventually(async () =>
+    assert.match(await teacher.locator(".insight").innerText(), /近中壁/, "titles of built-in criteria"),
+  );
   await teacher.goto("/live");
   await teacher.locator(".live-card .badge.good").first().waitFor();
-  assert.match(await teacher.locator("main").innerText(), /当前力/);
+  await eventually(async () => assert.match(await teacher.locator("main").innerText(), /当前力/));
 }
 
 async function pagination(world) {

@@ -26,7 +26,7 @@ async function grading(world) {
   await page.locator("table.grading .lost-much").first().waitFor();
   await accessible(page, "grading");
   await world.picture(page, "grading", { fullPage: true });
-  assert.equal(await page.getByLabel("Stopped early: 46 % done").count(), 1);
+  await eventually(async () => assert.equal(await page.getByLabel("Stopped early: 46 % done").count(), 1));
   // Many rows are seen, and names stay in view.
   const rows = await page.locator("table.grading tbody tr").evaluateAll((all) => all.map((row) => row.clientHeight));
   assert.ok(
@@ -72,7 +72,9 @@ async function grading(world) {
   await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
   await page.getByRole("link", { name: "Back to the list" }).click();
   await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
-  assert.equal(await page.getByLabel("Student", { exact: true }).inputValue(), "student 1");
+  await eventually(async () =>
+    assert.equal(await page.getByLabel("Student", { exact: true }).inputValue(), "student 1"),
+  );
   await page.waitForFunction(() => document.activeElement?.matches("table.grading tbody th a"));
   assert.deepEqual(await namesIn(page), names, "the list is as it was");
 }
@@ -228,9 +230,11 @@ async function nearAnother(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
   const card = page.locator(".card", { hasText: "This proves nothing and costs no points" });
   await card.waitFor();
-  assert.match(
-    await card.innerText(),
-    /within 0\.02\s?mm of its path in an earlier attempt by .+ to 12 motions .+ is 0\.94\s?mm/,
+  await eventually(async () =>
+    assert.match(
+      await card.innerText(),
+      /within 0\.02\s?mm of its path in an earlier attempt by .+ to 12 motions .+ is 0\.94\s?mm/,
+    ),
   );
   await accessible(page, "a motion near another's");
   await card.scrollIntoViewIfNeeded();

@@ -1,6 +1,7 @@
 // What those who teach and run a school see of classes, server and stations, against the mock
 // server.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
 import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
@@ -43,11 +44,13 @@ async function classInsight(world) {
   const page = await signedIn(world, "instructor", `/assignments/${id(500)}`);
   const card = page.getByRole("region", { name: "The class" });
   await card.getByText("Most common problem:").waitFor();
-  assert.match(await card.locator(".facts").innerText(), /Not started\s+\d+ of \d+/);
+  await eventually(async () => assert.match(await card.locator(".facts").innerText(), /Not started\s+\d+ of \d+/));
   const waiting = card.getByRole("region", { name: "Not started" });
-  assert.equal(
-    await waiting.locator(".name-list").first().locator("li").count(),
-    Number(/\((\d+)\)/.exec(await waiting.getByRole("heading").first().innerText())[1]),
+  await eventually(async () =>
+    assert.equal(
+      await waiting.locator(".name-list").first().locator("li").count(),
+      Number(/\((\d+)\)/.exec(await waiting.getByRole("heading").first().innerText())[1]),
+    ),
   );
   await card
     .getByRole("region", { name: "Far from the class" })
@@ -108,8 +111,8 @@ async function editExercise(world) {
   const title = page.getByLabel("Title", { exact: true });
   await title.fill("");
   await page.getByText("Has errors").first().waitFor();
-  assert.equal(await title.getAttribute("aria-invalid"), "true");
-  assert.ok(await page.getByRole("button", { name: "Create the draft" }).isDisabled());
+  await eventually(async () => assert.equal(await title.getAttribute("aria-invalid"), "true"));
+  await eventually(async () => assert.ok(await page.getByRole("button", { name: "Create the draft" }).isDisabled()));
   await accessible(page, "an exercise that is not right yet");
   await title.fill("Occlusal cavity, deeper");
   await page.getByText("Valid, not saved").waitFor();
@@ -126,10 +129,10 @@ async function editExercise(world) {
   await pictures(world, page, "exercise_editor");
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.getByRole("button", { name: "Undo", exact: true }).click();
-  assert.notEqual(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
+  await eventually(async () => assert.notEqual(await first.getByLabel("Points", { exact: true }).inputValue(), "45"));
   await page.getByText("The rubric has changed since. Check again.").waitFor();
   await page.getByRole("button", { name: "Redo", exact: true }).click();
-  assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
+  await eventually(async () => assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45"));
   await page.getByRole("button", { name: "Add a criterion" }).click();
   await page
     .getByRole("group", { name: /^Criterion \d+:/ })
@@ -141,7 +144,7 @@ async function editExercise(world) {
   // What was typed outlives the page.
   await page.reload();
   await page.getByText("Unsaved changes restored").waitFor();
-  assert.equal(await title.inputValue(), "Occlusal cavity, deeper");
+  await eventually(async () => assert.equal(await title.inputValue(), "Occlusal cavity, deeper"));
   await page.getByText("Valid, not saved").waitFor();
   await page.getByRole("button", { name: "Create the draft" }).click();
   await page.getByRole("heading", { level: 1, name: "Occlusal cavity, deeper" }).waitFor();
@@ -164,7 +167,7 @@ async function correctRubric(world) {
   await first.getByLabel("Share of points (%)").first().fill("90");
   await wrongPoints(world, page, first, publish);
   await page.getByText("Valid, not saved").waitFor();
-  assert.ok(await publish.isDisabled(), "a correction has a reason");
+  await eventually(async () => assert.ok(await publish.isDisabled(), "a correction has a reason"));
   await page.getByLabel("Reason").fill("Colleagues found it too strict.");
   await page.getByRole("button", { name: "Check past attempts" }).click();
   await page.getByText("Would rise").waitFor();
@@ -206,12 +209,12 @@ async function wrongPoints(world, page, criterion, publish) {
   await page.keyboard.insertText("1e999"); // pasted: more than a number can be
   await criterion.getByText(/Enter a number\.$/).waitFor();
   await answered;
-  assert.match(await told.innerText(), /[^/]+, points: Enter a number\.$/);
+  await eventually(async () => assert.match(await told.innerText(), /[^/]+, points: Enter a number\.$/));
   await accessible(page, "a rubric with a wrong number");
   await pictures(world, page, "rubric_wrong");
   await points.fill(kept);
   await told.waitFor({ state: "detached" });
-  assert.equal(await points.getAttribute("aria-invalid"), null);
+  await eventually(async () => assert.equal(await points.getAttribute("aria-invalid"), null));
 }
 
 async function editProfile(world) {
@@ -221,7 +224,7 @@ async function editProfile(world) {
   await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1900");
   await page.getByText("The server would refuse it").waitFor();
   await page.getByText("Not met").first().waitFor();
-  assert.ok(await page.getByRole("button", { name: "Save as version 3" }).isDisabled());
+  await eventually(async () => assert.ok(await page.getByRole("button", { name: "Save as version 3" }).isDisabled()));
   await accessible(page, "a profile that would be refused");
   await pictures(world, page, "profile_editor");
   await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1100");
@@ -281,7 +284,9 @@ async function importTooth(world) {
   await accessible(page, "importing a tooth");
   await dialog.getByRole("button", { name: "Import", exact: true }).click();
   await dialog.getByText("This file cannot be turned into a tooth").waitFor();
-  assert.match(await dialog.getByRole("alert").innerText(), /found 0\.01 mm with unit um; in mm it is 11\.2 mm/);
+  await eventually(async () =>
+    assert.match(await dialog.getByRole("alert").innerText(), /found 0\.01 mm with unit um; in mm it is 11\.2 mm/),
+  );
   await accessible(page, "a mesh that is refused");
   await pictures(world, page, "tooth_refused");
   await dialog.getByLabel("Unit of the coordinates").selectOption("mm");

@@ -1,5 +1,6 @@
 // What instructors and students do with exercises, assignments and attempts.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { golden } from "./contract.mjs";
 import { id } from "./mock_exercises.mjs";
 import { accessible, chooseFile, signedIn } from "./session.mjs";
@@ -41,7 +42,7 @@ async function exerciseLife(world) {
   );
   await page.getByRole("button", { name: "Add", exact: true }).click();
   await page.getByText("The document has errors").waitFor();
-  assert.match(await page.getByRole("alert").innerText(), /rubric\.criteria: expected/);
+  await eventually(async () => assert.match(await page.getByRole("alert").innerText(), /rubric\.criteria: expected/));
   await accessible(page, "a refused document");
   await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify(kDocument));
   await page.getByRole("button", { name: "Add", exact: true }).click();
@@ -73,16 +74,16 @@ async function copyExercise(world) {
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("Copy of").selectOption({ label: "Class II cavity, mesial box" });
   await dialog.getByLabel("Title").fill("Class II, term 2");
-  assert.equal(await dialog.getByLabel("Name").inputValue(), "class-ii-term-2");
+  await eventually(async () => assert.equal(await dialog.getByLabel("Name").inputValue(), "class-ii-term-2"));
   await dialog.getByLabel("Name").fill("Class II");
   await dialog.getByText("Use only small letters").waitFor();
-  assert.ok(await dialog.getByRole("button", { name: "Make the draft" }).isDisabled());
+  await eventually(async () => assert.ok(await dialog.getByRole("button", { name: "Make the draft" }).isDisabled()));
   await dialog.getByLabel("Name").fill("class-2-second");
   await accessible(page, "copying an exercise");
   await world.picture(page, "copy_exercise");
   await dialog.getByRole("button", { name: "Make the draft" }).click();
   await page.waitForURL(/\/editor\?exercise=/);
-  assert.equal(await page.getByLabel("Title").first().inputValue(), "Class II, term 2");
+  await eventually(async () => assert.equal(await page.getByLabel("Title").first().inputValue(), "Class II, term 2"));
 }
 
 async function assignmentLife(world) {
@@ -113,12 +114,14 @@ async function assignmentLife(world) {
   await page.getByLabel("Attempts per student").fill("2");
   await page.getByRole("button", { name: "Save", exact: true }).click();
   await page.getByText("Somebody else has changed this").waitFor();
-  assert.match(
-    await page.getByRole("table", { name: "Differences" }).innerText(),
-    /Attempts\s+7 attempts\s+2 attempts/,
+  await eventually(async () =>
+    assert.match(
+      await page.getByRole("table", { name: "Differences" }).innerText(),
+      /Attempts\s+7 attempts\s+2 attempts/,
+    ),
   );
   await page.getByRole("button", { name: "Use their version" }).click();
-  assert.equal(await page.getByLabel("Attempts per student").inputValue(), "7");
+  await eventually(async () => assert.equal(await page.getByLabel("Attempts per student").inputValue(), "7"));
   await page.getByRole("button", { name: "Delete the assignment…" }).click();
   await page.getByRole("button", { name: "Delete", exact: true }).click();
   await page.getByRole("heading", { level: 1, name: "Assignments" }).waitFor();
@@ -185,16 +188,18 @@ async function remarks(world) {
   const student = await signedIn(world, "student", path);
   await student.getByText("Look at this very place.").waitFor();
   assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
-  assert.match(
-    await student.locator(".annotation", { hasText: "Good light touch" }).innerText(),
-    /sent to the station/,
+  await eventually(async () =>
+    assert.match(
+      await student.locator(".annotation", { hasText: "Good light touch" }).innerText(),
+      /sent to the station/,
+    ),
   );
-  assert.equal(await student.getByText("sent to the station").count(), 1);
+  await eventually(async () => assert.equal(await student.getByText("sent to the station").count(), 1));
   await student
     .getByRole("group", { name: "Remarks on the timeline" })
     .getByRole("button", { name: "Remark 2" })
     .click();
-  assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
+  await eventually(async () => assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500"));
 }
 
 async function oneMoment(world) {
@@ -202,9 +207,9 @@ async function oneMoment(world) {
   await page.locator('.playback[data-shown="432"]').waitFor();
   const slider = page.getByLabel("Time in the attempt");
   await page.locator(".plot canvas").waitFor();
-  assert.equal(await page.locator(".playback-time").innerText(), "0:43.2");
-  assert.equal(await slider.inputValue(), await slider.getAttribute("max"));
-  assert.match(await page.locator(".readout").innerText(), /0:43\.2/);
+  await eventually(async () => assert.equal(await page.locator(".playback-time").innerText(), "0:43.2"));
+  await eventually(async () => assert.equal(await slider.inputValue(), await slider.getAttribute("max")));
+  await eventually(async () => assert.match(await page.locator(".readout").innerText(), /0:43\.2/));
   const [cursor, plot] = [
     await page.locator(".plot-cursor").first().boundingBox(),
     await page.locator(".force-card .u-over").boundingBox(),
@@ -256,7 +261,7 @@ async function override(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
   await page.getByRole("button", { name: "Override score…" }).click();
   const field = page.getByLabel("New score, 0 to 100");
-  assert.equal(await field.inputValue(), "71.4");
+  await eventually(async () => assert.equal(await field.inputValue(), "71.4"));
   assert.equal(await field.evaluate((input) => input.checkValidity()), true, "what the field begins with may be sent");
   await field.fill("88.5");
   await page.getByLabel("Reason").fill("The lesion reached the mesial wall.");
@@ -310,27 +315,31 @@ async function stoppedEarly(world) {
 async function live(world) {
   const page = await signedIn(world, "instructor", "/live");
   await page.locator(".live-card .badge.good").nth(2).waitFor();
-  assert.equal(await page.locator(".live-card").count(), 4);
+  await eventually(async () => assert.equal(await page.locator(".live-card").count(), 4));
   await page.waitForFunction(
     () => [...document.querySelectorAll(".live-force b")].every((force) => /\sN$/.test(force.textContent)),
     undefined,
     { timeout: 20_000 },
   );
   await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
-  assert.ok((await page.getByText(/no time limit/).count()) >= 3);
+  await eventually(async () => assert.ok((await page.getByText(/no time limit/).count()) >= 3));
   await world.picture(page, "live", { fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
-  assert.match(
-    await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"),
-    /at most [\d.]+ N/,
+  await eventually(async () =>
+    assert.match(
+      await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"),
+      /at most [\d.]+ N/,
+    ),
   );
   const chair = page.getByRole("region", { name: "Send a remark to the station" });
   await chair.getByLabel("Remark").fill("Stop: the mesial wall is thin. 请停一下。");
   await chair.getByRole("button", { name: "Send to the station" }).click();
   await chair.locator(".badge", { hasText: "Shown" }).waitFor();
-  assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[\s\S]*at 1\smin\s12\ss/);
-  assert.equal(await chair.getByLabel("Remark").inputValue(), "");
+  await eventually(async () =>
+    assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[\s\S]*at 1\smin\s12\ss/),
+  );
+  await eventually(async () => assert.equal(await chair.getByLabel("Remark").inputValue(), ""));
   await accessible(page, "a watched attempt");
   await world.picture(page, "said", { fullPage: true });
   world.mock.attempts[0].chair = { connected: true, shows_remarks: false };
@@ -351,16 +360,23 @@ async function progress(world) {
   const page = await signedIn(world, "student", `/exercises/${id(20)}`);
   const card = page.getByRole("region", { name: "Your progress" });
   await card.getByText("Next: Mesial wall").waitFor();
-  assert.match(await card.innerText(), /cost you 10\.1 points in your attempt/);
-  assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /4\.9 \/ 15/);
-  assert.match(await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"), /33 % of the points/);
+  await eventually(async () => assert.match(await card.innerText(), /cost you 10\.1 points in your attempt/));
+  await eventually(async () =>
+    assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /4\.9 \/ 15/),
+  );
+  await eventually(async () =>
+    assert.match(
+      await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"),
+      /33 % of the points/,
+    ),
+  );
   await accessible(page, "a student's progress");
   await world.picture(page, "progress", { fullPage: true });
   // The same where work is waiting, with the way to the attempt.
   await page.goto("/");
   const work = page.locator("article", { hasText: "Occlusal cavity, practice" });
   await work.getByText("Work on next: Mesial wall").waitFor();
-  assert.match(await work.locator(".my-scores").innerText(), /Last\s+80\.0/);
+  await eventually(async () => assert.match(await work.locator(".my-scores").innerText(), /Last\s+80\.0/));
   await accessible(page, "my work");
   await world.picture(page, "my_work");
   await work.getByRole("link", { name: "80.0" }).click();
