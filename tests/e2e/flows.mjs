@@ -6,6 +6,7 @@ import { compareFlows } from "./compare_flows.mjs";
 import { generalFlows } from "./general_flows.mjs";
 import { gradingFlows } from "./grading_flows.mjs";
 import { insightFlows } from "./insight_flows.mjs";
+import { markingFlows } from "./marking_flows.mjs";
 import { playbackFlows } from "./playback_flows.mjs";
 import { reviewFlows } from "./review_flows.mjs";
 import { screenFlows } from "./screens.mjs";
@@ -20,5 +21,6 @@ export const flows = [
   ...adminFlows,
   ...teachingFlows,
   ...gradingFlows,
+  ...markingFlows,
   ...insightFlows,
 ];

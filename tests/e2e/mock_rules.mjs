@@ -4,6 +4,7 @@ import { randomBytes } from "node:crypto";
 import { conflict, documentSchema, forbidden, golden, invalid, problemOf, refused, Reply } from "./contract.mjs";
 import { attemptRules, attemptView } from "./mock_attempts.mjs";
 import { criteriaOf, kReference } from "./mock_exercises.mjs";
+import { markingRules } from "./mock_marking.mjs";
 import { assignmentRules, assignmentView, exerciseRules, exerciseView } from "./mock_teaching.mjs";
 import { added, newId } from "./mock_world.mjs";
 
@@ -11,7 +12,7 @@ const teaches = ({ role }) => role !== "student";
 const kAdmins =
   /^(\w+ \/(people|roster|audit|health|jobs|builtin-teeth|tooth-imports|enrolment-codes)|(POST|PATCH|DELETE) \/(cohorts|stations|listed-devices|profiles))/;
 const kStaff =
-  /^(\w+ \/(cohorts|stations|listed-devices|live|profile-reports|scoring-metrics|references|annotations)|(POST|PUT|DELETE) \/(exercises|assignments|attempts)|GET \/profiles\/.*(versions|reports|calibrations)|GET .*\/(live|insight|rubrics))/;
+  /^(\w+ \/(cohorts|stations|listed-devices|live|profile-reports|scoring-metrics|references|annotations|markings|marking-works)|(POST|PUT|DELETE) \/(exercises|assignments|attempts)|GET \/profiles\/.*(versions|reports|calibrations)|GET .*\/(live|insight|rubrics|markings))/;
 
 export function mayCall({ route }, { role }) {
   if (route === "POST /attempts/{id}/appeal") return true;
@@ -352,4 +353,11 @@ const operationRules = {
   },
 };
 
-export const rules = { ...peopleRules, ...operationRules, ...exerciseRules, ...assignmentRules, ...attemptRules };
+export const rules = {
+  ...peopleRules,
+  ...operationRules,
+  ...exerciseRules,
+  ...assignmentRules,
+  ...attemptRules,
+  ...markingRules,
+};

@@ -61,6 +61,20 @@ export function makeWorld() {
   }));
   world.assignments = makeAssignments(world);
   world.attempts = makeAttempts(world);
+  world.markings = [
+    {
+      id: id(901),
+      assignment_id: id(502),
+      created_ms: world.nowMs - kDayMs,
+      ended_ms: 0,
+      revision: 1,
+      markers: [instructor, world.people[3]],
+      works: world.attempts
+        .filter(({ state }) => state === "scored")
+        .slice(0, 4)
+        .map((attempt, i) => ({ id: id(910 + i), attempt, marks: [] })),
+    },
+  ];
   world.annotations = [
     remark(
       700,

@@ -51,6 +51,7 @@ const kScreens = {
     ["attempt_appeal", `/attempts/${id(121)}`, ".appeal-card form"],
     ["cohort", `/cohorts/${id(10)}`, ".grades"],
     ["grading", `/grading?assignment=${id(500)}`, "table.grading .lost-much"],
+    ["marking", `/markings/${id(901)}`, ".tooth-frame[aria-busy=false]"],
     ["live", "/live", ".live-card .badge.good"],
     ["watch", `/live/${id(110)}`, ".columns .live-anchor"],
     ["stations_seen", "/stations", "main table"],

@@ -320,6 +320,9 @@ Response GetMarking(const Call& call, Store& store) {
     if (!said.ok()) return ErrorResponse(said.status());
     comments = std::move(*said);
   }
+  Result<ExerciseRow> exercise = store.exercises.ExerciseById(seen->assignment.version_id);
+  if (!exercise.ok()) return ErrorResponse(exercise.status());
+  (*out)["exercise"] = {{"id", exercise->id.Text()}, {"title", exercise->title}};
   (*out)["criteria"] = std::move(criteria);
   (*out)["mine"] = std::move(mine);
   (*out)["comments"] = std::move(comments);

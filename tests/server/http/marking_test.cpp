@@ -134,6 +134,7 @@ TEST_F(MarkingTest, AfterTheLastMarkEverybodysMarksAreBesideTheProgramsPoints) {
   MarkAll(marking);
   const json::object seen = Seen("ada", marking);
   EXPECT_EQ(seen.at("done"), true);
+  EXPECT_EQ(seen.at("exercise").at("title").as_string(), "Occlusal cavity");
   const json::value& results = seen.at("results");
   ASSERT_EQ(results.at("works").as_array().size(), attempts_.size());
   for (const json::value& work : results.at("works").as_array()) {

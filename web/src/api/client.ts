@@ -1,5 +1,6 @@
 import { checkSeries, checkTicks } from "./series";
 import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
+import { MarkingApi } from "./marking";
 import { PeopleApi } from "./people";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
@@ -41,6 +42,7 @@ interface Ahead {
 // `sessionLost` is called when a request needs a session and the server reports none.
 export class Client {
   readonly teaching: TeachingApi;
+  readonly marking: MarkingApi;
   readonly people: PeopleApi;
   readonly stations: StationsApi;
   readonly profiles: ProfilesApi;
@@ -51,6 +53,7 @@ export class Client {
   constructor(sessionLost: () => void, send?: Fetch) {
     this.http = new Http(sessionLost, send);
     this.teaching = new TeachingApi(this.http);
+    this.marking = new MarkingApi(this.http);
     this.people = new PeopleApi(this.http);
     this.stations = new StationsApi(this.http);
     this.profiles = new ProfilesApi(this.http);

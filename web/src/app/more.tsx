@@ -10,6 +10,8 @@ import type { ScreenProps } from "./routes";
 // What who teaches seldom opens, and admins: one part of the page, since each part costs a request
 // and its head.
 export { InsightCard } from "../features/assignments/insight_card";
+export { MarkingCard } from "../features/marking/marking_card";
+export { MarkingPage } from "../features/marking/marking_page";
 export { ProfilePage } from "../features/profiles/profile_page";
 export { ProfilesPage } from "../features/profiles/profiles_page";
 

@@ -13,6 +13,7 @@ const kLists = [
   "stations",
   "profiles",
   "live",
+  "markings",
   "jobs",
   "audit",
   "health",
@@ -26,6 +27,7 @@ const kThings = {
   people: "person",
   profiles: "profile",
   live: "watch",
+  markings: "marking",
 } as const;
 const kSingles = ["roster", "account", "grading", "editor"] as const;
 

@@ -36,8 +36,13 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenPr
           insight={(id, title) => (
             <More show={({ InsightCard }) => <InsightCard client={client} id={id} title={title} />} />
           )}
+          marking={(assignment) => (
+            <More show={({ MarkingCard }) => <MarkingCard client={client} assignment={assignment} self={person} />} />
+          )}
         />
       );
+    case "marking":
+      return <More show={({ MarkingPage }) => <MarkingPage client={client} id={route.id} />} />;
     case "grading":
       return (
         <GradingPage

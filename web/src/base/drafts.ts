@@ -10,7 +10,7 @@ export interface Draft {
 type Storage = Pick<globalThis.Storage, "getItem" | "setItem" | "removeItem">;
 
 const kMost = 100; // of one person
-const kMaxText = 4000;
+const kMaxText = 16_000; // a mark with a comment on every criterion
 
 let person = "";
 

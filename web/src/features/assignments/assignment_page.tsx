@@ -20,9 +20,10 @@ interface Props {
   readonly id: string;
   readonly onGone: () => void;
   readonly insight: (id: string, title: string) => ComponentChildren; // how the class did
+  readonly marking: (assignment: Assignment) => ComponentChildren; // its blind markings
 }
 
-export function AssignmentPage({ client, id, onGone, insight }: Props) {
+export function AssignmentPage({ client, id, onGone, insight, marking }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.teaching.assignment(id, signal));
   const [newer, setNewer] = useState<Tagged<Assignment>>();
   if (loaded.state === "loading") return <Loading what={say("loading.assignment")} />;
@@ -81,6 +82,7 @@ export function AssignmentPage({ client, id, onGone, insight }: Props) {
         <Card title={say("assignments.scores")}>
           <Scores client={client} assignment={assignment} tag={tag} onGone={onGone} />
         </Card>
+        {marking(assignment)}
       </div>
     </>
   );

@@ -1,0 +1,162 @@
+import { useId, useLayoutEffect } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
+import type { Client } from "../../api/client";
+import type { Rating } from "../../api/marking";
+import type { Marking } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { formatPoints, formatScore } from "../../base/format";
+import { say } from "../../base/words";
+import { ErrorNotice, TableFrame } from "../../widgets/basics";
+import { useDraft } from "../../widgets/use_draft";
+import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, totalOf } from "./mark";
+
+export const kRatings: readonly Rating[] = [1, 2, 3, 4, 5];
+const kMostComment = 500;
+
+export function ratingTitle(rating: Rating): string {
+  return say(`marking.rating_${rating}`);
+}
+
+interface Props {
+  readonly client: Client;
+  readonly work: string;
+  readonly marking: Marking;
+  readonly onSent: () => void;
+  // What the page's number keys call.
+  readonly onRate: (rate: (rating: Rating) => void) => void;
+}
+
+// The rating of the whole comes first, before any points are seen: it is what a pass mark is computed from.
+export function MarkForm({ client, work, marking: { criteria, comments }, onSent, onRate }: Props) {
+  const [text, put, forget] = useDraft(`mark ${work}`);
+  const draft = text === "" ? kNoMark : draftFrom(text);
+  const set = (change: Partial<MarkDraft>) => put(JSON.stringify({ ...draft, ...change }));
+  const change = useChange();
+  const list = useId();
+  const rate = (rating: Rating) => set({ rating });
+  useLayoutEffect(() => onRate(rate)); // before a key can come for this work
+  const ready = complete(draft, criteria);
+  const left = missing(draft, criteria);
+  const send = async (event: Event) => {
+    event.preventDefault();
+    if (ready === undefined) return;
+    const result = await change.run(() => client.marking.mark(work, ready.rating, ready.criteria));
+    if (result?.ok !== true) return;
+    forget();
+    onSent();
+  };
+  return (
+    <form class="mark-form" onSubmit={(event) => void send(event)}>
+      <fieldset class="ratings">
+        <legend>{say("marking.whole")}</legend>
+        {kRatings.map((rating) => (
+          <label key={rating}>
+            <input
+              type="radio"
+              name={`rating-${work}`}
+              checked={draft.rating === rating}
+              onChange={() => rate(rating)}
+            />
+            <span>
+              <span class="key" aria-hidden="true">
+                {rating}
+              </span>{" "}
+              {ratingTitle(rating)}
+            </span>
+          </label>
+        ))}
+      </fieldset>
+      {draft.rating === undefined ? (
+        <p class="hint">{say("marking.rating_first")}</p>
+      ) : (
+        <>
+          <TableFrame label={say("marking.criteria")}>
+            <table class="stacking" role="table" aria-label={say("marking.criteria")}>
+              <thead role="rowgroup">
+                <tr role="row">
+                  <th scope="col" role="columnheader">
+                    {say("marking.criterion")}
+                  </th>
+                  <th scope="col" role="columnheader">
+                    {say("marking.points")}
+                  </th>
+                  <th scope="col" role="columnheader">
+                    {say("marking.comment")}
+                  </th>
+                </tr>
+              </thead>
+              <tbody role="rowgroup">
+                {criteria.map(({ name, title, max_points: most }) => (
+                  <tr key={name} role="row">
+                    <th scope="row" role="rowheader">
+                      {wordedTitle(title)}
+                    </th>
+                    <td role="cell" data-title={say("marking.points")}>
+                      <span class="mark-points">
+                        <input
+                          type="number"
+                          min={0}
+                          max={most}
+                          step="any"
+                          required
+                          aria-label={say("marking.points_for", { title: wordedTitle(title) })}
+                          value={Number.isFinite(draft.points[name]) ? draft.points[name] : ""}
+                          onInput={(event) =>
+                            set({ points: { ...draft.points, [name]: event.currentTarget.valueAsNumber } })
+                          }
+                        />
+                        <span>{say("marking.of_points", { most: formatPoints(most) })}</span>
+                      </span>
+                    </td>
+                    <td role="cell" data-title={say("marking.comment")}>
+                      <input
+                        type="text"
+                        maxLength={kMostComment}
+                        list={`${list}${name}`}
+                        autocomplete="off"
+                        aria-label={say("marking.comment_on", { title: wordedTitle(title) })}
+                        value={draft.comments[name] ?? ""}
+                        onInput={(event) => set({ comments: { ...draft.comments, [name]: event.currentTarget.value } })}
+                      />
+                      <datalist id={`${list}${name}`}>
+                        {comments
+                          .filter((said) => said.name === name)
+                          .map((said) => (
+                            <option key={said.comment} value={said.comment} />
+                          ))}
+                      </datalist>
+                    </td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </TableFrame>
+          <div class="button-row">
+            <button
+              type="button"
+              class="button small"
+              disabled={left.length === 0}
+              onClick={() => put(JSON.stringify(filled(draft, criteria)))}
+            >
+              {say("marking.fill")}
+            </button>
+            <span class="mark-total">{say("marking.total", { total: formatScore(totalOf(draft, criteria)) })}</span>
+          </div>
+        </>
+      )}
+      {change.error !== undefined && <ErrorNotice title={say("marking.not_sent")} message={change.error.message} />}
+      <div class="button-row">
+        <button type="submit" class="button primary" disabled={change.busy || ready === undefined}>
+          {say("marking.send")}
+        </button>
+        <span class="hint">
+          {draft.rating === undefined
+            ? ""
+            : left.length > 0
+              ? say("marking.left", { count: left.length })
+              : say("marking.once")}
+        </span>
+      </div>
+    </form>
+  );
+}

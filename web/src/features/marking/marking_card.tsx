@@ -1,0 +1,155 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Assignment, MarkingSummary, Person } from "../../api/types";
+import { useRequest } from "../../api/use_request";
+import { formatDateTime } from "../../base/format";
+import { ok } from "../../base/result";
+import { say } from "../../base/words";
+import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { Confirm } from "../../widgets/dialog";
+import { CheckField } from "../../widgets/form";
+import { DataTable } from "../../widgets/table";
+import { progressText } from "./marking_page";
+
+interface Props {
+  readonly client: Client;
+  readonly assignment: Assignment;
+  readonly self: Person;
+}
+
+// Blind markings of an assignment's attempts: those that there are, and a new one.
+export function MarkingCard({ client, assignment, self }: Props) {
+  const { loaded, reload } = useRequest(assignment.id, (signal) => client.marking.of(assignment.id, signal));
+  const [open, setOpen] = useState<"begin" | MarkingSummary>();
+  const close = () => setOpen(undefined);
+  const markings = loaded.state === "ready" ? loaded.value : [];
+  const underWay = markings.some((marking) => !marking.done && marking.ended_ms === 0);
+  return (
+    <Card title={say("marking.title")}>
+      <p class="hint">{say("marking.card_hint")}</p>
+      {loaded.state === "loading" && <Loading what={say("loading.markings")} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("marking.list_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {markings.length > 0 && (
+        <DataTable
+          label={say("marking.title")}
+          items={markings}
+          rowKey={({ id }) => id}
+          columns={[
+            {
+              title: say("marking.when"),
+              cell: ({ id, created_ms: when }) => <a href={`/markings/${id}`}>{formatDateTime(when)}</a>,
+            },
+            { title: say("marking.how_far"), cell: howFar },
+            {
+              title: say("marking.give_up"),
+              hideTitle: true,
+              cell: (marking) =>
+                marking.done || marking.ended_ms > 0 ? null : (
+                  <button type="button" class="button small" onClick={() => setOpen(marking)}>
+                    {say("marking.give_up_ask")}
+                  </button>
+                ),
+            },
+          ]}
+        />
+      )}
+      {loaded.state === "ready" && !underWay && (
+        <div class="button-row">
+          <button type="button" class="button" onClick={() => setOpen("begin")}>
+            {say("marking.begin_ask")}
+          </button>
+        </div>
+      )}
+      {open === "begin" && (
+        <Begin client={client} assignment={assignment} self={self} onClose={close} onBegun={reload} />
+      )}
+      {open !== undefined && open !== "begin" && (
+        <Confirm
+          title={say("marking.give_up_title")}
+          action={say("marking.give_up")}
+          onClose={close}
+          onConfirm={async () => {
+            const result = await client.marking.giveUp(open.id);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        >
+          <p>{say("marking.give_up_text")}</p>
+        </Confirm>
+      )}
+    </Card>
+  );
+}
+
+function howFar({ markers, works, done, ended_ms: ended }: MarkingSummary): string {
+  if (done) return say("marking.done");
+  if (ended > 0) return say("marking.given_up");
+  return markers.map((marker) => progressText(marker, works)).join(" · ");
+}
+
+type Candidate = Pick<Person, "id" | "display_name">;
+
+// Instructors of the cohort, whoever asks, and, for admins, every other instructor.
+async function candidates(client: Client, { cohort }: Assignment, self: Person, signal: AbortSignal) {
+  const found = new Map<string, Candidate>([[self.id, self]]);
+  if (cohort !== null) {
+    const read = await client.people.cohort(cohort.id, signal);
+    if (!read.ok) return read;
+    for (const member of read.value.value.members) if (member.role !== "student") found.set(member.id, member);
+  }
+  if (self.role === "admin") {
+    const read = await client.people.list({ role: "instructor", limit: 200 }, signal);
+    if (!read.ok) return read;
+    for (const person of read.value.items) if (!person.disabled) found.set(person.id, person);
+  }
+  return ok([...found.values()].sort((a, b) => a.display_name.localeCompare(b.display_name)));
+}
+
+function Begin({
+  client,
+  assignment,
+  self,
+  onClose,
+  onBegun,
+}: Props & { readonly onClose: () => void; readonly onBegun: () => void }) {
+  const { loaded, reload } = useRequest(assignment.id, (signal) => candidates(client, assignment, self, signal));
+  const [chosen, setChosen] = useState<readonly string[]>([self.id]);
+  return (
+    <Confirm
+      title={say("marking.begin_title")}
+      action={say("marking.begin")}
+      tone="neutral"
+      onClose={onClose}
+      onConfirm={async () => {
+        if (chosen.length < 2) return say("marking.two_at_least");
+        const result = await client.marking.begin(assignment.id, chosen);
+        if (!result.ok) return result.error.message;
+        onBegun();
+        return undefined;
+      }}
+    >
+      <p>{say("marking.begin_text")}</p>
+      {loaded.state === "loading" && <Loading what={say("loading.short")} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("marking.no_people")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" && (
+        <fieldset class="form">
+          <legend>{say("marking.who")}</legend>
+          {loaded.value.map(({ id, display_name: name }) => (
+            <CheckField
+              key={id}
+              label={name}
+              value={chosen.includes(id)}
+              onValue={(on) => setChosen(on ? [...chosen, id] : chosen.filter((each) => each !== id))}
+            />
+          ))}
+          {loaded.value.length < 2 && <p class="hint">{say("marking.nobody_else")}</p>}
+        </fieldset>
+      )}
+    </Confirm>
+  );
+}

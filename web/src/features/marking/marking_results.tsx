@@ -1,0 +1,145 @@
+import { wordedTitle } from "../../api/builtin_words";
+import type { AgreementFigure, Marking, MarkingResults } from "../../api/types";
+import { csvText } from "../../base/csv";
+import { downloadFile, fileName } from "../../base/download";
+import { formatNumber, formatPoints, formatScore } from "../../base/format";
+import { say } from "../../base/words";
+import { Card, Notice } from "../../widgets/basics";
+import { DataTable } from "../../widgets/table";
+import { marksTable, ratedPoints } from "./results";
+import { StandardPlot } from "./standard_plot";
+
+interface Props {
+  readonly marking: Marking;
+  readonly results: MarkingResults;
+}
+
+// Whose work it was, what each marker and the program gave, how well they agree, and the pass mark that follows.
+export function MarkingResultsView({ marking, results }: Props) {
+  const save = () => {
+    const { header, rows } = marksTable(marking, results);
+    downloadFile(`${fileName(wordedTitle(marking.exercise.title), "marks")}.csv`, "text/csv", csvText(header, rows));
+  };
+  return (
+    <>
+      <PassMark results={results} />
+      <Card
+        title={say("marking.results")}
+        aside={
+          <button type="button" class="button small" onClick={save}>
+            {say("common.save_csv")}
+          </button>
+        }
+      >
+        <DataTable
+          label={say("marking.results")}
+          items={results.works}
+          rowKey={({ id }) => id}
+          columns={[
+            {
+              title: say("marking.student"),
+              cell: ({ attempt_id: attempt, person }) => <a href={`/attempts/${attempt}`}>{person.display_name}</a>,
+            },
+            ...marking.markers.map((marker) => ({
+              title: marker.display_name,
+              cell: ({ marks }: MarkingResults["works"][number]) => {
+                const mark = marks.find(({ marker_id: id }) => id === marker.id);
+                return mark === undefined
+                  ? "–"
+                  : say("marking.total_and_rating", {
+                      total: formatScore(mark.total),
+                      rating: say(`marking.rating_${mark.rating as 1 | 2 | 3 | 4 | 5}`),
+                    });
+              },
+            })),
+            {
+              title: say("marking.computed"),
+              number: true,
+              cell: ({ computed_score: score }) => formatScore(score),
+            },
+          ]}
+        />
+      </Card>
+      <Agreement results={results} />
+    </>
+  );
+}
+
+// "0.82 (0.64 to 0.92)", or why there is no such figure.
+function figureText({ value, low, high, why }: AgreementFigure, form = formatNumber): string {
+  if (value === null) return why ?? "–";
+  return low === undefined || high === undefined
+    ? form(value)
+    : say("marking.interval", { value: form(value), low: form(low), high: form(high) });
+}
+
+const kFewestRated = 8; // as the server has it (schemas/marks.md, "A pass mark")
+const kFewestRatings = 3;
+
+function noPassMark(why: string, works: MarkingResults["works"]): string {
+  if (works.length < kFewestRated) return say("marking.too_few", { count: works.length, least: String(kFewestRated) });
+  const ratings = new Set(works.flatMap(({ marks }) => marks.map(({ rating }) => rating)));
+  return ratings.size < kFewestRatings ? say("marking.too_alike") : say("marking.no_pass_mark", { reason: why });
+}
+
+function PassMark({ results: { standard, works } }: { readonly results: MarkingResults }) {
+  const { borderline, phi_at_cut: phi } = standard;
+  const points = ratedPoints(works);
+  return (
+    <Card title={say("marking.pass_mark")} className="pass-mark">
+      {borderline.value === null ? (
+        <p>{noPassMark(borderline.why ?? "", works)}</p>
+      ) : (
+        <>
+          <p class="pass-mark-value">
+            {say("marking.pass_mark_at", {
+              points: formatPoints(borderline.value),
+              low: formatPoints(borderline.low ?? borderline.value),
+              high: formatPoints(borderline.high ?? borderline.value),
+            })}
+          </p>
+          <p>{say("marking.borderline_text", { count: borderline.works ?? points.length })}</p>
+          {phi.value !== null && <p>{say("marking.phi_text", { phi: formatNumber(phi.value) })}</p>}
+          <StandardPlot points={points} cut={borderline.value} slope={borderline.points_per_rating ?? 0} />
+        </>
+      )}
+      {borderline.few === true && (
+        <Notice tone="warning">
+          <p>{say("marking.few", { count: borderline.works ?? points.length })}</p>
+        </Notice>
+      )}
+      <p class="hint">{say("marking.school_decides")}</p>
+    </Card>
+  );
+}
+
+function Agreement({ results: { agreement } }: { readonly results: MarkingResults }) {
+  const named = (criterion: string) =>
+    criterion === "total"
+      ? say("marking.all_points")
+      : criterion === "rating"
+        ? say("marking.rating")
+        : wordedTitle(criterion);
+  // The whole first.
+  const whole = (criterion: string) => (criterion === "total" ? 0 : criterion === "rating" ? 1 : 2);
+  const rows = [...agreement].sort((a, b) => whole(a.criterion) - whole(b.criterion));
+  return (
+    <Card title={say("marking.agreement")}>
+      <p class="hint">{say("marking.agreement_hint")}</p>
+      <DataTable
+        label={say("marking.agreement")}
+        items={rows}
+        rowKey={({ criterion }) => criterion}
+        columns={[
+          { title: say("marking.criterion"), cell: ({ criterion }) => named(criterion) },
+          { title: say("marking.one_marker"), cell: ({ icc_2_1: icc }) => figureText(icc) },
+          { title: say("marking.mean_of_all"), cell: ({ phi }) => figureText(phi) },
+          {
+            title: say("marking.with_program"),
+            cell: ({ computed }) => (computed === undefined ? "–" : figureText(computed.icc_2_1_with_mean)),
+          },
+        ]}
+      />
+    </Card>
+  );
+}
