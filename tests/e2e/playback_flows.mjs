@@ -1,8 +1,9 @@
 // The attempt's playback and its drawing.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
-import { accessible, looks, signedIn, signIn } from "./session.mjs";
+import { accessible, downloaded, looks, signedIn, signIn } from "./session.mjs";
 
 export const playbackFlows = [
   { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
@@ -15,6 +16,7 @@ export const playbackFlows = [
   { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
+  { name: "the playback is saved as a video, from the beginning to its end", run: video },
   { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },
 ];
 
@@ -23,6 +25,23 @@ const kAttempt = `/attempts/${id(105)}`;
 const isArrow = ([r, g, b]) => r > 170 && g > 40 && g < 90 && b < 40;
 
 const isTargetLine = ([r, g, b]) => b - g > 60 && b - r > 30;
+
+async function video(world) {
+  const page = await signedIn(world, "instructor", kAttempt);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByRole("group", { name: "Playback" }).getByLabel("Speed").selectOption("16");
+  const saved = await downloaded(page, async () => {
+    await page.getByRole("button", { name: "Save a video" }).click();
+    await page.getByText("Recording while it plays…").waitFor();
+    await accessible(page, "a video that is recorded");
+  });
+  assert.match(saved.name, /_video\.webm$/);
+  assert.ok(saved.text.startsWith("\u001aE") && saved.text.length > 5000, `${saved.text.length} characters of WebM`);
+  const position = page.getByRole("slider", { name: "Playback position" });
+  const end = await position.getAttribute("max");
+  await eventually(async () => assert.equal(await position.inputValue(), end));
+  await page.getByRole("button", { name: "Save a video" }).waitFor();
+}
 
 // Chromium draws on the processor here: what moves has fewer pixels until it stands.
 async function drawsQuickly(world) {
@@ -125,7 +144,7 @@ async function plotZooms(world) {
   await page.getByText(/^Showing /).waitFor({ state: "detached" });
   assert.deepEqual(await range(), all);
   await page.keyboard.press("?");
-  assert.match(await page.getByRole("dialog").innerText(), /Zoom in on the timeline/);
+  await eventually(async () => assert.match(await page.getByRole("dialog").innerText(), /Zoom in on the timeline/));
 }
 
 // More plots on the same axis, with the same cursor.
@@ -187,7 +206,7 @@ async function forceArrow(world) {
   assert.equal(await toothPixels(page, isArrow), 0, "no arrow in the air");
   // What the limiter held back, and ticks that came late.
   await page.locator(".readout").getByText("Computed force").waitFor();
-  assert.equal(await page.locator(".spans .span.late").count(), 1);
+  await eventually(async () => assert.equal(await page.locator(".spans .span.late").count(), 1));
   await page.locator(".span-legend").getByText("Late ticks").waitFor();
 }
 
@@ -199,7 +218,7 @@ async function targetLines(world) {
   const button = page.getByRole("button", { name: "Target", exact: true });
   await button.click();
   await toothPixelsBecome(page, "lines of the target", isTargetLine, (count) => count > before + 150);
-  assert.equal(await button.getAttribute("aria-pressed"), "true");
+  await eventually(async () => assert.equal(await button.getAttribute("aria-pressed"), "true"));
   await world.picture(page, "target_lines");
   await accessible(page, "the target over the tooth");
   await page.keyboard.press("g");
@@ -280,6 +299,6 @@ async function linkIsOpenedOnce(world) {
   await page.getByText("Score released").waitFor();
   await again;
   await page.locator(".plot canvas").waitFor();
-  assert.equal(await slider.inputValue(), "500");
+  await eventually(async () => assert.equal(await slider.inputValue(), "500"));
   fail();
 }

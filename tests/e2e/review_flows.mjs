@@ -75,7 +75,7 @@ async function lostPointLeadsToItsMoment(world) {
   const slider = page.getByRole("slider", { name: /moment|time/i }).first();
   const before = await slider.inputValue();
   await page.getByRole("button", { name: /^Show me .*: .* too much, from 0:21.4; mostly stroke 7 and 2 more/ }).click();
-  assert.notEqual(await slider.inputValue(), before, "the timeline moves");
+  await eventually(async () => assert.notEqual(await slider.inputValue(), before, "the timeline moves"));
   await page.getByRole("heading", { name: "Compared with 3 dentists" }).waitFor();
   await page.getByText(/The closest cut is by Dentist One/).waitFor();
   await accessible(page, "an attempt among dentists");
@@ -90,10 +90,12 @@ async function plotPointer(world) {
   await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height / 2);
   await page.mouse.move(box.x + 0.7 * box.width, box.y + box.height / 2, { steps: 5 });
   await page.locator(".plot-hover").waitFor();
-  assert.equal(
-    await slider.inputValue(),
-    await slider.getAttribute("max"),
-    "passing over it is no choice: it stays at the end",
+  await eventually(async () =>
+    assert.equal(
+      await slider.inputValue(),
+      await slider.getAttribute("max"),
+      "passing over it is no choice: it stays at the end",
+    ),
   );
   await page.mouse.down();
   await page.mouse.up();
@@ -103,7 +105,7 @@ async function plotPointer(world) {
     return step;
   });
   await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2, { steps: 5 });
-  assert.equal(Number(await slider.inputValue()), set);
+  await eventually(async () => assert.equal(Number(await slider.inputValue()), set));
 }
 
 // Where the plot draws a moment, there its mark stands and there is the slider's thumb.
@@ -216,8 +218,8 @@ async function playbackKeys(world) {
   const teacher = await signedIn(world, "instructor", `/attempts/${id(105)}?t=20`);
   await teacher.locator('.playback[data-shown="200"]').waitFor();
   await teacher.getByLabel(/New remark/).pressSequentially("jkl. [");
-  assert.equal(await teacher.getByLabel(/New remark/).inputValue(), "jkl. [");
-  assert.equal(await teacher.locator(".playback").getAttribute("data-shown"), "200");
+  await eventually(async () => assert.equal(await teacher.getByLabel(/New remark/).inputValue(), "jkl. ["));
+  await eventually(async () => assert.equal(await teacher.locator(".playback").getAttribute("data-shown"), "200"));
 }
 
 async function momentBeyondTheEnd(world) {
@@ -285,11 +287,14 @@ async function measures(world) {
   for (let i = 0; i < 3; ++i) await page.keyboard.press("Shift+ArrowRight");
   await page.keyboard.press("Enter");
   await said.getByText(/b to c: \d\.\d\d\u00a0mm, angle at b: \d+\.\d°/).waitFor();
-  assert.deepEqual(await page.locator("span.tooth-pin").allInnerTexts(), ["a", "b", "c"]);
+  await eventually(async () => assert.deepEqual(await page.locator("span.tooth-pin").allInnerTexts(), ["a", "b", "c"]));
   await accessible(page, "measured distances");
   const saved = await downloaded(page, () => page.getByRole("button", { name: "Save the tooth as STL" }).click());
   assert.match(saved.name, /^Occlusal_cavity_practice_Student_One_0m43\.2\.stl$/);
   assert.ok(saved.text.startsWith("Enamel, mm") && saved.text.length > 100_000, `${saved.text.length} characters`);
+  const model = await downloaded(page, () => page.getByRole("button", { name: "Save the tooth as GLB" }).click());
+  assert.match(model.name, /_0m43\.2\.glb$/);
+  assert.ok(model.text.startsWith("glTF") && model.text.length > 100_000, `${model.text.length} characters`);
   await world.picture(page, "measured");
   await page.keyboard.press("m");
   await said.waitFor({ state: "detached" });
@@ -401,12 +406,15 @@ async function toothByKeyboard(world) {
   await otherThan(occlusal, canvas, "the tool appears at the tooth");
 
   await page.getByText("Show as a table").click();
-  assert.ok((await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count()) > 10);
+  const table = page.getByRole("group", { name: "Force and removal as a table" });
+  await eventually(async () => assert.ok((await table.locator("tbody tr").count()) > 10));
   await page.getByText("Deviation in numbers").click();
   await page.getByText("Of the cut surface", { exact: false }).first().waitFor();
-  assert.match(
-    await page.getByRole("main").innerText(),
-    /Of the cut surface, \d+ % is within 0\.\d+\smm of the reference/,
+  await eventually(async () =>
+    assert.match(
+      await page.getByRole("main").innerText(),
+      /Of the cut surface, \d+ % is within 0\.\d+\smm of the reference/,
+    ),
   );
   await accessible(page, "an attempt with its tables open");
 }
@@ -418,7 +426,7 @@ async function playsBack(world) {
   const position = bar.getByRole("slider", { name: "Playback position" });
   await position.waitFor();
   const last = await position.getAttribute("max");
-  assert.equal(await position.inputValue(), last, "it begins with the tooth at the end");
+  await eventually(async () => assert.equal(await position.inputValue(), last, "it begins with the tooth at the end"));
   const end = await canvas.screenshot();
   await position.fill("0");
   await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.0");
@@ -495,7 +503,7 @@ async function markReference(world) {
   await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
   await accessible(page, "naming the dentist");
   const mark = page.getByRole("button", { name: "Mark as reference", exact: true });
-  assert.equal(await mark.isDisabled(), true, "not without the dentist's consent");
+  await eventually(async () => assert.equal(await mark.isDisabled(), true, "not without the dentist's consent"));
   await page.getByLabel("The dentist agrees").check();
   await mark.click();
   await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
@@ -507,7 +515,7 @@ async function markReference(world) {
   await mark.click();
   await page.getByText("cannot be the reference", { exact: false }).waitFor();
   const anyway = page.getByRole("button", { name: "Mark as reference anyway" });
-  assert.equal(await anyway.isDisabled(), true, "not without a reason");
+  await eventually(async () => assert.equal(await anyway.isDisabled(), true, "not without a reason"));
   await page.getByLabel("Reason for going ahead").fill("The gap is before the first stroke");
   await accessible(page, "a reason for a reference");
   await world.picture(page, "reference_anyway", { fullPage: true });

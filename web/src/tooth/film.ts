@@ -5,6 +5,7 @@ import { boxBall, comparedIn, joined } from "./film_parts";
 import type { Compared, Detail, Extent, FilmAsk, FilmTold } from "./messages";
 import { type BlockMesh, ToothMesher } from "./mesher";
 import { decodeMesh } from "./part_mesh";
+import { glbOf } from "./glb";
 import { stlOf } from "./stl";
 import { decodeSurface, type Surface } from "./surface";
 import { kTissues } from "./tissue_color";
@@ -92,9 +93,9 @@ export class Film {
         this.want(asked.frames);
         for (const screen of this.screens) screen.expect();
         return this.work();
-      case "stl": {
-        const bytes = stlOf([...this.meshes.values()]);
-        this.tell({ told: "stl", bytes }, [bytes]);
+      case "model": {
+        const bytes = (asked.as === "stl" ? stlOf : glbOf)([...this.meshes.values()]);
+        this.tell({ told: "model", bytes }, [bytes]);
         return Promise.resolve();
       }
       case "close":

@@ -3,6 +3,7 @@ import type {
   CameraPreset,
   FilmAsk,
   FilmTold,
+  ModelFormat,
   PointMm,
   ScreenAsk,
   ScreenState,
@@ -42,7 +43,7 @@ export class StudioLink {
     };
   }
 
-  film(told: (told: Exclude<FilmTold, { told: "stl" }>) => void): FilmLink {
+  film(told: (told: Exclude<FilmTold, { told: "model" }>) => void): FilmLink {
     const film = this.next++;
     const link = new FilmLink(
       film,
@@ -50,7 +51,7 @@ export class StudioLink {
       () => this.films.delete(film),
     );
     this.films.set(film, (message) => {
-      if (message.told === "stl") link.gave(message.bytes);
+      if (message.told === "model") link.gave(message.bytes);
       else told(message);
     });
     return link;
@@ -100,9 +101,9 @@ export class FilmLink {
   seek(frames: number): void {
     this.ask({ ask: "seek", frames });
   }
-  // The tooth as it is shown, as STL (stl.ts).
-  stl(): Promise<ArrayBuffer> {
-    this.ask({ ask: "stl" });
+  // The tooth as it is shown, as STL (stl.ts) or GLB (glb.ts).
+  model(as: ModelFormat): Promise<ArrayBuffer> {
+    this.ask({ ask: "model", as });
     return new Promise((resolve) => this.waiting.push(resolve));
   }
   gave(bytes: ArrayBuffer): void {

@@ -19,12 +19,14 @@ export interface Compared {
 // How much of a tooth is there.
 export type Detail = "none" | "coarse" | "fine";
 
+export type ModelFormat = "stl" | "glb";
+
 export type FilmAsk =
   | { readonly ask: "bytes"; readonly bytes: ArrayBuffer } // more of a timeline's file
   | { readonly ask: "surface"; readonly bytes: ArrayBuffer } // instead of one (surface.ts)
   | { readonly ask: "deviation"; readonly bytes: ArrayBuffer } // after the file's last segment
   | { readonly ask: "seek"; readonly frames: number } // the latest one counts
-  | { readonly ask: "stl" } // of what is shown
+  | { readonly ask: "model"; readonly as: ModelFormat } // of what is shown
   | { readonly ask: "close" };
 
 export type FilmTold =
@@ -35,7 +37,7 @@ export type FilmTold =
   | { readonly told: "detail"; readonly detail: Detail; readonly extent: Extent; readonly tissues: readonly number[] }
   | { readonly told: "compared"; readonly compared: Result<Compared | undefined, string> } // undefined: with nothing
   | { readonly told: "shown"; readonly frames: number; readonly tissues: readonly number[] } // on all its screens
-  | { readonly told: "stl"; readonly bytes: ArrayBuffer }
+  | { readonly told: "model"; readonly bytes: ArrayBuffer }
   | { readonly told: "failed"; readonly message: string }; // the file is damaged there
 
 export type ColorMode = "tissue" | "deviation";

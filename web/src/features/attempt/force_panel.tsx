@@ -6,6 +6,7 @@ import { downloadFile, fileName } from "../../base/download";
 import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
 import { say } from "../../base/words";
 import type { FilmLink } from "../../tooth/link";
+import type { ModelFormat } from "../../tooth/messages";
 import { Card, ErrorNotice, Folded, Loading, TableFrame } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
@@ -16,6 +17,7 @@ import { deepLinesOf, linesOf, moreLinesOf, moreText } from "./plot_lines";
 import { RangePanel } from "./range_panel";
 import { SpanLegend, SpanStrip } from "./span_strip";
 import type { Review } from "./use_review";
+import { VideoButton } from "./video_button";
 import { kZoomStep, panned, showing, type View, zoomed } from "./view";
 
 const kTableRows = 40;
@@ -275,23 +277,33 @@ function CloseUpPlot({
   );
 }
 
+const kModelTypes = { stl: "model/stl", glb: "model/gltf-binary" } as const;
+
 // The address is shown as well: where the browser does not allow copying, it can be taken from
 // there.
 function MomentLinkButton({ link, review }: { readonly link: () => string; readonly review: Review }) {
   const [shown, setShown] = useState<string>();
   const { control, attempt } = review;
   const { film } = control?.playback ?? {};
-  const save = async (from: FilmLink) => {
-    const moment = formatMoment(review.momentS).replace(":", "m");
-    const name = fileName(wordedTitle(attempt.exercise.title), attempt.person.display_name, moment);
-    downloadFile(`${name}.stl`, "model/stl", await from.stl());
+  const names = [wordedTitle(attempt.exercise.title), attempt.person.display_name] as const;
+  const save = async (from: FilmLink, as: ModelFormat) => {
+    const name = fileName(...names, formatMoment(review.momentS).replace(":", "m"));
+    downloadFile(`${name}.${as}`, kModelTypes[as], await from.model(as));
   };
   return (
     <div class="moment-link no-print">
       {film !== undefined && control?.playback.drawn === true && (
-        <button type="button" class="button small quiet" onClick={() => void save(film)}>
-          {say("force.save_tooth")}
-        </button>
+        <>
+          <button type="button" class="button small quiet" onClick={() => void save(film, "stl")}>
+            {say("force.save_stl")}
+          </button>
+          <button type="button" class="button small quiet" onClick={() => void save(film, "glb")}>
+            {say("force.save_glb")}
+          </button>
+        </>
+      )}
+      {control?.playback.whole === true && (
+        <VideoButton control={control} picture={() => review.look.stream?.()} fileName={fileName(...names, "video")} />
       )}
       <button type="button" class="button small quiet" onClick={() => setShown(link())}>
         {say("force.link")}

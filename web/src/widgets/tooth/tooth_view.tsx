@@ -37,6 +37,7 @@ export interface LookHandle {
   now: (() => Look) | undefined; // set while a picture is there
   set?: ((look: Look) => void) | undefined; // the same
   near?: ((point: PointMm) => void) | undefined; // the same: shows a place
+  stream?: (() => MediaStream) | undefined; // the same: the picture as it moves, for a video
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
@@ -87,6 +88,7 @@ const kArrows: Readonly<Record<string, readonly [number, number]>> = {
   ArrowUp: [0, -1],
   ArrowDown: [0, 1],
 };
+const kVideoHz = 30;
 const kSameMm = 0.005; // shown as no deviation: rounds to zero
 const kClickMovesPx = 4; // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
@@ -170,8 +172,9 @@ export function ToothView({
       if (handle !== undefined) {
         handle.set = (wanted) => opened.look(wanted);
         handle.near = (point) => opened.near(point);
+        handle.stream = () => (element.querySelector("canvas") as HTMLCanvasElement).captureStream(kVideoHz);
         cleanup.add(() => {
-          handle.now = handle.set = handle.near = undefined;
+          handle.now = handle.set = handle.near = handle.stream = undefined;
         });
       }
       setScreen(opened);
