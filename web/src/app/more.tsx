@@ -11,7 +11,6 @@ import type { ScreenProps } from "./routes";
 // and its head.
 export { InsightCard } from "../features/assignments/insight_card";
 export { MarkingCard } from "../features/marking/marking_card";
-export { MarkingPage } from "../features/marking/marking_page";
 export { ProfilePage } from "../features/profiles/profile_page";
 export { ProfilesPage } from "../features/profiles/profiles_page";
 

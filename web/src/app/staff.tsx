@@ -12,6 +12,7 @@ import { part } from "../widgets/part";
 import { isForAdmins, type ScreenProps } from "./routes";
 
 const Editors = part("editors", () => import("./editors"));
+const Marking = part("marking", () => import("./marking"));
 const More = part("more", () => import("./more"));
 
 // The screens of teachers and admins; undefined where there is none for this person.
@@ -42,7 +43,7 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenPr
         />
       );
     case "marking":
-      return <More show={({ MarkingPage }) => <MarkingPage client={client} id={route.id} />} />;
+      return <Marking show={({ MarkingPage }) => <MarkingPage client={client} id={route.id} />} />;
     case "grading":
       return (
         <GradingPage

@@ -9,7 +9,7 @@ import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { CheckField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
-import { progressText } from "./marking_page";
+import { progressText } from "./how_far";
 
 interface Props {
   readonly client: Client;

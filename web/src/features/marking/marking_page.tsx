@@ -9,6 +9,7 @@ import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
+import { progressText } from "./how_far";
 import { nextOf } from "./mark";
 import { kRatings, MarkForm, ratingTitle } from "./mark_form";
 import { MarkingResultsView } from "./marking_results";
@@ -49,15 +50,6 @@ export function MarkingPage({ client, id }: { readonly client: Client; readonly 
       )}
     </>
   );
-}
-
-// "Ben Weiss: 4 of 12".
-export function progressText({ display_name: name, marked }: Marking["markers"][number], works: number): string {
-  return say("marking.progress", {
-    name: name === "" ? say("marking.nobody") : name,
-    part: String(marked),
-    whole: String(works),
-  });
 }
 
 function MyWork({
