@@ -52,8 +52,9 @@ def check(folder, data, key=None):
 
 if __name__ == "__main__":
     try:
-        result, there = check(os.path.dirname(sys.argv[1]), open(sys.argv[1], "rb").read(), *sys.argv[2:3])
+        data = open(sys.argv[1], "rb").read()
+        result, there = check(os.path.dirname(sys.argv[1]), data, *sys.argv[2:3])
     except (IndexError, OSError, ValueError) as error:
         sys.exit(__doc__ if isinstance(error, IndexError) else f"REFUSED: {error}")
     print(f"{result['points']:g} points for attempt {result['attempt'].hex()}, signed by {result['key'].hex()}")
-    print("as signed:", ", ".join(there), "\nnot there:", ", ".join(name for name in FILES if name not in there))
+    print("fingerprint:", hashlib.sha256(data).hexdigest(), "\nas signed:", ", ".join(there), "\nnot there:", ", ".join(name for name in FILES if name not in there))

@@ -56,10 +56,12 @@ Status VerifyResultFile(const Asked& asked) {
   ENAMEL_ASSIGN_OR_RETURN(const auto document, ReadSigned(asked));
   ENAMEL_ASSIGN_OR_RETURN(const auto files, FilesBeside(asked.file));
   const ResultCheck check = CheckResultFiles(document, files);
-  Say("{:.1f} of 100 points{} for attempt {}, scored {} UTC\nsigned by key {}{}\n", document.points,
-      document.critical_fail ? " (critical fault)" : "", document.attempt.Text(),
+  Say("{:.1f} of 100 points{} for attempt {}, scored {} UTC\nsigned by key {}{}\n"
+      "fingerprint {}, as the printed report has it\n",
+      document.points, document.critical_fail ? " (critical fault)" : "", document.attempt.Text(),
       UtcText(document.scored_ms), ToHex(document.key),
-      asked.key.empty() ? ": compare it with the one that the school names" : "");
+      asked.key.empty() ? ": compare it with the one that the school names" : "",
+      HashSha256(EncodeResult(document)).Hex());
   List("as signed:", check.as_signed);
   List("not there:", check.not_there);
   List("CHANGED:", check.changed);

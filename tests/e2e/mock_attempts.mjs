@@ -24,6 +24,7 @@ export function attemptView(row, call) {
     duration_s: row.ticks / 1000,
     time_limit_s: 600,
     may: actionsOn(row, student),
+    result_fingerprint: row.state === "scored" && !withheld(row, call) ? "3fa9c1d2".repeat(8) : null,
     reference: row.state === "scored" && !withheld(row, call) ? kReference : null,
     nearness:
       near === undefined

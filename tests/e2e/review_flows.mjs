@@ -51,6 +51,11 @@ async function instructorReviews(world) {
   const page = await openScoredAttempt(world);
   const score = Number.parseFloat(await page.getByTestId("score").innerText());
   assert.ok(score > 0 && score <= 100, `score ${score}`);
+  assert.match(
+    await page.locator(".fingerprint").innerText(),
+    /^[0-9a-f]{64}$/,
+    "what the printed report is checked by",
+  );
   const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) =>
     rows.map((row) => {
       const [points, of] = row.querySelector(".points").textContent.split("/").map(Number.parseFloat);

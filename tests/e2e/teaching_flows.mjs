@@ -387,7 +387,19 @@ async function print(world) {
   const page = await signedIn(world, "student", `/attempts/${id(120)}`, { width: 800, height: 1100 });
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".annotations").waitFor();
+  await page.evaluate(() => {
+    window.print = () => document.body.setAttribute("data-printed", "");
+  });
+  await page.getByRole("button", { name: "Print", exact: true }).click();
+  await page.locator("body[data-printed]").waitFor();
   await page.emulateMedia({ media: "print" });
+  const sides = page.locator(".set-sides img");
+  assert.equal(await sides.count(), 5);
+  const shown = await sides.evaluateAll((all) => all.map(({ src, naturalWidth }) => [src, naturalWidth]));
+  assert.equal(new Set(shown.map(([src]) => src)).size, 5, "five different pictures");
+  assert.ok(shown.every(([, width]) => width > 300));
+  for (const seen of ["Mesial wall", "The mesial wall was cut 0.301 mm too far", "3fa9c1d2".repeat(8)])
+    assert.ok(await page.getByText(seen).first().isVisible(), seen);
   for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"])
     assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
   assert.ok(await page.getByTestId("score").isVisible());

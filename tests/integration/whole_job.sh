@@ -148,6 +148,7 @@ grep -qE '[1-9][0-9]* signed result' "$work/verify" || { cat "$work/verify"; fai
 key=$("$bin/enamel-server" admin list-stations "${server[@]}" | sed -nE "s/^key of this server's tickets and results +//p")
 for result in "$work"/mine/attempts/*/result.bin; do
   "$bin/enamel-server" verify-result "$result" --key "$key" >"$work/checked" || { cat "$work/checked"; fail "$result does not verify"; }
+  grep -q "^fingerprint $(sha256sum "$result" | cut -c 1-64)," "$work/checked" || { cat "$work/checked"; fail "another fingerprint"; }
   ! grep -q 'not there' "$work/checked" || { cat "$work/checked"; fail "the export lacks what its result binds"; }
   if python3 -c 'import cryptography' 2>/dev/null; then
     python3 -B schemas/verify_result.py "$result" "$key" >/dev/null || fail "the script refuses $result"

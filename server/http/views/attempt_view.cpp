@@ -154,13 +154,9 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"revision", row.revision}};
 }
 
-Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const Exercise& exercise) {
-  Result<bool> visible = ScoreVisible(row, exercise.graded);
-  if (!visible.ok()) return visible.status();
-  if (!*visible || row.state != AttemptState::kScored) return json::value();
-  Result<AttemptResult> result = store_.results.ResultOf(row.id);
-  if (!result.ok()) return result.status();
-  Result<std::string> text = BlobText(store_.blobs, result->score_json);
+Result<json::value> AttemptView::ComparedWithJson(const AttemptResult& result,
+                                                  const Exercise& exercise) {
+  Result<std::string> text = BlobText(store_.blobs, result.score_json);
   if (!text.ok()) return text.status();
   // From the score document and not from the exercise's present reference: the score refers to the
   // reference it was compared with then.
@@ -301,10 +297,17 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!out.ok()) return out;
   Result<const Exercise*> exercise = ExerciseOf(row);
   if (!exercise.ok()) return exercise.status();
-  Result<json::value> reference = ComparedWithJson(row, **exercise);
-  if (!reference.ok()) return reference.status();
   Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
   if (!visible.ok()) return visible.status();
+  json::value reference, fingerprint;
+  if (*visible && row.state == AttemptState::kScored) {
+    Result<AttemptResult> result = store_.results.ResultOf(row.id);
+    if (!result.ok()) return result.status();
+    Result<json::value> compared = ComparedWithJson(*result, **exercise);
+    if (!compared.ok()) return compared.status();
+    reference = std::move(*compared);
+    if (!result->document.empty()) fingerprint = HashSha256(result->document).Hex();
+  }
   Result<json::value> overridden = OverrideJson(row, *visible);
   if (!overridden.ok()) return overridden.status();
   Result<json::value> appeal = AppealJson(row);
@@ -319,7 +322,8 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   double ticks = static_cast<double>(row.ticks + row.gap_ticks);
   double rate_hz = (*exercise)->rate_hz;
   out->emplace("duration_s", rate_hz > 0 ? ticks / rate_hz : 0.0);
-  out->emplace("reference", std::move(*reference));
+  out->emplace("reference", std::move(reference));
+  out->emplace("result_fingerprint", std::move(fingerprint));
   out->emplace("time_limit_s", (*exercise)->time_limit_s);
   out->emplace("override", std::move(*overridden));
   out->emplace("appeal", std::move(*appeal));

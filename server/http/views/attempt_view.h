@@ -39,7 +39,8 @@ class AttemptView {
   Result<std::pair<std::string, std::string>> ProfileNameAndTitle(const Sha256& content);
   Result<bool> SharesCohort(const AttemptRow& row);  // with whose work it is
   Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
-  Result<boost::json::value> ComparedWithJson(const AttemptRow& row, const Exercise& exercise);
+  Result<boost::json::value> ComparedWithJson(const AttemptResult& result,
+                                              const Exercise& exercise);
   Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
   Result<boost::json::value> AppealJson(const AttemptRow& row);
   Result<boost::json::value> NearnessJson(const AttemptRow& row);

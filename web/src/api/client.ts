@@ -165,6 +165,9 @@ export class Client {
 }
 
 const scorePath = (id: string) => `${attemptPath(id)}/score`;
+// A tar archive that proves the score without this server (schemas/result.md, "Files").
+export const signedResultAddress = (id: string) => `/api/v1${attemptPath(id)}/signed-result`;
+
 const timelinePath = (id: string) => `${attemptPath(id)}/timeline`;
 
 function attemptPath(id: string): string {

@@ -62,7 +62,7 @@ export class StudioLink {
     film: FilmLink,
     state: ScreenState,
     look: Look | undefined,
-    told: (told: Exclude<ScreenTold, { told: "picked" }>) => void,
+    told: (told: Exclude<ScreenTold, { told: "picked" | "picture" }>) => void,
   ): ScreenLink {
     const screen = this.next++;
     const link = new ScreenLink(
@@ -71,6 +71,7 @@ export class StudioLink {
     );
     this.screens.set(screen, (message) => {
       if (message.told === "picked") link.picked(message.id, message.point);
+      else if (message.told === "picture") link.pictured(message.id, message.png);
       else told(message);
     });
     this.port.postMessage({ screen, message: { ask: "open", canvas, film: film.number, state, look } }, [canvas]);
@@ -117,7 +118,8 @@ export class FilmLink {
 }
 
 export class ScreenLink {
-  private nextPick = 0;
+  private next = 0;
+  private readonly pictures = new Map<number, (png: Blob | undefined) => void>();
   private readonly picks = new Map<number, (point: SurfacePoint | undefined) => void>();
 
   constructor(
@@ -159,13 +161,23 @@ export class ScreenLink {
   }
   // What is under a point of the picture, in CSS pixels from its top left corner.
   pick(x: number, y: number): Promise<SurfacePoint | undefined> {
-    const id = this.nextPick++;
+    const id = this.next++;
     this.ask({ ask: "pick", id, x, y });
     return new Promise((resolve) => this.picks.set(id, resolve));
   }
   picked(id: number, point: SurfacePoint | undefined): void {
     this.picks.get(id)?.(point);
     this.picks.delete(id);
+  }
+  // PNG from that side, drawn in full; undefined: it could not be made.
+  picture(preset: CameraPreset): Promise<Blob | undefined> {
+    const id = this.next++;
+    this.ask({ ask: "picture", id, preset });
+    return new Promise((resolve) => this.pictures.set(id, resolve));
+  }
+  pictured(id: number, png: Blob | undefined): void {
+    this.pictures.get(id)?.(png);
+    this.pictures.delete(id);
   }
   close(): void {
     this.ask({ ask: "close" });

@@ -102,6 +102,7 @@ export type ScreenAsk =
   | { readonly ask: "pan"; readonly right: number; readonly up: number } // of half the picture's height
   | { readonly ask: "redraw" } // what lies over it has moved
   | { readonly ask: "settle" } // in full now
+  | { readonly ask: "picture"; readonly id: number; readonly preset: CameraPreset } // and is looked at as before
   | { readonly ask: "pick"; readonly id: number; readonly x: number; readonly y: number } // CSS pixels from the top left
   | { readonly ask: "close" };
 
@@ -115,6 +116,7 @@ export type ScreenTold =
       readonly extent: Extent;
     }
   | { readonly told: "picked"; readonly id: number; readonly point: SurfacePoint | undefined }
+  | { readonly told: "picture"; readonly id: number; readonly png: Blob | undefined }
   | { readonly told: "lost"; readonly stopped: boolean }; // there is no picture: no WebGL, or the driver has stopped
 
 export type StudioAsk =

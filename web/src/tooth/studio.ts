@@ -104,6 +104,11 @@ class Screen {
         return scene.settle();
       case "pick":
         return this.tell({ told: "picked", id: asked.id, point: scene.pick(asked.x, asked.y) });
+      case "picture":
+        return void scene
+          .picture(asked.preset)
+          .catch(() => undefined)
+          .then((png) => this.tell({ told: "picture", id: asked.id, png }));
       case "close":
         this.detach();
         return scene.dispose();

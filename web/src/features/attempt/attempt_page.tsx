@@ -21,6 +21,7 @@ import { AppealPanel } from "./appeal_panel";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
 import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
+import { PrintButton } from "./print_report";
 import { ScorePanel } from "./score_panel";
 import { toleranceMm } from "./tolerance";
 import { QueueBar } from "./queue_bar";
@@ -142,7 +143,10 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
             />
           </p>
         </div>
-        {teacher ? (
+        {attempt.state === "scored" && !isWithheld(attempt, teacher) && (
+          <PrintButton look={() => review.current?.look} />
+        )}
+        {teacher && (
           <TeacherActions
             client={client}
             attempt={attempt}
@@ -153,12 +157,6 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
               place === undefined ? undefined : () => (place.next === undefined ? onOpen(place.back) : to(place.next))
             }
           />
-        ) : (
-          attempt.state === "scored" && (
-            <button type="button" class="button print-button" onClick={() => window.print()}>
-              {say("attempt.print")}
-            </button>
-          )
         )}
       </div>
       {isWithheld(attempt, teacher) ? (

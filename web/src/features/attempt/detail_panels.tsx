@@ -1,3 +1,4 @@
+import { signedResultAddress } from "../../api/client";
 import type { Client } from "../../api/client";
 import type { AttemptDetail, Metric, Score } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -80,7 +81,20 @@ export const RecordingPanel = still(function RecordingPanel({
             <dd>{say("recording.core", { version: String(score.core_version) })}</dd>
           </div>
         )}
+        {attempt.result_fingerprint !== null && (
+          <div>
+            <dt>{say("recording.fingerprint")}</dt>
+            <dd class="fingerprint">{attempt.result_fingerprint}</dd>
+          </div>
+        )}
       </dl>
+      {attempt.result_fingerprint !== null && (
+        <p class="no-print">
+          <a href={signedResultAddress(attempt.id)} download>
+            {say("recording.save_signed")}
+          </a>
+        </p>
+      )}
     </Card>
   );
 });

@@ -2,7 +2,7 @@ import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
 import type { Film, FilmScreen } from "../film";
-import type { Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
+import type { CameraPreset, Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
 import type { BlockMesh } from "../mesher";
 import type { FramePose, Head } from "../timeline";
 import { type BlockHit, ToothBlocks } from "./blocks";
@@ -205,6 +205,17 @@ export class ToothScene implements FilmScreen {
     // The inside of the surface stands for the cut.
     const inside = this.section.on && dot(normalAt(hit), way) > 0;
     return inside ? { tissue: undefined, deviationMm: undefined, pointMm: this.section.meets(eye, way) } : pointOf(hit);
+  }
+
+  // PNG. It is looked at as before afterwards.
+  picture(preset: CameraPreset): Promise<Blob> {
+    const before = this.sight.look();
+    this.sight.view(preset);
+    this.pace.settle();
+    this.drawNow();
+    const made = this.canvas.convertToBlob({ type: "image/png" });
+    this.look(before);
+    return made;
   }
 
   drawNow(): void {

@@ -38,6 +38,7 @@ export interface LookHandle {
   set?: ((look: Look) => void) | undefined; // the same
   near?: ((point: PointMm) => void) | undefined; // the same: shows a place
   stream?: (() => MediaStream) | undefined; // the same: the picture as it moves, for a video
+  pictureFrom?: ((preset: CameraPreset) => Promise<Blob | undefined>) | undefined; // the same: PNG, drawn in full
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
@@ -172,9 +173,10 @@ export function ToothView({
       if (handle !== undefined) {
         handle.set = (wanted) => opened.look(wanted);
         handle.near = (point) => opened.near(point);
+        handle.pictureFrom = (preset) => opened.picture(preset);
         handle.stream = () => (element.querySelector("canvas") as HTMLCanvasElement).captureStream(kVideoHz);
         cleanup.add(() => {
-          handle.now = handle.set = handle.near = handle.stream = undefined;
+          handle.now = handle.set = handle.near = handle.stream = handle.pictureFrom = undefined;
         });
       }
       setScreen(opened);
