@@ -13,6 +13,7 @@ import { accessible, chooseFile, downloaded, looks, signedIn, signIn } from "./s
 const kLongAgo = -600_000;
 
 export const adminFlows = [
+  { name: "appeals that wait and trouble of the server are seen in the navigation", run: news },
   { name: "a one-time password has to be changed before anything else", run: forcedPassword },
   { name: "own sessions are listed and ended", run: ownSessions },
   { name: "an admin finds, edits and disables a person, and a conflict shows both values", run: editPerson },
@@ -215,6 +216,33 @@ async function importRoster(world) {
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save 2 passwords as CSV" }).click());
   assert.match(file.text, /new\.one,New One,A,copper lantern 1\r\n/);
   assert.equal(world.mock.people.length, before + 2);
+  await page.evaluate(() => {
+    window.print = () => document.body.setAttribute("data-printed", "");
+  });
+  await page.getByRole("button", { name: "Print 2 slips" }).click();
+  await page.locator("body[data-printed] .slips").waitFor({ state: "attached" });
+  await page.emulateMedia({ media: "print" });
+  await page.locator(".slip", { hasText: "copper lantern 1" }).waitFor();
+  assert.equal(await page.locator(".slip").count(), 2);
+  assert.ok(await page.locator(".header").evaluate((header) => getComputedStyle(header).visibility !== "visible"));
+  await world.picture(page, "slips");
+  await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
+  await page.locator(".slips").waitFor({ state: "detached" });
+}
+
+// What waits is seen from every page.
+async function news(world) {
+  world.mock.trouble = {
+    ingest: { takes_recordings: false, problem: "the disk is full", waiting: "", chunks: 0, chunk_bytes: 0, sealed: 0 },
+  };
+  const page = await signedIn(world, "admin", "/cohorts");
+  await page.getByRole("link", { name: "Health 1 thing stops work or may lose some" }).waitFor();
+  await page.getByRole("link", { name: "Attempts 1 appeal waits for an answer" }).waitFor();
+  await accessible(page, "what waits, in the navigation");
+  await world.picture(page, "news");
+  const student = await signedIn(world, "student", "/attempts");
+  await student.locator("main table").waitFor();
+  assert.equal(await student.locator(".nav-news").count(), 0);
 }
 
 async function cohortAndGrades(world) {

@@ -15,13 +15,14 @@ import { AttemptsPage } from "../features/attempts/attempts_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
 import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
-import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
+import { Brief, ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
 import { studio } from "../tooth/link";
 import { part } from "../widgets/part";
 import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
 import { homePath, navigation, parseRoute, type Route } from "./routes";
+import { useNews } from "./use_news";
 
 // Who is using the page. The address stays while signed out, so that signing in again leads back.
 type SessionState =
@@ -192,6 +193,7 @@ function SignedIn({ person }: { readonly person: Person }) {
 
 function Header({ person, path }: { readonly person: Person; readonly path: string }) {
   const list = useRef<HTMLElement>(null);
+  const news = useNews(client, person.role);
   // On a narrow screen the row of pages scrolls sideways: the one that is open is brought into it.
   useEffect(() => {
     const open = list.current?.querySelector<HTMLElement>("[aria-current]");
@@ -213,6 +215,11 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
                 {...(path === item.path || path.startsWith(`${item.path}/`) ? { "aria-current": "page" as const } : {})}
               >
                 {item.title}
+                {news[item.path] !== undefined && (
+                  <span class="nav-news" title={news[item.path]?.what}>
+                    <Brief shown={news[item.path]?.count ?? ""} full={news[item.path]?.what ?? ""} />
+                  </span>
+                )}
               </a>
             </li>
           ))}

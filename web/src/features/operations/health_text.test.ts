@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { troubles } from "../../api/trouble";
 import type { ServerHealth } from "../../api/types";
 import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
 
@@ -23,6 +24,29 @@ const titles = (health: ServerHealth) => findingsOf(health).map(({ tone, title }
 
 test("a server that does well is said nothing of", () => {
   assert.deepEqual(findingsOf(well), []);
+});
+
+test("the navigation counts what is bad here", () => {
+  const cases: Partial<ServerHealth>[] = [
+    {},
+    { ingest: { ...well.ingest, takes_recordings: false } },
+    { clock: { ahead_ms: 9000, problem: "off" } },
+    { standby: "missing" },
+    { standby: "none" },
+    { disk: { ...well.disk, free_bytes: 200e6 } },
+    { disk: { ...well.disk, free_bytes: 400e6 } },
+    { backup: { at_ms: 0, missing: 2 } },
+    { backup: null, jobs: { ...well.jobs, failed: 3 } },
+    { standby: "missing", clock: { ahead_ms: -9000, problem: "off" } },
+  ];
+  for (const changes of cases) {
+    const health = { ...well, ...changes };
+    assert.equal(
+      troubles(health),
+      findingsOf(health).filter(({ tone }) => tone === "bad").length,
+      JSON.stringify(changes),
+    );
+  }
 });
 
 test("problems that stop recordings come before warnings", () => {

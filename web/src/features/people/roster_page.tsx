@@ -10,6 +10,7 @@ import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
 import { FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
+import { PrintSlips } from "./password_slips";
 
 const kMaxBytes = 1 << 20; // of a request's body
 const kShownRows = 500;
@@ -232,7 +233,8 @@ function Done({ report }: { readonly report: RosterOutcome }) {
             <p>{say("roster.passwords_text")}</p>
             <button type="button" class="button" onClick={save}>
               {say("roster.save_passwords", { count: passwords.length })}
-            </button>
+            </button>{" "}
+            <PrintSlips slips={passwords} />
           </Notice>
           <DataTable
             label={say("roster.new_passwords")}
