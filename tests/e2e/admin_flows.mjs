@@ -13,6 +13,7 @@ import { accessible, chooseFile, downloaded, looks, signedIn, signIn } from "./s
 const kLongAgo = -600_000;
 
 export const adminFlows = [
+  { name: "an admin finds people, attempts, exercises and stations by name", run: search },
   { name: "appeals that wait and trouble of the server are seen in the navigation", run: news },
   { name: "a one-time password has to be changed before anything else", run: forcedPassword },
   { name: "own sessions are listed and ended", run: ownSessions },
@@ -228,6 +229,27 @@ async function importRoster(world) {
   await world.picture(page, "slips");
   await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
   await page.locator(".slips").waitFor({ state: "detached" });
+}
+
+async function search(world) {
+  const page = await signedIn(world, "admin", "/people");
+  await page.getByRole("link", { name: "Search" }).click();
+  await page.keyboard.type("student t");
+  await page.getByRole("region", { name: "People" }).getByRole("link", { name: "Student Two" }).waitFor();
+  const made = page.getByRole("region", { name: "Attempts" }).getByRole("link", { name: /^Student Two, / });
+  await made.first().waitFor();
+  await page.getByRole("region", { name: "Stations" }).getByText("Nothing found").waitFor();
+  await accessible(page, "what was found");
+  await world.picture(page, "search");
+  await page.getByLabel("Name or login").fill("station 3");
+  await page.getByRole("region", { name: "Stations" }).getByRole("link", { name: "Station 3" }).waitFor();
+  await page.getByLabel("Name or login").fill("occlusal");
+  await page
+    .getByRole("region", { name: "Exercises" })
+    .getByRole("link", { name: "Occlusal cavity, class I" })
+    .first()
+    .click();
+  await page.getByRole("heading", { level: 1, name: "Occlusal cavity, class I" }).waitFor();
 }
 
 // What waits is seen from every page.

@@ -60,6 +60,7 @@ const kScreens = {
   admin: [
     ["people", "/people", "main table"],
     ["person", `/people/${id(2)}`, "main form"],
+    ["search", "/search?q=student", ".found"],
     ["roster", "/roster", "main form, main input"],
     ["cohorts", "/cohorts", "main table"],
     ["cohort_admin", `/cohorts/${id(10)}`, ".grades"],

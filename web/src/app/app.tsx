@@ -226,6 +226,11 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
         </ul>
       </nav>
       <div class="account">
+        {person.role === "admin" && (
+          <a class="button small" href="/search" {...(path === "/search" ? { "aria-current": "page" as const } : {})}>
+            {say("search.title")}
+          </a>
+        )}
         <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>
           {person.display_name}
           <span class="account-role">{say(`role.${person.role}`)}</span>

@@ -5,6 +5,7 @@ import { JobsPage } from "../features/operations/jobs_page";
 import { PeoplePage } from "../features/people/people_page";
 import { PersonPage } from "../features/people/person_page";
 import { RosterPage } from "../features/people/roster_page";
+import { SearchPage } from "../features/people/search_page";
 import type { ScreenProps } from "./routes";
 
 // What who teaches seldom opens, and admins: one part of the page, since each part costs a request
@@ -23,6 +24,8 @@ export function adminScreen({ client, route, person, onQuery, onOpen }: ScreenPr
       return (
         <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />
       );
+    case "search":
+      return <SearchPage client={client} query={route.query} onQuery={onQuery} />;
     case "roster":
       return <RosterPage client={client} />;
     case "health":

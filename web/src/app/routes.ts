@@ -29,7 +29,7 @@ const kThings = {
   live: "watch",
   markings: "marking",
 } as const;
-const kSingles = ["roster", "account", "grading", "editor"] as const;
+const kSingles = ["search", "roster", "account", "grading", "editor"] as const;
 
 type ListName = (typeof kLists)[number] | (typeof kSingles)[number];
 type ThingName = (typeof kThings)[keyof typeof kThings];
@@ -61,7 +61,7 @@ export function parseRoute(url: URL): Route {
   return thing === undefined ? { name: "unknown" } : { name: thing, id: decoded(second) };
 }
 
-const kForAdmins: readonly Route["name"][] = ["people", "person", "roster", "jobs", "audit", "health"];
+const kForAdmins: readonly Route["name"][] = ["people", "person", "search", "roster", "jobs", "audit", "health"];
 
 export function isForAdmins(route: Route): boolean {
   return kForAdmins.includes(route.name);
