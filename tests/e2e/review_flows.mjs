@@ -289,6 +289,9 @@ async function measures(world) {
   await tooth.focus();
   await page.keyboard.press("Enter");
   await said.getByText(/^a to b: \d\.\d\d\u00a0mm/).waitFor();
+  await page
+    .getByRole("img", { name: /^Seen from here, the surface is at most \d\.\d\d\smm below the line/ })
+    .waitFor();
   for (let i = 0; i < 3; ++i) await page.keyboard.press("Shift+ArrowRight");
   await page.keyboard.press("Enter");
   await said.getByText(/b to c: \d\.\d\d\u00a0mm, angle at b: \d+\.\d°/).waitFor();

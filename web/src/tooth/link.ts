@@ -62,7 +62,7 @@ export class StudioLink {
     film: FilmLink,
     state: ScreenState,
     look: Look | undefined,
-    told: (told: Exclude<ScreenTold, { told: "picked" | "picture" }>) => void,
+    told: (told: Exclude<ScreenTold, { told: "picked" | "picture" | "profile" }>) => void,
   ): ScreenLink {
     const screen = this.next++;
     const link = new ScreenLink(
@@ -71,6 +71,7 @@ export class StudioLink {
     );
     this.screens.set(screen, (message) => {
       if (message.told === "picked") link.picked(message.id, message.point);
+      else if (message.told === "profile") link.profiled(message.id, message.heightMm);
       else if (message.told === "picture") link.pictured(message.id, message.png);
       else told(message);
     });
@@ -119,6 +120,7 @@ export class FilmLink {
 
 export class ScreenLink {
   private next = 0;
+  private readonly profiles = new Map<number, (heightMm: Float32Array) => void>();
   private readonly pictures = new Map<number, (png: Blob | undefined) => void>();
   private readonly picks = new Map<number, (point: SurfacePoint | undefined) => void>();
 
@@ -168,6 +170,16 @@ export class ScreenLink {
   picked(id: number, point: SurfacePoint | undefined): void {
     this.picks.get(id)?.(point);
     this.picks.delete(id);
+  }
+  // Of the surface above the line between two points, mm towards the eye; NaN: there is none.
+  profile(from: PointMm, to: PointMm, samples: number): Promise<Float32Array> {
+    const id = this.next++;
+    this.ask({ ask: "profile", id, from, to, samples });
+    return new Promise((resolve) => this.profiles.set(id, resolve));
+  }
+  profiled(id: number, heightMm: Float32Array): void {
+    this.profiles.get(id)?.(heightMm);
+    this.profiles.delete(id);
   }
   // PNG from that side, drawn in full; undefined: it could not be made.
   picture(preset: CameraPreset): Promise<Blob | undefined> {

@@ -103,6 +103,13 @@ export type ScreenAsk =
   | { readonly ask: "redraw" } // what lies over it has moved
   | { readonly ask: "settle" } // in full now
   | { readonly ask: "picture"; readonly id: number; readonly preset: CameraPreset } // and is looked at as before
+  | {
+      readonly ask: "profile";
+      readonly id: number;
+      readonly from: PointMm;
+      readonly to: PointMm;
+      readonly samples: number;
+    }
   | { readonly ask: "pick"; readonly id: number; readonly x: number; readonly y: number } // CSS pixels from the top left
   | { readonly ask: "close" };
 
@@ -117,6 +124,7 @@ export type ScreenTold =
     }
   | { readonly told: "picked"; readonly id: number; readonly point: SurfacePoint | undefined }
   | { readonly told: "picture"; readonly id: number; readonly png: Blob | undefined }
+  | { readonly told: "profile"; readonly id: number; readonly heightMm: Float32Array } // NaN: no surface there
   | { readonly told: "lost"; readonly stopped: boolean }; // there is no picture: no WebGL, or the driver has stopped
 
 export type StudioAsk =

@@ -109,6 +109,12 @@ class Screen {
           .picture(asked.preset)
           .catch(() => undefined)
           .then((png) => this.tell({ told: "picture", id: asked.id, png }));
+      case "profile":
+        return this.tell({
+          told: "profile",
+          id: asked.id,
+          heightMm: scene.profile(asked.from, asked.to, asked.samples),
+        });
       case "close":
         this.detach();
         return scene.dispose();

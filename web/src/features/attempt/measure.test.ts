@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { angleDeg, distanceMm, joinedLines, measuredText, withPoint } from "./measure";
+import { deepestOf } from "./profile";
 
 test("distance and angle are those of a right triangle", () => {
   assert.equal(distanceMm([1, 1, 1], [1, 4, 5]), 5);
@@ -40,4 +41,10 @@ test("the target's lines and the measured ones are drawn together", () => {
   const solid = [[[0, 0, 0]] as const];
   assert.equal(joinedLines(undefined, undefined), undefined);
   assert.deepEqual(joinedLines({ solid, faint: [] }, { solid: [], faint: solid }), { solid, faint: solid });
+});
+
+test("the deepest place of a profile, where there is a surface", () => {
+  assert.deepEqual(deepestOf(Float32Array.of(0, -0.5, Number.NaN, -0.25, 0), 4), { depthMm: 0.5, atMm: 1 });
+  assert.deepEqual(deepestOf(Float32Array.of(0.5, 1, 0.5), 2), { depthMm: -0.5, atMm: 0 });
+  assert.equal(deepestOf(Float32Array.of(Number.NaN, Number.NaN), 2), undefined);
 });

@@ -25,6 +25,7 @@ import { type DeviationSummary, outlook, summariseDeviation } from "./deviation"
 import { joinedLines, measuredLines, measuredText, nameOfPoint, withPoint } from "./measure";
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
+import type { Deepest } from "./profile";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
 import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
@@ -162,6 +163,11 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
     [exercise, draw],
   );
   const [measured, setMeasured] = useState<readonly PointMm[]>(); // undefined: nobody measures
+  const measures = measured !== undefined;
+  const [profile, setProfile] = useState<typeof import("./profile")>();
+  useEffect(() => {
+    if (measures) import("./profile").then(setProfile, () => undefined);
+  }, [measures]);
   const drawnLines = useMemo(
     () => joinedLines(lines, measured === undefined ? undefined : measuredLines(measured)),
     [lines, measured],
@@ -261,10 +267,23 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           {measuredText(measured)}
         </p>
       )}
+      {measured?.[0] !== undefined && measured[1] !== undefined && profile !== undefined && (
+        <profile.ProfilePlot
+          from={measured[0]}
+          to={measured[1]}
+          look={look}
+          frames={control.playback.position}
+          words={deepestText}
+        />
+      )}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>
   );
+}
+
+function deepestText({ depthMm, atMm }: Deepest): string {
+  return say("measure.deepest", { depth: formatQuantity(depthMm, "mm"), at: formatQuantity(atMm, "mm") });
 }
 
 // Whichever of two pictures is turned, the other one follows.

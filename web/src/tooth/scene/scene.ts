@@ -16,7 +16,7 @@ import { DrawingPace, drawsSlowly, pixelRatio } from "./renderer";
 import { normalOf, Section } from "./section";
 import { Sight } from "./sight";
 import { ball, revolved } from "./solids";
-import { dot, kUnmoved, kUnturned, placed, turnBetween, unit, type Vec } from "./vec";
+import { add, dot, kUnmoved, kUnturned, placed, scaled, sub, turnBetween, unit, type Vec } from "./vec";
 
 const kLeastRadiusMm = 0.5;
 // The tool's mark, and its rim.
@@ -205,6 +205,20 @@ export class ToothScene implements FilmScreen {
     // The inside of the surface stands for the cut.
     const inside = this.section.on && dot(normalAt(hit), way) > 0;
     return inside ? { tissue: undefined, deviationMm: undefined, pointMm: this.section.meets(eye, way) } : pointOf(hit);
+  }
+
+  // How far the surface is from the line between two points towards the eye, at even steps of it: what one sees first
+  // along the line of sight. NaN: nothing there.
+  profile(from: PointMm, to: PointMm, samples: number): Float32Array {
+    const towards = unit(this.sight.away);
+    const far = 4 * this.extent.radiusMm;
+    return Float32Array.from({ length: samples }, (_, i) => {
+      const on = add(from, scaled(sub(to, from), i / (samples - 1)));
+      const hit = this.blocks.firstHit(add(on, scaled(towards, far)), scaled(towards, -1), (at) =>
+        this.section.isShown(at),
+      );
+      return hit === undefined ? Number.NaN : dot(sub(hit.at, on), towards);
+    });
   }
 
   // PNG. It is looked at as before afterwards.

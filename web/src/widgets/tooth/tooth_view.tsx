@@ -38,6 +38,7 @@ export interface LookHandle {
   set?: ((look: Look) => void) | undefined; // the same
   near?: ((point: PointMm) => void) | undefined; // the same: shows a place
   stream?: (() => MediaStream) | undefined; // the same: the picture as it moves, for a video
+  profile?: ((from: PointMm, to: PointMm, samples: number) => Promise<Float32Array>) | undefined; // the same: ScreenLink
   pictureFrom?: ((preset: CameraPreset) => Promise<Blob | undefined>) | undefined; // the same: PNG, drawn in full
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
@@ -173,10 +174,11 @@ export function ToothView({
       if (handle !== undefined) {
         handle.set = (wanted) => opened.look(wanted);
         handle.near = (point) => opened.near(point);
+        handle.profile = (from, to, samples) => opened.profile(from, to, samples);
         handle.pictureFrom = (preset) => opened.picture(preset);
         handle.stream = () => (element.querySelector("canvas") as HTMLCanvasElement).captureStream(kVideoHz);
         cleanup.add(() => {
-          handle.now = handle.set = handle.near = handle.stream = handle.pictureFrom = undefined;
+          handle.now = handle.set = handle.near = handle.stream = handle.profile = handle.pictureFrom = undefined;
         });
       }
       setScreen(opened);
