@@ -36,6 +36,8 @@ struct MetricInfo {
 };
 std::span<const MetricInfo> Metrics();
 const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
+// Whether the finished tooth shows it: not force, time, way and motion, which the recording alone has.
+bool IsSeenOnTheTooth(std::string_view name);
 
 // Everything about one attempt (or reference) that metrics are computed from. Nothing is owned.
 // All volumes of one comparison have the same grid.

@@ -1,5 +1,6 @@
 #include "common/scoring/registry/registry.h"
 
+#include <algorithm>
 #include <string>
 
 namespace enamel::scoring {
@@ -32,6 +33,11 @@ const MetricInfo* FindMetric(std::string_view name) {
     if (info.name == name) return &info;
   }
   return nullptr;
+}
+
+bool IsSeenOnTheTooth(std::string_view name) {
+  return std::ranges::none_of(RecordingMetrics(),
+                              [&](const Entry& entry) { return entry.info.name == name; });
 }
 
 MetricPlan MetricPlan::All() {

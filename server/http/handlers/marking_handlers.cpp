@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <map>
+#include <set>
 
 #include "common/scene/json/json.h"
+#include "common/scoring/metrics.h"
 #include "server/agreement/standard.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
@@ -58,6 +60,15 @@ Result<scene::Rubric> RubricOf(Store& store, const AssignmentRow& assignment) {
   return CountingRubric(store.blobs, store.rubrics, row.id, exercise.rubric);
 }
 
+// Those that give points and that a tooth shows.
+std::vector<scene::RubricCriterion> SeenCriteria(const scene::Rubric& rubric) {
+  std::vector<scene::RubricCriterion> out;
+  for (const scene::RubricCriterion& c : rubric.criteria) {
+    if (c.points > 0 && scoring::IsSeenOnTheTooth(c.metric)) out.push_back(c);
+  }
+  return out;
+}
+
 // Each marker's own, and not that of the attempts or of the ids.
 std::vector<MarkingWork> InOrderOf(const Uuid& marker, std::vector<MarkingWork> works) {
   auto place = [&](const MarkingWork& work) {
@@ -89,16 +100,21 @@ Result<std::vector<Mark>> MarksFrom(Store& store, const MarkingRow& row,
     ENAMEL_ASSIGN_OR_RETURN(auto score, StoredScore(store.blobs, store.results, work.attempt));
     scored.push_back({work.attempt, std::move(score)});
   }
-  std::vector<Mark> out = ComputedMarks(scored);
+  std::vector<Mark> out;
+  std::set<std::string, std::less<>> marked{std::string(kTotalCriterion)};
   for (const BlindMark& mark : blind) {
     const json::array criteria = json::parse(mark.criteria).as_array();
     const std::string marker = mark.marker.Text(), &work = attempt_of[mark.work];
     for (const json::value& c : criteria) {
+      marked.emplace(c.at("title").as_string());
       out.push_back({work, std::string(c.at("title").as_string()), marker,
                      c.at("points").to_number<double>(), c.at("max_points").to_number<double>()});
     }
     out.push_back({work, std::string(kTotalCriterion), marker, TotalOf(criteria), 100});
     out.push_back({work, std::string(kRatingCriterion), marker, double(mark.rating), 5});
+  }
+  for (Mark& mark : ComputedMarks(scored)) {
+    if (marked.contains(mark.criterion)) out.push_back(std::move(mark));
   }
   return out;
 }
@@ -173,12 +189,11 @@ Result<json::array> CommentsJson(Store& store, const Uuid& marker) {
   return out;
 }
 
-// Exactly the rubric's criteria. Errors: kInvalidInput naming the criterion.
+// Exactly the criteria that are marked. Errors: kInvalidInput naming the criterion.
 Result<std::string> CriteriaText(const scene::Rubric& rubric, const std::string& document) {
   const json::object given = json::parse(document).as_object();
   json::array out;
-  for (const scene::RubricCriterion& c : rubric.criteria) {
-    if (!(c.points > 0)) continue;
+  for (const scene::RubricCriterion& c : SeenCriteria(rubric)) {
     const json::value* mark = given.if_contains(c.metric);
     const json::value* points =
         mark != nullptr && mark->is_object() ? mark->as_object().if_contains("points") : nullptr;
@@ -208,7 +223,7 @@ Result<std::string> CriteriaText(const scene::Rubric& rubric, const std::string&
                    {"comment", comment}});
   }
   if (given.size() != out.size()) {
-    return Status(Code::kInvalidInput, "expected the rubric's criteria and no others", "criteria");
+    return Status(Code::kInvalidInput, "expected the marking's criteria and no others", "criteria");
   }
   return json::serialize(out);
 }
@@ -301,8 +316,7 @@ Response GetMarking(const Call& call, Store& store) {
   Result<scene::Rubric> rubric = RubricOf(store, seen->assignment);
   if (!rubric.ok()) return ErrorResponse(rubric.status());
   json::array criteria, mine, comments;
-  for (const scene::RubricCriterion& c : rubric->criteria) {
-    if (!(c.points > 0)) continue;
+  for (const scene::RubricCriterion& c : SeenCriteria(*rubric)) {
     criteria.push_back({{"name", c.metric}, {"title", c.title}, {"max_points", c.points}});
   }
   const Uuid& person = call.caller->person.id;

@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "tests/server/http/running_server.h"
 
@@ -196,6 +197,27 @@ TEST_F(MarkingTest, MarkersAndWorkThatCannotBeAreRefused) {
   EXPECT_EQ(By("ben").Post(path, Markers({school_.ada, school_.ben})).status, 404);
   Begin();
   EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.ben})).status, 409) << "under way";
+}
+
+// A tooth shows neither how hard nor how long it was cut.
+TEST_F(MarkingTest, ForceAndTimeAreNotMarked) {
+  const ExerciseRow exercise = *school_.store->exercises.ExerciseById(school_.exercise);
+  const Bytes text = *school_.store->blobs.GetBlob(exercise.content);
+  scene::Rubric rubric = scene::ExerciseFromJson(AsText(text))->rubric;
+  for (const auto& [metric, unit] :
+       {std::pair{"time_s", "s"}, std::pair{"force_sent_p95_n", "N"}}) {
+    scene::RubricCriterion more = rubric.criteria[0];
+    more.metric = metric, more.title = metric, more.unit = unit;
+    rubric.criteria.push_back(more);
+  }
+  rubric.version += 1;
+  const Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(rubric)));
+  const auto published = school_.store->rubrics.PublishRubric(
+      {school_.exercise, rubric.version, content, "force and time", 0}, kBy);
+  ASSERT_TRUE(published.ok()) << published.status().message();
+  const json::object seen = Seen("ada", Begin());
+  ASSERT_EQ(seen.at("criteria").as_array().size(), 1U);
+  EXPECT_EQ(seen.at("criteria").at(0).at("name"), "wall_mesial_mm");
 }
 
 }  // namespace
