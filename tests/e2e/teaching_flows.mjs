@@ -405,4 +405,6 @@ async function print(world) {
   assert.ok(await page.getByTestId("score").isVisible());
   assert.ok(await page.getByText("Too deep at this point.").isVisible());
   await world.picture(page, "printed", { fullPage: true });
+  await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
+  await sides.first().waitFor({ state: "detached" });
 }

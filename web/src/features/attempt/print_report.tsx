@@ -21,7 +21,10 @@ export function PrintButton({ look }: { readonly look: () => LookHandle | undefi
     if (sides.length === 0) return undefined;
     const images = [...(shown.current?.querySelectorAll("img") ?? [])];
     void Promise.allSettled(images.map((image) => image.decode())).then(() => window.print());
+    const done = () => setSides([]); // another moment has other pictures
+    window.addEventListener("afterprint", done);
     return () => {
+      window.removeEventListener("afterprint", done);
       for (const { address } of sides) URL.revokeObjectURL(address);
     };
   }, [sides]);
