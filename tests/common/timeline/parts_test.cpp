@@ -242,7 +242,7 @@ TEST_F(PartsTest, NeighboursHaveFewerTrianglesThanTheTooth) {
 }
 
 TEST_F(PartsTest, TheBallAroundWhatWasRemovedIsInTheHead) {
-  const CutBall& found = DecodeHead(file_)->cut;
+  const CutBall found = DecodeHead(file_)->cut;
   // From x = −1.6 to about 1.56 mm, within the tooth of 1.2 mm about the origin; 0.5 mm about z = 0.6.
   EXPECT_NEAR(found.centre_um[0], 0, 60);
   EXPECT_NEAR(found.centre_um[2], 850, 300);
