@@ -258,8 +258,9 @@ async function news(world) {
     ingest: { takes_recordings: false, problem: "the disk is full", waiting: "", chunks: 0, chunk_bytes: 0, sealed: 0 },
   };
   const page = await signedIn(world, "admin", "/cohorts");
-  await page.getByRole("link", { name: "Health 1 thing stops work or may lose some" }).waitFor();
-  await page.getByRole("link", { name: "Attempts 1 appeal waits for an answer" }).waitFor();
+  await page.getByTitle("1 thing stops work or may lose some").filter({ hasText: "Health" }).waitFor();
+  await page.getByTitle("1 appeal waits for an answer").filter({ hasText: "Attempts" }).waitFor();
+  await page.getByRole("link", { name: "Attempts", exact: true }).waitFor(); // read as before, and then described
   await accessible(page, "what waits, in the navigation");
   await world.picture(page, "news");
   const student = await signedIn(world, "student", "/attempts");

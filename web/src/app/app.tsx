@@ -15,7 +15,7 @@ import { AttemptsPage } from "../features/attempts/attempts_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
 import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
-import { Brief, ErrorNotice, Loading, PageTitle } from "../widgets/basics";
+import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
 import { studio } from "../tooth/link";
 import { part } from "../widgets/part";
@@ -199,7 +199,7 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
     const open = list.current?.querySelector<HTMLElement>("[aria-current]");
     if (list.current !== null && open != null)
       list.current.scrollLeft = open.offsetLeft - (list.current.clientWidth - open.offsetWidth) / 2;
-  }, [path]);
+  }, [path, news]);
   return (
     <header class="header">
       <a class="brand" href={homePath(person.role)}>
@@ -212,12 +212,13 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
             <li key={item.path}>
               <a
                 href={item.path}
+                title={news[item.path]?.what}
                 {...(path === item.path || path.startsWith(`${item.path}/`) ? { "aria-current": "page" as const } : {})}
               >
                 {item.title}
                 {news[item.path] !== undefined && (
-                  <span class="nav-news" title={news[item.path]?.what}>
-                    <Brief shown={news[item.path]?.count ?? ""} full={news[item.path]?.what ?? ""} />
+                  <span class="nav-news" aria-hidden="true">
+                    {news[item.path]?.count}
                   </span>
                 )}
               </a>

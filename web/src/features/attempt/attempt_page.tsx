@@ -143,7 +143,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
             />
           </p>
         </div>
-        {attempt.state === "scored" && !isWithheld(attempt, teacher) && (
+        {!teacher && attempt.state === "scored" && !isWithheld(attempt, teacher) && (
           <PrintButton look={() => review.current?.look} />
         )}
         {teacher && (

@@ -14,6 +14,7 @@ import { stepAt, stepIn } from "./clock";
 import { type CloseUp, closeUp, ticksFor } from "./close_up";
 import type { Mark } from "./moments";
 import { deepLinesOf, linesOf, moreLinesOf, moreText } from "./plot_lines";
+import { PrintButton } from "./print_report";
 import { RangePanel } from "./range_panel";
 import { SpanLegend, SpanStrip } from "./span_strip";
 import type { Review } from "./use_review";
@@ -211,6 +212,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
         {say("force.more")}
       </button>
       <MomentLinkButton link={review.link} review={review} />
+      {review.teacher && <PrintButton quiet look={() => review.look} />}
       <Readout lines={[...lines, ...moreLines, ...deepLines]} timeS={timeS} index={at} />
       <RangePanel series={series} range={review.range} />
       <Folded title={say("force.as_table")} content={() => <SeriesTable series={series} />} />

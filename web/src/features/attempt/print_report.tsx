@@ -13,7 +13,13 @@ interface Side {
 }
 
 // Prints the page, with pictures that are made first. `look`: of the tooth that is shown; undefined: none is.
-export function PrintButton({ look }: { readonly look: () => LookHandle | undefined }) {
+export function PrintButton({
+  look,
+  quiet = false,
+}: {
+  readonly look: () => LookHandle | undefined;
+  readonly quiet?: boolean;
+}) {
   const [busy, setBusy] = useState(false);
   const [sides, setSides] = useState<readonly Side[]>([]);
   const shown = useRef<HTMLDivElement>(null);
@@ -37,7 +43,12 @@ export function PrintButton({ look }: { readonly look: () => LookHandle | undefi
   };
   return (
     <>
-      <button type="button" class="button print-button" disabled={busy} onClick={() => void print()}>
+      <button
+        type="button"
+        class={quiet ? "button small quiet" : "button print-button"}
+        disabled={busy}
+        onClick={() => void print()}
+      >
         {say(busy ? "attempt.printing" : "attempt.print")}
       </button>
       {sides.length > 0 && (
