@@ -9,6 +9,7 @@ try {
   await begin(page, { width: 1440, height: 900 });
   await page.goto(`/attempts/${attempt}`);
   await signIn(page, { login: "instructor", password: "enamel-demo-instructor" });
+  await page.locator(".playback").waitFor({ timeout: 120_000 }); // the server makes it meanwhile
   await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
   await page.locator(".plot canvas").waitFor();
   await page.screenshot({ path: out });
