@@ -170,9 +170,13 @@ MarkTable TotalsOfPeople(const std::vector<Mark>& marks) {
 }
 
 json::value BorderlineJson(const StandardSetting& s) {
-  if (!s.borderline) return {{"value", nullptr}, {"why", s.why_no_borderline}};
+  json::object needs{{"works", kLeastRated}, {"ratings", kLeastRatings}, {"enough", kEnoughRated}};
+  if (!s.borderline) {
+    return {{"value", nullptr}, {"why", s.why_no_borderline}, {"needs", std::move(needs)}};
+  }
   const BorderlineCut& b = *s.borderline;
   json::object out = FigureJson(b.cut);
+  out["needs"] = std::move(needs);
   out["points_per_rating"] = b.points_per_rating;
   out["explained"] = b.explained;
   out["works"] = b.works;
@@ -206,7 +210,7 @@ Result<BorderlineCut> BorderlineRegression(const std::vector<RatedWork>& works) 
   if (!(line.slope > 0)) {
     return Status(Code::kInvalidInput,
                   "work that was rated better has no more points: no line leads to a cut score. "
-                  "Look at what the rubric asks for and at what was rated");
+                  "Compare the rubric with the ratings");
   }
   BorderlineCut out;
   const auto interval = BootstrapInterval(

@@ -62,6 +62,7 @@ function resultsOf(row) {
     })),
     standard: {
       borderline: {
+        needs: { works: 8, ratings: 3, enough: 30 },
         value: 58.4,
         low: 51.2,
         high: 64.9,

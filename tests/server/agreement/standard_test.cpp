@@ -170,6 +170,11 @@ TEST(StandardTest, TheWholeOfASetOfMarksIsSaid) {
   const auto json = boost::json::parse(StandardJson(*standard));
   EXPECT_NEAR(json.at("borderline").at("value").as_double(), 49, 1e-9);
   EXPECT_TRUE(json.at("angoff").at("value").is_null());
+  // As schemas/marks.md states them; without a value too.
+  const std::string needs = R"({"works":8,"ratings":3,"enough":30})";
+  EXPECT_EQ(boost::json::serialize(json.at("borderline").at("needs")), needs);
+  const auto none = boost::json::parse(StandardJson(StandardSetting{}));
+  EXPECT_EQ(boost::json::serialize(none.at("borderline").at("needs")), needs);
   EXPECT_EQ(SetStandard(marks, 70)->cut, 70);
   EXPECT_EQ(SetStandard(marks, 101).status().field(), "cut");
   marks.push_back(marks.back());

@@ -73,13 +73,20 @@ function figureText({ value, low, high, why }: AgreementFigure, form = formatNum
     : say("marking.interval", { value: form(value), low: form(low), high: form(high) });
 }
 
-const kFewestRated = 8; // as the server has it (schemas/marks.md, "A pass mark")
-const kFewestRatings = 3;
-
-function noPassMark(why: string, works: MarkingResults["works"]): string {
-  if (works.length < kFewestRated) return say("marking.too_few", { count: works.length, least: String(kFewestRated) });
+function noPassMark(
+  { why = "", needs }: MarkingResults["standard"]["borderline"],
+  works: MarkingResults["works"],
+): string {
+  if (works.length < needs.works)
+    return say("marking.too_few", {
+      count: works.length,
+      least: String(needs.works),
+      enough: String(needs.enough),
+    });
   const ratings = new Set(works.flatMap(({ marks }) => marks.map(({ rating }) => rating)));
-  return ratings.size < kFewestRatings ? say("marking.too_alike") : say("marking.no_pass_mark", { reason: why });
+  return ratings.size < needs.ratings
+    ? say("marking.too_alike", { least: String(needs.ratings) })
+    : say("marking.no_pass_mark", { reason: why });
 }
 
 function PassMark({ results: { standard, works } }: { readonly results: MarkingResults }) {
@@ -88,7 +95,7 @@ function PassMark({ results: { standard, works } }: { readonly results: MarkingR
   return (
     <Card title={say("marking.pass_mark")} className="pass-mark">
       {borderline.value === null ? (
-        <p>{noPassMark(borderline.why ?? "", works)}</p>
+        <p>{noPassMark(borderline, works)}</p>
       ) : (
         <>
           <p class="pass-mark-value">
@@ -105,7 +112,12 @@ function PassMark({ results: { standard, works } }: { readonly results: MarkingR
       )}
       {borderline.few === true && (
         <Notice tone="warning">
-          <p>{say("marking.few", { count: borderline.works ?? points.length })}</p>
+          <p>
+            {say("marking.few", {
+              count: borderline.works ?? points.length,
+              enough: String(borderline.needs.enough),
+            })}
+          </p>
         </Notice>
       )}
       <p class="hint">{say("marking.school_decides")}</p>
