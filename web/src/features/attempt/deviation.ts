@@ -1,5 +1,6 @@
 import type { MesialX } from "../../api/tooth_number";
 import type { Compared } from "../../tooth/messages";
+import { angledFrom } from "../../widgets/tooth/angled";
 
 // The deviation map in numbers, for people who do not or cannot see the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
@@ -43,7 +44,6 @@ const kSides: ReadonlyArray<readonly [CavitySide, number, number]> = [
 ];
 
 // With mesial at +x.
-const kDefaultDirection: Point = [0.5, -0.6, 0.9];
 const kOutlooks: Readonly<Record<string, Point>> = {
   mesial_wall: [-0.75, -0.45, 1],
   distal_wall: [0.75, -0.45, 1],
@@ -56,9 +56,12 @@ export function outlook(
   worst: CavitySide | undefined,
   mesial: MesialX | undefined,
 ): Outlook {
-  const known = worst !== undefined && surface !== undefined;
-  const [x, y, z] = (known ? kOutlooks[worst] : undefined) ?? kDefaultDirection;
-  return { direction: [x * (mesial ?? 1), y, z], centre: known ? comparedCentre(surface) : undefined };
+  if (worst === undefined || surface === undefined) return { direction: angledFrom(mesial), centre: undefined };
+  const centre = comparedCentre(surface);
+  const wall = kOutlooks[worst];
+  if (wall === undefined) return { direction: angledFrom(mesial), centre };
+  const [x, y, z] = wall;
+  return { direction: [x * (mesial ?? 1), y, z], centre };
 }
 
 function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefined {

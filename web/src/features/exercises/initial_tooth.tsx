@@ -5,13 +5,13 @@ import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { angledFrom } from "../../widgets/tooth/angled";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, Extent, PointMm } from "../../tooth/messages";
 import { useStillFilm } from "../../widgets/tooth/still_film";
 import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
-const kDirection = [0.5, -0.6, 0.9] as const; // with mesial at +x
 const kFromTop = 0.35; // of the tooth's height: the work is at the crown, not in the middle of the roots
 
 // What one will find at the station: the tooth or block before anything is cut.
@@ -36,7 +36,7 @@ function Tooth({ surface, target }: { readonly surface: ArrayBuffer; readonly ta
   const extent = still.state === "ready" ? still.value.extent : undefined;
   const angled = useMemo(
     (): AngledView => ({
-      direction: [kDirection[0] * anatomy.mesial, kDirection[1], kDirection[2]],
+      direction: angledFrom(anatomy.mesial),
       centre: extent === undefined ? undefined : crownOf(extent, anatomy),
     }),
     [extent, anatomy],

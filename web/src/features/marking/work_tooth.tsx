@@ -5,6 +5,7 @@ import { formatMoment } from "../../base/format";
 import { say } from "../../base/words";
 import type { AngledView } from "../../tooth/messages";
 import { ErrorNotice, Loading } from "../../widgets/basics";
+import { angledFrom } from "../../widgets/tooth/angled";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 import { useWorkFilm, type WorkFilm } from "./use_work_film";
@@ -25,8 +26,6 @@ export function WorkTooth({ client, work, name, anatomy }: Props) {
   return <Shown work={found.value} name={name} anatomy={anatomy} />;
 }
 
-const kDirection = [0.5, -0.6, 0.9] as const; // with mesial at +x
-
 function Shown({
   work: { film, head, drawn, tissues },
   name,
@@ -39,7 +38,7 @@ function Shown({
   const cut = head?.cut;
   const angled = useMemo(
     (): AngledView => ({
-      direction: [kDirection[0] * (anatomy?.mesial ?? 1), kDirection[1], kDirection[2]],
+      direction: angledFrom(anatomy?.mesial),
       centre: cut?.centreMm,
       cavity: cut,
     }),
