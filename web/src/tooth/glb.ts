@@ -1,5 +1,6 @@
 import type { BlockMesh } from "./mesher";
-import { kTissues, tissueColor } from "./tissue_color";
+import { linearColor, palette } from "./scene/colors";
+import { kTissues } from "./tissue_color";
 
 // Triangles, normals and the tissues' colours as glTF 2.0 in one binary file (GLB; Khronos, "glTF 2.0 Specification",
 // 2021). Lengths there are metres and +y is up: one node turns and scales the scene's millimetres with +z up.
@@ -24,14 +25,17 @@ export function glbOf(meshes: readonly Mesh[]): ArrayBuffer {
   const normal = new Float32Array(3 * vertices);
   const color = new Uint8Array(4 * vertices);
   const index = new Uint32Array(corners);
-  const colors = Array.from({ length: kTissues }, (_, tissue) => linear(tissueColor(tissue)));
+  const shares = palette(linearColor); // COLOR_0 is linear
+  const colors = Uint8Array.from({ length: 4 * kTissues }, (_, i) =>
+    i % 4 === 3 ? 255 : Math.round(255 * shares[3 * Math.floor(i / 4) + (i % 4)]!),
+  );
   let [vertex, corner] = [0, 0];
   for (const mesh of meshes) {
     position.set(mesh.positionMm, 3 * vertex);
     for (const [i, at] of mesh.triangle.entries()) index[corner + i] = at + vertex;
     for (const [i, tissue] of mesh.tissue.entries()) {
       normal.set(unit(mesh.normal, 4 * i), 3 * (vertex + i));
-      color.set(colors[tissue] ?? colors[0]!, 4 * (vertex + i));
+      color.set(colors.subarray(4 * tissue, 4 * tissue + 4), 4 * (vertex + i));
     }
     vertex += mesh.tissue.length;
     corner += mesh.triangle.length;
@@ -117,13 +121,4 @@ function boundsOf(position: Float32Array) {
     max[i % 3] = Math.max(max[i % 3]!, value);
   }
   return position.length === 0 ? { min: [0, 0, 0], max: [0, 0, 0] } : { min, max };
-}
-
-// "#rrggbb" (sRGB, IEC 61966-2-1) as the linear bytes of COLOR_0.
-function linear(color: string): readonly number[] {
-  const part = (from: number) => {
-    const value = Number.parseInt(color.slice(from, from + 2), 16) / 255;
-    return Math.round(255 * (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4));
-  };
-  return [part(1), part(3), part(5), 255];
 }
