@@ -6,7 +6,8 @@ import type { Marking } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { ErrorNotice, TableFrame } from "../../widgets/basics";
+import { ErrorNotice } from "../../widgets/basics";
+import { DataTable } from "../../widgets/table";
 import { useDraft } from "../../widgets/use_draft";
 import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, totalOf } from "./mark";
 
@@ -70,67 +71,57 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
         <p class="hint">{say("marking.rating_first")}</p>
       ) : (
         <>
-          <TableFrame label={say("marking.criteria")}>
-            <table class="stacking" role="table" aria-label={say("marking.criteria")}>
-              <thead role="rowgroup">
-                <tr role="row">
-                  <th scope="col" role="columnheader">
-                    {say("marking.criterion")}
-                  </th>
-                  <th scope="col" role="columnheader">
-                    {say("marking.points")}
-                  </th>
-                  <th scope="col" role="columnheader">
-                    {say("marking.comment")}
-                  </th>
-                </tr>
-              </thead>
-              <tbody role="rowgroup">
-                {criteria.map(({ name, title, max_points: most }) => (
-                  <tr key={name} role="row">
-                    <th scope="row" role="rowheader">
-                      {wordedTitle(title)}
-                    </th>
-                    <td role="cell" data-title={say("marking.points")}>
-                      <span class="mark-points">
-                        <input
-                          type="number"
-                          min={0}
-                          max={most}
-                          step="any"
-                          required
-                          aria-label={say("marking.points_for", { title: wordedTitle(title) })}
-                          value={Number.isFinite(draft.points[name]) ? draft.points[name] : ""}
-                          onInput={(event) =>
-                            set({ points: { ...draft.points, [name]: event.currentTarget.valueAsNumber } })
-                          }
-                        />
-                        <span>{say("marking.of_points", { most: formatPoints(most) })}</span>
-                      </span>
-                    </td>
-                    <td role="cell" data-title={say("marking.comment")}>
-                      <input
-                        type="text"
-                        maxLength={kMostComment}
-                        list={`${list}${name}`}
-                        autocomplete="off"
-                        aria-label={say("marking.comment_on", { title: wordedTitle(title) })}
-                        value={draft.comments[name] ?? ""}
-                        onInput={(event) => set({ comments: { ...draft.comments, [name]: event.currentTarget.value } })}
-                      />
-                      <datalist id={`${list}${name}`}>
-                        {comments
-                          .filter((said) => said.name === name)
-                          .map((said) => (
-                            <option key={said.comment} value={said.comment} />
-                          ))}
-                      </datalist>
-                    </td>
-                  </tr>
-                ))}
-              </tbody>
-            </table>
-          </TableFrame>
+          <DataTable
+            label={say("marking.criteria")}
+            items={criteria}
+            rowKey={({ name }) => name}
+            columns={[
+              { title: say("marking.criterion"), cell: ({ title }) => wordedTitle(title) },
+              {
+                title: say("marking.points"),
+                cell: ({ name, title, max_points: most }) => (
+                  <span class="mark-points">
+                    <input
+                      type="number"
+                      min={0}
+                      max={most}
+                      step="any"
+                      required
+                      aria-label={say("marking.points_for", { title: wordedTitle(title) })}
+                      value={Number.isFinite(draft.points[name]) ? draft.points[name] : ""}
+                      onInput={(event) =>
+                        set({ points: { ...draft.points, [name]: event.currentTarget.valueAsNumber } })
+                      }
+                    />
+                    <span>{say("marking.of_points", { most: formatPoints(most) })}</span>
+                  </span>
+                ),
+              },
+              {
+                title: say("marking.comment"),
+                cell: ({ name, title }) => (
+                  <>
+                    <input
+                      type="text"
+                      maxLength={kMostComment}
+                      list={`${list}${name}`}
+                      autocomplete="off"
+                      aria-label={say("marking.comment_on", { title: wordedTitle(title) })}
+                      value={draft.comments[name] ?? ""}
+                      onInput={(event) => set({ comments: { ...draft.comments, [name]: event.currentTarget.value } })}
+                    />
+                    <datalist id={`${list}${name}`}>
+                      {comments
+                        .filter((said) => said.name === name)
+                        .map((said) => (
+                          <option key={said.comment} value={said.comment} />
+                        ))}
+                    </datalist>
+                  </>
+                ),
+              },
+            ]}
+          />
           <div class="button-row">
             <button
               type="button"
