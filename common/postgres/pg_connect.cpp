@@ -132,9 +132,9 @@ std::vector<Place> PlacesOf(const Words& words) {
 
 }  // namespace
 
-// Connects to all places at once, since one that hangs or is gone must not delay the others: libpq
-// by itself gives each two seconds, one after another. While one has not answered, those that
-// refused are asked again: a standby may be promoted meanwhile.
+// Connects to all places at once: libpq tries them one after another, and a place that hangs would
+// delay the others by two seconds each. While one place has not answered, this asks those again
+// that refused: somebody may have promoted a standby meanwhile.
 class PgDb::Race {
  public:
   Race(const Libpq& pq, const PgDbOptions& options, const std::vector<Place>& places)
@@ -231,7 +231,7 @@ class PgDb::Race {
     return runner.state == PGRES_POLLING_READING || runner.state == PGRES_POLLING_WRITING;
   }
 
-  // Waits until one of those that run can go on. False: none runs, or their time is over.
+  // Waits until one connection has news. False: none is being made, or their time is over.
   bool Step() {
     std::vector<pollfd> sockets;
     std::vector<Runner*> running;

@@ -75,7 +75,7 @@ Status ReadStrips(ByteView planes, size_t vertices, size_t count, PartMesh& out)
     }
     const uint32_t back = code == kNextVertex ? 0 : code - kBack;
     if (back > next || (back == 0 && next == vertices)) {
-      return Malformed("a strip names a vertex that is not there");
+      return Malformed("a strip names a vertex beyond the last");
     }
     out.strips.push_back(next - back);
     next += back == 0;

@@ -2,7 +2,7 @@
 
 #include "server/agreement/agreement.h"
 
-// Analysis of variance of a table of marks: what ICC and dependability are made of. For this folder.
+// Analysis of variance of a table of marks, from which ICC and dependability follow. For this folder.
 namespace enamel::server {
 
 // Of work (rows), markers (columns) and the rest, with one mark a cell.

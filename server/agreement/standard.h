@@ -82,8 +82,8 @@ struct StandardSetting {
   std::vector<std::string> warnings;
 };
 // Points of rated work are the program's total where it has one (kComputed), else the mean of the
-// people's. Errors: kInvalidInput: marks twice (CompareMarks), ratings beyond 1 to 5, `cut` beyond 0
-// to 100.
+// people's. Errors: kInvalidInput: a mark given twice (CompareMarks), a rating that is not 1 to 5, a
+// `cut` that is not 0 to 100.
 Result<StandardSetting> SetStandard(const std::vector<Mark>& marks, std::optional<double> cut = {});
 
 // {"borderline": {...} or {"why"}, "angoff": ..., "cut", "phi", "phi_at_cut", "icc_2_1", "warnings"}.

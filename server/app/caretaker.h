@@ -29,7 +29,8 @@ class Caretaker {
   static constexpr std::array<const char*, 3> kJobStates{"queued", "running", "failed"};
   // As last counted, up to 200 of a state; none: not yet. Any thread, without waiting.
   std::optional<size_t> jobs(size_t state) const;
-  // When the newest backup was made, as last looked; 0: none, or not looked yet. Likewise.
+  // When the newest backup was made, as last looked; 0: none, or not looked yet. Any thread,
+  // without waiting.
   int64_t newest_backup_ms() const { return newest_backup_ms_; }
 
  private:

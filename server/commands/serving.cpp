@@ -139,7 +139,7 @@ void DeclareDoctor(CommandGroup root) {
     std::filesystem::path json;
   };
   CLI::App* cmd = root.parent.add_subcommand(
-      "doctor", "Check what the server needs, and say what to do about what is missing");
+      "doctor", "Check what the server needs, and say how to mend each fault");
   auto options = std::make_shared<DoctorCommand>();
   AddServeSettings(cmd, options->settings);
   cmd->add_option("--json", options->json, "Write the findings to this file");

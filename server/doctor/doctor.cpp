@@ -40,7 +40,7 @@ Finding Failed(const std::string& what, const Status& status, const std::string&
   return {what, Verdict::kFail, status.message(), advice};
 }
 
-// "address:port" of a listening address, as it is reached from this machine.
+// Where this machine reaches a listening address.
 Result<net::Endpoint> ReachedAt(const std::string& listens) {
   ENAMEL_ASSIGN_OR_RETURN(net::Endpoint out, net::ParseEndpoint(listens));
   if (out.host == "0.0.0.0") out.host = "127.0.0.1";
@@ -230,7 +230,7 @@ Finding StationsThrough(const ServeOptions& serve, const std::string& host, uint
   const auto frame = client.Receive(kWait);
   if (!frame.ok()) return Failed(what, frame.status());
   const auto reply = protocol::ParseReply(*frame);
-  // Who has not said Hello is refused so; every other refusal is a fault on the way.
+  // The station port refuses a client without Hello so; any other refusal is a fault on the way.
   const bool well = reply.ok() && reply->error().code() == CodeName(Code::kUnauthenticated);
   if (well) return {what, Verdict::kOk, "passed on at " + host + ":" + std::to_string(port), ""};
   return {what, Verdict::kFail, reply.ok() ? reply->error().message() : reply.status().message(),

@@ -22,7 +22,7 @@ Result<SharedBodies::Body> SharedBodies::Get(const Sha256& name, const Read& rea
   Body body;
   if (bytes.ok()) body = std::make_shared<const std::string>(AsText(*bytes));
   MutexLock lock(mutex_);
-  // After a failure the next that waits tries for itself.
+  // Each caller that waits finds no slot and reads for itself.
   if (body == nullptr) {
     slots_.erase(name);
   } else {
@@ -61,7 +61,7 @@ void SharedBodies::Forget() {
     kept_bytes_ -= kept_.back().body->size();
     kept_.pop_back();
   }
-  // Most are gone with their last answer.
+  // Most bodies die with the last answer that sends them, and leave their slot.
   constexpr size_t kMany = 1000;
   if (slots_.size() < kMany) return;
   std::erase_if(slots_,

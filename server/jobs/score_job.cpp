@@ -322,7 +322,7 @@ class ScoreJob {
     return before->score_json;
   }
 
-  // `document`: with the hashes of what is stored nowhere as it is.
+  // `document` has the hashes of the files that are only stored encrypted.
   void Sign(const scoring::ScoreResult& score, ResultDocument document,
             AttemptResult& result) const {
     result.scored_ms = enamel::UnixMs();

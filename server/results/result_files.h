@@ -19,7 +19,7 @@ struct ResultFile {
   bool operator==(const ResultFile&) const = default;
 };
 
-// What a result binds, in the order in which it is told: score.json first.
+// The files that a result binds, in the order in which the programs report them: score.json first.
 std::vector<std::string_view> BoundFileNames();
 
 struct ResultCheck {

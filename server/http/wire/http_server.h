@@ -75,7 +75,7 @@ struct HttpOptions {
   size_t max_in_flight = 64;  // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
-  // How often the files of `tls` are looked at (PageTls).
+  // How often PageTls looks at the files of `tls`.
   std::chrono::milliseconds certificates{30'000};
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.

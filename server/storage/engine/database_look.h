@@ -65,7 +65,7 @@ class DatabaseLook {
   std::chrono::steady_clock::duration unanswered() const;
   // Only a primary answers that another has replaced.
   bool replaced() const { return replaced_; }
-  // Rows of this server that were committed are gone. Stays so.
+  // The database has lost rows that this server had committed. Stays true.
   bool forked() const { return forked_; }
   // Where this server's station link listens, for its row; every address: the one that the database
   // sees. Before the first Beat.

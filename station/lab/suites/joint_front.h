@@ -16,7 +16,7 @@
 //
 // Costs are measured when called, and repeated in turns: every case once, then every case again. What else the
 // computer does meanwhile is spread over all of them. A figure is the median of kRounds, its interval from the second
-// to the last but one: the median of what is measured lies in it with 96.1 %, whatever its distribution.
+// to the last but one: it has the true median in 96.1 % of runs, whatever the distribution.
 namespace enamel::station::lab {
 
 inline constexpr int kRounds = 9;

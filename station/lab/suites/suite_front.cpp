@@ -6,7 +6,7 @@
 #include "station/lab/suites/joint_front.h"
 #include "station/lab/suites/suites.h"
 
-// Voxel, loop rate, law and estimator together: what a whole tick costs, and what a hand gets for it.
+// Voxel, loop rate, law and estimator together: the cost of a whole tick, and the error in the hand.
 namespace enamel::station::lab {
 namespace {
 

@@ -70,7 +70,7 @@ function trianglesOf(planes: Uint8Array, n: number, m: number): Uint32Array<Arra
       continue;
     }
     const vertex = code === kNextVertex ? next++ : next - code + 1;
-    if (vertex < 0 || vertex >= n) throw new Broken("a strip names a vertex that is not there");
+    if (vertex < 0 || vertex >= n) throw new Broken("a strip names a vertex beyond the last");
     if (place >= 2 && before !== last && last !== vertex && vertex !== before) {
       const even = place % 2 === 0;
       out[corners++] = even ? before : last;
