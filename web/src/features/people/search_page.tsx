@@ -3,7 +3,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
-import { useRequest } from "../../api/use_request";
+import type { Attempt, PersonDetail } from "../../api/types";
+import { type Request, useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore } from "../../base/format";
 import { nameHas } from "../../base/names";
 import { ok } from "../../base/result";
@@ -41,6 +42,15 @@ export function SearchPage({ client, query, onQuery }: Props) {
     return () => clearTimeout(timer);
   }, [text, asked, onQuery]);
   const enough = asked.trim().length >= kLeastLetters;
+  const people = useRequest(enough ? asked : undefined, (signal) =>
+    client.people.list({ text: asked, limit: kMost }, signal),
+  );
+  const first = people.loaded.state === "ready" ? people.loaded.value.items.slice(0, kMostPeople) : undefined;
+  const attempts = useRequest(first?.map(({ id }) => id).join(" "), (signal) =>
+    attemptsOf(client, first ?? [], signal),
+  );
+  const exercises = useRequest("exercises", (signal) => client.teaching.exercises("published", signal));
+  const stations = useRequest("stations", (signal) => client.stations.all(signal));
   return (
     <>
       <PageTitle document={say("search.title")}>{say("search.title")}</PageTitle>
@@ -49,36 +59,79 @@ export function SearchPage({ client, query, onQuery }: Props) {
       </div>
       {enough && (
         <div class="columns">
-          <Results title={say("nav.people")} asked={asked} find={(signal) => people(client, asked, signal)} />
-          <Results title={say("nav.attempts")} asked={asked} find={(signal) => attempts(client, asked, signal)} />
-          <Results title={say("nav.exercises")} asked={asked} find={(signal) => exercises(client, asked, signal)} />
-          <Results title={say("nav.stations")} asked={asked} find={(signal) => stations(client, asked, signal)} />
+          <Results
+            title={say("nav.people")}
+            asking={people}
+            found={({ items }) =>
+              items.map(({ id, display_name: title, login, role }) => ({
+                key: id,
+                path: `/people/${id}`,
+                title,
+                more: `${login}, ${say(`role.${role}`)}`,
+              }))
+            }
+          />
+          <Results
+            title={say("nav.attempts")}
+            asking={people.loaded.state === "failed" ? { loaded: people.loaded, reload: people.reload } : attempts}
+            found={(made) =>
+              made.map(({ id, exercise, person, ticketed_ms: when, score }) => ({
+                key: id,
+                path: `/attempts/${id}`,
+                title: `${person.display_name}, ${wordedTitle(exercise.title)}`,
+                more: `${formatDateTime(when)}${score === null ? "" : `, ${formatScore(score)}`}`,
+              }))
+            }
+          />
+          <Results
+            title={say("nav.exercises")}
+            asking={exercises}
+            found={(all) =>
+              all
+                .map(({ id, title, name }) => ({
+                  key: id,
+                  path: `/exercises/${id}`,
+                  title: wordedTitle(title),
+                  more: name,
+                }))
+                .filter(({ title, more }) => nameHas(title, asked) || nameHas(more, asked))
+            }
+          />
+          <Results
+            title={say("nav.stations")}
+            asking={stations}
+            found={(all) =>
+              all
+                .filter(({ name }) => nameHas(name, asked))
+                .map(({ id, name, software }) => ({ key: id, path: "/stations", title: name, more: software }))
+            }
+          />
         </div>
       )}
     </>
   );
 }
 
-function Results({
+function Results<T>({
   title,
-  asked,
-  find,
+  asking: { loaded, reload },
+  found,
 }: {
   readonly title: string;
-  readonly asked: string;
-  readonly find: (signal: AbortSignal) => Promise<ApiResult<readonly Found[]>>;
+  readonly asking: Request<T>;
+  readonly found: (value: T) => readonly Found[];
 }) {
-  const { loaded, reload } = useRequest(asked, find);
   return <Card title={title}>{shown()}</Card>;
 
   function shown(): ComponentChildren {
     if (loaded.state === "loading") return <Loading what={say("loading.short")} />;
     if (loaded.state === "failed")
       return <ErrorNotice title={say("search.failed")} message={loaded.error.message} onRetry={reload} />;
-    if (loaded.value.length === 0) return <Empty>{say("search.nothing")}</Empty>;
+    const all = found(loaded.value).slice(0, kMost);
+    if (all.length === 0) return <Empty>{say("search.nothing")}</Empty>;
     return (
       <ul class="found">
-        {loaded.value.map(({ key, path, title: name, more }) => (
+        {all.map(({ key, path, title: name, more }) => (
           <li key={key}>
             <a href={path}>{name}</a> {more}
           </li>
@@ -88,56 +141,17 @@ function Results({
   }
 }
 
-async function people(client: Client, text: string, signal: AbortSignal): Promise<ApiResult<readonly Found[]>> {
-  const read = await client.people.list({ text, limit: kMost }, signal);
-  if (!read.ok) return read;
-  return ok(
-    read.value.items.map(({ id, display_name: title, login, role }) => ({
-      key: id,
-      path: `/people/${id}`,
-      title,
-      more: `${login}, ${say(`role.${role}`)}`,
-    })),
-  );
-}
-
-// The newest of the first people who are found.
-async function attempts(client: Client, text: string, signal: AbortSignal): Promise<ApiResult<readonly Found[]>> {
-  const found = await client.people.list({ text, limit: kMostPeople }, signal);
-  if (!found.ok) return found;
-  const out: Found[] = [];
-  for (const { id: person } of found.value.items) {
+// The newest of each.
+async function attemptsOf(
+  client: Client,
+  people: readonly Pick<PersonDetail, "id">[],
+  signal: AbortSignal,
+): Promise<ApiResult<readonly Attempt[]>> {
+  const out: Attempt[] = [];
+  for (const { id: person } of people) {
     const read = await client.attempts({ person, limit: kMost }, signal);
     if (!read.ok) return read;
-    for (const { id, exercise, person: whose, ticketed_ms: when, score } of read.value.items)
-      out.push({
-        key: id,
-        path: `/attempts/${id}`,
-        title: `${whose.display_name}, ${wordedTitle(exercise.title)}`,
-        more: `${formatDateTime(when)}${score === null ? "" : `, ${formatScore(score)}`}`,
-      });
+    out.push(...read.value.items);
   }
-  return ok(out.slice(0, kMost));
-}
-
-async function exercises(client: Client, text: string, signal: AbortSignal): Promise<ApiResult<readonly Found[]>> {
-  const read = await client.teaching.exercises("published", signal);
-  if (!read.ok) return read;
-  return ok(
-    read.value
-      .map(({ id, title, name }) => ({ key: id, path: `/exercises/${id}`, title: wordedTitle(title), more: name }))
-      .filter(({ title, more }) => nameHas(title, text) || nameHas(more, text))
-      .slice(0, kMost),
-  );
-}
-
-async function stations(client: Client, text: string, signal: AbortSignal): Promise<ApiResult<readonly Found[]>> {
-  const read = await client.stations.all(signal);
-  if (!read.ok) return read;
-  return ok(
-    read.value
-      .filter(({ name }) => nameHas(name, text))
-      .slice(0, kMost)
-      .map(({ id, name, software }) => ({ key: id, path: "/stations", title: name, more: software })),
-  );
+  return ok(out);
 }
