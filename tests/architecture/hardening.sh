@@ -17,5 +17,11 @@ for program in "$@"; do
   need "a stack that is not executable" "$headers" '^ +GNU_STACK( +0x[0-9a-f]+){5} RW +'
   need "guarded stacks (-fstack-protector-strong)" "$symbols" ' __stack_chk_fail(@|$)'
   need "checked copies (_FORTIFY_SOURCE)" "$symbols" ' __[a-z]+_chk(@|$)'
+  need "checked indices (_GLIBCXX_ASSERTIONS)" "$symbols" 'glibcxx_assert_fail'
+  [ "$(uname -m)" = x86_64 ] || continue
+  code=$(objdump -d --no-show-raw-insn --section=.text "$program" | cut -f 2-)
+  # What a library brings has a few by itself.
+  [ "$(echo "$code" | grep -c endbr64)" -ge 1000 ] || { echo "$name: expected marked targets of calls (-fcf-protection), found few"; failed=1; }
+  need "large stacks touched page by page (-fstack-clash-protection)" "$code" 'or[bwlq]? +\$0x0,(0x[0-9a-f]+)?\(%rsp'
 done
 exit $failed
