@@ -132,6 +132,21 @@ const Remedy* FindRemedy(std::string_view metric, bool above) {
   return remedy.fault.empty() ? nullptr : &remedy;
 }
 
+std::vector<KnownFault> KnownFaults() {
+  std::vector<KnownFault> out;
+  for (const Row& row : kRows) {
+    for (const Remedy& remedy : {row.above, row.below}) {
+      if (remedy.fault.empty()) continue;
+      auto known = std::ranges::find(out, remedy.fault, &KnownFault::fault);
+      if (known == out.end()) known = out.insert(out.end(), {remedy.fault, {}});
+      if (std::ranges::find(known->remedies, remedy.code) == known->remedies.end()) {
+        known->remedies.push_back(remedy.code);
+      }
+    }
+  }
+  return out;
+}
+
 std::string_view RemedyText(std::string_view code) {
   const auto* text = std::ranges::find(kTexts, code, &Text::code);
   return text == std::end(kTexts) ? std::string_view() : text->english;

@@ -10,10 +10,10 @@
 #include "station/desk/opening.h"
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
-#include "station/desk/score_words.h"
 #include "station/desk/script.h"
 #include "station/render/panel.h"
 #include "station/sound/speaker.h"
+#include "station/words/score_words.h"
 
 namespace enamel::station::desk {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 
 namespace enamel::station::desk {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/base/unix_time.h"
 #include "station/desk/exercise_words.h"
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 
 namespace enamel::station::desk {
 const char* FaultKey(Fault fault) {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "station/desk/pages.h"
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 
 namespace enamel::station::desk {
 

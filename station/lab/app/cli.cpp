@@ -10,6 +10,7 @@
 #include "station/lab/app/grades_command.h"
 #include "station/lab/app/paper_command.h"
 #include "station/lab/app/qualify.h"
+#include "station/lab/app/reasons_command.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/tissue/fit_damping.h"
 
@@ -208,6 +209,7 @@ void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterExplain(app, exit_code);
   RegisterFitDamping(app, exit_code);
   RegisterGrades(app, exit_code);
+  RegisterReasons(app, exit_code);
   RegisterOperators(app, exit_code);
   RegisterHandSigns(app, exit_code);
 }

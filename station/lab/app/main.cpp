@@ -25,6 +25,7 @@ constexpr char kFooter[] = R"(Which question is answered by which command:
   ... for a picture                               enamel-lab bench frames --frames 60
   what of a scene is carried, and within budget?  enamel-lab explain builtin:molar --budget-us 200
   does a grade find what was done wrong?          enamel-lab grades --quick
+  what does a grade say of each fault?            enamel-lab reasons --sheet reasons.html
   does a grade tell skill?                        enamel-lab operators --quick
   how hard is a tissue to cut, from a recording?  enamel-lab fit-damping cut.csv --material cut.json
 Every command has its own --help. Most write their rows with --json FILE.

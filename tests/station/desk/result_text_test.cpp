@@ -2,7 +2,7 @@
 
 #include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 #include "tests/station/desk/english.h"
 
 namespace enamel::station::desk {

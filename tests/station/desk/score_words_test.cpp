@@ -1,4 +1,4 @@
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 
 #include <gtest/gtest.h>
 

@@ -65,7 +65,7 @@ class LabProgramTest : public testing::Test {
 TEST_F(LabProgramTest, HelpListsEveryCommandAndEachOnesHelpShowsHow) {
   Outcome all = Lab("--help");
   EXPECT_EQ(all.code, 0);
-  for (const char* command : {"qualify", "error", "bench", "explain", "fit-damping"}) {
+  for (const char* command : {"qualify", "error", "bench", "explain", "fit-damping", "reasons"}) {
     EXPECT_NE(all.text.find(std::string("enamel-lab ") + command), std::string::npos) << command;
     Outcome one = Lab(command + std::string(" --help"));
     EXPECT_EQ(one.code, 0) << command;

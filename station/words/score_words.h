@@ -6,11 +6,11 @@
 #include "common/language/words.h"
 #include "common/scoring/score.h"
 
-// The texts of scores and built-in exercises in the window's language. The server sends both in
+// The texts of scores and built-in exercises in the reader's language. The server sends both in
 // English: a score with the codes of its reasons (schemas/score.md, "Reasons"), a built-in text as
 // the name of its own message (schemas/words.md). The page makes the same sentences from the same
 // messages; the tests of both read schemas/golden/reasons_said.json. Thread safety: as Words.
-namespace enamel::station::desk {
+namespace enamel::station {
 
 using language::Words;
 
@@ -31,4 +31,4 @@ std::string ReasonText(const Words& words, const scoring::CriticalResult& critic
 // With at most so many decimals: 10, 9.5.
 std::string NumberText(const Words& words, double value, int most_digits);
 
-}  // namespace enamel::station::desk
+}  // namespace enamel::station

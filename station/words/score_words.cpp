@@ -1,4 +1,4 @@
-#include "station/desk/score_words.h"
+#include "station/words/score_words.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,7 +8,7 @@
 
 #include "common/scoring/remedies.h"
 
-namespace enamel::station::desk {
+namespace enamel::station {
 namespace {
 
 using language::Value;
@@ -265,4 +265,4 @@ std::string NumberText(const Words& words, double value, int most_digits) {
   return out;
 }
 
-}  // namespace enamel::station::desk
+}  // namespace enamel::station

@@ -1,0 +1,263 @@
+#include "station/lab/sheet/fault_sheet.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "common/scoring/remedies.h"
+#include "station/lab/sheet/examples.h"
+#include "station/words/score_words.h"
+
+namespace enamel::station::lab {
+namespace {
+
+using language::Language;
+using language::Words;
+
+constexpr std::string_view kHeavyHand = "heavy_hand", kForce = "force_sent_p95_n";
+
+constexpr char kStyle[] = R"(
+@page{size:A4;margin:12mm}
+*{box-sizing:border-box}
+body{font:10.5pt/1.35 "Noto Sans","DejaVu Sans","Noto Sans CJK SC","PingFang SC","Microsoft YaHei",sans-serif;
+ color:#1a1a1a;background:#fff;max-width:190mm;margin:0 auto;padding:4mm}
+h1{font-size:17pt;margin:0 0 2mm}h2{font-size:12pt;margin:0 0 1mm}p{margin:0 0 1.5mm}
+article{display:grid;grid-template-columns:86mm 1fr;gap:0 5mm;border-top:.3mm solid #999;padding:2.5mm 0;
+ break-inside:avoid}
+.pictures{display:grid;grid-template-columns:1fr 1fr;gap:1mm 2mm;align-items:end;font-size:8pt;text-align:center}
+.pictures svg{width:42mm;max-height:38mm;background:#fff}
+.plane{grid-column:1/3;color:#555}
+dl{margin:0;display:grid;grid-template-columns:24mm 1fr;gap:.8mm 2mm}dt{color:#555;font-size:9pt}dd{margin:0}
+.legend{display:flex;flex-wrap:wrap;gap:1mm 5mm;font-size:9pt;align-items:center;margin-bottom:3mm}
+.legend svg{width:7mm;height:4mm;vertical-align:middle;margin-right:1mm}
+path{stroke:none;fill-rule:evenodd}
+.enamel{fill:#f4eddc;stroke:#6b6252;stroke-width:4}.dentin{fill:#e6c98f}.pulp{fill:#d98a8a}.caries{fill:#6d4c33}
+.gypsum{fill:#dedede}.neighbour{fill:#c9d3da}
+.over{fill:url(#over);stroke:#a80f1f;stroke-width:5}.left{fill:url(#left);stroke:#0b4f9c;stroke-width:5}
+.should{fill:none;stroke:#111;stroke-width:5;stroke-dasharray:16 12}
+.scale{fill:none;stroke:#111;stroke-width:8}.force{fill:none;stroke:#111;stroke-width:6}
+.limit{fill:none;stroke:#a80f1f;stroke-width:4;stroke-dasharray:16 12}
+)";
+constexpr char kPatterns[] =
+    R"svg(<svg width="0" height="0" style="position:absolute" aria-hidden="true"><defs>
+<pattern id="over" width="22" height="22" patternUnits="userSpaceOnUse" patternTransform="rotate(45)"><path style="fill:#f7b5bb" d="M0 0h22v22h-22z"/><path style="fill:#a80f1f" d="M0 0h8v22h-8z"/></pattern>
+<pattern id="left" width="22" height="22" patternUnits="userSpaceOnUse"><path style="fill:#bcd8f5;fill-opacity:.45" d="M0 0h22v22h-22z"/><path style="fill:#0b4f9c" d="M6 6h9v9h-9z"/></pattern>
+</defs></svg>
+)svg";
+
+std::string Escaped(std::string_view text) {
+  std::string out;
+  for (char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+std::string In(const char* tag, std::string_view text) {
+  return std::string("<") + tag + ">" + Escaped(text) + "</" + tag + ">";
+}
+
+// Newtons over time against a limit of 4 N, once below it and once above.
+std::string ForcePictures() {
+  constexpr char kPicture[] =
+      R"(<svg viewBox="0 0 420 300" aria-hidden="true"><path class="scale" d="M30 20v250h370"/>)"
+      R"(<path class="limit" d="M30 150h370"/><path class="force" d=")";
+  return std::string(kPicture) +
+         R"(M30 270l30-90 40 12 40-18 50 14 60-20 50 16 60-10 20 96"/></svg>)" + kPicture +
+         R"(M30 270l30-170 40 18 40-48 50 30 60-52 50 40 60-22 20 204"/></svg>)";
+}
+
+// What a score says of a value, without advice and comment.
+std::string Said(const Words& words, const scoring::MetricInfo& info, double value,
+                 const scene::RubricCriterion* criterion,
+                 const std::vector<scene::RubricPoint>& map) {
+  scoring::CriterionResult said;
+  said.name = info.name;
+  said.unit = info.unit;
+  said.value = value;
+  said.reasons = {scoring::FoundReason(info, value, map)};
+  if (criterion == nullptr) return DetailText(words, said);
+  said.title = criterion->title;
+  return ReasonText(words, said);
+}
+
+std::string Advised(const Words& words, std::string_view remedy, std::string_view volume) {
+  // Of an attempt; a cut by formula has neither moments nor strokes.
+  if (remedy == scoring::kStopEarlier || remedy == scoring::kWhereMost) {
+    return words.Say("reason.stop_earlier",
+                     {{"moment", std::string("1:12.0")}, {"stroke", std::string("14")}});
+  }
+  if (remedy == scoring::kCutFurther) {
+    return words.Say("reason.cut_further", {{"volume", std::string(volume)}});
+  }
+  return words.Say("reason." + std::string(remedy));
+}
+
+struct Shown {
+  std::string said, volume, pictures, plane;
+};
+
+std::string PlaneKey(Plane plane, bool tooth) {
+  if (!tooth) return "fault_sheet.plane_block";
+  switch (plane) {
+    case Plane::kMesiodistal:
+      return "fault_sheet.plane_mesiodistal";
+    case Plane::kBuccolingual:
+      return "fault_sheet.plane_buccolingual";
+    case Plane::kLevel:
+      return "fault_sheet.plane_level";
+  }
+  return "";
+}
+
+double ValueOf(const scoring::ScoreResult& score, std::string_view metric) {
+  const auto at = std::ranges::find(score.metrics, metric, &scoring::MetricValue::name);
+  return at == score.metrics.end() ? 0 : at->value;
+}
+
+Status NotItsFault(const Example& example, const std::string& why) {
+  return {Code::kInternal, "the example of " + std::string(example.fault) + ": " + why};
+}
+
+Result<Shown> Show(const Words& words, const Example& example, const GradedExercise& graded,
+                   const std::vector<Fault>& made) {
+  ENAMEL_ASSIGN_OR_RETURN(const MadeExample is, Make(example, graded, made));
+  const auto& criteria = graded.exercise().rubric.criteria;
+  const auto criterion =
+      std::ranges::find(criteria, example.metric, &scene::RubricCriterion::metric);
+  const bool judged = criterion != criteria.end();
+  if (judged != example.map.empty()) {
+    return NotItsFault(example, "give a map where no rubric judges the metric, and only there");
+  }
+  const auto& map = judged ? criterion->map : example.map;
+  const scoring::MetricInfo& info = *scoring::FindMetric(example.metric);
+  const double value = ValueOf(is.score, example.metric);
+  const scoring::Remedy* remedy = scoring::RemedyOf(info, value, map);
+  if (remedy == nullptr || remedy->fault != example.fault) {
+    return NotItsFault(example, std::string(example.metric) + " " + std::to_string(value) +
+                                    " is said to be " +
+                                    (remedy ? std::string(remedy->fault) : "right"));
+  }
+  Shown out;
+  out.said = Said(words, info, value, judged ? &*criterion : nullptr, map);
+  out.volume = scoring::WithUnit(words.Decimal(ValueOf(is.score, "missed_mm3"), 2), "mm3");
+  out.pictures = DrawSections(is.cut, example.plane);
+  if (out.pictures.empty()) return NotItsFault(example, "nothing differs");
+  out.plane = words.Say(PlaneKey(example.plane, graded.built().scene.tooth != 0));
+  return out;
+}
+
+Shown HeavyHand(const Words& words) {
+  constexpr double kHeavy_n = 6.2;
+  const scoring::MetricInfo& info = *scoring::FindMetric(kForce);
+  const std::vector<scene::RubricPoint> map = {{4, 1}, {8, 0}};
+  return {Said(words, info, kHeavy_n, nullptr, map), "", ForcePictures(),
+          words.Say("fault_sheet.plane_force")};
+}
+
+// By scene and exercise, so that each is built once.
+class Shower {
+ public:
+  Shower(const FaultSheetOptions& options, const Words& words)
+      : voxel_nm_(options.voxel_nm), words_(words) {}
+
+  // All examples. `step` is called before each.
+  Result<std::map<std::string_view, Shown>> ShowAll(const std::function<void(double)>& step) {
+    std::map<std::string_view, Shown> out = {{kHeavyHand, HeavyHand(words_)}};
+    std::map<std::pair<std::string_view, std::string_view>, std::vector<const Example*>> places;
+    for (const Example& e : Examples()) places[{e.scene, e.exercise}].push_back(&e);
+    for (const auto& [place, examples] : places) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto built,
+                              scene::BuildBuiltinScene(std::string(place.first), voxel_nm_));
+      ENAMEL_ASSIGN_OR_RETURN(const GradedExercise graded, GradedOf(built, place.second));
+      const auto made = FaultsOf(built, graded.exercise(), graded.task(), false);
+      for (const Example* example : examples) {
+        if (step)
+          step(static_cast<double>(out.size()) / static_cast<double>(Examples().size() + 1));
+        ENAMEL_ASSIGN_OR_RETURN(out[example->fault], Show(words_, *example, graded, made));
+      }
+    }
+    return out;
+  }
+
+ private:
+  static Result<GradedExercise> GradedOf(const scene::BuiltScene& built, std::string_view begins) {
+    for (scene::Exercise& e : scene::BuiltinExercises(built.scene, {})) {
+      if (e.name.starts_with(begins)) return GradedExercise::Make(built, std::move(e));
+    }
+    return Status(Code::kInternal, "no exercise '" + std::string(begins) + "' in " +
+                                       built.scene.name + ", for an example of the sheet");
+  }
+
+  const int32_t voxel_nm_;
+  const Words& words_;
+};
+
+std::string LegendItem(const std::string& name, const std::string& text) {
+  return "<span><svg viewBox=\"0 0 70 40\" aria-hidden=\"true\"><path class=\"" + name +
+         "\" d=\"M3 3h64v34h-64z\"/></svg>" + Escaped(text) + "</span>";
+}
+
+std::string Head(const Words& words, size_t faults) {
+  const std::string title = words.Say("fault_sheet.title");
+  std::string out =
+      "<!doctype html>\n<html lang=\"" + std::string(CodeOf(words.language())) +
+      "\"><head><meta charset=\"utf-8\">" + In("title", title) + "<style>" + kStyle +
+      "</style></head><body>\n" + kPatterns + In("h1", title) +
+      In("p", words.Say("fault_sheet.intro", {{"count", static_cast<int64_t>(faults)}})) +
+      "<div class=\"legend\">";
+  out += LegendItem("over", words.Say("fault_sheet.over"));
+  out += LegendItem("left", words.Say("fault_sheet.left"));
+  out += LegendItem("should", words.Say("fault_sheet.should"));
+  for (const char* tissue : {"enamel", "dentin", "pulp", "caries", "neighbour", "gypsum"}) {
+    out += LegendItem(tissue, words.Say(std::string("tissue.") + tissue));
+  }
+  return out + In("span", words.Say("fault_sheet.scale")) + "</div>\n";
+}
+
+std::string Card(const Words& words, const scoring::KnownFault& known, const Shown& shown) {
+  const std::string fault(known.fault);
+  std::string out =
+      "<article id=\"" + fault + "\"><div class=\"pictures\">" + shown.pictures +
+      In("span", words.Say("fault_sheet.should_be")) +
+      In("span", words.Say("fault_sheet.was_cut")) + "<span class=\"plane\">" +
+      Escaped(shown.plane) + "</span></div><div>" + In("h2", words.Say("fault_name." + fault)) +
+      "<dl>" + In("dt", words.Say("fault_sheet.said")) + In("dd", shown.said) +
+      In("dt", words.Say("fault_sheet.why")) + In("dd", words.Say("fault_why." + fault));
+  for (std::string_view remedy : known.remedies) {
+    out += In("dt", words.Say("fault_sheet.next_time")) +
+           In("dd", Advised(words, remedy, shown.volume));
+  }
+  return out + "</dl></div></article>\n";
+}
+
+}  // namespace
+
+Result<std::string> FaultSheet(const FaultSheetOptions& options,
+                               const std::function<void(double)>& progress) {
+  const Words words(options.language);
+  ENAMEL_ASSIGN_OR_RETURN(const auto shown, Shower(options, words).ShowAll(progress));
+  const auto known = scoring::KnownFaults();
+  std::string out = Head(words, known.size());
+  for (const scoring::KnownFault& fault : known) {
+    const auto at = shown.find(fault.fault);
+    if (at == shown.end()) {
+      return Status(Code::kInternal, "the sheet has no example of " + std::string(fault.fault));
+    }
+    out += Card(words, fault, at->second);
+  }
+  return out + "</body></html>\n";
+}
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,87 @@
+#include "station/lab/sheet/fault_sheet.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/scoring/remedies.h"
+#include "station/lab/sheet/section.h"
+
+// The sheet of `enamel-lab reasons`.
+namespace enamel::station::lab {
+namespace {
+
+using language::Language;
+using language::Words;
+
+size_t CountOf(std::string_view text, std::string_view part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// The card of a fault: from its heading's article to the article's end.
+std::string_view CardOf(std::string_view sheet, std::string_view fault) {
+  const size_t from = sheet.find("<article id=\"" + std::string(fault) + "\">");
+  if (from == sheet.npos) return "";
+  return sheet.substr(from, sheet.find("</article>", from) - from);
+}
+
+TEST(FaultSheetTest, EveryFaultOfTheCatalogueIsThereWithItsPictureWordsAndRemedies) {
+  const Words words(Language::kGerman);
+  const auto made = FaultSheet({.language = Language::kGerman, .voxel_nm = 200'000});
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  const std::string& sheet = *made;
+  const auto known = scoring::KnownFaults();
+  EXPECT_GE(known.size(), 37u);
+  EXPECT_EQ(CountOf(sheet, "<article"), known.size());
+  for (const scoring::KnownFault& fault : known) {
+    const std::string_view card = CardOf(sheet, fault.fault);
+    for (const char* key : {"fault_name.", "fault_why."}) {
+      EXPECT_NE(card.find(words.Say(key + std::string(fault.fault))), card.npos) << fault.fault;
+    }
+    EXPECT_EQ(CountOf(card, "<svg"), 2u) << fault.fault;
+    EXPECT_EQ(CountOf(card, words.Say("fault_sheet.next_time")), fault.remedies.size())
+        << fault.fault;
+    EXPECT_TRUE(card.find("\"over\"") != card.npos || card.find("\"left\"") != card.npos ||
+                fault.fault == "heavy_hand")
+        << fault.fault << " is not marked";
+  }
+  // What is said is what was measured on the picture's cut.
+  EXPECT_NE(CardOf(sheet, "too_deep").find("1,0"), std::string_view::npos);
+  for (const char* other_place : {"<script", "http", "src=", "@import", "fault_", "reason."}) {
+    EXPECT_EQ(sheet.find(other_place), sheet.npos) << other_place;
+  }
+}
+
+TEST(FaultSheetTest, EveryLanguageHasANameAndAReasonForEveryFault) {
+  for (Language language : language::kLanguages) {
+    const Words words(language);
+    for (const scoring::KnownFault& fault : scoring::KnownFaults()) {
+      EXPECT_TRUE(words.Has("fault_name." + std::string(fault.fault))) << fault.fault;
+      EXPECT_TRUE(words.Has("fault_why." + std::string(fault.fault))) << fault.fault;
+    }
+  }
+}
+
+// 3 x 2.4 mm and 2 mm deep; the cut goes 0.5 mm beyond the wall at +x.
+TEST(SectionTest, ASectionShowsWhatDiffersToScaleAndNothingWhereNothingDoes) {
+  const cutting::Volume block = FaultBlock({});
+  const BoxCavity wanted = FaultBlockCavity();
+  BoxCavity taken = wanted;
+  taken.faces[0].moved_m = 0.5e-3;
+  const auto hollow = [](const BoxCavity& box) -> Hollow {
+    return [box](const dvec3& p) { return box.Distance_m(p); };
+  };
+  const std::string drawn =
+      DrawSections({&block, hollow(wanted), hollow(taken)}, Plane::kMesiodistal);
+  EXPECT_EQ(CountOf(drawn, "class=\"over\""), 1u);
+  EXPECT_EQ(CountOf(drawn, "class=\"left\""), 0u);
+  // 3.5 mm of cut and 1.2 mm around it to either side, in units of 0.01 mm.
+  const size_t box = drawn.find("viewBox=\"0 0 ") + 13;
+  EXPECT_NEAR(std::stod(drawn.substr(box)), 580, 20);
+  EXPECT_EQ(DrawSections({&block, hollow(wanted), hollow(wanted)}, Plane::kMesiodistal), "");
+}
+
+}  // namespace
+}  // namespace enamel::station::lab
