@@ -25,6 +25,7 @@ export const reviewFlows = [
   { name: "an attempt is played back by keys, wherever the focus is", run: playbackKeys },
   { name: "an address with a moment beyond the end shows the end, with a note", run: momentBeyondTheEnd },
   { name: "a tooth is cut open along four planes", run: section },
+  { name: "a section is filled with its tissues, and measured in its plane", run: filledSection },
   { name: "distances and an angle are measured by pointer and by keys", run: measures },
   { name: "an instructor marks an attempt as the reference", run: markReference },
   { name: "gaps and a replay that disagrees are reported", run: disturbedRecording },
@@ -272,6 +273,52 @@ async function section(world) {
   await page.getByLabel("Section", { exact: true }).selectOption("");
   await page.getByRole("button", { name: "Cavity", exact: true }).click(); // a section is looked at straight
   await eventually(async () => assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again"));
+}
+
+const near = (hex) => (pixel) =>
+  pixel.every((value, i) => Math.abs(value - Number.parseInt(hex.slice(1 + 2 * i, 3 + 2 * i), 16)) < 10);
+const isDentin = near("#d9a95f");
+const isTarget = near("#6d28d9");
+
+async function filledSection(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}`);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByRole("radio", { name: "Deviation" }).waitFor();
+  // Without the tissues the cut is filled all the same, and the page says why in one colour.
+  await page.route("**/api/v1/start-teeth/*", (route) => route.fulfill({ body: "cut short" }));
+  await page.getByLabel("Section", { exact: true }).selectOption("y");
+  await page.getByText(/^The tissues cannot be shown: /).waitFor();
+  await page.unroute("**/api/v1/start-teeth/*");
+  await page.getByLabel("Section", { exact: true }).selectOption("");
+  await page.getByLabel("Section", { exact: true }).selectOption("y");
+  await page.locator(".section-legend").getByText("Dentin").waitFor();
+  await toothPixelsBecome(page, "dentin in the cut", isDentin, (count) => count > 5000);
+  await toothPixelsBecome(page, "the target's outline", isTarget, (count) => count > 200);
+  await page.getByRole("button", { name: "Outline the reference" }).click();
+  await page.locator(".section-legend").getByText("Other attempt").waitFor();
+  // As long as the scale says.
+  await page.getByRole("button", { name: "Measure", exact: true }).click();
+  const said = page.locator(".measured");
+  await said.getByText("Click the first point").waitFor();
+  await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+  const { width, height } = await page.locator(".tooth-frame").boundingBox();
+  await page.locator(".tooth-frame").click({ position: { x: 0.4 * width, y: 0.8 * height } });
+  await said.getByText("Click the second point").waitFor();
+  await page.locator(".tooth-frame").click({ position: { x: 0.6 * width, y: 0.8 * height } });
+  const found = /([\d.]+)\u00a0mm/.exec(await said.getByText(/^a to b: /).innerText());
+  const scale = page.locator(".tooth-scale");
+  const perMm =
+    (await scale.evaluate((bar) => bar.getBoundingClientRect().width)) / Number.parseFloat(await scale.innerText());
+  const [expected, measured] = [(0.2 * width) / perMm, Number(found[1])];
+  assert.ok(Math.abs(measured / expected - 1) < 0.03, `${measured} mm, and ${expected} by the scale`);
+  await accessible(page, "a section that is measured");
+  await world.picture(page, "section_filled");
+  for (const [size, scheme] of looks([[1280, 720], "dark"], [[390, 844], "light"])) {
+    await page.emulateMedia({ colorScheme: scheme });
+    await page.setViewportSize({ width: size[0], height: size[1] });
+    await toothPixelsBecome(page, `${size} in ${scheme}`, isDentin, (count) => count > 1000);
+    await world.picture(page, `section_filled_${size[0]}_${scheme}`);
+  }
 }
 
 // Three points, the last two by keys; while none of it is a remark's.

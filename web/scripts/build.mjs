@@ -146,15 +146,20 @@ function inTwoFiles({ first, lazy }) {
 }
 
 // The worker first, and whole in one file: the page must know its name, and it imports nothing from
-// elsewhere.
+// elsewhere. Before it what it loads for sections, whole as well: parts that both have would be a file more to wait for.
 async function bundle(out) {
-  const kWorker = "src/tooth/worker.ts";
-  const worker = await scripts(out, [kWorker], {});
+  const [kWorker, kOpened] = ["src/tooth/worker.ts", "src/tooth/opened.ts"];
+  const address = (entries, source) => JSON.stringify(`/assets/${entries[source][0]}`);
+  const opened = await scripts(out, [kOpened], {});
+  const worker = await scripts(out, [kWorker], {
+    define: { kOpenedAddress: address(opened, kOpened) },
+    external: ["/assets/*"],
+  });
   const options = {
     splitting: true,
     jsx: "automatic",
     jsxImportSource: "preact",
-    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker][0]}`) },
+    define: { kToothWorkerAddress: address(worker, kWorker) },
   };
   const sources = await sourcesOfParts(options);
   return scripts(

@@ -151,6 +151,10 @@ export class Client {
   deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.http.kept(`${attemptPath(id)}/deviation`, signal);
   }
+  // The tooth before it was cut (tooth/interior.ts), which never changes; `hash`: as the timeline's head has it.
+  startTooth(hash: string): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.kept(`/start-teeth/${hash}`);
+  }
   // What was said to the chair of an attempt that is being made, and saying something.
   liveRemarks(id: string, signal?: AbortSignal) {
     return this.http.json<LiveRemarks>("GET", `/live/${segment(id)}/remarks`, { signal });

@@ -18,6 +18,7 @@ function opened({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
   let now = 0;
   const film = new Film((message) => told.push(message), {
     pause,
+    opener: () => import("./opened"),
     nowMs: () => {
       now += 13 - Math.min(sliceMs, 13);
       return now;
@@ -30,6 +31,7 @@ function opened({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
       else blocks.set(index, mesh);
     },
     setBur: () => {},
+    setOpened: () => {},
     setDetail: () => {},
     drawNow: () => drawn.push([...blocks.keys()]),
   };

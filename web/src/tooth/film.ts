@@ -6,6 +6,7 @@ import type { Compared, Detail, Extent, FilmAsk, FilmTold } from "./messages";
 import { type BlockMesh, ToothMesher } from "./mesher";
 import { decodeMesh } from "./part_mesh";
 import { glbOf } from "./glb";
+import type { Opened, opened } from "./opened";
 import { stlOf } from "./stl";
 import { decodeSurface, type Surface } from "./surface";
 import { kTissues } from "./tissue_color";
@@ -31,6 +32,8 @@ export interface FilmScreen {
   setBur(outline: Head["outline"], pose: FramePose | undefined): void;
   // Where the tooth is, and how much of it is there.
   setDetail(detail: Detail, extent: Extent): void;
+  // What is inside.
+  setOpened(opened: Opened): void;
   // All of a moment is set.
   drawNow(): void;
 }
@@ -38,6 +41,8 @@ export interface FilmScreen {
 export interface FilmOptions {
   // Resolves when messages that have come meanwhile were taken.
   readonly pause: () => Promise<void>;
+  // Loads what opens a tooth (opened.ts).
+  readonly opener: () => Promise<{ readonly opened: typeof opened }>;
   readonly nowMs?: () => number;
 }
 
@@ -58,6 +63,7 @@ export class Film {
   private player: TimelinePlayer | undefined;
   private mesher: ToothMesher | undefined;
   private still: BlockMesh | undefined;
+  private inside: Opened | undefined;
   private readonly meshes = new Map<number, BlockMesh>(); // that the screens have
   private readonly screens = new Set<FilmScreen>();
   private readonly dirty = new Set<number>();
@@ -70,13 +76,15 @@ export class Film {
   private working = false;
   private closed = false;
   private readonly pause: () => Promise<void>;
+  private readonly opener: FilmOptions["opener"];
   private readonly nowMs: () => number;
 
   constructor(
     private readonly tell: (told: FilmTold, transfer: readonly ArrayBuffer[]) => void,
-    { pause, nowMs = () => performance.now() }: FilmOptions,
+    { pause, opener, nowMs = () => performance.now() }: FilmOptions,
   ) {
     this.pause = pause;
+    this.opener = opener;
     this.nowMs = nowMs;
   }
 
@@ -93,6 +101,8 @@ export class Film {
         this.want(asked.frames);
         for (const screen of this.screens) screen.expect();
         return this.work();
+      case "interior":
+        return this.readInterior(asked.bytes);
       case "model": {
         const bytes = (asked.as === "stl" ? stlOf : glbOf)([...this.meshes.values()]);
         this.tell({ told: "model", bytes }, [bytes]);
@@ -110,6 +120,7 @@ export class Film {
     this.screens.add(screen);
     for (const [block, mesh] of this.meshes) screen.setBlock(block, mesh);
     if (this.detail !== "none") screen.setDetail(this.detail, this.extent);
+    if (this.inside !== undefined) screen.setOpened(this.inside);
     this.showBur(screen);
     return () => {
       this.screens.delete(screen);
@@ -258,6 +269,19 @@ export class Film {
         ? undefined
         : { positionMm: positionMm.slice(), normal: normal.slice(), deviationMm: deviationMm.slice() };
     this.tell({ told: "compared", compared: ok(compared) }, []);
+  }
+
+  private async readInterior(bytes: ArrayBuffer): Promise<void> {
+    const made = await this.opener().then(
+      (script) => script.opened(bytes),
+      () => fail("what reads it could not be loaded"),
+    );
+    if (this.closed) return;
+    if (made.ok) {
+      this.inside = made.value;
+      for (const screen of this.screens) screen.setOpened(made.value);
+    }
+    this.tell({ told: "interior", tissues: made.ok ? ok(made.value.tissues) : made }, []);
   }
 
   private async takeDeviation(bytes: ArrayBuffer): Promise<void> {

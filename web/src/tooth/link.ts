@@ -1,4 +1,5 @@
 import type { Look } from "../base/moment_link";
+import type { Result } from "../base/result";
 import type {
   CameraPreset,
   FilmAsk,
@@ -43,7 +44,7 @@ export class StudioLink {
     };
   }
 
-  film(told: (told: Exclude<FilmTold, { told: "model" }>) => void): FilmLink {
+  film(told: (told: Exclude<FilmTold, { told: "model" | "interior" }>) => void): FilmLink {
     const film = this.next++;
     const link = new FilmLink(
       film,
@@ -52,6 +53,7 @@ export class StudioLink {
     );
     this.films.set(film, (message) => {
       if (message.told === "model") link.gave(message.bytes);
+      else if (message.told === "interior") link.opened(message.tissues);
       else told(message);
     });
     return link;
@@ -82,6 +84,7 @@ export class StudioLink {
 
 export class FilmLink {
   private readonly waiting: ((bytes: ArrayBuffer) => void)[] = [];
+  opened: (tissues: Result<readonly number[], string>) => void = () => undefined;
 
   constructor(
     readonly number: number,
@@ -110,6 +113,13 @@ export class FilmLink {
   }
   gave(bytes: ArrayBuffer): void {
     this.waiting.shift()?.(bytes);
+  }
+  // The start tooth, whose tissues fill sections from then on. Resolves to those that are in it.
+  interior(bytes: ArrayBuffer): Promise<Result<readonly number[], string>> {
+    this.ask({ ask: "interior", bytes }, [bytes]);
+    return new Promise((resolve) => {
+      this.opened = resolve;
+    });
   }
   // Afterwards nothing is reported.
   close(): void {

@@ -26,6 +26,7 @@ export type FilmAsk =
   | { readonly ask: "surface"; readonly bytes: ArrayBuffer } // instead of one (surface.ts)
   | { readonly ask: "deviation"; readonly bytes: ArrayBuffer } // after the file's last segment
   | { readonly ask: "seek"; readonly frames: number } // the latest one counts
+  | { readonly ask: "interior"; readonly bytes: ArrayBuffer } // what is inside (interior.ts)
   | { readonly ask: "model"; readonly as: ModelFormat } // of what is shown
   | { readonly ask: "close" };
 
@@ -38,6 +39,7 @@ export type FilmTold =
   | { readonly told: "compared"; readonly compared: Result<Compared | undefined, string> } // undefined: with nothing
   | { readonly told: "shown"; readonly frames: number; readonly tissues: readonly number[] } // on all its screens
   | { readonly told: "model"; readonly bytes: ArrayBuffer }
+  | { readonly told: "interior"; readonly tissues: Result<readonly number[], string> } // all that are in it
   | { readonly told: "failed"; readonly message: string }; // the file is damaged there
 
 export type ColorMode = "tissue" | "deviation";
@@ -64,10 +66,17 @@ export interface ToothLines {
   readonly faint: readonly (readonly PointMm[])[]; // dashed
 }
 
+// A body that a section cuts: triangles, counter-clockwise seen from outside.
+export interface Body {
+  readonly positionMm: Float32Array;
+  readonly triangle: Uint16Array;
+}
+
 export interface SurfacePoint {
-  readonly tissue: number | undefined; // undefined: on the plane of a section
+  readonly tissue: number | undefined; // undefined: on the plane of a section, and not known
   readonly deviationMm: number | undefined; // NaN: untouched; undefined: nothing to compare with
   readonly pointMm: PointMm; // where exactly
+  readonly planeMm: PointMm | undefined; // the same place of the picture on the plane of a section, where there is one
 }
 
 // What a picture shows beside its tooth.
@@ -80,6 +89,7 @@ export interface ScreenState {
   readonly forceN: PointMm | undefined; // on the hand
   readonly lines: ToothLines | undefined;
   readonly section: SectionPlane | undefined;
+  readonly target: Body | undefined; // outlined in a section
   readonly ghost: number | undefined; // another film over it
   readonly follow: boolean; // the camera stays at the bur
 }
@@ -120,6 +130,7 @@ export type ScreenTold =
       readonly detail: Detail;
       readonly projection: readonly number[]; // 4 × 4, columns: from the scene to −1 … 1
       readonly look: Look;
+      readonly middle: PointMm; // what is in its middle: the plane of a section, or what is looked at
       readonly extent: Extent;
     }
   | { readonly told: "picked"; readonly id: number; readonly point: SurfacePoint | undefined }

@@ -1,4 +1,4 @@
-import { Film } from "./film";
+import { Film, type FilmOptions } from "./film";
 import type { ScreenAsk, ScreenState, ScreenTold, StudioAsk, StudioTold } from "./messages";
 import { ToothScene } from "./scene/scene";
 
@@ -12,7 +12,7 @@ export class Studio {
 
   constructor(
     private readonly tell: Tell,
-    private readonly pause: () => Promise<void>,
+    private readonly options: FilmOptions,
   ) {}
 
   take(asked: StudioAsk): void {
@@ -41,9 +41,7 @@ export class Studio {
   private film(number: number): Film {
     const known = this.films.get(number);
     if (known !== undefined) return known;
-    const made = new Film((message, transfer) => this.tell({ film: number, message }, transfer), {
-      pause: this.pause,
-    });
+    const made = new Film((message, transfer) => this.tell({ film: number, message }, transfer), this.options);
     this.films.set(number, made);
     return made;
   }

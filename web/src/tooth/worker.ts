@@ -4,6 +4,9 @@ import { Studio } from "./studio";
 
 // What runs in the worker that reads and draws teeth; a script of its own (scripts/build.mjs).
 
+// What the build puts in: the address of the script of opened.ts.
+declare const kOpenedAddress: string;
+
 interface Scope {
   onmessage: ((event: MessageEvent<StudioAsk>) => void) | null;
   postMessage(message: StudioTold, transfer: readonly Transferable[]): void;
@@ -22,5 +25,8 @@ const pause = () =>
   });
 
 drawsSlowly(); // asks the browser for its graphics while the tooth is on its way
-const studio = new Studio((told, transfer = []) => scope.postMessage(told, transfer), pause);
+const studio = new Studio((told, transfer = []) => scope.postMessage(told, transfer), {
+  pause,
+  opener: () => import(kOpenedAddress),
+});
 scope.onmessage = ({ data }) => studio.take(data);

@@ -1,8 +1,9 @@
 import { useEffect, useState } from "preact/hooks";
 import { formatQuantity } from "../../base/format";
+import { say } from "../../base/words";
 import type { PointMm } from "../../tooth/messages";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
-import { distanceMm } from "./measure";
+import { distanceMm, measuredText } from "./measure";
 
 // The surface along the line between two points, seen from where one looks: how far it is above the line or below.
 
@@ -28,15 +29,29 @@ export function deepestOf(heightMm: Float32Array, lengthMm: number): Deepest | u
   return best;
 }
 
-interface Props {
-  readonly from: PointMm;
-  readonly to: PointMm;
+interface Shown {
   readonly look: LookHandle;
   readonly frames: number; // another moment is another surface
-  readonly words: (deepest: Deepest) => string; // this is loaded later, and has none
 }
 
-export function ProfilePlot({ from, to, look, frames, words }: Props) {
+// What was measured between points: in words, and drawn.
+export function Measured({ points, ...shown }: Shown & { readonly points: readonly PointMm[] }) {
+  const [from, to] = points;
+  return (
+    <>
+      <p class="measured" role="status">
+        {measuredText(points)}
+      </p>
+      {from !== undefined && to !== undefined && <ProfilePlot from={from} to={to} {...shown} />}
+    </>
+  );
+}
+
+function deepestText({ depthMm, atMm }: Deepest): string {
+  return say("measure.deepest", { depth: formatQuantity(depthMm, "mm"), at: formatQuantity(atMm, "mm") });
+}
+
+function ProfilePlot({ from, to, look, frames }: Shown & { readonly from: PointMm; readonly to: PointMm }) {
   const [heightMm, setHeight] = useState<Float32Array>();
   useEffect(() => {
     let abandoned = false;
@@ -54,7 +69,7 @@ export function ProfilePlot({ from, to, look, frames, words }: Props) {
   const [low, high] = spread(Math.min(0, ...known), Math.max(0, ...known));
   const x = (share: number) => kLeft + (kWidth - kLeft - kInset) * share;
   const y = (height: number) => kInset + ((kHeight - kBottom - kInset) * (high - height)) / (high - low);
-  const said = words(deepest);
+  const said = deepestText(deepest);
   return (
     <figure class="profile">
       <svg viewBox={`0 0 ${kWidth} ${kHeight}`} role="img" aria-label={said}>

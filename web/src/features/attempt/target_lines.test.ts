@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Exercise } from "../../api/types";
-import { grown, linesOfTarget } from "./target_lines";
+import { crossings } from "../../tooth/scene/plane_cut";
+import { bodyOfTarget, grown, linesOfTarget } from "./target_lines";
 
 const target: Exercise["target"] = {
   landmark: "fossa",
@@ -133,4 +134,59 @@ test("a corner grows along both of its sides; without a place there are no lines
     ],
   );
   assert.equal(linesOfTarget({ ...target, landmark_um: null }), undefined);
+});
+
+// Lengths of the cut along the plane y = `atMm`.
+function cutAlong(body: NonNullable<ReturnType<typeof bodyOfTarget>>, atMm: number) {
+  const lines: number[] = [];
+  crossings(body.positionMm, body.triangle, [0, 1, 0], -atMm, lines);
+  const ends = new Map<string, number>();
+  let length = 0;
+  for (let i = 0; i < lines.length; i += 6) {
+    length += Math.hypot(lines[i]! - lines[i + 3]!, lines[i + 2]! - lines[i + 5]!);
+    for (const end of [i, i + 3]) {
+      const key = [lines[end]!, lines[end + 2]!].map((mm) => mm.toFixed(4)).join();
+      ends.set(key, (ends.get(key) ?? 0) + 1);
+    }
+  }
+  return { length, closed: [...ends.values()].every((count) => count % 2 === 0) };
+}
+
+test("a plane cuts a box's body in a closed rectangle of its size", () => {
+  const { length, closed } = cutAlong(bodyOfTarget(target)!, 2.2);
+  assert.ok(closed);
+  assert.ok(Math.abs(length - 2 * (4 + 2.5)) < 1e-4);
+});
+
+test("a plane through both arms of an outline with a notch cuts two rectangles", () => {
+  // A U that is open towards +y, 3 wide, with arms 1 wide and 2 long.
+  const corners = [
+    [0, 0],
+    [3000, 0],
+    [3000, 3000],
+    [2000, 3000],
+    [2000, 1000],
+    [1000, 1000],
+    [1000, 3000],
+    [0, 3000],
+  ];
+  const notched = {
+    ...target,
+    landmark_um: [0, 0, 0],
+    parts: [{ outline: "polygon" as const, top_um: [0, 0, 0], corners_um: corners, depth_um: 1500 }],
+  } as unknown as Exercise["target"];
+  const body = bodyOfTarget(notched)!;
+  const arms = cutAlong(body, 2);
+  assert.ok(arms.closed);
+  assert.ok(Math.abs(arms.length - 2 * 2 * (1 + 1.5)) < 1e-4, `${arms.length}`);
+  assert.ok(Math.abs(cutAlong(body, 0.5).length - 2 * (3 + 1.5)) < 1e-4);
+});
+
+test("a target whose place is not known has no body, and neither has a floor of the tooth's own shape", () => {
+  assert.equal(bodyOfTarget({ ...target, landmark_um: null } as unknown as Exercise["target"]), undefined);
+  const relief = {
+    ...target,
+    parts: [{ outline: "box", top_um: [0, 0, 0], half_size_um: [1, 1], depth_um: 1, relief: {} }],
+  } as unknown as Exercise["target"];
+  assert.equal(bodyOfTarget(relief), undefined);
 });

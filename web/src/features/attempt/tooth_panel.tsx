@@ -7,26 +7,18 @@ import { say } from "../../base/words";
 import { Card, ErrorNotice, Folded, Loading } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { FilmLink } from "../../tooth/link";
-import type { AngledView, ColorMode, Compared, PointMm } from "../../tooth/messages";
+import type { AngledView, ColorMode, Compared, PointMm, SurfacePoint } from "../../tooth/messages";
 import { useStillFilm } from "../../widgets/tooth/still_film";
 import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type LookHandle, type ToothPin, type ToothPoint, ToothView } from "../../widgets/tooth/tooth_view";
-import {
-  attemptName,
-  CompareBar,
-  CompareChoice,
-  comparable,
-  isReady,
-  OtherTooth,
-  referenceName,
-} from "./compare_tooth";
+import { attemptName, CompareChoice, comparable, referenceName } from "./compare_tooth";
 import type { Placement } from "./compare";
 import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
-import { joinedLines, measuredLines, measuredText, nameOfPoint, withPoint } from "./measure";
+import { joinedLines, measuredLines, nameOfPoint, withPoint } from "./measure";
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
-import type { Deepest } from "./profile";
-import { type ToothChoices, ToothTools } from "./tooth_tools";
+import type { ToothChoices } from "./tooth_choices";
+import { Closer, ToothTools } from "./tooth_tools";
 import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
 import type { Review } from "./use_review";
@@ -143,7 +135,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
-  const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback.film : undefined;
+  const ghost = placement === "top" && other?.ready ? other.playback.film : undefined;
   const [choices, setChoices] = useState<ToothChoices>({
     mode: "deviation",
     section: undefined,
@@ -151,23 +143,22 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
     target: false,
   });
   // Asked for when somebody wants to see it, and so is what draws it.
-  const { loaded: exercise } = useRequest(choices.target ? attempt.exercise.id : undefined, (signal) =>
+  const { section } = choices;
+  const aims = choices.target || section !== undefined;
+  const { loaded: exercise } = useRequest(aims ? attempt.exercise.id : undefined, (signal) =>
     client.teaching.exercise(attempt.exercise.id, signal),
   );
   const [draw, setDraw] = useState<typeof import("./target_lines")>();
   useEffect(() => {
-    if (choices.target) import("./target_lines").then(setDraw, () => undefined);
-  }, [choices.target]);
+    if (aims) import("./target_lines").then(setDraw, () => undefined);
+  }, [aims]);
+  const wanted = exercise.state === "ready" ? exercise.value.value.target : undefined;
   const lines = useMemo(
-    () => (exercise.state === "ready" ? draw?.linesOfTarget(exercise.value.value.target) : undefined),
-    [exercise, draw],
+    () => (choices.target && wanted !== undefined ? draw?.linesOfTarget(wanted) : undefined),
+    [choices.target, wanted, draw],
   );
+  const body = useMemo(() => (wanted === undefined ? undefined : draw?.bodyOfTarget(wanted)), [wanted, draw]);
   const [measured, setMeasured] = useState<readonly PointMm[]>(); // undefined: nobody measures
-  const measures = measured !== undefined;
-  const [profile, setProfile] = useState<typeof import("./profile")>();
-  useEffect(() => {
-    if (measures) import("./profile").then(setProfile, () => undefined);
-  }, [measures]);
   const drawnLines = useMemo(
     () => joinedLines(lines, measured === undefined ? undefined : measuredLines(measured)),
     [lines, measured],
@@ -196,9 +187,9 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   );
   const pick =
     measured !== undefined
-      ? (at: PointMm) => setMeasured(withPoint(measured, at))
+      ? ({ planeMm, pointMm }: SurfacePoint) => setMeasured(withPoint(measured, planeMm ?? pointMm))
       : review.annotates
-        ? review.setPoint
+        ? ({ pointMm }: SurfacePoint) => review.setPoint(pointMm)
         : undefined;
   return (
     <>
@@ -224,7 +215,8 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
             const mark = marks.find((item) => item.annotation.id === key);
             if (mark !== undefined) review.choose(mark);
           }}
-          section={choices.section}
+          section={section}
+          target={body}
           ghost={ghost}
           follow={choices.follow}
         >
@@ -251,39 +243,66 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           </ToothTools>
         </ToothView>
         {beside !== undefined && (
-          <OtherTooth
+          <Closer
             key={compareWith}
-            name={otherName}
-            other={beside}
-            anatomy={anatomy}
-            choices={choices}
-            look={otherLook}
+            show={({ OtherTooth }) => (
+              <OtherTooth
+                name={otherName}
+                other={beside}
+                anatomy={anatomy}
+                choices={choices}
+                angled={angled}
+                look={otherLook}
+              />
+            )}
           />
         )}
       </div>
-      {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
-      {measured !== undefined && (
-        <p class="measured" role="status">
-          {measuredText(measured)}
-        </p>
-      )}
-      {measured?.[0] !== undefined && measured[1] !== undefined && profile !== undefined && (
-        <profile.ProfilePlot
-          from={measured[0]}
-          to={measured[1]}
-          look={look}
-          frames={control.playback.position}
-          words={deepestText}
+      {other !== undefined && (
+        <Closer
+          show={({ CompareBar }) => <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
         />
       )}
-      {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
-      {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
+      {measured !== undefined && (
+        <Closer
+          show={({ Measured }) => <Measured points={measured} look={look} frames={control.playback.position} />}
+        />
+      )}
+      {section !== undefined ? (
+        <Closer
+          show={({ SectionLegend }) => (
+            <SectionLegend
+              client={client}
+              film={film}
+              beside={beside?.ready ? beside.playback.film : undefined}
+              start={control.playback.head?.start}
+              tissues={tissues}
+              deviation={mode === "deviation"}
+              target={body !== undefined}
+              other={ghost !== undefined}
+              reference={reference === undefined || compareWith !== undefined ? undefined : review.plots.reference}
+            />
+          )}
+        />
+      ) : mode === "deviation" ? (
+        <DeviationLegend />
+      ) : (
+        <TissueLegend tissues={tissues} />
+      )}
+      {summary === undefined ? (
+        <p class="hint">{missing}</p>
+      ) : (
+        <Folded
+          title={say("tooth_card.numbers")}
+          content={() => (
+            <Closer
+              show={({ DeviationFigures }) => <DeviationFigures summary={summary} said={deviationText(summary)} />}
+            />
+          )}
+        />
+      )}
     </>
   );
-}
-
-function deepestText({ depthMm, atMm }: Deepest): string {
-  return say("measure.deepest", { depth: formatQuantity(depthMm, "mm"), at: formatQuantity(atMm, "mm") });
 }
 
 // Whichever of two pictures is turned, the other one follows.
@@ -320,42 +339,6 @@ function pinsOf(marks: readonly Mark[], chosen: string | undefined, point: Point
   return point === undefined
     ? pins
     : [...pins, { key: kNewPin, text: "+", label: say("tooth_card.new_point"), pointMm: point, chosen: true }];
-}
-
-function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
-  return <Folded title={say("tooth_card.numbers")} content={() => <DeviationFigures summary={summary} />} />;
-}
-
-function DeviationFigures({ summary }: { readonly summary: DeviationSummary }) {
-  return (
-    <>
-      <p>{deviationText(summary)}</p>
-      <table>
-        <caption class="hidden">{say("tooth_card.by_side")}</caption>
-        <thead>
-          <tr>
-            <th scope="col">{say("tooth_card.side")}</th>
-            <th scope="col" class="number">
-              {say("tooth_card.mean")}
-            </th>
-            <th scope="col" class="number">
-              {say("tooth_card.largest")}
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {summary.sides.map((side) => (
-            <tr key={side.side}>
-              <th scope="row">{say(`cavity_side.${side.side}`)}</th>
-              <td class="number">{formatSigned(side.meanMm)}</td>
-              <td class="number">{formatSigned(side.mostMm)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-      <p class="hint">{say("tooth_card.plus")}</p>
-    </>
-  );
 }
 
 function pathBefore(series: Series | undefined, cursor: number | undefined): PointMm[] {

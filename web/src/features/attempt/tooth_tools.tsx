@@ -1,15 +1,12 @@
 import type { ComponentChildren } from "preact";
-import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { Segmented } from "../../widgets/basics";
-import type { ColorMode, SectionPlane } from "../../tooth/messages";
+import { part } from "../../widgets/part";
+import type { SectionPlane } from "../../tooth/messages";
 
-export interface ToothChoices {
-  readonly mode: ColorMode;
-  readonly section: SectionPlane | undefined;
-  readonly follow: boolean;
-  readonly target: boolean; // what the exercise asks for is drawn
-}
+import type { ToothChoices } from "./tooth_choices";
+
+export const Closer = part("closer", () => import("./closer"));
 
 interface Props {
   readonly choices: ToothChoices;
@@ -22,7 +19,6 @@ interface Props {
 }
 
 const kSections: readonly SectionPlane["across"][] = ["y", "x", "z", "view"];
-const kSteps = 100;
 
 // What is shown of the tooth: by which colours, cut where, and whether one stays at the bur.
 export function ToothTools({ choices, onChoices, compared, played, measures, onMeasures, children }: Props) {
@@ -59,25 +55,9 @@ export function ToothTools({ choices, onChoices, compared, played, measures, onM
         ))}
       </select>
       {section !== undefined && (
-        <>
-          <input
-            type="range"
-            min={-kSteps}
-            max={kSteps}
-            value={section.share * kSteps}
-            aria-label={say("section.place")}
-            aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })}
-            onInput={(event) => set({ section: { ...section, share: Number(event.currentTarget.value) / kSteps } })}
-          />
-          <button
-            type="button"
-            class="button small"
-            aria-pressed={section.flipped}
-            onClick={() => set({ section: { ...section, flipped: !section.flipped } })}
-          >
-            {say("section.other")}
-          </button>
-        </>
+        <Closer
+          show={({ SectionTools }) => <SectionTools section={section} onSection={(moved) => set({ section: moved })} />}
+        />
       )}
       {played && (
         <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>

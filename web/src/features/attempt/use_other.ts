@@ -10,6 +10,7 @@ import { Playback } from "./playback";
 // Another attempt that this one is compared with, kept at the moment that belongs to this one's.
 export interface Other {
   readonly playback: Playback;
+  readonly ready: boolean; // its tooth can be shown
   readonly at: number | undefined; // its moment, s; undefined: not known yet
   readonly sync: Sync;
   readonly setSync: (sync: Sync) => void;
@@ -45,7 +46,7 @@ export function useOther(
   useEffect(() => {
     if (ready && clock !== undefined && at !== undefined) playback?.show(clock.framesAt(at));
   }, [playback, ready, clock, at]);
-  return playback === undefined ? undefined : { playback, at, sync, setSync };
+  return playback === undefined ? undefined : { playback, ready, at, sync, setSync };
 }
 
 // How two ways belong together. What works it out is fetched when it is first wanted.

@@ -97,7 +97,7 @@ function cellsAlong(triangles: number): number {
   return Math.min(kMostCellsAlong, Math.ceil(Math.sqrt(triangles / kTrianglesInCell)));
 }
 
-function boxOf(position: Float32Array): Box {
+export function boxOf(position: Float32Array): Box {
   const low: [number, number, number] = [Infinity, Infinity, Infinity];
   const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < position.length; i += 3)

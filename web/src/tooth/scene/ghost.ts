@@ -1,5 +1,5 @@
 import type { FilmScreen } from "../film";
-import { kGhostColor } from "../ghost_color";
+import { kGhostColor } from "../line_colors";
 import type { BlockMesh } from "../mesher";
 import { ToothBlocks } from "./blocks";
 import { screenColor } from "./colors";
@@ -14,7 +14,7 @@ import { Section } from "./section";
 // Which places the other tooth does not reach is counted: along each line of sight, how often one
 // goes into it and comes out again before it meets the tooth in view. Never, or as often out as in:
 // that place is outside (as with shadow volumes: Heidmann, "Real shadows, real time", 1991). A
-// section opens the other tooth, and this count with it: no stripes then.
+// section shows the other tooth as the outline of its cut alone.
 
 export const kSameMm = 0.03; // apart or less is the same: triangles of both are made coarser in other places
 const kFill = 0.5; // opacities
@@ -55,16 +55,17 @@ export class Ghost implements FilmScreen {
   }
   // The visible bur belongs to the tooth in view, and so does what is framed.
   setBur(): void {}
+  setOpened(): void {}
   setDetail(): void {}
   drawNow(): void {}
 
   draw(paint: Paint, frame: Frame): void {
+    if (frame.plane !== undefined) return;
     const { gl } = this;
     const tint = (opacity: number) => [...screenColor(kGhostColor), opacity];
     paint.ghost(frame, tint(kFill));
     drawOver(gl, { hides: false, mixed: true });
     this.blocks.draw(frame.picture);
-    if (frame.plane !== undefined) return;
     paint.count(frame);
     for (const [faces, write] of [
       ["front", "increment"],

@@ -7,6 +7,8 @@ export type Uniform = number | readonly number[] | Float32Array;
 
 // Places of attributes, in every program.
 export const kAttributes = { position: 0, normal: 1, tissue: 2, deviation: 3, along: 4 } as const;
+// The texture of what fills a section (cut_fill.ts).
+export const kSliceUnit = 1;
 export type AttributeName = keyof typeof kAttributes;
 
 export interface Attribute {
@@ -40,6 +42,8 @@ export class Program {
     }
     for (const [name, place] of Object.entries(kAttributes)) gl.bindAttribLocation(this.program, place, name);
     gl.linkProgram(this.program);
+    gl.useProgram(this.program);
+    gl.uniform1i(gl.getUniformLocation(this.program, "slice"), kSliceUnit); // the other texture is unit 0
   }
 
   use(uniforms: Readonly<Record<string, Uniform>>): void {
@@ -54,7 +58,7 @@ export class Program {
     if (typeof value === "number") gl.uniform1f(place, value);
     else if (value.length === 16) gl.uniformMatrix4fv(place, false, value as Matrix);
     else if (value.length === 4) gl.uniform4fv(place, value);
-    else gl.uniform3fv(place, value); // one, or an array of them
+    else gl.uniform3fv(place, value); // one, or an array of them: three rows are one
   }
   dispose(): void {
     this.gl.deleteProgram(this.program);

@@ -1,9 +1,9 @@
 import type { PointMm, ToothLines } from "../messages";
+import { kTargetColor } from "../line_colors";
 import { drawOver, type Gl, type Program, Shape } from "./gl";
 import { screenColor } from "./colors";
 import { lengthOf, sub } from "./vec";
 
-const kColor = "#6d28d9";
 const kDashMm = 0.12;
 
 // Lines over the tooth, as they are given.
@@ -25,7 +25,7 @@ export class LineGroup {
   draw(plain: Program): void {
     drawOver(this.gl, { depth: false, mixed: true });
     for (const [shape, opacity, dash] of this.shapes) {
-      plain.set("tint", [...screenColor(kColor), opacity]);
+      plain.set("tint", [...screenColor(kTargetColor), opacity]);
       plain.set("dash", dash);
       shape.draw();
     }

@@ -17,7 +17,7 @@ import { kUnmoved, type Matrix } from "./vec";
 
 // The programs that a scene is drawn with, made when they are first needed.
 
-const kInsideColor = "#b98a5e"; // of what a section shows behind its plane
+const kInsideColor = "#b98a5e"; // of a cut whose tissues are not known
 const kScalePixels = 256;
 const kTooth = { roughness: 0.55, metal: 0 };
 const kSteel = { color: "#8a94a0", roughness: 0.35, metal: 0.6 };
@@ -28,6 +28,7 @@ export interface Frame {
   readonly projection: Matrix; // from the camera to −1 … 1
   readonly picture: Matrix; // both
   readonly plane: readonly number[] | undefined; // what is behind it is not drawn
+  readonly toSlice: readonly number[]; // three rows (cut_fill.ts), where there is a plane; 0: the tissues behind it are not known
 }
 
 type Kind = "full" | "quick" | "ghost" | "count" | "stripes" | "plain";
@@ -102,9 +103,9 @@ export class Paint {
   private colors(color: (hex: string) => Rgb) {
     return { heat: this.heat ? 1 : 0, untouched: color(kUntouchedColor), inside: screenColor(kInsideColor) };
   }
-  private use(kind: Kind, { view, projection, plane }: Frame, more: Readonly<Record<string, Uniform>>): void {
+  private use(kind: Kind, { view, projection, plane, toSlice }: Frame, more: Readonly<Record<string, Uniform>>): void {
     const program = this.program(kind, plane !== undefined);
-    program.use({ view, projection, model: kUnmoved, ...(plane === undefined ? {} : { plane }), ...more });
+    program.use({ view, projection, model: kUnmoved, ...(plane === undefined ? {} : { plane, toSlice }), ...more });
     this.gl.bindTexture(this.gl.TEXTURE_2D, this.scale);
   }
   private program(kind: Kind, cut: boolean): Program {

@@ -1,4 +1,5 @@
 type Vec = readonly [number, number, number];
+export type Plane = readonly [number, number, number, number]; // normal, and what is added: 0 on the plane
 
 // Appends to `out` where the plane normal · p + constant = 0 cuts the triangles: six numbers for
 // each, the two ends.

@@ -3,20 +3,23 @@ import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
 import type { Film, FilmScreen } from "../film";
 import type { CameraPreset, Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
+import type { Opened } from "../opened";
 import type { BlockMesh } from "../mesher";
 import type { FramePose, Head } from "../timeline";
-import { type BlockHit, ToothBlocks } from "./blocks";
+import { type BlockHit, boxOf, ToothBlocks } from "./blocks";
+import type { CutFill } from "./cut_fill";
 import { screenColor } from "./colors";
 import { ForceArrow } from "./force_arrow";
 import { Ghost, kMarking, kSameMm } from "./ghost";
 import { beginPicture, drawOver, type Gl, type Program, Shape } from "./gl";
+import { kTargetColor } from "../line_colors";
 import { LineGroup } from "./line_group";
 import { type Frame, Paint } from "./paint";
 import { DrawingPace, drawsSlowly, pixelRatio } from "./renderer";
-import { normalOf, Section } from "./section";
+import { type Cuttable, normalOf, Section } from "./section";
 import { Sight } from "./sight";
 import { ball, revolved } from "./solids";
-import { add, dot, kUnmoved, kUnturned, placed, scaled, sub, turnBetween, unit, type Vec } from "./vec";
+import { add, dot, kUnmoved, kUnturned, type Matrix, placed, scaled, sub, turnBetween, unit, type Vec } from "./vec";
 
 const kLeastRadiusMm = 0.5;
 // The tool's mark, and its rim.
@@ -24,6 +27,7 @@ const kMarks = [
   { color: "#ffffff", radiusMm: 0.29 },
   { color: "#0b7a4b", radiusMm: 0.2 },
 ] as const;
+const kNowhere = [0, 0, 0, 0, 0, 0, 0, 0, 0];
 const kTrailTint = [...screenColor("#101418"), 0.55];
 
 type Drawn = Extract<ScreenTold, { told: "drawn" }>;
@@ -46,6 +50,9 @@ export class ToothScene implements FilmScreen {
   private readonly lines: LineGroup;
   private readonly pace: DrawingPace;
   private readonly section: Section;
+  private fill: CutFill | undefined;
+  private readonly targetCut: Section;
+  private target: readonly Cuttable[] = [];
   private ghost: { readonly drawn: Ghost; readonly end: () => void } | undefined;
   private follows = false; // the camera stays at the bur
   private detail: Detail = "none";
@@ -69,6 +76,8 @@ export class ToothScene implements FilmScreen {
     this.paint = kept(new Paint(gl, kSameMm));
     this.blocks = kept(new ToothBlocks(gl));
     this.section = kept(new Section(gl));
+    this.cleanup.add(() => this.fill?.dispose());
+    this.targetCut = kept(new Section(gl, kTargetColor));
     this.arrow = kept(new ForceArrow(gl));
     this.lines = kept(new LineGroup(gl));
     this.mark = kept(ball(gl));
@@ -94,6 +103,7 @@ export class ToothScene implements FilmScreen {
     if ("forceN" in state) this.arrow.set(state.forceN);
     if ("lines" in state) this.lines.set(state.lines);
     if ("section" in state) this.setSection(state.section);
+    if ("target" in state) this.setTarget(state.target);
     if ("ghost" in state) this.setGhost(state.ghost === undefined ? undefined : film(state.ghost));
     if (state.follow !== undefined) this.setFollow(state.follow);
     this.frame.request();
@@ -126,6 +136,15 @@ export class ToothScene implements FilmScreen {
     this.blocks.set(index, mesh);
     this.section.changed();
     this.moved();
+  }
+  setOpened(opened: Opened): void {
+    this.fill?.dispose();
+    this.fill = opened.fill(this.gl);
+    this.frame.request();
+  }
+  private setTarget(body: ScreenState["target"]): void {
+    this.target = body === undefined ? [] : [{ mesh: body, box: boxOf(body.positionMm) }];
+    this.targetCut.changed();
   }
   setBur(outline: Head["outline"], pose: FramePose | undefined): void {
     if (this.bur === undefined && pose !== undefined && outline.length > 1) this.bur = revolved(this.gl, outline);
@@ -161,6 +180,7 @@ export class ToothScene implements FilmScreen {
   private setSection(plane: ScreenState["section"]): void {
     const was = this.section.wanted;
     this.section.set(plane);
+    this.targetCut.set(plane);
     this.ghost?.drawn.section.set(plane);
     // Seen from aside a cut is a line.
     const turns = plane !== undefined && plane.across !== "view";
@@ -198,13 +218,17 @@ export class ToothScene implements FilmScreen {
   // What is under a point of the picture, in CSS pixels from its top left corner.
   pick(x: number, y: number): SurfacePoint | undefined {
     const { width, height } = this.size;
-    const way = this.sight.wayThrough((2 * x) / width - 1, 1 - (2 * y) / height);
-    const { eye } = this.sight;
-    const hit = this.blocks.firstHit(eye, way, (at) => this.section.isShown(at));
+    return this.firstSeen(this.sight.eye, this.sight.wayThrough((2 * x) / width - 1, 1 - (2 * y) / height));
+  }
+  private firstSeen(eye: Vec, way: Vec): SurfacePoint | undefined {
+    const { section } = this;
+    const hit = this.blocks.firstHit(eye, way, (at) => section.isShown(at));
     if (hit === undefined) return undefined;
+    const planeMm = section.on ? section.meets(eye, way) : undefined;
     // The inside of the surface stands for the cut.
-    const inside = this.section.on && dot(normalAt(hit), way) > 0;
-    return inside ? { tissue: undefined, deviationMm: undefined, pointMm: this.section.meets(eye, way) } : pointOf(hit);
+    if (planeMm !== undefined && dot(normalAt(hit), way) > 0)
+      return { tissue: this.fill?.tissueAt(planeMm), deviationMm: undefined, pointMm: planeMm, planeMm };
+    return { ...pointOf(hit), planeMm };
   }
 
   // How far the surface is from the line between two points towards the eye, at even steps of it: what one sees first
@@ -214,10 +238,8 @@ export class ToothScene implements FilmScreen {
     const far = 4 * this.extent.radiusMm;
     return Float32Array.from({ length: samples }, (_, i) => {
       const on = add(from, scaled(sub(to, from), i / (samples - 1)));
-      const hit = this.blocks.firstHit(add(on, scaled(towards, far)), scaled(towards, -1), (at) =>
-        this.section.isShown(at),
-      );
-      return hit === undefined ? Number.NaN : dot(sub(hit.at, on), towards);
+      const seen = this.firstSeen(add(on, scaled(towards, far)), scaled(towards, -1));
+      return seen === undefined ? Number.NaN : dot(sub(seen.pointMm, on), towards);
     });
   }
 
@@ -240,7 +262,9 @@ export class ToothScene implements FilmScreen {
     const { gl, sight } = this;
     if (this.size.width < 1 || this.detail === "none" || gl.isContextLost()) return;
     const { centreMm, radiusMm } = this.extent;
-    this.section.update(centreMm, radiusMm, sight.away, () => this.blocks.meshes());
+    const { section } = this;
+    section.update(centreMm, radiusMm, sight.away, () => this.blocks.meshes());
+    this.targetCut.update(centreMm, radiusMm, sight.away, () => this.target);
     this.ghost?.drawn.section.update(centreMm, radiusMm, sight.away, this.ghost.drawn.parts);
     this.fit();
     const picture = sight.picture;
@@ -248,7 +272,7 @@ export class ToothScene implements FilmScreen {
       view: sight.fromScene,
       projection: sight.projection,
       picture,
-      plane: this.section.on ? this.section.plane : undefined,
+      ...this.cut(),
     });
     this.drawn({
       told: "drawn",
@@ -256,8 +280,17 @@ export class ToothScene implements FilmScreen {
       detail: this.detail,
       projection: picture,
       look: sight.look(),
+      middle: section.on ? section.meets(sight.eye, scaled(sight.away, -1)) : sight.target,
       extent: this.extent,
     });
+  }
+  // Of the section, when the picture has its size.
+  private cut(): Pick<Frame, "plane" | "toSlice"> {
+    const { section, sight, canvas } = this;
+    if (!section.on) return { plane: undefined, toSlice: kNowhere };
+    const way = (right: number, up: number) => sight.wayThrough(right, up);
+    const rows = this.fill?.update(section.plane, this.extent, sight.eye, way, [canvas.width, canvas.height]);
+    return { plane: section.plane, toSlice: rows ?? kNowhere };
   }
   // As many pixels as the effort asks for.
   private fit(): void {
@@ -284,10 +317,10 @@ export class ToothScene implements FilmScreen {
       drawOver(gl, {});
       bur.draw();
     }
-    this.drawOnTop(paint.plain(frame));
+    this.drawOnTop(paint.plain(frame), frame.projection);
   }
   // What is seen through the tooth.
-  private drawOnTop(plain: Program): void {
+  private drawOnTop(plain: Program, projection: Matrix): void {
     const { gl, tool } = this;
     drawOver(gl, { depth: false, mixed: true });
     plain.set("tint", kTrailTint);
@@ -300,8 +333,7 @@ export class ToothScene implements FilmScreen {
       this.mark.draw();
     }
     plain.set("model", kUnmoved);
-    this.ghost?.drawn.section.draw(plain);
-    this.section.draw(plain);
+    for (const cut of [this.ghost?.drawn.section, this.targetCut, this.section]) cut?.draw(plain, projection);
     // At the bur or, where none is shown, at the tool's mark.
     this.arrow.draw(plain, this.bur === undefined ? tool : (this.pose?.tipMm ?? tool));
   }
@@ -317,7 +349,7 @@ function normalAt({ mesh: { normal }, vertex }: BlockHit): Vec {
 }
 
 // A place whose deviation is not known looks untouched.
-function pointOf(hit: BlockHit): SurfacePoint {
+function pointOf(hit: BlockHit): Omit<SurfacePoint, "planeMm"> {
   const {
     mesh: { tissue, deviation },
     vertex,

@@ -1,9 +1,10 @@
 import type { SectionPlane } from "../messages";
 import type { Box } from "./blocks";
+import { kCutColor } from "../line_colors";
 import { screenColor } from "./colors";
 import { drawOver, type Gl, type Program, Shape } from "./gl";
-import { crossings } from "./plane_cut";
-import { add, dot, scaled, unit, type Vec } from "./vec";
+import { crossings, type Plane } from "./plane_cut";
+import { add, dot, type Matrix, product, scaled, unit, type Vec } from "./vec";
 
 // A plane that hides what is in front of it, and the line along which it cuts the tooth.
 
@@ -12,14 +13,18 @@ export interface Cuttable {
   readonly box: Box;
 }
 
+const kCorners = [
+  [-1, -1],
+  [1, -1],
+  [-1, 1],
+  [1, 1],
+] as const; // of a pixel, whose side is 2 / width
 const kAxes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] } as const;
 
 // `sight`: from the target to the camera; what is nearer to the viewer goes.
 export function normalOf({ across, flipped }: SectionPlane, sight: Vec = kAxes.z): Vec {
   return scaled(across === "view" ? unit(scaled(sight, -1)) : kAxes[across], flipped ? -1 : 1);
 }
-
-type Plane = readonly [number, number, number, number]; // normal, and what is added: 0 on the plane
 
 export class Section {
   plane: Plane = [0, 0, 1, 0]; // what lies behind it, against its normal, is hidden
@@ -29,7 +34,7 @@ export class Section {
 
   constructor(
     private readonly gl: Gl,
-    private readonly color = "#8c1d18",
+    private readonly color = kCutColor,
   ) {}
   dispose(): void {
     this.outline?.dispose();
@@ -74,12 +79,18 @@ export class Section {
     return !this.on || heightOver(this.plane, at) >= 0;
   }
 
-  // `plain`: in use, with the picture's matrices.
-  draw(plain: Program): void {
+  // `plain`: in use, with the picture's matrices. Browsers draw lines one pixel wide: it is drawn at each corner of one.
+  draw(plain: Program, projection: Matrix): void {
     if (!this.on) return;
-    drawOver(this.gl, { depth: false });
+    const { gl } = this;
+    drawOver(gl, { depth: false });
     plain.set("tint", [...screenColor(this.color), 1]);
-    this.outline?.draw();
+    for (const [right, up] of kCorners) {
+      const aside = [right / gl.drawingBufferWidth, up / gl.drawingBufferHeight] as const;
+      plain.set("projection", product([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...aside, 0, 1], projection));
+      this.outline?.draw();
+    }
+    plain.set("projection", projection);
   }
 
   private cut(parts: Iterable<Cuttable>): void {

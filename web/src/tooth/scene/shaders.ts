@@ -29,6 +29,16 @@ out float vBehind;
 const kCutFragment = `
 #ifdef CUT
 in float vBehind;
+uniform vec3 toSlice[3];
+uniform sampler2D slice;
+uniform vec3 inside;
+vec3 onCut() {
+  vec3 at = vec3(gl_FragCoord.xy, 1.0);
+  float away = dot(toSlice[2], at);
+  if (away == 0.0) return inside;
+  vec4 found = texture(slice, vec2(dot(toSlice[0], at), dot(toSlice[1], at)) / away);
+  return found.a > 0.0 ? found.rgb / found.a : inside;
+}
 #endif
 `;
 const kDiscard = `
@@ -40,7 +50,6 @@ const kScale = `
 uniform float heat;
 uniform sampler2D scale;
 uniform vec3 untouched;
-uniform vec3 inside;
 in vec2 vDeviation;
 vec3 onScale(float mm) { return texture(scale, vec2(0.5 + 0.5 * mm / ${glsl(kDeviationRangeMm)}, 0.5)).rgb; }
 `;
@@ -114,7 +123,7 @@ vec3 lit(vec3 color, vec3 n, vec3 eye, float rough, vec3 way, float light) {
 void main() {
 ${kDiscard}
 #ifdef CUT
-  if (!gl_FrontFacing) { pixel = vec4(inside, 1.0); return; }
+  if (!gl_FrontFacing) { pixel = vec4(onCut(), 1.0); return; }
 #endif
   vec3 color = heat > 0.5 ? deviationColor() : vColor;
   vec3 n = normalize(vNormal), eye = normalize(-vPlace);
@@ -168,7 +177,7 @@ ${kDiscard}
   if (heat > 0.5) color = vDeviation.y < 0.5 ? untouched : onScale(vDeviation.x / vDeviation.y);
   color *= vLight;
 #ifdef CUT
-  if (!gl_FrontFacing) color = inside;
+  if (!gl_FrontFacing) color = onCut();
 #endif
   pixel = vec4(color, 1.0);
 }`;

@@ -2,7 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "../../tooth/deviation_scale";
-import { kGhostColor } from "../../tooth/ghost_color";
+import { kGhostColor } from "../../tooth/line_colors";
 import { tissueColor } from "../../tooth/tissue_color";
 import { tissueTitle } from "./tissue";
 

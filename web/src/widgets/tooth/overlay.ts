@@ -25,7 +25,7 @@ const kScaleMm = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20] as const;
 // What lies over the picture.
 export function place(
   element: HTMLElement,
-  { projection, extent, detail, look }: Drawn,
+  { projection, extent, detail, middle }: Drawn,
   anatomy: Anatomy | undefined,
 ): void {
   const [width, height] = [element.clientWidth, element.clientHeight];
@@ -42,7 +42,7 @@ export function place(
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
   placeLabels(labels, element, anatomy, project, extent.centreMm, extent.radiusMm);
   placePins(element, project);
-  placeScale(element, pxPerMm(projection, look.centreMm, element.clientWidth));
+  placeScale(element, pxPerMm(projection, middle, element.clientWidth));
   element.dataset["tooth"] = detail;
 }
 

@@ -9,6 +9,7 @@ import { say } from "../../base/words";
 import { type FilmLink, type ScreenLink, studio } from "../../tooth/link";
 import type {
   AngledView,
+  Body,
   CameraPreset,
   ColorMode,
   PointMm,
@@ -57,6 +58,7 @@ interface Props {
   readonly lines?: ToothLines | undefined;
   readonly forceN?: PointMm | undefined; // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
+  readonly target?: Body | undefined; // outlined in the section
   readonly ghost?: FilmLink | undefined; // another tooth over it, translucent
   readonly led?: boolean; // from where to look is chosen elsewhere
   readonly follow?: boolean; // the camera stays at the bur
@@ -66,7 +68,7 @@ interface Props {
   readonly points?: readonly ToothPoint[];
   readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
-  readonly onPick?: ((point: PointMm) => void) | undefined; // a click on the tooth that does not turn it
+  readonly onPick?: ((point: SurfacePoint) => void) | undefined; // a click on the tooth that does not turn it
 }
 
 // Where there is little room the first letters stand for the word.
@@ -117,6 +119,7 @@ export function ToothView({
   angled,
   busy = false,
   section,
+  target,
   ghost,
   led = false,
   follow = false,
@@ -148,6 +151,7 @@ export function ToothView({
     forceN: felt,
     lines,
     section,
+    target,
     ghost: ghost?.number,
     follow,
   };
@@ -224,7 +228,7 @@ export function ToothView({
     if (!(event.target instanceof HTMLCanvasElement)) return;
     const box = event.target.getBoundingClientRect();
     void screen?.pick(event.clientX - box.left, event.clientY - box.top).then((hit) => {
-      if (hit !== undefined) onPick(hit.pointMm);
+      if (hit !== undefined) onPick(hit);
     });
   };
   // By keys: where the cross is.
@@ -232,7 +236,7 @@ export function ToothView({
     const element = frame.current;
     if (onPick === undefined || element === null) return;
     void screen?.pick(element.clientWidth / 2, element.clientHeight / 2).then((hit) => {
-      if (hit !== undefined) onPick(hit.pointMm);
+      if (hit !== undefined) onPick(hit);
     });
   };
   const ready = drawn && problem === "";

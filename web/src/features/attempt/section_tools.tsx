@@ -1,0 +1,126 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import { formatNumber } from "../../base/format";
+import type { Result } from "../../base/result";
+import { say } from "../../base/words";
+import { kCutColor, kGhostColor, kTargetColor } from "../../tooth/line_colors";
+import type { FilmLink } from "../../tooth/link";
+import type { SectionPlane } from "../../tooth/messages";
+import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
+
+// What belongs to a tooth that is cut open.
+
+const kSteps = 100;
+
+interface ToolsProps {
+  readonly section: SectionPlane;
+  readonly onSection: (section: SectionPlane) => void;
+}
+
+export function SectionTools({ section, onSection }: ToolsProps) {
+  return (
+    <>
+      <input
+        type="range"
+        min={-kSteps}
+        max={kSteps}
+        value={section.share * kSteps}
+        aria-label={say("section.place")}
+        aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })}
+        onInput={(event) => onSection({ ...section, share: Number(event.currentTarget.value) / kSteps })}
+      />
+      <button
+        type="button"
+        class="button small"
+        aria-pressed={section.flipped}
+        onClick={() => onSection({ ...section, flipped: !section.flipped })}
+      >
+        {say("section.other")}
+      </button>
+    </>
+  );
+}
+
+type Opened = Result<readonly number[], string>;
+
+// Each tooth is opened once, however often it is cut.
+const opened = new WeakMap<FilmLink, Promise<Opened>>();
+
+function openFilm(client: Client, film: FilmLink, start: string): Promise<Opened> {
+  const known = opened.get(film);
+  if (known !== undefined) return known;
+  const made = client
+    .startTooth(start)
+    .then((bytes): Opened | Promise<Opened> =>
+      bytes.ok ? film.interior(bytes.value) : { ok: false, error: bytes.error.message },
+    );
+  opened.set(film, made);
+  void made.then((told) => {
+    if (!told.ok) opened.delete(film);
+  });
+  return made;
+}
+
+interface LegendProps {
+  readonly client: Client;
+  readonly film: FilmLink;
+  readonly beside: FilmLink | undefined; // another attempt at the same tooth
+  readonly start: string | undefined; // hash of the tooth before; undefined: only a surface is there
+  readonly tissues: readonly number[]; // at the surface
+  readonly deviation: boolean; // colours the surface
+  readonly target: boolean; // and `other`: is outlined
+  readonly other: boolean;
+  readonly reference: (() => void) | undefined; // shows it; undefined: there is none, or another tooth is shown
+}
+
+// Fills the cut with its tissues, and says what is seen in it.
+export function SectionLegend(props: LegendProps) {
+  const { client, film, beside, start, tissues, deviation, target, other, reference } = props;
+  const [inside, setInside] = useState<Opened>();
+  useEffect(() => {
+    if (start === undefined) return undefined;
+    let abandoned = false;
+    void openFilm(client, film, start).then((told) => {
+      if (!abandoned) setInside(told);
+    });
+    return () => {
+      abandoned = true;
+    };
+  }, [client, film, start]);
+  useEffect(() => {
+    if (beside !== undefined && start !== undefined) void openFilm(client, beside, start);
+  }, [client, beside, start]);
+  const lines = [
+    [kCutColor, say("section.edge")],
+    ...(target ? [[kTargetColor, say("section.target")] as const] : []),
+    ...(other ? [[kGhostColor, say("section.compared")] as const] : []),
+  ] as const;
+  return (
+    <div class="section-legend">
+      {deviation && <DeviationLegend />}
+      <TissueLegend tissues={inside?.ok ? inside.value : tissues} />
+      <div class="legend">
+        {lines.map(([color, text]) => (
+          <span key={color} class="legend-item">
+            <span class="swatch line" style={{ background: color }} />
+            {text}
+          </span>
+        ))}
+        {reference !== undefined && (
+          <button type="button" class="button small quiet" onClick={() => reference()}>
+            {say("section.outline_reference")}
+          </button>
+        )}
+      </div>
+      <p class="hint" role="status">
+        {start === undefined
+          ? say("section.no_inside")
+          : inside === undefined
+            ? say("section.opening")
+            : inside.ok
+              ? ""
+              : say("section.not_opened", { reason: inside.error })}
+      </p>
+    </div>
+  );
+}
