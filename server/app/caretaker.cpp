@@ -5,6 +5,7 @@
 #include "common/base/counted.h"
 #include "common/base/stoppable_sleep.h"
 #include "common/base/unix_time.h"
+#include "server/jobs/backup_run.h"
 
 namespace enamel::server::app {
 
@@ -61,7 +62,7 @@ void Caretaker::CountJobs() {
 }
 
 void Caretaker::LookAtBackups() {
-  if (const auto newest = store_.audit.NewestOf("store.backup"); newest.ok() && *newest)
+  if (const auto newest = store_.audit.NewestOf(kBackupMade); newest.ok() && *newest)
     newest_backup_ms_ = (*newest)->at_ms;
 }
 

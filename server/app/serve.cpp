@@ -105,6 +105,8 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   out.web_root = options.web;
   out.host_names = LowerCase(options.host_names);
   out.trusted_proxies = options.http_proxies;
+  out.backups.folder = options.backups;
+  out.backups.keyring = options.backups_keyring;
   // Logged with its fingerprint: a careful person compares it with the browser's.
   if (options.http_self_signed) {
     ENAMEL_ASSIGN_OR_RETURN(auto made, EnsurePageCertificate(options.data, options.host_names));

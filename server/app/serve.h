@@ -26,9 +26,11 @@ struct ServeOptions {
   std::string page_url;
   int io_threads = 2;
   int job_threads = 1;
-  int min_free_mib = 256;                    // recordings are refused when the disk has less
-  int drain_s = 0;                           // from the first signal until it stops, /readyz is 404
-  int one_time_password_days = 7;            // a password that was made up can be used so long
+  int min_free_mib = 256;                 // recordings are refused when the disk has less
+  int drain_s = 0;                        // from the first signal until it stops, /readyz is 404
+  int one_time_password_days = 7;         // a password that was made up can be used so long
+  std::filesystem::path backups;          // where the page's backups go (BackupRun); empty: nowhere
+  std::filesystem::path backups_keyring;  // as `backup --keyring`
   std::filesystem::path metrics_token_file;  // empty: /metrics is for this machine only
 };
 

@@ -1,5 +1,6 @@
 #include "server/commands/serving.h"
 
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 
@@ -62,6 +63,10 @@ void AddOperations(CLI::App* cmd, ServeSettings& o) {
                   "How long a one-time password made by the server is valid")
       ->check(CLI::Range(1, 90))
       ->capture_default_str();
+  cmd->add_option("--backups", o.serve.backups,
+                  "Folder for the backups that admins start on the page; without it they cannot");
+  cmd->add_option("--backups-keyring", o.serve.backups_keyring,
+                  "Keep the keys of these backups in this folder (backup --keyring)");
   cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
                   "File with the token that GET /metrics requires; without it, only this machine\n"
                   "may read them")
@@ -104,6 +109,8 @@ Status FinishServeSettings(CLI::App& cmd, ServeSettings& o) {
   }
   // Last: format and level may have come from the file. Earlier refusals used the format that
   // `main` chose.
+  // Also for a backup, which is a process of its own.
+  ::setenv("ENAMEL_LOG_FORMAT", o.log.format.c_str(), 1);
   return program::SetUpLog(o.log);
 }
 

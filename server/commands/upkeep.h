@@ -14,9 +14,14 @@ namespace enamel::server::app {
 struct BackupCommand {
   std::filesystem::path data, target, keyring, json;
   bool copy = false;
+  // For the server that started it (jobs/backup_run.h), which notes in the audit trail how it ends:
+  // prints one JSON object a line, {"phase", "done", "all"} on its way, {"files", "bytes",
+  // "missing"} or {"problem"} last. Ends with the server.
+  bool report = false;
 };
-// Errors: those of BackUp (storage/backup/backup.h); kStorage also when blobs were missing or
-// damaged and all else was backed up.
+// Notes in the audit trail that it was made, or why not. Errors: those of BackUp
+// (storage/backup/backup.h); kStorage also when blobs were missing or damaged and all else was
+// backed up.
 Status Backup(const BackupCommand& command);
 
 struct RestoreCommand {

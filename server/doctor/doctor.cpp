@@ -18,6 +18,7 @@
 #include "common/net/web_question.h"
 #include "common/protocol/messages.h"
 #include "server/app/data_folder.h"
+#include "server/jobs/backup_run.h"
 #include "server/storage/folder/database_file.h"
 #include "server/storage/folder/private_file.h"
 #include "server/training/ticket_rules.h"
@@ -299,7 +300,7 @@ void Backups(const ServeOptions& serve, Findings& out) {
     out.push_back(Failed(what, store.status(), "nothing is known of backups without the database"));
     return;
   }
-  const auto newest = (*store)->audit.NewestOf("store.backup");
+  const auto newest = (*store)->audit.NewestOf(kBackupMade);
   if (!newest.ok()) return out.push_back(Failed(what, newest.status()));
   const std::string mend =
       "systemctl enable --now enamel-backup.timer; journalctl -u enamel-backup";

@@ -130,7 +130,8 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       places_(max_in_flight),
       pool_(std::in_place, threads, (threads + 1) / 2),
       changes_(std::in_place, threads, (threads + 1) / 2),
-      teeth_(std::in_place, store) {}
+      teeth_(std::in_place, store),
+      backups_(std::in_place, store) {}
 
 bool Api::Owns(std::string_view path) {
   return path == "/livez" || path == "/readyz" || path == "/healthz" || path == "/metrics" ||
@@ -169,6 +170,7 @@ void Api::EndWork() {
   changes_.reset();
   apart_.reset();
   teeth_.reset();
+  backups_.reset();
 }
 
 asio::awaitable<Response> Api::Handle(Request request) {
@@ -231,21 +233,9 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   // The route before the caller: that an address does not exist is no secret.
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request,
-            authenticator_,
-            nullptr,
-            {},
-            {},
-            &monitoring_,
-            live_,
-            station_fingerprint_,
-            station_port_,
-            &*apart_,
-            first_admin_,
-            stations_,
-            &*teeth_,
-            draining_,
-            &bodies_};
+  Call call{request,  authenticator_,       nullptr,       {},       {},           &monitoring_,
+            live_,    station_fingerprint_, station_port_, &*apart_, first_admin_, stations_,
+            &*teeth_, &*backups_,           draining_,     &bodies_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

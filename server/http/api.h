@@ -17,6 +17,7 @@
 #include "server/http/request_places.h"
 #include "server/http/routes.h"
 #include "server/http/shared_bodies.h"
+#include "server/jobs/backup_run.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
 
@@ -49,6 +50,8 @@ class Api : public std::enable_shared_from_this<Api> {
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
   }
+  // Where backups go that people start. Before the first Handle.
+  void BackUpInto(BackupRun::Place place) { backups_->Into(std::move(place)); }
   // The stations' port, once it is known.
   void StationsListenAt(uint16_t port) { station_port_ = port; }
   // GET /readyz says from now on that others shall be asked. From any thread.
@@ -104,6 +107,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::optional<StorePool> changes_;
   std::optional<StorePool> apart_{std::in_place, 1};  // until EndWork
   std::optional<ToothImport> teeth_;                  // until EndWork
+  std::optional<BackupRun> backups_;                  // until EndWork
 };
 
 }  // namespace enamel::server::http

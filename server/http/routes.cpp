@@ -201,6 +201,7 @@ const std::array kRoutes = {
           Given<&WithdrawEnrolCode>()},
     Route{Method::kGet, "/api/v1/audit", Need::kAdmin, Given<&ListAudit>()},
     Route{Method::kGet, "/api/v1/health", Need::kAdmin, Given<&GetServerHealth>()},
+    Route{Method::kPost, "/api/v1/backups", Need::kAdmin, Given<&StartBackup>()},
     Route{Method::kGet, "/api/v1/jobs", Need::kAdmin, Given<&ListJobs>()},
     Route{Method::kPost, "/api/v1/jobs/{id}/cancel", Need::kAdmin, Given<&CancelJob>()},
 };

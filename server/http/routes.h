@@ -14,6 +14,7 @@
 #include "server/auth/first_admin.h"
 #include "server/http/message.h"
 #include "server/http/shared_bodies.h"
+#include "server/jobs/backup_run.h"
 #include "server/jobs/tooth_import.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
@@ -59,6 +60,7 @@ struct Call {
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set
+  BackupRun* backups = nullptr;             // always set
   bool draining = false;                    // about to stop: others shall be asked
   SharedBodies* bodies = nullptr;           // always set
 };

@@ -29,6 +29,7 @@ ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticato
   if (options.live) api->Show(*options.live);
   if (options.first_admin) api->Show(*options.first_admin);
   if (options.stations) api->Show(*options.stations);
+  api->BackUpInto(options.backups);
   api->Enrol(options.station_fingerprint);
 }
 

@@ -11,6 +11,7 @@ export const insightFlows = [
     run: classInsight,
   },
   { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
+  { name: "a backup is started, watched, and its failure explained", run: backUp },
   {
     name: "an exercise is edited in a form: problems show while typing, edits are undone, compared, previewed and saved",
     run: editExercise,
@@ -101,6 +102,33 @@ async function serverHealth(world) {
   await pictures(world, page, "health_trouble");
   await page.getByRole("link", { name: "Failed jobs" }).click();
   await page.getByRole("heading", { level: 1, name: "Jobs" }).waitFor();
+}
+
+async function backUp(world) {
+  const page = await signedIn(world, "admin", "/health");
+  const button = page.getByRole("button", { name: "Back up now" });
+  await button.click();
+  const bar = page.getByRole("progressbar", { name: "Backing up the files" });
+  await bar.waitFor();
+  assert.ok(await button.isDisabled());
+  await accessible(page, "a running backup");
+  await pictures(world, page, "backup_running");
+  await bar.waitFor({ state: "detached" });
+  await eventually(async () => assert.ok(await button.isEnabled()));
+  const backups = { folder: "/var/backups/enamel", running: null };
+  world.mock.trouble = {
+    backups: {
+      ...backups,
+      failed: { at_ms: Date.now() - 60_000, problem: "the backup disk is full; make room on it" },
+    },
+  };
+  await page.getByText("The backup disk is full; make room on it.").waitFor({ timeout: 15_000 });
+  await page.getByText(/^failed \d+ minutes? ago$/).waitFor();
+  await accessible(page, "a backup that failed");
+  await pictures(world, page, "backup_failed");
+  world.mock.trouble = { backups: { ...backups, folder: "", failed: null } };
+  await page.getByText("No folder for backups is set.").waitFor({ timeout: 15_000 });
+  assert.equal(await button.count(), 0);
 }
 
 async function editExercise(world) {

@@ -10,7 +10,7 @@ import { added, newId } from "./mock_world.mjs";
 
 const teaches = ({ role }) => role !== "student";
 const kAdmins =
-  /^(\w+ \/(people|roster|audit|health|jobs|builtin-teeth|tooth-imports|enrolment-codes)|(POST|PATCH|DELETE) \/(cohorts|stations|listed-devices|profiles))/;
+  /^(\w+ \/(people|roster|audit|health|backups|jobs|builtin-teeth|tooth-imports|enrolment-codes)|(POST|PATCH|DELETE) \/(cohorts|stations|listed-devices|profiles))/;
 const kStaff =
   /^(\w+ \/(cohorts|stations|listed-devices|live|profile-reports|scoring-metrics|references|annotations|markings|marking-works)|(POST|PUT|DELETE) \/(exercises|assignments|attempts)|GET \/profiles\/.*(versions|reports|calibrations)|GET .*\/(live|insight|rubrics|markings))/;
 
@@ -290,15 +290,39 @@ function putProfile({ world, body, query }) {
   return new Reply(judgement, { status: stored ? 201 : 200 });
 }
 
+const kFilesToBackUp = 400;
+
+// One that was started is done at the third look.
+function backupsNow(world, looked) {
+  const { backup } = world;
+  if (backup !== undefined && looked && ++backup.looks > 2) {
+    world.backedUpMs = Date.now();
+    delete world.backup;
+  }
+  const running = world.backup && {
+    since_ms: backup.since_ms,
+    here: true,
+    phase: "blobs",
+    done: 120 * backup.looks,
+    all: kFilesToBackUp,
+  };
+  return { folder: "/var/backups/enamel", running: running ?? null, failed: null };
+}
+
 // Everything is well but for `world.trouble`, which a flow makes.
 const health = ({ world }) => ({
+  backups: backupsNow(world, true),
   now_ms: Date.now(),
   started_ms: Date.now() - 108_000_000,
   ingest: { takes_recordings: true },
   disk: { free_bytes: 214e9, kept_free_bytes: 268_435_456 },
   jobs: { counted_up_to: 200 },
   stations: { enrolled: 7 },
-  backup: { at_ms: Date.now() - 32_400_000 },
+  backup: {
+    at_ms: world.backedUpMs ?? Date.now() - 32_400_000,
+    bytes: 2_140_000_000,
+    place: "/var/backups/enamel/2026-09-01T030000",
+  },
   retention: [{ what: "recordings", days: 730 }],
   ...world.trouble,
 });
@@ -346,6 +370,11 @@ const operationRules = {
   "GET /tooth-imports/{id}": importedTooth,
   "PUT /tooth-imports/{id}/bytes": takeBytes,
   "GET /health": health,
+  "POST /backups": ({ world }) => {
+    if (world.backup !== undefined) return conflict("a backup is running; wait until it is done");
+    world.backup = { since_ms: Date.now(), looks: 0 };
+    return backupsNow(world, false);
+  },
   "POST /jobs/{id}/cancel": ({ row }) => {
     if (!["queued", "running"].includes(row.state)) return conflict("The job is over already.");
     row.state = "cancelled";

@@ -141,6 +141,7 @@ Response AddEnrolCode(const Call& call, StationRows& stations_rows);
 Response WithdrawEnrolCode(const Call& call, StationRows& stations);
 
 Response GetServerHealth(const Call& call, Store& store);
+Response StartBackup(const Call& call);
 Response ListAudit(const Call& call, AuditRows& audit_rows);
 Response ListJobs(const Call& call, JobRows& jobs_rows);
 Response CancelJob(const Call& call, JobRows& jobs);

@@ -2,6 +2,8 @@
 #include <boost/json.hpp>
 
 #include "common/base/unix_time.h"
+#include "common/base/utf8.h"
+#include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
@@ -65,17 +67,38 @@ Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   return json::object{{"open", open}, {"late", std::move(late)}};
 }
 
-// From the backup command's note; the command cannot know what becomes of the copy.
+// From the note of who made it, who cannot know what becomes of the copy.
 Result<json::value> LastBackup(Store& store) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto newest, store.audit.NewestOf("store.backup"));
+  ENAMEL_ASSIGN_OR_RETURN(const auto newest, store.audit.NewestOf(kBackupMade));
   if (!newest) return json::value();
   boost::system::error_code error;
   const json::value after = json::parse(newest->after_json, error);
-  const json::value* missing =
-      !error && after.is_object() ? after.get_object().if_contains("missing") : nullptr;
-  int64_t blobs = 0;
-  if (missing != nullptr && missing->is_number()) blobs = missing->to_number<int64_t>(error);
-  return json::value{{"at_ms", newest->at_ms}, {"missing", error ? 0 : blobs}};
+  const auto number = [&](const char* name) -> int64_t {
+    const json::value* found = after.is_object() ? after.get_object().if_contains(name) : nullptr;
+    boost::system::error_code none;
+    const int64_t value = found != nullptr ? found->to_number<int64_t>(none) : 0;
+    return none ? 0 : value;
+  };
+  return json::value{{"at_ms", newest->at_ms},
+                     {"missing", number("missing")},
+                     {"place", newest->object},
+                     {"bytes", number("bytes")}};
+}
+
+Result<json::object> BackupsJson(const BackupRun& backups) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto now, backups.Look());
+  json::value running, failed;
+  if (now.running) {
+    running = {{"since_ms", now.running->since_ms},
+               {"here", now.running->here},
+               {"phase", now.running->phase},
+               {"done", now.running->done},
+               {"all", now.running->all}};
+  }
+  if (now.failed) failed = {{"at_ms", now.failed->at_ms}, {"problem", now.failed->problem}};
+  return json::object{{"folder", AsUtf8(now.folder.string())},
+                      {"running", std::move(running)},
+                      {"failed", std::move(failed)}};
 }
 
 Result<json::array> RetentionJson(RetentionRows& retention) {
@@ -140,6 +163,7 @@ Result<json::object> HealthJson(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store.stations, call.stations));
   ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store.attempts, now_ms));
   ENAMEL_ASSIGN_OR_RETURN(out["backup"], LastBackup(store));
+  ENAMEL_ASSIGN_OR_RETURN(out["backups"], BackupsJson(*call.backups));
   ENAMEL_ASSIGN_OR_RETURN(out["retention"], RetentionJson(store.retention));
   return out;
 }
@@ -149,6 +173,14 @@ Result<json::object> HealthJson(const Call& call, Store& store) {
 Response GetServerHealth(const Call& call, Store& store) {
   Result<json::object> health = HealthJson(call, store);
   return health.ok() ? JsonResponse(*health) : ErrorResponse(health.status());
+}
+
+Response StartBackup(const Call& call) {
+  if (Status started = call.backups->Start(ActorOf(call)); !started.ok()) {
+    return ErrorResponse(started);
+  }
+  Result<json::object> now = BackupsJson(*call.backups);
+  return now.ok() ? JsonResponse(*now, 202) : ErrorResponse(now.status());
 }
 
 }  // namespace enamel::server::http

@@ -14,6 +14,7 @@
 #include "common/base/result.h"
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
+#include "server/jobs/backup_run.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
@@ -80,6 +81,7 @@ struct HttpOptions {
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
+  BackupRun::Place backups{};               // that people start
   auth::FirstAdmin* first_admin = nullptr;  // of a server that has no admin
   // Connected stations and remarks to their chairs; none: it takes none.
   StationBoard* stations = nullptr;

@@ -9,6 +9,13 @@
 
 namespace enamel::server {
 
+Status LeaseIsHeld() {
+  return Status(Code::kUnavailable,
+                "another server of this school makes a backup, or removes erased or expired data; "
+                "try again when that is done",
+                kLeaseHeld);
+}
+
 Result<std::unique_ptr<Lease>> Lease::Take(std::unique_ptr<sql::Db> db, std::string name,
                                            LeaseTimes times) {
   std::unique_ptr<Lease> out(new Lease(std::move(db), std::move(name), times));
@@ -41,10 +48,7 @@ Status Lease::Acquire() {
   q.Bind(name_).Bind(lease_).Bind(now_ms + times_.good.count());
   ENAMEL_RETURN_IF_ERROR(q.Bind(now_ms).Run());
   if (db_->Changes() > 0) return Status::Ok();
-  return Status(Code::kUnavailable,
-                "another server of this school is removing erased or expired data; try again when "
-                "that is done",
-                kLeaseHeld);
+  return LeaseIsHeld();
 }
 
 Status Lease::Renew() {

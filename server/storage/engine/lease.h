@@ -13,9 +13,11 @@
 
 namespace enamel::server {
 
-// Field of a refusal (kUnavailable): another server of this database erases or applies retention
-// just now.
+// Field of a refusal (kUnavailable, LeaseIsHeld): another server of this database makes a backup,
+// erases or applies retention just now.
 inline constexpr char kLeaseHeld[] = "lease";
+
+Status LeaseIsHeld();
 
 struct LeaseTimes {
   std::chrono::milliseconds good{30'000}, renewed_every{10'000};

@@ -20,6 +20,20 @@ Result<Rewriter::Upkeep> Rewriter::TakeUpkeep() {
   return Upkeep(std::move(lock), std::move(lease), upkeep_);
 }
 
+Status Rewriter::UpkeepIsFree() {
+  // Shared first: its refusal says that data is being removed, the other one that a backup runs.
+  for (const auto mode : {FolderLock::Mode::kShared, FolderLock::Mode::kExclusive}) {
+    ENAMEL_RETURN_IF_ERROR(TakeUpkeepLock(folder_, mode).status());
+  }
+  if (!rows_.shared()) return Status::Ok();
+  return rows_.Read([](sql::Db& db) -> Status {
+    Query q(db, "SELECT 1 FROM leases WHERE tenant = ?1 AND name = ?2 AND until_ms >= ?3");
+    q.Bind("upkeep").Bind(NowMs());
+    if (q.Next()) return LeaseIsHeld();
+    return q.status();
+  });
+}
+
 Status Rewriter::Mark() {
   if (!rows_.shared()) return WriteFileDurably(folder_ / kRewriteMark, {});
   return rows_.Write([mark = Uuid::New()](sql::Db& db) {

@@ -53,6 +53,9 @@ class Rewriter {
   // Errors: kUnavailable (somebody makes a backup, or has it alone; field kLeaseHeld: on another
   // server).
   Result<Upkeep> TakeUpkeep();
+  // Somebody has it, on any server of the school, or makes a backup of the folder: kUnavailable,
+  // with who.
+  Status UpkeepIsFree();
 
   Status Mark();
   Result<bool> IsMarked() const;

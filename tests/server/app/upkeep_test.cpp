@@ -11,12 +11,14 @@
 #include "common/base/file.h"
 #include "server/app/caretaker.h"
 #include "server/commands/personal_data.h"
+#include "server/jobs/backup_run.h"
 #include "server/results/result_files.h"
 #include "server/storage/engine/lease.h"
 #include "server/storage/open_store.h"
 #include "server/storage/store_engine.h"
 #include "tests/server/storage/recorded_attempt.h"
 #include "tests/server/storage/simulated_disk.h"
+#include "tests/support/becomes.h"
 
 // The commands that keep, copy, export and erase data: their output and refusals.
 namespace enamel::server::app {
@@ -70,6 +72,34 @@ TEST_F(UpkeepTest, BackupRestoreAndVerifyAgreeInWordsAndNumbers) {
   EXPECT_TRUE(status.ok()) << status.message();
   EXPECT_NE(said.find("everything agrees"), std::string::npos) << said;
   EXPECT_EQ(Json("r.json").at("verified").at("ticks").to_number<int>(), 500);
+}
+
+TEST_F(UpkeepTest, BackupThatTheServerStartsIsWholeAndNotedOnce) {
+  school_.Score(school_.Record(2));
+  fs::create_directory(Path("backups"));
+  BackupRun run(*school_.store);
+  run.Into({.folder = Path("backups"), .program = ENAMEL_SERVER_PROGRAM});
+  ASSERT_TRUE(run.Start(kSystem).ok());
+  ASSERT_TRUE(test::Becomes([&] { return !run.Look()->running; }));
+  ASSERT_FALSE(run.Look()->failed) << run.Look()->failed->problem;
+  AuditFilter made;
+  made.action = kBackupMade;
+  const auto rows = *school_.store->audit.FindAudit(made);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(json::parse(rows[0].after_json).at("missing"), 0);
+  Status status;
+  Said([&] { return VerifyFolder({rows[0].object, {}, {}}); }, status);
+  EXPECT_TRUE(status.ok()) << status.message();
+}
+
+TEST_F(UpkeepTest, BackupOfTheCommandLineThatFailsIsSeenByTheServer) {
+  folder_.Write("full/file", "");
+  Status status;
+  Said([&] { return Backup({Path("data"), Path("full"), {}, {}, false}); }, status);
+  EXPECT_EQ(status.code(), Code::kConflict);
+  const auto now = BackupRun(*school_.store).Look();
+  ASSERT_TRUE(now->failed);
+  EXPECT_EQ(now->failed->problem, status.message());
 }
 
 TEST_F(UpkeepTest, VerifyThatFindsSomethingFailsAndNamesIt) {

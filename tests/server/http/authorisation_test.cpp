@@ -211,6 +211,8 @@ const Line kLines[] = {
     {"GET /api/v1/audit",                       "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/jobs/{id}/cancel",              "job",            "",                                    "401 403 403 403 403 403 204 204 401 403"},
     {"GET /api/v1/health",                      "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    // No folder is set here.
+    {"POST /api/v1/backups",                    "",               "",                                    "401 403 403 403 403 403 409 409 401 403"},
     {"GET /api/v1/jobs",                        "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
 };
 // clang-format on

@@ -1,7 +1,12 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "server/live/station_board.h"
 #include "tests/server/http/running_server.h"
+#include "tests/support/becomes.h"
 
 // The health figures that operators get.
 namespace enamel::server::http {
@@ -17,9 +22,11 @@ class HealthTest : public testing::Test {
     return Parsed(answer);
   }
 
-  static HttpOptions Options(StationBoard& board) {
+  HttpOptions Options(StationBoard& board) const {
     HttpOptions out;
     out.stations = &board;
+    out.backups.folder = school_.folder.path() / "backups";
+    out.backups.program = school_.folder.path() / "backup";
     return out;
   }
 
@@ -69,16 +76,50 @@ TEST_F(HealthTest, LastBackupAndRulesAreTold) {
   EXPECT_TRUE(Health().at("backup").is_null());
   EXPECT_TRUE(Health().at("retention").as_array().empty());
   ASSERT_TRUE(
-      school_.store->audit.NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":0})").ok());
+      school_.store->audit.NoteAudit(kBy, "store.backup", "/b/1", R"({"missing":0,"bytes":5})")
+          .ok());
   ASSERT_TRUE(
-      school_.store->audit.NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":2})").ok());
+      school_.store->audit.NoteAudit(kBy, "store.backup", "/b/2", R"({"missing":2,"bytes":7})")
+          .ok());
   ASSERT_TRUE(school_.store->retention.SetRetention({"recordings", 730}, kBy).ok());
   const json::value health = Health();
   EXPECT_EQ(health.at("backup").at("missing"), 2) << "of the newest";
+  EXPECT_EQ(health.at("backup").at("place"), "/b/2");
+  EXPECT_EQ(health.at("backup").at("bytes"), 7);
   EXPECT_GT(health.at("backup").at("at_ms").to_number<int64_t>(), 0);
   ASSERT_EQ(health.at("retention").as_array().size(), 1u);
   EXPECT_EQ(health.at("retention").at(0).at("what"), "recordings");
   EXPECT_EQ(health.at("retention").at(0).at("days"), 730);
+}
+
+// The process is a script here.
+TEST_F(HealthTest, AdminStartsABackupAndSeesWhyItFailed) {
+  const auto refused = root_.Post("/api/v1/backups");
+  EXPECT_EQ(refused.status, 409);
+  EXPECT_NE(refused.body.find("is not there; mount its disk"), std::string::npos) << refused.body;
+  std::filesystem::create_directory(school_.folder.path() / "backups");
+  school_.folder.Write("backup",
+                       "#!/bin/sh\necho '{\"phase\":\"blobs\",\"done\":1,\"all\":2}'\n"
+                       "read unused <\"$0.fifo\"\necho '{\"problem\":\"no room\"}'\nexit 1\n");
+  std::filesystem::permissions(school_.folder.path() / "backup", std::filesystem::perms::owner_all);
+  const std::string fifo = (school_.folder.path() / "backup.fifo").string();
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const auto started = root_.Post("/api/v1/backups");
+  ASSERT_EQ(started.status, 202) << started.body;
+  EXPECT_EQ(Parsed(started).at("running").at("here"), true);
+  ASSERT_TRUE(
+      test::Becomes([&] { return Health().at("backups").at("running").at("phase") == "blobs"; }));
+  EXPECT_EQ(root_.Post("/api/v1/backups").status, 409);
+  std::ofstream(fifo) << "go\n";
+  ASSERT_TRUE(test::Becomes([&] { return Health().at("backups").at("running").is_null(); }));
+  EXPECT_EQ(Health().at("backups").at("failed").at("problem"), "no room");
+  EXPECT_TRUE(Health().at("backup").is_null());
+  for (const char* action : {"store.backup_start", "store.backup_failed"}) {
+    AuditFilter asked;
+    asked.action = action;
+    asked.actor = school_.root;
+    EXPECT_EQ(school_.store->audit.FindAudit(asked)->size(), 1u) << action;
+  }
 }
 
 }  // namespace

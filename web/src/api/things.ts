@@ -2,6 +2,7 @@ import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
 import type {
   AuditEntry,
+  Backups,
   Calibration,
   EnrolCode,
   Job,
@@ -142,6 +143,9 @@ export class OperationsApi {
   }
   health(signal?: AbortSignal) {
     return this.http.json<ServerHealth>("GET", "/health", { signal });
+  }
+  startBackup() {
+    return this.http.json<Backups>("POST", "/backups");
   }
   // Those that the server can make itself, and making one.
   async teeth(

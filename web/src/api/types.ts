@@ -63,6 +63,7 @@ export type Appeal = Schemas["Appeal"];
 export type ScoringRun = Schemas["ResultRun"];
 export type FirstAdmin = Schemas["FirstAdmin"];
 export type PutTooth = Schemas["PutTooth"];
+export type Backups = Schemas["Backups"];
 export type ToothImport = Schemas["ToothImport"];
 export type ToothImportUnit = "mm" | "um" | "cm" | "m" | "inch";
 export type ServerHealth = Schemas["ServerHealth"];

@@ -1,23 +1,25 @@
-import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ServerHealth } from "../../api/types";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
-import { formatBytes, formatDateTime, formatNumber } from "../../base/format";
+import { formatBytes, formatNumber } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { BackupCard } from "./backup_card";
+import { Facts } from "./facts";
 import { FirstSteps } from "./first_steps";
-import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
+import { countText, findingsOf, perSecond, shortTime } from "./health_text";
 
 const kPollMs = 5000;
+const kBackupPollMs = 1000; // while one runs here, which somebody watches
 
 // How the server does: what is wrong first, then the figures.
 export function HealthPage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("health", (signal) => client.operations.health(signal));
-  useRefresh(true, kPollMs, reload);
   const now = loaded.state === "ready" ? loaded.value : undefined;
+  useRefresh(true, now?.backups.running?.here === true ? kBackupPollMs : kPollMs, reload);
   const before = useRef<ServerHealth | undefined>(undefined);
   const last = useRef<ServerHealth | undefined>(undefined);
   if (now !== last.current) [before.current, last.current] = [last.current, now];
@@ -32,7 +34,7 @@ export function HealthPage({ client }: { readonly client: Client }) {
         <>
           <Findings health={now} />
           <FirstSteps client={client} backedUp={now.backup !== null} stations={now.stations.enrolled} />
-          <Figures health={now} before={before.current} />
+          <Figures client={client} health={now} before={before.current} onStart={reload} />
         </>
       )}
     </>
@@ -65,8 +67,18 @@ function Findings({ health }: { readonly health: ServerHealth }) {
   );
 }
 
-function Figures({ health, before }: { readonly health: ServerHealth; readonly before: ServerHealth | undefined }) {
-  const { ingest, commits, disk, jobs, stations, recordings, sign_ins: door, backup, retention } = health;
+function Figures({
+  client,
+  health,
+  before,
+  onStart,
+}: {
+  readonly client: Client;
+  readonly health: ServerHealth;
+  readonly before: ServerHealth | undefined;
+  readonly onStart: () => void;
+}) {
+  const { ingest, commits, disk, jobs, stations, recordings, sign_ins: door } = health;
   const chunks = perSecond(before, health, (each) => each.ingest.chunks);
   const count = (value: number) => countText(value, jobs.counted_up_to);
   return (
@@ -121,41 +133,11 @@ function Figures({ health, before }: { readonly health: ServerHealth; readonly b
             ]}
           />
         </Card>
-        <Card title={say("health.backup")}>
-          <Facts
-            rows={[
-              [
-                say("health.last_backup"),
-                backup === null ? (
-                  say("health.never")
-                ) : (
-                  <span title={formatDateTime(backup.at_ms)}>{relativeTime(backup.at_ms, health.now_ms)}</span>
-                ),
-              ],
-              [say("health.missing"), backup === null ? "–" : formatNumber(backup.missing, 0)],
-              ...(retention.length === 0
-                ? [[say("health.kept"), say("health.for_good")] as const]
-                : retention.map(retentionText)),
-            ]}
-          />
-        </Card>
+        <BackupCard client={client} health={health} onStart={onStart} />
       </div>
       <p class="hint">
         {say("health.counted", { since: relativeTime(health.started_ms, health.now_ms), count: commits.timed })}
       </p>
     </>
-  );
-}
-
-function Facts({ rows }: { readonly rows: ReadonlyArray<readonly [string, ComponentChildren]> }) {
-  return (
-    <dl class="facts stacked">
-      {rows.map(([name, value], i) => (
-        <div key={i}>
-          <dt>{name}</dt>
-          <dd>{value}</dd>
-        </div>
-      ))}
-    </dl>
   );
 }

@@ -5,6 +5,7 @@ import type { ServerHealth } from "../../api/types";
 import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
 
 const kDayMs = 86_400_000;
+const made = { at_ms: 99.5 * kDayMs, missing: 0, place: "/b/1", bytes: 5e6 };
 const well: ServerHealth = {
   now_ms: 100 * kDayMs,
   started_ms: 99 * kDayMs,
@@ -17,7 +18,8 @@ const well: ServerHealth = {
   stations: { enrolled: 3, online: 3 },
   recordings: { open: 1, late: [] },
   sign_ins: { signed_in: 5, refused: 3, throttled: 0, busy: 0 },
-  backup: { at_ms: 99.5 * kDayMs, missing: 0 },
+  backup: made,
+  backups: { folder: "/b", running: null, failed: null },
   retention: [],
 };
 const titles = (health: ServerHealth) => findingsOf(health).map(({ tone, title }) => `${tone}: ${title}`);
@@ -35,7 +37,7 @@ test("the navigation counts what is bad here", () => {
     { standby: "none" },
     { disk: { ...well.disk, free_bytes: 200e6 } },
     { disk: { ...well.disk, free_bytes: 400e6 } },
-    { backup: { at_ms: 0, missing: 2 } },
+    { backup: { ...made, at_ms: 0, missing: 2 } },
     { backup: null, jobs: { ...well.jobs, failed: 3 } },
     { standby: "missing", clock: { ahead_ms: -9000, problem: "off" } },
   ];
@@ -47,6 +49,14 @@ test("the navigation counts what is bad here", () => {
       JSON.stringify(changes),
     );
   }
+});
+
+test("a backup that failed is shown with its reason", () => {
+  const failed = { at_ms: 99.9 * kDayMs, problem: "the backup disk is full" };
+  assert.deepEqual(
+    findingsOf({ ...well, backups: { ...well.backups, failed } }).map(({ title, text }) => [title, text]),
+    [["The last backup failed", "The backup disk is full."]],
+  );
 });
 
 test("problems that stop recordings come before warnings", () => {
@@ -73,8 +83,10 @@ test("every figure that needs attention is reported", () => {
   ]);
   assert.deepEqual(told({ standby: "synchronous" }), []);
   assert.deepEqual(told({ standby: "unknown" }), []);
-  assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);
-  assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup is missing 2 files"]);
+  assert.deepEqual(told({ backup: { ...made, at_ms: 90 * kDayMs } }), ["warning: The last backup is 10 days old"]);
+  assert.deepEqual(told({ backup: { ...made, at_ms: 99 * kDayMs, missing: 2 } }), [
+    "bad: The last backup is missing 2 files",
+  ]);
   assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), [
     "warning: 20 sign-ins were held back since the server started",
   ]);

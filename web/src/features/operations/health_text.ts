@@ -123,10 +123,12 @@ function workFindings({ jobs }: ServerHealth): Finding[] {
   return out;
 }
 
-function backupFindings({ backup, now_ms: now }: ServerHealth): Finding[] {
+function backupFindings({ backup, backups: { failed }, now_ms: now }: ServerHealth): Finding[] {
   const todo = say("finding.backup_todo");
-  if (backup === null) return [{ tone: "warning", title: say("finding.no_backup"), text: todo }];
   const out: Finding[] = [];
+  if (failed !== null)
+    out.push({ tone: "warning", title: say("finding.backup_failed"), text: sentence(failed.problem) });
+  if (backup === null) return [...out, { tone: "warning", title: say("finding.no_backup"), text: todo }];
   if (backup.missing > 0)
     out.push({
       tone: "bad",
