@@ -15,10 +15,11 @@ interface BarProps {
   readonly other: Other;
   readonly placement: Placement;
   readonly onPlacement: (placement: Placement) => void;
+  readonly cut: boolean; // then the other one is an outline, which the section's legend names
 }
 
 // Under the teeth: placement and moment of the other one, and the legend of its colours.
-export function CompareBar({ other, placement, onPlacement }: BarProps) {
+export function CompareBar({ other, placement, onPlacement, cut }: BarProps) {
   return (
     <div class="compare-bar">
       <Segmented
@@ -41,7 +42,7 @@ export function CompareBar({ other, placement, onPlacement }: BarProps) {
         <option value="path">{say("compare.same_path")}</option>
       </select>
       <span class="other-time">{other.at === undefined ? "" : formatMoment(other.at)}</span>
-      {placement === "top" && (other.ready ? <GhostLegend /> : <OtherMissing other={other} />)}
+      {placement === "top" && (other.ready ? !cut && <GhostLegend /> : <OtherMissing other={other} />)}
     </div>
   );
 }

@@ -115,11 +115,9 @@ export function SectionLegend(props: LegendProps) {
       <p class="hint" role="status">
         {start === undefined
           ? say("section.no_inside")
-          : inside === undefined
-            ? say("section.opening")
-            : inside.ok
-              ? ""
-              : say("section.not_opened", { reason: inside.error })}
+          : inside?.ok === false
+            ? say("section.not_opened", { reason: inside.error })
+            : ""}
       </p>
     </div>
   );

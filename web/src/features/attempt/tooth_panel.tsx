@@ -260,7 +260,9 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
       </div>
       {other !== undefined && (
         <Closer
-          show={({ CompareBar }) => <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
+          show={({ CompareBar }) => (
+            <CompareBar other={other} placement={placement} onPlacement={setPlacement} cut={!!section} />
+          )}
         />
       )}
       {measured !== undefined && (
