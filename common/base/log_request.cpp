@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kMostIdBytes = 64;
 
-thread_local std::string_view current;
+thread_local std::string_view current, attempt;
 
 }  // namespace
 
@@ -21,6 +21,15 @@ LogRequest::LogRequest(std::string_view id) : before_(current) { current = id; }
 LogRequest::~LogRequest() { current = before_; }
 
 std::string_view LogRequest::Current() { return current; }
+
+LogAttempt::LogAttempt(const Uuid& id)
+    : before_(attempt), id_(id.IsZero() ? std::string() : id.Text()) {
+  attempt = id_;
+}
+
+LogAttempt::~LogAttempt() { attempt = before_; }
+
+std::string_view LogAttempt::Current() { return attempt; }
 
 std::string LogRequest::NewId() {
   std::array<uint8_t, 6> bytes;

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/uuid.h"
+
 namespace enamel {
 
 // Names what this thread is doing, as long as this object lives: every line that the thread logs
@@ -25,6 +27,24 @@ class LogRequest {
 
  private:
   const std::string_view before_;
+};
+
+// Names the attempt whose recording this thread receives, scores or plays back, as long as this
+// object lives: every line that the thread logs carries its id, whichever server or worker of the
+// school logs it. Nested and across a co_await as LogRequest. A zero id names none.
+class LogAttempt {
+ public:
+  explicit LogAttempt(const Uuid& id);
+  ~LogAttempt();
+  LogAttempt(const LogAttempt&) = delete;
+  LogAttempt& operator=(const LogAttempt&) = delete;
+
+  // This thread's; empty: none.
+  static std::string_view Current();
+
+ private:
+  const std::string_view before_;
+  const std::string id_;
 };
 
 }  // namespace enamel

@@ -6,6 +6,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <boost/json.hpp>
 #include <chrono>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <iostream>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "common/base/log_request.h"
 #include "common/base/utf8.h"
@@ -34,6 +36,11 @@ std::string UtcText(spdlog::log_clock::time_point time) {
   return all;
 }
 
+// By which lines of one matter are found.
+std::array<std::pair<const char*, std::string_view>, 2> Ids() {
+  return {{{"request", LogRequest::Current()}, {"attempt", LogAttempt::Current()}}};
+}
+
 class JsonLines final : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
@@ -42,8 +49,8 @@ class JsonLines final : public spdlog::formatter {
                              {"level", boost::json::string_view(level.data(), level.size())},
                              {"message", AsUtf8({message.payload.data(), message.payload.size()})}};
     // A line is formatted by the thread that logs it.
-    if (const std::string_view request = LogRequest::Current(); !request.empty()) {
-      line["request"] = request;
+    for (const auto& [name, id] : Ids()) {
+      if (!id.empty()) line[name] = id;
     }
     std::string text = boost::json::serialize(line) + "\n";
     out.append(text.data(), text.data() + text.size());
@@ -53,23 +60,24 @@ class JsonLines final : public spdlog::formatter {
   }
 };
 
-class RequestFlag final : public spdlog::custom_flag_formatter {
+class IdsFlag final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& out) override {
-    const std::string_view request = LogRequest::Current();
-    if (request.empty()) return;
-    const std::string text = "[request " + std::string(request) + "] ";
-    out.append(text.data(), text.data() + text.size());
+    for (const auto& [name, id] : Ids()) {
+      if (id.empty()) continue;
+      const std::string text = "[" + std::string(name) + " " + std::string(id) + "] ";
+      out.append(text.data(), text.data() + text.size());
+    }
   }
   std::unique_ptr<custom_flag_formatter> clone() const override {
-    return std::make_unique<RequestFlag>();
+    return std::make_unique<IdsFlag>();
   }
 };
 
-// spdlog's own, with the request before the message.
+// spdlog's own, with the ids before the message.
 std::unique_ptr<spdlog::formatter> TextLines() {
   auto lines = std::make_unique<spdlog::pattern_formatter>();
-  lines->add_flag<RequestFlag>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*%v");
+  lines->add_flag<IdsFlag>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*%v");
   return lines;
 }
 

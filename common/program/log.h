@@ -9,7 +9,7 @@ namespace enamel::program {
 
 struct LogOptions {
   std::string format =
-      "text";  // or "json": one object a line, {"time", "level", "message", "request"}
+      "text";  // or "json": one object a line, {"time", "level", "message", "request", "attempt"}
   std::string level = "info";          // trace, debug, info, warning, error
   std::string name = "enamel-server";  // of the program
 };
@@ -17,8 +17,9 @@ struct LogOptions {
 // Sets spdlog's default logger; at start, before other threads. JSON lines are for collectors
 // (systemd's journal, a log shipper): time is UTC with milliseconds (RFC 3339), the message is
 // escaped, so that nothing a client sends can begin a line of its own, and what is not UTF-8 in it
-// is replaced (AsUtf8). A line that was logged while a LogRequest named a request says its id, in
-// text as "[request ID]" before the message. Errors: kInvalidInput.
+// is replaced (AsUtf8). A line that was logged while a LogRequest or LogAttempt named a request or an
+// attempt has its id, in text as "[request ID] [attempt ID]" before the message. Errors:
+// kInvalidInput.
 Status SetUpLog(const LogOptions& options);
 
 // As set up: standard error is for lines of JSON, and progress and advice are left out.

@@ -78,6 +78,15 @@ Status CheckAllowed(const Request& request, const Route& route, const auth::Iden
   return CheckPasswordIsOwn(route, caller.person);
 }
 
+// The attempt that a path names, for the log; zero: none.
+Uuid AttemptOf(const Request& request) {
+  constexpr std::string_view kBefore = "/api/v1/attempts/";
+  constexpr size_t kIdBytes = 36;
+  if (!request.path.starts_with(kBefore)) return {};
+  const auto id = Uuid::Parse(std::string_view(request.path).substr(kBefore.size(), kIdBytes));
+  return id.ok() ? *id : Uuid{};
+}
+
 bool IsName(std::string_view text) {
   return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -178,6 +187,7 @@ asio::awaitable<Response> Api::Handle(Request request) {
   request.answer_by = begin + work_;
   const bool read = IsSafe(request.method);
   const std::string id = request.id;
+  const Uuid attempt = AttemptOf(request);
   const std::string what = MethodName(request.method) + (" " + Printable(request.path));
   Response response = co_await AnswerInTime(std::move(request));
   auto kind = static_cast<size_t>(response.status / 100);
@@ -185,6 +195,7 @@ asio::awaitable<Response> Api::Handle(Request request) {
   const auto took = std::chrono::steady_clock::now() - begin;
   if (read) reads_.Add(took);
   const LogRequest logged(id);
+  const LogAttempt of(attempt);
   spdlog::debug("http: {}: {} after {:.1f} ms", what, response.status,
                 std::chrono::duration<double, std::milli>(took).count());
   co_return response;
@@ -219,6 +230,7 @@ asio::awaitable<Response> Api::AnswerInTime(Request request) {
   if (work->failure) std::rethrow_exception(work->failure);
   if (work->done) co_return std::move(work->response);
   const LogRequest logged(work->request.id);
+  const LogAttempt of(AttemptOf(work->request));
   spdlog::warn("http: {} {} had no answer within {} ms", MethodName(work->request.method),
                Printable(work->request.path), work_.count());
   co_return NotInTime(work->request);
@@ -313,6 +325,7 @@ void Api::NoteForbidden(const Call& call, const Route& route, const Response& re
 
 Response Api::Blocking(Call& call, const Route& route) {
   const LogRequest logged(call.request.id);
+  const LogAttempt of(AttemptOf(call.request));
   // The caller already got 503 ("not done") and may have sent the request again.
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   try {

@@ -7,6 +7,7 @@
 
 #include <exception>
 
+#include "common/base/log_request.h"
 #include "common/base/unix_time.h"
 #include "server/jobs/score_job.h"
 
@@ -111,6 +112,7 @@ bool Worker::RunOne(const std::stop_token& stop) {
   if (report_queue) Report({}, job.status());
   if (!job.ok() || !*job) return false;
 
+  const LogAttempt logged((*job)->attempt);
   const Uuid lease = (*job)->lease;
   {
     MutexLock lock(mutex_);
@@ -145,6 +147,7 @@ bool Worker::MakeNextTimeline(const std::stop_token& stop) {
   auto attempt = store_.timelines.TakeTimeline();
   // An error of the database is reported when the worker reads the queue.
   if (!attempt.ok() || !*attempt) return false;
+  const LogAttempt logged(**attempt);
   auto asked = std::chrono::steady_clock::now(), kept = asked;
   const auto nobody_waits = [&](double) {
     if (stop.stop_requested()) return false;

@@ -171,7 +171,7 @@ asio::awaitable<void> Connection::ServeRequests() {
       reader_.set_limit(protocol::kMaxFrameBytes);
     }
     if (!answer.reply) continue;
-    if (answer.reply->has_error()) NoteRefusal(*answer.reply->mutable_error());
+    if (answer.reply->has_error()) NoteRefusal(*answer.reply->mutable_error(), answer.attempt);
     bool written = co_await Write(std::move(*answer.reply));
     if (!written || answer.close) co_return;
   }
@@ -278,12 +278,15 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
   co_return co_await stream_.WriteAll(*frame);
 }
 
-void Connection::NoteRefusal(wire::Error& error) {
+void Connection::NoteRefusal(wire::Error& error, const Uuid& attempt) {
   std::string who = "a peer at " + peer_;
   if (session_ && !session_->name().empty())
     who = "station \"" + session_->name() + "\" at " + peer_;
   const LogRequest logged(id_);
-  refusals_.Note({who, error.code() + "\n" + error.field(), error.code() + ": " + error.message()});
+  const LogAttempt of(attempt);
+  // Each recording's own: one that is only counted with another could not be found.
+  refusals_.Note({who, error.code() + "\n" + error.field() + "\n" + attempt.Text(),
+                  error.code() + ": " + error.message()});
   if (IsOurFault(error)) {
     error.set_message("the server could not do this; its log says why; what was sent is not lost");
     error.clear_field();

@@ -56,7 +56,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
   // Logs it, and removes the parts that are for the log alone.
-  void NoteRefusal(wire::Error& error);
+  void NoteRefusal(wire::Error& error, const Uuid& attempt = {});
   void End(Status why);
 
   const Strand strand_;

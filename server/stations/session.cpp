@@ -71,9 +71,13 @@ Answer Session::Handle(const wire::Request& request) {
     Take(request.live_state());
     return {};
   }
+  about_ = {};
   auto result = Dispatch(request);
   // Enrol ends the connection too (schemas/wire): the credential is first used on a new one.
-  return AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
+  Answer out =
+      AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
+  out.attempt = about_;
+  return out;
 }
 
 bool Session::KnownAdmitted() const {

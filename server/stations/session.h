@@ -54,6 +54,7 @@ Status RevokedStation();
 struct Answer {
   std::optional<wire::Reply> reply;
   bool close = false;
+  Uuid attempt{};  // whose recording it is about, for the log; zero: none that is known
 };
 
 // The server's end of the station protocol (schemas/wire/README.md) without any I/O of its own: a
@@ -144,7 +145,8 @@ class Session {
   Status SetTiming(AttemptRow& row);
   Status CheckHeader(const trace::Header& header);
   Status CheckParams(const trace::Header& header);
-  // Errors: kNotFound unless the attempt was ticketed for this station.
+  // From now on the request is about this attempt. Errors: kNotFound unless it was ticketed for this
+  // station.
   Status MustBeOurs(const Uuid& attempt);
   // Whether this server lacks some of an attempt that a station of its had finished sending.
   Result<bool> Lacks(const wire::HeldAttempt& held);
@@ -174,6 +176,7 @@ class Session {
   UnixMs admitted_ms_ = 0;      // when it was known to be admitted last
   std::set<Sha256> signed_in_;  // token hashes
   std::set<Uuid> ours_;         // attempts known to be of this station
+  Uuid about_;                  // Answer::attempt of the request under way
   // The blob being fetched part by part.
   Sha256 fetched_hash_;
   Content::Blob fetched_;

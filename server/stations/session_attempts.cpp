@@ -1,7 +1,9 @@
 #include <sodium.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 
+#include "common/base/log_request.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "server/live/chunk_moments.h"
@@ -22,12 +24,14 @@ Status NotOurs(const Uuid& attempt) {
 }  // namespace
 
 Status Session::MustBeOurs(const Uuid& attempt) {
-  if (ours_.contains(attempt)) return Status::Ok();
-  auto row = services_.store.attempts.AttemptById(attempt);
-  if (!row.ok()) return row.status().code() == Code::kNotFound ? NotOurs(attempt) : row.status();
-  if (row->station != station_->id) return NotOurs(attempt);
-  if (ours_.size() >= kMaxRemembered) ours_.clear();
-  ours_.insert(attempt);
+  if (!ours_.contains(attempt)) {
+    auto row = services_.store.attempts.AttemptById(attempt);
+    if (!row.ok()) return row.status().code() == Code::kNotFound ? NotOurs(attempt) : row.status();
+    if (row->station != station_->id) return NotOurs(attempt);
+    if (ours_.size() >= kMaxRemembered) ours_.clear();
+    ours_.insert(attempt);
+  }
+  about_ = attempt;
   return Status::Ok();
 }
 
@@ -266,6 +270,8 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(AsBytes(request.header())));
   ENAMEL_RETURN_IF_ERROR(CheckHeader(header));
   const Uuid& attempt = header.ticket.attempt;
+  about_ = attempt;
+  const LogAttempt logged(attempt);
   auto row = services_.store.attempts.AttemptById(attempt);
   const bool forgotten = row.status().code() == Code::kNotFound;
   if (forgotten) row = Readmit(header.ticket);
@@ -284,6 +290,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
         Actor{row->person, "station " + station_->name}));
   }
   ours_.insert(attempt);
+  spdlog::info("station \"{}\" sends a recording from chunk {} on", station_->name, row->chunks);
 
   wire::Reply reply;
   reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
@@ -317,9 +324,11 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   if (!trace::VerifyChunk(bytes, key)) return NotSigned(bytes);
   ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk.head.attempt));
+  const LogAttempt logged(chunk.head.attempt);
   ChunkPut put{chunk.head.attempt, chunk.head, chunk.hash, Bytes(bytes.begin(), bytes.end()),
                services_.clock()};
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest.AppendChunk(put));
+  spdlog::debug("chunk {} is stored", chunk.head.seq);
   services_.arrivals.Came(put.attempt, services_.clock());
   const bool watched = services_.live.Watched(put.attempt);
   // Half a second late, of stations that send no LiveState.
@@ -361,8 +370,10 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
   ENAMEL_ASSIGN_OR_RETURN(auto last, protocol::ReadSha256(request.last_chunk(), "last_chunk"));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
+  const LogAttempt logged(attempt);
   trace::Seal seal{attempt, request.chunks(), request.ticks(), last, request.state_hash()};
   ENAMEL_RETURN_IF_ERROR(services_.store.seals.SealAttempt(seal, services_.clock()));
+  spdlog::info("the recording is whole: {} chunks, {} ticks", seal.chunks, seal.ticks);
   // After it is on disk: a viewer who sees the end finds the attempt sealed.
   services_.live.Remove(attempt);
   services_.arrivals.Ended(attempt);
@@ -380,7 +391,10 @@ Result<Session::Seen> Session::SeenAttempt(const std::string& session_token,
   ENAMEL_ASSIGN_OR_RETURN(seen.row, services_.store.attempts.AttemptById(attempt));
   ENAMEL_ASSIGN_OR_RETURN(seen.shares_cohort,
                           services_.store.cohorts.ShareCohort(seen.person.id, seen.row.person));
-  if (CanSeeAttempt(seen.person, seen.row, seen.shares_cohort)) return seen;
+  if (CanSeeAttempt(seen.person, seen.row, seen.shares_cohort)) {
+    about_ = attempt;
+    return seen;
+  }
   return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
 }
 

@@ -1,3 +1,4 @@
+#include "common/base/log_request.h"
 #include "server/stations/session.h"
 
 // Recordings that a station still has and this server may have lost, and returned tickets.
@@ -55,6 +56,7 @@ Result<bool> Session::Revoked(const Uuid& attempt) {
 Result<wire::Reply> Session::Do(const wire::ReturnTicket& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
+  const LogAttempt logged(attempt);
   ENAMEL_RETURN_IF_ERROR(
       services_.store.tickets.ReturnTicket(attempt, Actor{{}, "station " + station_->name}));
   wire::Reply reply;

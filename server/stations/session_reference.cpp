@@ -1,3 +1,4 @@
+#include "common/base/log_request.h"
 #include "server/jobs/reference_check.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
@@ -30,6 +31,7 @@ Status CheckWords(const wire::MarkReference& request) {
 Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
   ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeenAttempt(request.session(), request.attempt()));
   const AttemptRow& row = seen.row;
+  const LogAttempt logged(row.id);
   if (!CanMarkReference(seen.person, row, seen.shares_cohort)) {
     return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
                   "attempt");

@@ -72,6 +72,26 @@ TEST_F(LogTest, ALineNamesTheRequestThatItsThreadIsDoing) {
   EXPECT_FALSE(LogRequest::IsId(std::string(65, 'a')));
 }
 
+TEST_F(LogTest, ALineNamesTheAttemptThatItsThreadIsAbout) {
+  const Uuid id = *Uuid::Parse("0190a5b2-0000-7000-8000-00000000000a");
+  for (const auto& [format, named] : {std::pair("json", "\"attempt\":\"" + id.Text() + "\""),
+                                      std::pair("text", "[attempt " + id.Text() + "] ")}) {
+    ::testing::internal::CaptureStderr();
+    ASSERT_TRUE(SetUpLog({format, "info"}).ok());
+    {
+      const LogAttempt attempt(id);
+      spdlog::info("about it");
+      const LogAttempt none(Uuid{});
+      spdlog::info("about none");
+    }
+    spdlog::info("after");
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(named), std::string::npos) << said;
+    EXPECT_LT(said.find(named), said.find("about none")) << said;
+    EXPECT_EQ(said.find("attempt", said.find("about none")), std::string::npos) << said;
+  }
+}
+
 TEST_F(LogTest, WhatAProgramSaysLastIsALineOfItsLogWhateverItsLevel) {
   ::testing::internal::CaptureStderr();
   ASSERT_TRUE(SetUpLog({"json", "error", "prog"}).ok());

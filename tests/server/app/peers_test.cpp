@@ -11,10 +11,12 @@
 
 #include "server/app/data_folder.h"
 #include "server/app/school.h"
+#include "server/jobs/backup_run.h"
 #include "server/stations/station_server.h"
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/open_store.h"
+#include "server/storage/store_engine.h"
 #include "tests/support/becomes.h"
 #include "tests/support/postgres_proxy.h"
 #include "tests/support/temp_folder.h"
@@ -132,6 +134,26 @@ TEST_F(PgPeersTest, AnAddressAtWhichAnotherServerAnswersDoesNotCount) {
   ASSERT_TRUE(test::Becomes([&] { return peers.view().has_value(); }));
   EXPECT_EQ(peers.view()->asked, 1u);
   EXPECT_EQ(peers.view()->answered, 0u);
+}
+
+TEST_F(PgPeersTest, ABackupOfAnotherServerIsSeenHereAndKeepsASecondOut) {
+  BackupRun run(*here_);
+  run.Into({.folder = folder_.path()});
+  {
+    const auto others = other_->store().engine->rewriter.TakeUpkeep();
+    ASSERT_TRUE(others.ok()) << others.status().message();
+    const Actor by{{}, "page"};
+    ASSERT_TRUE(other_->store().audit.NoteAudit(by, kBackupStarted, "/b/1", "{}").ok());
+    const auto now = run.Look();
+    ASSERT_TRUE(now->running);
+    EXPECT_FALSE(now->running->here);
+    const Status refused = run.Start(by);
+    EXPECT_EQ(refused.code(), Code::kConflict);
+    EXPECT_NE(refused.message().find("another server of this school makes a backup"),
+              std::string::npos)
+        << refused.message();
+  }
+  ASSERT_TRUE(run.Look()->failed) << "it was not finished, and nobody is at it";
 }
 
 }  // namespace

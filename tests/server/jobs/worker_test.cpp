@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 
+#include "common/base/log_request.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/store_engine.h"
 #include "tests/server/jobs/job_school.h"
@@ -51,6 +52,8 @@ class WorkerTest : public ::testing::Test {
     WorkerOptions options;
     options.poll = poll;
     options.on_done = [this](const JobRow& job, const Status& status) {
+      // What is logged of a job names its attempt.
+      EXPECT_EQ(LogAttempt::Current(), job.attempt.IsZero() ? "" : job.attempt.Text()) << job.kind;
       reports_.Add(job, status);
     };
     return options;

@@ -1,6 +1,8 @@
 #include "server/stations/station_server.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
 #include <sqlite3.h>
 
 #include <boost/asio/io_context.hpp>
@@ -9,8 +11,11 @@
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
 #include <list>
+#include <map>
+#include <mutex>
 #include <thread>
 
+#include "common/base/log_request.h"
 #include "common/net/certificate.h"
 #include "common/net/frame_client.h"
 #include "common/protocol/frame.h"
@@ -114,6 +119,51 @@ TEST_F(StationServerTest, AttemptIsUploadedOverTls) {
   }
   EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
   EXPECT_EQ(world_.store->recordings.AttemptChunks(recording.seal.attempt)->size(), 5u);
+}
+
+// What is logged, and of which attempt.
+class Story final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  std::multimap<std::string, std::string> lines;  // by attempt
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& line) override {
+    lines.emplace(LogAttempt::Current(), std::string(line.payload.data(), line.payload.size()));
+  }
+  void flush_() override {}
+};
+
+TEST_F(StationServerTest, EveryLineAboutARecordingNamesItsAttempt) {
+  const auto story = std::make_shared<Story>();
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("story", story));
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  std::vector<std::string> attempts;
+  for (int i = 0; i < 2; ++i) {
+    auto ticket = station_.RequestTicket(world_.exercise.content, world_.Profile("omega3"));
+    Recording recording(world_, TicketOf(ticket), station_.keys, 2);
+    attempts.push_back(recording.seal.attempt.Text());
+    ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+    EXPECT_EQ(station_.Put(recording.chunks[1]).error().code(), "conflict");
+    for (const Bytes& chunk : recording.chunks) EXPECT_TRUE(station_.Put(chunk).has_chunk_ack());
+    EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
+  }
+  StopAndJoin();
+  spdlog::set_default_logger(before);
+  for (const std::string& attempt : attempts) {
+    std::string all;
+    const auto [from, to] = story->lines.equal_range(attempt);
+    for (auto at = from; at != to; ++at) all += at->second + "\n";
+    for (const char* part :
+         {"sends a recording from chunk 0 on", "conflict", "is whole: 2 chunks"}) {
+      EXPECT_NE(all.find(part), std::string::npos) << part << " in\n" << all;
+    }
+  }
 }
 
 TEST_F(StationServerTest, OversizedFrameBeforeHelloIsNamedAndEndsTheConnection) {
