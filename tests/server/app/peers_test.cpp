@@ -69,7 +69,7 @@ class PgPeersTest : public ::testing::Test {
     auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok() && (*db)->Exec("DROP SCHEMA peers CASCADE").ok());
   }
-  std::unique_ptr<Store> Open(const TempFolder& folder, const std::string& server) {
+  std::unique_ptr<Store> Open(const test::TempFolder& folder, const std::string& server) {
     PostgresOptions options;
     options.server = server;
     options.schema = "peers";
@@ -88,7 +88,7 @@ class PgPeersTest : public ::testing::Test {
     way.Hang(on);
   }
 
-  TempFolder folder_, folder_of_other_;
+  test::TempFolder folder_, folder_of_other_;
   std::optional<PostgresProxy> way_, way_of_other_;
   std::string server_;
   ServerIdentity identity_;
