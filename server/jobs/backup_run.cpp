@@ -176,7 +176,8 @@ Status BackupRun::Start(const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(MustBeFree());
   const fs::path target = fs::absolute(place_.folder) / NameNow();
   ENAMEL_RETURN_IF_ERROR(store_.audit.NoteAudit(by, kBackupStarted, target.string(), "{}"));
-  running_.emplace().since_ms = enamel::UnixMs();
+  // Not in place: clang 14 takes it for something that cannot be made so.
+  running_.emplace(Running{enamel::UnixMs()});
   thread_ =
       std::jthread([this, target, by](const std::stop_token& stop) { Work(target, by, stop); });
   return Status::Ok();
