@@ -110,7 +110,7 @@ json::object Outcome(const BackupReport& report) {
   return {{"files", report.files}, {"bytes", report.bytes}, {"missing", report.missing.size()}};
 }
 
-// Whoever reads it may have gone: then this process ends with the next line.
+// If the server has ended, the pipe is broken and this process ends with the next line.
 void PrintLine(const json::object& line) { std::cout << json::serialize(line) << std::endl; }
 
 // What is copied, in the few words that the page knows.

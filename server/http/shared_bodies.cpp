@@ -22,7 +22,7 @@ Result<SharedBodies::Body> SharedBodies::Get(const Sha256& name, const Read& rea
   Body body;
   if (bytes.ok()) body = std::make_shared<const std::string>(AsText(*bytes));
   MutexLock lock(mutex_);
-  // Each caller that waits finds no slot and reads for itself.
+  // The waiting callers find no slot, and each reads the bytes itself.
   if (body == nullptr) {
     slots_.erase(name);
   } else {

@@ -23,7 +23,7 @@ class SharedBodies {
   using Body = std::shared_ptr<const std::string>;
   using Read = std::function<Result<Bytes>()>;
 
-  // `read` gives the bytes that `name` is the hash of. After a failure each caller that waits reads for itself.
+  // `read` gives the bytes that `name` is the hash of. After a failure each waiting caller reads them itself.
   Result<Body> Get(const Sha256& name, const Read& read);
   // The same, and it stays for kFor after its last use, among the newest of kKeptBytes.
   Result<Body> Made(const Sha256& name, const Read& make);

@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 namespace json = boost::json;
 using Clock = std::chrono::steady_clock;
 
-// How often a process that says nothing is looked at.
+// The server looks this often at a process that says nothing.
 constexpr std::chrono::milliseconds kLook{50};
 // After SIGKILL only a system call that hangs keeps a process.
 constexpr std::chrono::seconds kDies{2};
@@ -121,7 +121,7 @@ class Child {
     return std::nullopt;
   }
 
-  // It said all it had to say, and is gone.
+  // The process has ended.
   bool HasEnded() {
     if (pid_ >= 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = -1;
     return pid_ < 0;
@@ -157,14 +157,14 @@ Status BackupRun::MustBeFree() const {
   const auto refuse = [](const std::string& why) { return Status(Code::kConflict, why); };
   if (place_.folder.empty()) {
     return refuse(
-        "no folder for backups is set; whoever runs the server names one in its settings (backups "
-        "= \"/var/backups/enamel\") and restarts it");
+        "no folder for backups is set; ask IT to name one in the server's settings (backups = "
+        "\"/var/backups/enamel\") and to restart it");
   }
   // Not made: where a disk is not mounted, the backup would fill the one below.
   std::error_code error;
   if (!fs::is_directory(place_.folder, error)) {
     return refuse("the folder for backups, " + place_.folder.string() +
-                  ", is not there; mount its disk, or make the folder");
+                  ", does not exist; mount its disk, or make the folder");
   }
   const Status free = store_.engine->rewriter.UpkeepIsFree();
   return free.code() == Code::kUnavailable ? refuse(free.message()) : free;

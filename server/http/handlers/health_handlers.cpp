@@ -67,7 +67,7 @@ Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   return json::object{{"open", open}, {"late", std::move(late)}};
 }
 
-// From the note of who made it, who cannot know what becomes of the copy.
+// As the audit trail noted it. What has become of the copy since, nobody notes.
 Result<json::value> LastBackup(Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(const auto newest, store.audit.NewestOf(kBackupMade));
   if (!newest) return json::value();

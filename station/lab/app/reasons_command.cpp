@@ -43,14 +43,12 @@ void RegisterReasons(CLI::App& app, int* exit_code) {
       ->check(CLI::IsMember({"en", "de", "zh"}))
       ->capture_default_str();
   reasons->footer(
-      "For a dentist who checks Enamel's words before students read them. The sheet has every "
-      "fault "
-      "that\n"
-      "a score can name: what is said, why it matters, and what to do next time. Two sections show "
-      "the\n"
-      "tooth as it should be and as it was cut. Most cuts are the faults of 'enamel-lab grades'; "
-      "each\n"
-      "sentence gives what was measured on its own picture's cut. It takes about a minute.\n"
+      "For a dentist who checks Enamel's words before students read them. Each fault that a score\n"
+      "can name has a card: the sentence, the reason it matters, and the advice for next time. "
+      "Two\n"
+      "sections show the tooth as it should be and as it was cut. Most cuts are the faults of\n"
+      "'enamel-lab grades'; each sentence gives what was measured on the cut in its picture. It\n"
+      "takes about a minute.\n"
       "The file needs nothing beside it: no script, no network.\n"
       "Examples:\n"
       "  enamel-lab reasons --sheet reasons.html\n"

@@ -31,7 +31,7 @@ Axes AxesOf(Plane plane) {
   return {0, 2, 1};
 }
 
-// Distances to what is left of the tooth (m, negative inside), as it should be and as it is.
+// Distances to the tooth that is left (m, negative inside it) after `wanted` and after `taken`.
 struct Left {
   double should = 1, is = 1;
 };

@@ -10,7 +10,7 @@ namespace enamel::station::lab {
 // What the plane of a section shows; the scene's x is mesiodistal, y buccolingual, z upright.
 enum class Plane { kMesiodistal, kBuccolingual, kLevel };
 
-// A tooth, what had to be removed from it, and what was.
+// A tooth with the cavity that was wanted and the cavity that was cut.
 struct CutPair {
   const cutting::Volume* tooth = nullptr;
   Hollow wanted, taken;
@@ -18,9 +18,10 @@ struct CutPair {
 };
 
 // Two sections side by side as an SVG element: the tooth after `wanted`, and after `taken`. They lie
-// where the two differ visibly, as near the middle of the cut as that allows. The second marks what was cut too much (class "over"), what was left
-// ("left") and where the cut should end ("should"); the other classes are tissues. Empty: they do
-// not differ.
+// where the two differ visibly, as near the middle of the cut as that allows. In the second, class
+// "over" is what was removed and should have stayed, "left" is what stayed and should have been
+// removed, and "should" is the line of `wanted`; the other classes are tissues. Empty: the two do not
+// differ.
 std::string DrawSections(const CutPair& cut, Plane plane);
 
 }  // namespace enamel::station::lab

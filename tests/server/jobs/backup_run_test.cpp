@@ -149,7 +149,7 @@ TEST_F(BackupRunTest, IsRefusedWhileTheCommandLineMakesOneOrDataIsRemoved) {
 
 TEST_F(BackupRunTest, NeedsAFolderThatIsThere) {
   fs::remove(place_.folder);
-  EXPECT_NE(StartOf(*Made()).message().find("is not there; mount its disk"), std::string::npos);
+  EXPECT_NE(StartOf(*Made()).message().find("does not exist; mount its disk"), std::string::npos);
   EXPECT_FALSE(fs::exists(place_.folder)) << "a disk may belong there";
   place_.folder.clear();
   const Status none = StartOf(*Made());

@@ -81,6 +81,15 @@ class StationServerTest : public ::testing::Test {
     return !frame.ok() && !net::IsTimeout(frame.status());
   }
 
+  void StartWithStudent() {
+    Start();
+    Connect(client_);
+    ASSERT_TRUE(station_.Enrol().has_enrolled());
+    Connect(client_);
+    ASSERT_TRUE(station_.Hello().has_welcome());
+    ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  }
+
   LinkWorld world_;
   boost::asio::io_context io_;
   StorePool pool_{2};
@@ -94,12 +103,7 @@ class StationServerTest : public ::testing::Test {
 };
 
 TEST_F(StationServerTest, AttemptIsUploadedOverTls) {
-  Start();
-  Connect(client_);
-  ASSERT_TRUE(station_.Enrol().has_enrolled());
-  Connect(client_);
-  ASSERT_TRUE(station_.Hello().has_welcome());
-  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  StartWithStudent();
   auto ticket = station_.RequestTicket(world_.exercise.content, world_.Profile("omega3"));
   ASSERT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
   Recording recording(world_, TicketOf(ticket), station_.keys, 5);
@@ -137,12 +141,7 @@ TEST_F(StationServerTest, EveryLineAboutARecordingNamesItsAttempt) {
   const auto story = std::make_shared<Story>();
   const auto before = spdlog::default_logger();
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("story", story));
-  Start();
-  Connect(client_);
-  ASSERT_TRUE(station_.Enrol().has_enrolled());
-  Connect(client_);
-  ASSERT_TRUE(station_.Hello().has_welcome());
-  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  StartWithStudent();
   std::vector<std::string> attempts;
   for (int i = 0; i < 2; ++i) {
     auto ticket = station_.RequestTicket(world_.exercise.content, world_.Profile("omega3"));
