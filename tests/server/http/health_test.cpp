@@ -96,7 +96,7 @@ TEST_F(HealthTest, LastBackupAndRulesAreTold) {
 TEST_F(HealthTest, AdminStartsABackupAndSeesWhyItFailed) {
   const auto refused = root_.Post("/api/v1/backups");
   EXPECT_EQ(refused.status, 409);
-  EXPECT_NE(refused.body.find("is not there; mount its disk"), std::string::npos) << refused.body;
+  EXPECT_NE(refused.body.find("does not exist; mount its disk"), std::string::npos) << refused.body;
   std::filesystem::create_directory(school_.folder.path() / "backups");
   school_.folder.Write("backup",
                        "#!/bin/sh\necho '{\"phase\":\"blobs\",\"done\":1,\"all\":2}'\n"
