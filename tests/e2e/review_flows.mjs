@@ -238,6 +238,7 @@ async function momentBeyondTheEnd(world) {
 async function section(world) {
   const page = await signedIn(world, "student", `/attempts/${id(105)}`);
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".tooth-card .legend-scale").waitFor(); // the tooth has its colours, which come later
   await page.getByRole("button", { name: "Cavity", exact: true }).click();
   // What moves is drawn in a lighter way, and in full once it rests.
   const picture = async () => {

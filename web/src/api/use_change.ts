@@ -1,4 +1,4 @@
-import { useCallback, useRef, useState } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import type { ApiError, ApiResult } from "./http";
 
 export interface Change {
@@ -15,16 +15,20 @@ export function useChange(): Change {
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<ApiError>();
   const running = useRef(false);
-  const run = useCallback(async <T>(ask: () => Promise<ApiResult<T>>) => {
-    if (running.current) return undefined;
-    running.current = true;
-    setBusy(true);
-    const result = await ask();
-    running.current = false;
-    setBusy(false);
-    setError(result.ok ? undefined : result.error);
-    return result;
-  }, []);
-  const clear = useCallback(() => setError(undefined), []);
+  const run = useMemo(
+    () =>
+      async <T>(ask: () => Promise<ApiResult<T>>) => {
+        if (running.current) return undefined;
+        running.current = true;
+        setBusy(true);
+        const result = await ask();
+        running.current = false;
+        setBusy(false);
+        setError(result.ok ? undefined : result.error);
+        return result;
+      },
+    [],
+  );
+  const clear = useMemo(() => () => setError(undefined), []);
   return { busy, error, run, clear };
 }

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { ApiError, ApiResult, Page } from "./http";
 import { useRequest } from "./use_request";
 
@@ -27,11 +27,14 @@ export function usePages<T>(
   const more = rest?.key === key ? rest : undefined;
   const page = first.loaded.state === "ready" ? first.loaded.value : undefined;
   const next = more === undefined ? (page?.next ?? null) : more.next;
-  const reload = useCallback(() => {
-    setRest(undefined);
-    setError(undefined);
-    first.reload();
-  }, [first.reload]);
+  const reload = useMemo(
+    () => () => {
+      setRest(undefined);
+      setError(undefined);
+      first.reload();
+    },
+    [first.reload],
+  );
   const loadMore = async () => {
     if (next === null) return;
     const result = await ask(next);

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { ApiError, ApiResult } from "./http";
 
 export type Loaded<T> =
@@ -54,7 +54,7 @@ export function useRequest<T>(
     };
   }, [away, loaded]);
 
-  const reload = useCallback(() => setRound((value) => value + 1), []);
+  const reload = useMemo(() => () => setRound((value) => value + 1), []);
   return { loaded: key !== undefined && loaded.key === key ? loaded : { state: "loading" }, reload };
 }
 

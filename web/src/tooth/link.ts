@@ -9,6 +9,7 @@ import type {
   ScreenAsk,
   ScreenState,
   ScreenTold,
+  ScreenWish,
   StudioAsk,
   StudioTold,
   SurfacePoint,
@@ -65,11 +66,13 @@ export class StudioLink {
     state: ScreenState,
     look: Look | undefined,
     told: (told: Exclude<ScreenTold, { told: "picked" | "picture" | "profile" }>) => void,
+    wished: () => void, // another picture, which comes as soon as it is drawn
   ): ScreenLink {
     const screen = this.next++;
     const link = new ScreenLink(
       (message, transfer = []) => this.port.postMessage({ screen, message }, transfer),
       () => this.screens.delete(screen),
+      wished,
     );
     this.screens.set(screen, (message) => {
       if (message.told === "picked") link.picked(message.id, message.point);
@@ -129,6 +132,7 @@ export class FilmLink {
 }
 
 export class ScreenLink {
+  wishes = 0; // for another picture, so far
   private next = 0;
   private readonly profiles = new Map<number, (heightMm: Float32Array) => void>();
   private readonly pictures = new Map<number, (png: Blob | undefined) => void>();
@@ -137,36 +141,43 @@ export class ScreenLink {
   constructor(
     private readonly ask: (message: ScreenAsk, transfer?: Transferable[]) => void,
     private readonly ended: () => void,
+    private readonly wished: () => void,
   ) {}
 
+  private wish(message: ScreenWish): void {
+    this.wishes++;
+    this.ask(message);
+    this.wished();
+  }
+
   set(state: Partial<ScreenState>): void {
-    this.ask({ ask: "set", state });
+    this.wish({ ask: "set", state });
   }
   resize(width: number, height: number, ratio: number): void {
-    this.ask({ ask: "resize", width, height, ratio });
+    this.wish({ ask: "resize", width, height, ratio });
   }
   view(preset: CameraPreset): void {
-    this.ask({ ask: "view", preset });
+    this.wish({ ask: "view", preset });
   }
   near(pointMm: PointMm): void {
-    this.ask({ ask: "near", pointMm });
+    this.wish({ ask: "near", pointMm });
   }
   look(look: Look): void {
-    this.ask({ ask: "look", look });
+    this.wish({ ask: "look", look });
   }
   // `more`: the motion goes on.
   rotate(azimuthRad: number, polarRad: number, more = false): void {
-    this.ask({ ask: "rotate", azimuthRad, polarRad, more });
+    this.wish({ ask: "rotate", azimuthRad, polarRad, more });
   }
   zoom(factor: number): void {
-    this.ask({ ask: "zoom", factor });
+    this.wish({ ask: "zoom", factor });
   }
   // Of half the picture's height: where one looks from then on.
   pan(right: number, up: number): void {
-    this.ask({ ask: "pan", right, up });
+    this.wish({ ask: "pan", right, up });
   }
   redraw(): void {
-    this.ask({ ask: "redraw" });
+    this.wish({ ask: "redraw" });
   }
   settle(): void {
     this.ask({ ask: "settle" });

@@ -94,14 +94,8 @@ export interface ScreenState {
   readonly follow: boolean; // the camera stays at the bur
 }
 
-export type ScreenAsk =
-  | {
-      readonly ask: "open";
-      readonly canvas: OffscreenCanvas;
-      readonly film: number;
-      readonly state: ScreenState;
-      readonly look: Look | undefined;
-    }
+// What changes the picture.
+export type ScreenWish =
   | { readonly ask: "set"; readonly state: Partial<ScreenState> }
   | { readonly ask: "resize"; readonly width: number; readonly height: number; readonly ratio: number } // CSS pixels
   | { readonly ask: "view"; readonly preset: CameraPreset }
@@ -110,7 +104,17 @@ export type ScreenAsk =
   | { readonly ask: "rotate"; readonly azimuthRad: number; readonly polarRad: number; readonly more: boolean } // more: motion follows
   | { readonly ask: "zoom"; readonly factor: number }
   | { readonly ask: "pan"; readonly right: number; readonly up: number } // of half the picture's height
-  | { readonly ask: "redraw" } // what lies over it has moved
+  | { readonly ask: "redraw" }; // what lies over it has moved
+
+export type ScreenAsk =
+  | ScreenWish
+  | {
+      readonly ask: "open";
+      readonly canvas: OffscreenCanvas;
+      readonly film: number;
+      readonly state: ScreenState;
+      readonly look: Look | undefined;
+    }
   | { readonly ask: "settle" } // in full now
   | { readonly ask: "picture"; readonly id: number; readonly preset: CameraPreset } // and is looked at as before
   | {
@@ -126,6 +130,7 @@ export type ScreenAsk =
 export type ScreenTold =
   | {
       readonly told: "drawn";
+      readonly wishes: number; // that it fulfils, of all so far
       readonly effort: Effort;
       readonly detail: Detail;
       readonly projection: readonly number[]; // 4 × 4, columns: from the scene to −1 … 1

@@ -1,5 +1,5 @@
 import { Film, type FilmOptions } from "./film";
-import type { ScreenAsk, ScreenState, ScreenTold, StudioAsk, StudioTold } from "./messages";
+import type { ScreenAsk, ScreenState, ScreenTold, ScreenWish, StudioAsk, StudioTold } from "./messages";
 import { ToothScene } from "./scene/scene";
 
 // The worker's films and the screens that show them, by the numbers that the page gave them.
@@ -79,6 +79,31 @@ class Screen {
     const { scene } = this;
     if (scene === undefined) return;
     switch (asked.ask) {
+      case "settle":
+        return scene.settle();
+      case "pick":
+        return this.tell({ told: "picked", id: asked.id, point: scene.pick(asked.x, asked.y) });
+      case "picture":
+        return void scene
+          .picture(asked.preset)
+          .catch(() => undefined)
+          .then((png) => this.tell({ told: "picture", id: asked.id, png }));
+      case "profile":
+        return this.tell({
+          told: "profile",
+          id: asked.id,
+          heightMm: scene.profile(asked.from, asked.to, asked.samples),
+        });
+      case "close":
+        this.detach();
+        return scene.dispose();
+      default:
+        scene.wishes++;
+        return this.fulfil(scene, asked);
+    }
+  }
+  private fulfil(scene: ToothScene, asked: ScreenWish): void {
+    switch (asked.ask) {
       case "set":
         return this.set(asked.state);
       case "resize":
@@ -98,24 +123,6 @@ class Screen {
         return scene.sight.pan(asked.right, asked.up);
       case "redraw":
         return scene.redraw();
-      case "settle":
-        return scene.settle();
-      case "pick":
-        return this.tell({ told: "picked", id: asked.id, point: scene.pick(asked.x, asked.y) });
-      case "picture":
-        return void scene
-          .picture(asked.preset)
-          .catch(() => undefined)
-          .then((png) => this.tell({ told: "picture", id: asked.id, png }));
-      case "profile":
-        return this.tell({
-          told: "profile",
-          id: asked.id,
-          heightMm: scene.profile(asked.from, asked.to, asked.samples),
-        });
-      case "close":
-        this.detach();
-        return scene.dispose();
     }
   }
 }

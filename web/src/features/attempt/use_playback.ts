@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { say } from "../../base/words";
 import type { Key } from "../../widgets/keys";
@@ -55,10 +55,13 @@ export function usePlayback(
   // Which run of the playback it is: a frame that was asked for before somebody chose another
   // moment must not undo that.
   const run = useRef(0);
-  const stop = useCallback(() => {
-    ++run.current;
-    setPlaying(false);
-  }, []);
+  const stop = useMemo(
+    () => () => {
+      ++run.current;
+      setPlaying(false);
+    },
+    [],
+  );
   const ownTime = useRef<number | undefined>(undefined); // that this told
 
   useEffect(() => {
@@ -95,12 +98,15 @@ export function usePlayback(
     playback.show(clock.framesAt(timeS));
   }, [playback, ready, clock, timeS, stop]);
 
-  const tell = useCallback((frames: number) => {
-    const at = latest.current.clock?.timeOf(frames);
-    if (at === undefined || at === ownTime.current) return;
-    ownTime.current = at;
-    latest.current.setTime(at);
-  }, []);
+  const tell = useMemo(
+    () => (frames: number) => {
+      const at = latest.current.clock?.timeOf(frames);
+      if (at === undefined || at === ownTime.current) return;
+      ownTime.current = at;
+      latest.current.setTime(at);
+    },
+    [],
+  );
 
   const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
   useEffect(() => {

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Anatomy } from "../../api/tooth_number";
 import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
@@ -96,7 +96,7 @@ export function useReview(reviewed: Reviewed) {
     }
     go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
   };
-  const showPlace = useCallback((deduction: Deduction) => place.current?.(deduction), []);
+  const showPlace = useMemo(() => (deduction: Deduction) => place.current?.(deduction), []);
   return {
     ...reviewed,
     ...moment,

@@ -35,6 +35,7 @@ type Drawn = Extract<ScreenTold, { told: "drawn" }>;
 // A picture of a tooth: owns the WebGL context, draws only when something changed. Throws from the constructor where
 // WebGL 2 is not available.
 export class ToothScene implements FilmScreen {
+  wishes = 0; // that the next picture fulfils
   readonly sight: Sight;
   private readonly gl: Gl;
   private readonly cleanup = new Disposables();
@@ -276,6 +277,7 @@ export class ToothScene implements FilmScreen {
     });
     this.drawn({
       told: "drawn",
+      wishes: this.wishes,
       effort: this.pace.effort,
       detail: this.detail,
       projection: picture,

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useId, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Anatomy } from "../../api/tooth_number";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
@@ -14,6 +14,7 @@ import type {
   ColorMode,
   PointMm,
   ScreenState,
+  ScreenTold,
   SectionPlane,
   SurfacePoint,
   ToothLines,
@@ -196,7 +197,8 @@ export function ToothView({
     };
   }, [film]);
 
-  useEffect(() => {
+  // Before the page is painted: the worker draws meanwhile.
+  useLayoutEffect(() => {
     if (screen === undefined) return;
     const change = changeOf(sent.current, state);
     sent.current = state;
@@ -336,6 +338,8 @@ export function ToothView({
   );
 }
 
+type Lost = Extract<ScreenTold, { told: "lost" }>;
+
 // Throws where the browser has no such canvas or worker.
 function openScreen(
   element: HTMLElement,
@@ -349,11 +353,16 @@ function openScreen(
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
   const offscreen = canvas.transferControlToOffscreen();
-  const screen = studio().screen(offscreen, film, state, look, (told) => {
+  // For tests: how it is drawn; nothing: a wish is not in the picture yet.
+  const mark = (effort = "") => {
+    canvas.dataset["drawn"] = effort;
+  };
+  const take = (told: Drawn | Lost) => {
     if (told.told === "lost") return report(say(told.stopped ? "tooth.driver_stopped" : "tooth.no_webgl"));
-    canvas.dataset["drawn"] = told.effort;
+    if (told.wishes === screen.wishes) mark(told.effort);
     shown(told);
-  });
+  };
+  const screen: ScreenLink = studio().screen(offscreen, film, state, look, take, () => mark());
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
   cleanup.add(() => screen.close());
