@@ -310,13 +310,16 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
 // Whichever of two pictures is turned, the other one follows.
 function togetherFrom(one: LookHandle, other: LookHandle): () => void {
   let last: Look | undefined;
-  const lead = (to: LookHandle) => (moved: Look) => {
+  let leader: LookHandle | undefined;
+  const lead = (from: LookHandle, to: LookHandle) => (moved: Look, caughtUp: boolean) => {
     if (last !== undefined && sameLook(last, moved)) return;
-    last = moved;
+    // One that follows and lags behind would lead back to where both were: they would chase each other for ever.
+    if (!caughtUp && leader !== from) return;
+    [leader, last] = [from, moved];
     to.set?.(moved);
   };
-  one.moved = lead(other);
-  other.moved = lead(one);
+  one.moved = lead(one, other);
+  other.moved = lead(other, one);
   return () => {
     one.moved = other.moved = undefined;
   };

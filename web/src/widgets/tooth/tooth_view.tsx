@@ -42,7 +42,7 @@ export interface LookHandle {
   stream?: (() => MediaStream) | undefined; // the same: the picture as it moves, for a video
   profile?: ((from: PointMm, to: PointMm, samples: number) => Promise<Float32Array>) | undefined; // the same: ScreenLink
   pictureFrom?: ((preset: CameraPreset) => Promise<Blob | undefined>) | undefined; // the same: PNG, drawn in full
-  moved?: ((look: Look) => void) | undefined; // called after it was drawn
+  moved?: ((look: Look, caughtUp: boolean) => void) | undefined; // called after it was drawn; caughtUp: no wish is on its way
 }
 
 export type ToothPoint = Pick<ToothPin, "text" | "pointMm">; // the same, to look at
@@ -165,13 +165,13 @@ export function ToothView({
     if (element === null) return undefined;
     const cleanup = new Disposables();
     sent.current = latest.current.state;
-    const shown = (told: Drawn) => {
+    const shown = (told: Drawn, caughtUp: boolean) => {
       place(element, told, latest.current.anatomy);
       setDrawn(true);
       const handle = latest.current.look;
       if (handle === undefined) return;
       handle.now = () => told.look;
-      handle.moved?.(told.look);
+      handle.moved?.(told.look, caughtUp);
     };
     try {
       const opened = openScreen(element, film, sent.current, latest.current.look?.begin, cleanup, shown, setProblem);
@@ -347,7 +347,7 @@ function openScreen(
   state: ScreenState,
   look: Look | undefined,
   cleanup: Disposables,
-  shown: (told: Drawn) => void,
+  shown: (told: Drawn, caughtUp: boolean) => void,
   report: (problem: string) => void,
 ): ScreenLink {
   const canvas = document.createElement("canvas");
@@ -359,8 +359,9 @@ function openScreen(
   };
   const take = (told: Drawn | Lost) => {
     if (told.told === "lost") return report(say(told.stopped ? "tooth.driver_stopped" : "tooth.no_webgl"));
-    if (told.wishes === screen.wishes) mark(told.effort);
-    shown(told);
+    const caughtUp = told.wishes === screen.wishes;
+    if (caughtUp) mark(told.effort);
+    shown(told, caughtUp);
   };
   const screen: ScreenLink = studio().screen(offscreen, film, state, look, take, () => mark());
   element.prepend(canvas);
