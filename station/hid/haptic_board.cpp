@@ -12,7 +12,6 @@ namespace {
 
 constexpr uint32_t kLateReports = 1000;  // up to this far back is late, farther is a restart
 constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
-constexpr int64_t kSecond_ns = 1'000'000'000;
 // How soon an unplugged board's port is closed while no command to its spring comes.
 constexpr int64_t kIdle_us = 100'000;
 // After this time a board's reports must confirm that it drives its motors.
@@ -117,7 +116,6 @@ HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& inf
       name_(feature_.name.empty() ? info.name : feature_.name),
       unit_(UnitOf(info)),
       watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
-  ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
   HidMatch again{info.vendor, info.product, info.serial, kBoardUsagePage, kBoardUsage};
   // The writer first: the reader may find a board at once and pass it a port.
   writer_ = std::thread([this] { Write(); });
@@ -129,9 +127,8 @@ HapticBoard::~HapticBoard() {
   // off.
   reader_.reset();
   stop_ = true;
-  sem_post(&force_posted_);
+  force_signal_.Post();
   writer_.join();
-  sem_destroy(&force_posted_);
 }
 
 DeviceSample HapticBoard::ReadSample() noexcept {
@@ -157,10 +154,8 @@ void HapticBoard::SendSpring(const SpringCommand& command) noexcept {
 }
 
 void HapticBoard::Post(const Force& force) noexcept {
-  // The newest force replaces an unwritten one, and the semaphore is posted at most once: a bus
-  // that blocks leaves no queue behind.
   forces_.Write(force);
-  if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
+  force_signal_.Post();
 }
 
 DeviceCounters HapticBoard::counters() const noexcept {
@@ -287,18 +282,6 @@ void HapticBoard::TakePort(std::unique_ptr<HidPort>& port) {
   }
 }
 
-bool HapticBoard::WaitForForce(int64_t timeout_us) {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  int64_t until = t.tv_nsec + timeout_us * 1000;
-  t.tv_sec += until / kSecond_ns;
-  t.tv_nsec = until % kSecond_ns;
-  bool posted = sem_clockwait(&force_posted_, CLOCK_MONOTONIC, &t) == 0;
-  // Before the force is read: a force that arrives in between posts again, so none is missed.
-  force_waits_.store(false, std::memory_order_release);
-  return posted;
-}
-
 void HapticBoard::Write() {
   if (settings_.thread_setup) settings_.thread_setup();
   ForceKeeper keeper(watchdog_ms_);
@@ -308,7 +291,7 @@ void HapticBoard::Write() {
   while (!stop_) {
     // At least 0.1 ms, or a keeper with a due repeat would spin on a detached board.
     const bool to_spring = forces_.Read().to_spring;
-    WaitForForce(to_spring ? kIdle_us : std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
+    force_signal_.Wait(to_spring ? kIdle_us : std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
     TakePort(port);
     Force newest = forces_.Read();
     int64_t now = Now_us();

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <semaphore.h>
-
 #include <atomic>
 #include <functional>
 #include <thread>
@@ -11,6 +9,7 @@
 #include "common/scene/types.h"
 #include "station/devices/device.h"
 #include "station/devices/force_keeper.h"
+#include "station/devices/force_signal.h"
 #include "station/hid/axis_map.h"
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_reader.h"
@@ -117,7 +116,6 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   bool Put(HidPort& port, ByteView report, bool motors_on);
   int64_t MiddleNm(size_t board_axis) const noexcept;  // centre_, from where its counts are 0
   void TakePort(std::unique_ptr<HidPort>& port);
-  bool WaitForForce(int64_t timeout_us);
 
   const HapticBoardSettings settings_;
   const FeatureReport feature_;
@@ -148,8 +146,7 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   // Owned by the tick.
   uint64_t seen_ = 0, seen_breaks_ = 0, seen_switch_offs_ = 0, sent_ = 0;
 
-  std::atomic<bool> force_waits_{false};
-  sem_t force_posted_;
+  ForceSignal force_signal_;
   Mutex port_mutex_;
   std::unique_ptr<HidPort> new_port_ ENAMEL_GUARDED_BY(port_mutex_);  // for the writer to take
   std::thread writer_;
