@@ -26,6 +26,8 @@ PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
     : bus_(std::move(bus)),
       name_(bus_->Name()),
       driver_(bus_->Driver()),
+      unit_(bus_->Unit()),
+      answers_(bus_->answers()),
       resolution_m_(resolution_m),
       thread_setup_(std::move(thread_setup)),
       thread_([this] { Run(); }) {
@@ -34,6 +36,7 @@ PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
 
 PolledDevice::~PolledDevice() {
   stop_ = true;
+  force_signal_.Post();
   thread_.join();
 }
 
@@ -48,6 +51,7 @@ DeviceSample PolledDevice::ReadSample() noexcept {
 
 void PolledDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
   forces_.Write({force_n, torque_n_m, ++sent_});
+  if (answers_) force_signal_.Post();
 }
 
 DeviceCounters PolledDevice::counters() const noexcept {
@@ -78,30 +82,37 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
   poses_.Write(m);
 }
 
+// False: the device is gone.
+bool PolledDevice::Hear(PolledBus::Pose& pose) {
+  PolledBus::Pose read;
+  const PolledBus::Heard heard = bus_->Read(read);
+  if (heard == PolledBus::Heard::kPose && std::isfinite(Dot(read.tip_m, read.tip_m))) {
+    pose = read;
+    Publish(pose, true);
+    ++samples_;
+  } else if (heard == PolledBus::Heard::kPose || heard == PolledBus::Heard::kRefused) {
+    ++refused_;
+  }
+  return heard != PolledBus::Heard::kGone;
+}
+
 void PolledDevice::Run() {
   if (thread_setup_) thread_setup_();
   ForceKeeper keeper(kRepeat_ms);
   PolledBus::Pose pose;
   bool here = true;
   while (!stop_ && here) {
-    PolledBus::Pose read;
-    here = bus_->Read(read);
-    if (here) {
-      if (std::isfinite(Dot(read.tip_m, read.tip_m))) {
-        pose = read;
-        Publish(pose, true);
-        ++samples_;
-      } else {
-        ++refused_;
-      }
-      Force newest = forces_.Read();
-      int64_t now = Now_us();
-      keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
-      if (auto command = keeper.Next(now)) {
-        here = bus_->SendWithTorque(command->force_n, command->torque_n_m);
-        writes_ += here;
-      }
+    if (answers_) force_signal_.Wait(keeper.WaitFor_us(Now_us()));
+    const Force newest = forces_.Read();
+    const int64_t now = Now_us();
+    keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
+    const auto command = keeper.Next(now);
+    if (command) {
+      here = bus_->SendWithTorque(command->force_n, command->torque_n_m);
+      writes_ += here;
     }
+    // Unasked, a device that only answers would be waited for in vain.
+    if (here && (command || !answers_)) here = Hear(pose);
   }
   if (!here) {
     Publish(pose, false);

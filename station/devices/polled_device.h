@@ -7,13 +7,20 @@
 
 #include "common/base/triple_buffer.h"
 #include "station/devices/device.h"
+#include "station/devices/force_signal.h"
 
 namespace enamel::station {
 
-// A device behind a maker's library whose calls may wait for a bus. All calls are on the adapter's
-// thread.
+// A device behind a maker's library or a protocol whose calls may wait for a bus. All calls are on the
+// adapter's thread.
 class PolledBus {
  public:
+  enum class Heard : uint8_t {
+    kPose,
+    kNothing,  // in time: the device may still be there
+    kRefused,  // something that is no pose of this device
+    kGone,     // detached, or restarted: its poses mean nothing from now on
+  };
   struct Pose {
     dvec3 tip_m{0};    // scene axes
     Quat orientation;  // scene from tool
@@ -22,10 +29,14 @@ class PolledBus {
 
   virtual ~PolledBus() = default;
   virtual std::string Name() const = 0;
-  virtual std::string Driver() const = 0;  // the library: "dhd"
-  // False: the device is detached. Both may wait, for a few milliseconds at most.
-  virtual bool Read(Pose& out) = 0;
-  virtual bool Send(const dvec3& force_n) = 0;  // scene axes; without torque
+  virtual std::string Driver() const = 0;          // as a command line names it: "dhd"
+  virtual std::string Unit() const { return {}; }  // as Device::Unit
+  // True: the device says where it is only in answer to a force, one answer each.
+  virtual bool answers() const { return false; }
+  // Both may wait, for a few milliseconds at most.
+  virtual Heard Read(Pose& out) = 0;
+  // Scene axes; without torque. False: the device is detached.
+  virtual bool Send(const dvec3& force_n) = 0;
   virtual bool SendWithTorque(const dvec3& force_n, const dvec3& torque_n_m) {
     (void)torque_n_m;
     return Send(force_n);
@@ -33,8 +44,10 @@ class PolledBus {
 };
 
 // Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
-// values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper). A pose that
-// is not finite is left out and counted as refused. Once detached it stays detached, with force 0.
+// values with the tick. A device that only answers has one exchange for each force, and one each
+// millisecond while the loop sends none. A force that the loop has not renewed falls to 0 (ForceKeeper).
+// A pose that is not finite is left out and counted as refused. Once detached it stays detached, with
+// force 0.
 // Real-time: ReadSample and the Sends are safe. The destructor sends 0.
 class PolledDevice final : public MotorDevice {
  public:
@@ -45,7 +58,8 @@ class PolledDevice final : public MotorDevice {
   ~PolledDevice() override;
 
   std::string Name() const override { return name_; }
-  Hand hand() const override { return MakeHand(HandKind::kHaptic, name_, driver_); }
+  std::string Unit() const override { return unit_; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, name_, driver_, unit_); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
@@ -62,14 +76,17 @@ class PolledDevice final : public MotorDevice {
   };
 
   void Run();
+  bool Hear(PolledBus::Pose& pose);
   void Publish(const PolledBus::Pose& pose, bool attached);
 
   const std::unique_ptr<PolledBus> bus_;
-  const std::string name_, driver_;
+  const std::string name_, driver_, unit_;
+  const bool answers_;
   const double resolution_m_;
   const std::function<void()> thread_setup_;
   TripleBuffer<Message> poses_;
   TripleBuffer<Force> forces_;
+  ForceSignal force_signal_;
   std::atomic<bool> stop_{false};
   std::atomic<uint64_t> samples_{0}, refused_{0}, writes_{0}, detached_{0};
   // Owned by the thread.

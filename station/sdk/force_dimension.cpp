@@ -48,17 +48,17 @@ class ForceDimension final : public PolledBus {
   std::string Name() const override { return name_; }
   std::string Driver() const override { return "dhd"; }
 
-  bool Read(Pose& out) override {
+  Heard Read(Pose& out) override {
     double x = 0, y = 0, z = 0;
-    if (dhdGetPosition(&x, &y, &z, id_) < 0) return false;
+    if (dhdGetPosition(&x, &y, &z, id_) < 0) return Heard::kGone;
     out.tip_m = ToScene(x, y, z);
     if (turns_) {
       double frame[3][3] = {};
-      if (dhdGetOrientationFrame(frame, id_) < 0) return false;
+      if (dhdGetOrientationFrame(frame, id_) < 0) return Heard::kGone;
       out.orientation = ToScene(frame);
     }
     out.pedal = dhdGetButton(0, id_) == DHD_ON;
-    return true;
+    return Heard::kPose;
   }
   bool Send(const dvec3& force_n) override {
     // The inverse of ToScene. DHD_MOTOR_SATURATED is no error: the motors gave what they have.

@@ -22,7 +22,7 @@ class OpenHaptics final : public PolledBus {
   std::string Name() const override { return name_; }
   std::string Driver() const override { return "openhaptics"; }
 
-  bool Read(Pose& out) override {
+  Heard Read(Pose& out) override {
     HDdouble position[3] = {};
     HDint buttons = 0;
     hdMakeCurrentDevice(device_);
@@ -32,7 +32,7 @@ class OpenHaptics final : public PolledBus {
     hdEndFrame(device_);
     out.tip_m = ToScene(position) * 1e-3;
     out.pedal = (buttons & HD_DEVICE_BUTTON_1) != 0;
-    return !Failed();
+    return Failed() ? Heard::kGone : Heard::kPose;
   }
   bool Send(const dvec3& force_n) override {
     HDdouble force[3] = {force_n.x, force_n.z, -force_n.y};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <vector>
@@ -48,17 +49,17 @@ class ScriptedBus final : public PolledBus {
   explicit ScriptedBus(std::shared_ptr<Script> script) : script_(std::move(script)) {}
   std::string Name() const override { return "scripted library"; }
   std::string Driver() const override { return "scripted"; }
-  bool Read(Pose& out) override {
+  Heard Read(Pose& out) override {
     std::unique_lock lock(script_->mutex);
     // Bounded, like a library's call: it then reads the same pose again.
     script_->changed.wait_for(lock, std::chrono::milliseconds(5), [&] {
       return script_->gone || script_->read < script_->poses.size();
     });
-    if (script_->gone) return false;
+    if (script_->gone) return Heard::kGone;
     if (script_->read < script_->poses.size()) newest_ = script_->poses[script_->read++];
     out = newest_;
     script_->changed.notify_all();
-    return true;
+    return Heard::kPose;
   }
   bool Send(const dvec3& force_n) override {
     std::lock_guard lock(script_->mutex);
@@ -118,6 +119,58 @@ TEST_F(PolledDeviceTest, UnpluggedIsSeenAndStays) {
   EXPECT_EQ(s.buttons, 0);
   EXPECT_FALSE(device_->ReadSample().attached);
   EXPECT_EQ(device_->counters().detached, 1u);
+}
+
+// Says where it is only in answer to a force, unless it is mute.
+class AnsweringBus final : public PolledBus {
+ public:
+  explicit AnsweringBus(std::shared_ptr<Script> script) : script_(std::move(script)) {}
+  std::string Name() const override { return "answering device"; }
+  std::string Driver() const override { return "answering"; }
+  std::string Unit() const override { return "usb:1-2"; }
+  bool answers() const override { return true; }
+  Heard Read(Pose& out) override {
+    std::lock_guard lock(script_->mutex);
+    if (script_->gone) return Heard::kGone;
+    if (!asked_ || script_->poses.empty()) return Heard::kNothing;
+    asked_ = false;
+    out = script_->poses.back();
+    return std::isfinite(out.tip_m.x) ? Heard::kPose : Heard::kRefused;
+  }
+  bool Send(const dvec3& force_n) override {
+    std::lock_guard lock(script_->mutex);
+    asked_ = true;
+    script_->sent.push_back(force_n);
+    script_->changed.notify_all();
+    return !script_->gone;
+  }
+
+ private:
+  std::shared_ptr<Script> script_;
+  bool asked_ = false;
+};
+
+TEST(AnsweringDeviceTest, ItIsAskedWithoutAForceAndEachAnswerIsNewsOnce) {
+  auto script = std::make_shared<Script>();
+  PolledDevice device(std::make_unique<AnsweringBus>(script), 10e-6);
+  EXPECT_EQ(device.Unit(), "usb:1-2");
+  // Mute: asked again and again, with nothing to report.
+  ASSERT_TRUE(script->Await([&] { return script->sent.size() >= 10; }));
+  EXPECT_FALSE(device.ReadSample().fresh);
+  EXPECT_TRUE(device.ReadSample().attached);
+  EXPECT_EQ(device.counters().samples, 0u);
+  EXPECT_EQ(script->sent.front(), dvec3(0));
+  script->Let({0, 0, 0});
+  test::AwaitSample(device, [](const DeviceSample& s) { return s.fresh; });
+  device.SendForce(dvec3(0, 0, 1));
+  EXPECT_TRUE(script->Await([&] { return script->WasSent({0, 0, 1}); }));
+  script->Let(dvec3(NAN));
+  for (int i = 0; i < 10'000 && device.counters().refused == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GE(device.counters().refused, 1u);
+  script->Unplug();
+  test::AwaitSample(device, [](const DeviceSample& s) { return !s.attached; });
 }
 
 }  // namespace
