@@ -109,6 +109,63 @@ DeviceProfile Sigma7() {
   return p;
 }
 
+// Of the arms below, no source gives these. The figures are the least that carry Kc, or the least of the
+// devices above: AskedFor lists them until a unit is measured.
+constexpr const char* kAskedFriction =
+    "asked for: not published; the least that carries Kc with this cell, until calibrate measures "
+    "a unit";
+constexpr const char* kAskedMass =
+    "asked for: not published, motors included; the least of the devices above until calibrate "
+    "measures a unit";
+constexpr const char* kAskedContinuous =
+    "asked for: not published; the least of the devices above until somebody asks the maker";
+constexpr const char* kAskedDamping =
+    "asked for: not published; K T/2 at 1 kHz, so that the listed stiffness is the largest passive "
+    "one, until calibrate measures a unit";
+constexpr const char* kExchangeSource =
+    "its protocol: the answer to one tick's force is read in the next; the bus itself was not "
+    "measured";
+constexpr const char* kPassiveSource = "2 b f/(d + 1)^2 of b and d";
+
+// WoodenHaptics and Polhem: arms of capstans and bodies, dimensions from haptikfabrikenapi.h. `farthest`
+// says for which body's count the tip moves most.
+DeviceProfile WoodenArm(const char* name, const char* title, int64_t cell_nm, const char* farthest,
+                        int64_t k_mn_per_mm, int64_t friction_mn, int64_t radius_um) {
+  constexpr const char* kList = "haptikfabrikenapi.h, configuration of this model";
+  DeviceProfile p;
+  p.name = name;
+  p.title = title;
+  p.resolution_nm = {cell_nm, farthest};
+  p.max_stiffness_mn_per_mm = {k_mn_per_mm, kList};
+  p.coupling_mn_per_mm = {k_mn_per_mm / 4, kPassiveSource};
+  p.damping_mn_s_per_m = {k_mn_per_mm / 2, kAskedDamping};
+  p.friction_mn = {friction_mn, kAskedFriction};
+  p.mass_g = {45, kAskedMass};
+  p.peak_force_mn = {5'000, kList};
+  p.continuous_force_mn = {1'750, kAskedContinuous};
+  p.rate_hz = {1'000, "its protocol: an exchange a millisecond"};
+  p.bus_delay_ticks = {1, kExchangeSource};
+  p.workspace_radius_um = {radius_um, kList};
+  p.cell = JointCells(500);
+  return p;
+}
+
+DeviceProfile WoodenHapticsV2015() {
+  return WoodenArm("woodenhaptics_v2015", "WoodenHaptics", 64'200,
+                   "2000 counts a turn, 12:1, 0.245 m of body c: 0.0642 mm", 1'000, 15, 100'000);
+}
+
+DeviceProfile PolhemV1() {
+  return WoodenArm("polhem_v1", "Polhem, HID", 54'700,
+                   "2000 counts a turn, 10:1, 0.174 m of body b: 0.0547 mm", 800, 10, 100'000);
+}
+
+DeviceProfile PolhemV3() {
+  return WoodenArm("polhem_v3", "Polhem v3, serial", 72'500,
+                   "4096 counts a turn, 175:28.8, 0.287 m from the axis of body a: 0.0725 mm",
+                   2'000, 32, 150'000);
+}
+
 // Devices without motors. Nothing is felt, so nothing can be unstable: the numbers choose how
 // closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
 // as a real device's.
@@ -134,7 +191,8 @@ DeviceProfile Pointer() {
 }  // namespace
 
 std::vector<DeviceProfile> BuiltinProfiles() {
-  return {Omega3(), PhantomDesktop(), Bhhd3(), Pointer(), Sigma7()};
+  return {Omega3(),   PhantomDesktop(), Bhhd3(), Pointer(), WoodenHapticsV2015(),
+          PolhemV1(), PolhemV3(),       Sigma7()};
 }
 
 }  // namespace enamel::scene

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
@@ -22,6 +23,9 @@ std::string ToJson(const Rubric& rubric);
 
 Result<Scene> SceneFromJson(std::string_view json);
 Result<DeviceProfile> ProfileFromJson(std::string_view json);
+// The document's members whose source begins with "asked for": no source gives them, and each holds a
+// stand-in until somebody measures or asks.
+std::vector<std::string> AskedFor(const DeviceProfile& profile);
 Result<Exercise> ExerciseFromJson(std::string_view json);
 Result<Rubric> RubricFromJson(std::string_view json);
 

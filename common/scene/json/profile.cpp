@@ -137,6 +137,14 @@ void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
 
 }  // namespace
 
+std::vector<std::string> AskedFor(const DeviceProfile& profile) {
+  std::vector<std::string> out;
+  for (const Number& n : kNumbers) {
+    if ((profile.*n.member).source.starts_with("asked for")) out.emplace_back(n.name);
+  }
+  return out;
+}
+
 std::string ToJson(const DeviceProfile& profile) {
   auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
   json::object out{{kProfileKind, kFormat}, {"name", profile.name}, {"title", profile.title}};

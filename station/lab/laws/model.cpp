@@ -7,6 +7,7 @@
 #include "common/fidelity/feel.h"
 #include "common/haptics/criteria.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -63,8 +64,11 @@ double DeviceModel::PassiveKc(double rate) const {
 
 std::vector<DeviceProfile> QualifyProfiles() {
   std::vector<DeviceProfile> all = scene::BuiltinProfiles();
-  // No motors; and six axes, whose torque the tests of the core and of haptics attack.
-  std::erase_if(all, [](const DeviceProfile& p) { return !fidelity::HasMotors(p) || p.torque; });
+  // No motors; six axes, whose torque the tests of the core and of haptics attack; and stand-ins for figures
+  // that nobody knows.
+  std::erase_if(all, [](const DeviceProfile& p) {
+    return !fidelity::HasMotors(p) || p.torque || !scene::AskedFor(p).empty();
+  });
   all.push_back(Other("omega_dot_3", "omega.3 (CHAI3D's figures)", {10'000, kSheet}, {5'000, kChai},
                       4'500, {250, kGuess}, {12'000, kChai}, {12'000, kSheet}, 75'000));
   all.push_back(Other("touch", "Touch", {55'000, kSheet}, {400, kChai}, 360, {45, kSheet},

@@ -262,6 +262,17 @@ TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
   }
 }
 
+TEST(SceneJsonTest, AProfileNamesWhatNobodyPublished) {
+  for (const DeviceProfile& profile : BuiltinProfiles()) {
+    const bool asks = profile.name.starts_with("polhem") || profile.name.starts_with("wooden");
+    EXPECT_EQ(AskedFor(profile),
+              asks ? (std::vector<std::string>{"damping_mn_s_per_m", "friction_mn", "mass_g",
+                                               "continuous_force_mn"})
+                   : std::vector<std::string>{})
+        << profile.name;
+  }
+}
+
 TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessary) {
   std::string text = ReadText("golden/scene_profile_optional.json");
   Result<DeviceProfile> profile = ProfileFromJson(text);
