@@ -63,31 +63,32 @@ boost::json::object Show(const HidInfo& info, const std::filesystem::path& data)
   return out;
 }
 
-void ShowSdk(boost::json::array& listed) {
-  const auto built_in = sdk::BuiltIn();
-  std::printf("\nMakers' libraries:\n");
-  if (built_in.empty()) {
-    std::printf("    this program was built without any (station/sdk/README.md)\n");
-  }
-  const auto found = sdk::ListSdkDevices();
-  for (const std::string& choice : built_in) {
-    auto device = std::ranges::find(found, choice, &sdk::SdkDevice::choice);
-    if (device == found.end()) {
+void ShowSdk(boost::json::array& listed, const std::filesystem::path& data) {
+  std::printf("\nDrivers for devices that can be bought:\n");
+  const auto attached = sdk::ListSdkDevices();
+  for (const std::string& choice : sdk::BuiltIn()) {
+    if (std::ranges::find(attached, choice, &sdk::SdkDevice::choice) == attached.end()) {
       std::printf("%-28s finds no device\n", choice.c_str());
-      continue;
     }
-    std::printf("%-28s %s: profile %s\n", choice.c_str(), device->name.c_str(),
-                device->profile.c_str());
-    // Makers' libraries report no serial number, so a measurement cannot be assigned to this unit.
-    const auto delay = DelayKnownHere({}, {});
-    std::printf("    %s\n", DelayText(delay, device->name).c_str());
-    listed.push_back(boost::json::object{{"name", choice},
-                                         {"taken_for", "maker's library"},
-                                         {"product", device->name},
-                                         {"profile", device->profile},
-                                         {"delay_ticks", delay.ticks},
-                                         {"delay_measured", false},
-                                         {"usable", true}});
+  }
+  for (const sdk::SdkDevice& device : attached) {
+    std::printf("%-28s %s%s: profile %s\n", device.choice.c_str(), device.name.c_str(),
+                device.ids.empty() ? "" : (" " + device.ids).c_str(), device.profile.c_str());
+    if (!device.problem.empty()) std::printf("    %s\n", device.problem.c_str());
+    const std::string asked = sdk::AskedForText(device);
+    if (!asked.empty()) std::printf("    %s\n", asked.c_str());
+    // A measurement belongs to a unit: without a name for it there is none.
+    const auto delay = DelayKnownHere(data, device.unit);
+    std::printf("    %s\n", DelayText(delay, device.name).c_str());
+    listed.push_back(
+        boost::json::object{{"name", device.choice},
+                            {"taken_for", "device with a driver"},
+                            {"product", device.name},
+                            {"ids", device.ids},
+                            {"profile", device.profile},
+                            {"delay_ticks", delay.ticks},
+                            {"delay_measured", delay.from != scene::DelayUsed::From::kAssumed},
+                            {"usable", device.problem.empty()}});
   }
 }
 
@@ -125,7 +126,7 @@ Status ListDevices(const DevicesCommand& options) {
         "be named with --pedal VENDOR:PRODUCT)\n",
         unknown);
   }
-  ShowSdk(listed);
+  ShowSdk(listed, options.data);
   ShowBuiltIn();
   return program::WriteJsonFile(options.json, {{"attached", listed}});
 }

@@ -192,7 +192,9 @@ Finding Devices() {
     if (::access(info.path.c_str(), R_OK | W_OK) != 0) refused += " " + info.path;
   }
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
-    there += (there.empty() ? "" : ", ") + found.choice + " (" + found.name + ")";
+    there += (there.empty() ? "" : ", ") + (found.ids.empty() ? "" : found.ids + ": ") +
+             found.name + ", driver " + found.choice;
+    if (!found.problem.empty()) refused += " " + found.problem;
   }
   if (!refused.empty()) {
     return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused,
@@ -216,7 +218,11 @@ void Delays(const fs::path& data, std::vector<Finding>& out) {
     if (hid::Recognise(info) == hid::HidKind::kHapticBoard)
       add(hid::DeviceNameOf(info), hid::UnitOf(info));
   }
-  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) add(found.name, {});
+  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
+    add(found.name, found.unit);
+    const std::string asked = sdk::AskedForText(found);
+    if (!asked.empty()) out.push_back({"profile", Verdict::kWarn, asked, ""});
+  }
 }
 
 Finding Graphics() {

@@ -117,9 +117,8 @@ void DeclareRun(CommandGroup group) {
   cmd->add_flag("--password-stdin", options->password_stdin,
                 "Read the password from standard input (else ENAMEL_PASSWORD)");
   cmd->add_option("--device", run.device.device,
-                  "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
-                  "openhaptics ('devices' "
-                  "lists them); else a simulated one");
+                  "hid or spacemouse, with :VENDOR:PRODUCT where there are several; or a driver, "
+                  "such as polhem ('devices' lists them); else a simulated one");
   AddCpu(cmd, run.cpu);
   cmd->add_option("--pedal", run.device.pedal,
                   "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");

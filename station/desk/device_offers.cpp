@@ -81,6 +81,7 @@ DeviceOffer SdkOffer(const Words& words, const sdk::SdkDevice& found, const Peda
   offer.device = found.choice;
   offer.profile = found.profile;
   offer.pedal = pedal.choice;
+  offer.problem = found.problem;
   offer.detail = words.Say("device.with_pedal",
                            {{"device", words.Say("device.by_library", {{"library", found.choice}})},
                             {"pedal", pedal.words}});

@@ -110,7 +110,7 @@ Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
           ? OpenMouse(choice, profile, tick_s)
           : Status(Code::kInvalidInput,
                    "expected hid or spacemouse, with :VENDOR:PRODUCT "
-                   "where there are several; found '" +
+                   "where there are several, or a driver; found '" +
                        choice.device +
                        "'. 'enamel-station devices' lists what is "
                        "attached",

@@ -1,19 +1,36 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "station/devices/polled_device.h"
+#include "station/sdk/open_sdk_device.h"
 
-// Two functions per SDK, defined if the SDK was found. Open switches the motors on; Find only asks
-// for the attached device's name.
+// Two functions per driver. Open switches the motors on, at force 0; Find lists what is attached, with
+// what keeps it from being used, and fills in all but SdkDevice::choice.
 namespace enamel::station::sdk {
 
-Result<std::unique_ptr<PolledBus>> OpenForceDimension();
-std::optional<std::string> FindForceDimension();
-Result<std::unique_ptr<PolledBus>> OpenOpenHaptics();
-std::optional<std::string> FindOpenHaptics();
+struct BusChoice {
+  std::string address;  // which of several, as the driver says below; empty: the first
+  double peak_n = 0;    // a longer force is shortened to this
+  double reach_m = 0;   // of the tip from the middle of its workspace
+};
+
+// Defined where the maker's library was found.
+Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice);
+std::vector<SdkDevice> FindForceDimension();
+Result<std::unique_ptr<PolledBus>> OpenOpenHaptics(const BusChoice& choice);
+std::vector<SdkDevice> FindOpenHaptics();
+
+// WoodenHaptics with reports of 8 bytes, Polhem with reports of 14, both HID 1234:0006; Polhem with lines
+// of 64 bytes on a serial port. Address: VENDOR:PRODUCT[:SERIAL], or the port's file.
+Result<std::unique_ptr<PolledBus>> OpenWoodenHaptics(const BusChoice& choice);
+std::vector<SdkDevice> FindWoodenHaptics();
+Result<std::unique_ptr<PolledBus>> OpenPolhem(const BusChoice& choice);
+std::vector<SdkDevice> FindPolhem();
+Result<std::unique_ptr<PolledBus>> OpenPolhemSerial(const BusChoice& choice);
+std::vector<SdkDevice> FindPolhemSerial();
 
 }  // namespace enamel::station::sdk

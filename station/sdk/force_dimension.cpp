@@ -1,12 +1,12 @@
 #include <dhdc.h>
 
 #include "station/sdk/buses.h"
+#include "station/sdk/userward.h"
 
 namespace enamel::station::sdk {
 namespace {
 
-// Its frame is x toward the user, y to the right, z up.
-dvec3 ToScene(double x, double y, double z) { return {y, -x, z}; }
+dvec3 ToScene(double x, double y, double z) { return FromUserward({x, y, z}); }
 
 // The handle's frame in the scene: ToScene turns both.
 Quat ToScene(const double (&m)[3][3]) {
@@ -61,13 +61,14 @@ class ForceDimension final : public PolledBus {
     return Heard::kPose;
   }
   bool Send(const dvec3& force_n) override {
-    // The inverse of ToScene. DHD_MOTOR_SATURATED is no error: the motors gave what they have.
-    return dhdSetForce(-force_n.y, force_n.x, force_n.z, id_) >= 0;
+    // DHD_MOTOR_SATURATED is no error: the motors gave what they have.
+    const dvec3 f = ToUserward(force_n);
+    return dhdSetForce(f.x, f.y, f.z, id_) >= 0;
   }
   bool SendWithTorque(const dvec3& force_n, const dvec3& torque_n_m) override {
     if (!twists_) return Send(force_n);
-    return dhdSetForceAndTorque(-force_n.y, force_n.x, force_n.z, -torque_n_m.y, torque_n_m.x,
-                                torque_n_m.z, id_) >= 0;
+    const dvec3 f = ToUserward(force_n), t = ToUserward(torque_n_m);
+    return dhdSetForceAndTorque(f.x, f.y, f.z, t.x, t.y, t.z, id_) >= 0;
   }
 
  private:
@@ -78,7 +79,7 @@ class ForceDimension final : public PolledBus {
 
 }  // namespace
 
-Result<std::unique_ptr<PolledBus>> OpenForceDimension() {
+Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice&) {
   int id = dhdOpen();
   if (id < 0) {
     return Status(Code::kUnavailable,
@@ -90,12 +91,12 @@ Result<std::unique_ptr<PolledBus>> OpenForceDimension() {
   return std::unique_ptr<PolledBus>(std::make_unique<ForceDimension>(static_cast<char>(id)));
 }
 
-std::optional<std::string> FindForceDimension() {
+std::vector<SdkDevice> FindForceDimension() {
   int id = dhdOpen();
-  if (id < 0) return std::nullopt;
+  if (id < 0) return {};
   std::string name = NameOf(static_cast<char>(id));
   dhdClose(static_cast<char>(id));
-  return name;
+  return {{"", name, ProfileNameOf(name), "", "", ""}};
 }
 
 }  // namespace enamel::station::sdk

@@ -50,7 +50,7 @@ class OpenHaptics final : public PolledBus {
 
 }  // namespace
 
-Result<std::unique_ptr<PolledBus>> OpenOpenHaptics() {
+Result<std::unique_ptr<PolledBus>> OpenOpenHaptics(const BusChoice&) {
   HHD device = hdInitDevice(HD_DEFAULT_DEVICE);
   if (Failed() || device == HD_INVALID_HANDLE) {
     return Status(Code::kUnavailable,
@@ -62,12 +62,12 @@ Result<std::unique_ptr<PolledBus>> OpenOpenHaptics() {
   return std::unique_ptr<PolledBus>(std::make_unique<OpenHaptics>(device));
 }
 
-std::optional<std::string> FindOpenHaptics() {
+std::vector<SdkDevice> FindOpenHaptics() {
   HHD device = hdInitDevice(HD_DEFAULT_DEVICE);
-  if (Failed() || device == HD_INVALID_HANDLE) return std::nullopt;
+  if (Failed() || device == HD_INVALID_HANDLE) return {};
   std::string name = ModelName();
   hdDisableDevice(device);
-  return name;
+  return {{"", name, ProfileNameOf(name), "", "", ""}};
 }
 
 }  // namespace enamel::station::sdk

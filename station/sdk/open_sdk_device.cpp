@@ -1,58 +1,68 @@
 #include "station/sdk/open_sdk_device.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
-#include <optional>
 
 #include "common/scene/cell.h"
+#include "common/scene/find_profile.h"
+#include "common/scene/json/json.h"
 #include "station/sdk/buses.h"
 
 namespace enamel::station::sdk {
 namespace {
 
-using OpenBus = Result<std::unique_ptr<PolledBus>> (*)();
-using FindName = std::optional<std::string> (*)();
+using OpenBus = Result<std::unique_ptr<PolledBus>> (*)(const BusChoice&);
+using FindDevices = std::vector<SdkDevice> (*)();
 
-// A maker's library; its functions are null if this program was built without it.
-struct Library {
+// The functions are null if this program was built without the maker's library.
+struct Driver {
   std::string_view choice, what;
   OpenBus open;
-  FindName find;
+  FindDevices find;
 };
 
-constexpr std::array<Library, 2> kLibraries = {{
+constexpr std::array kDrivers = {
 #ifdef ENAMEL_WITH_DHD
-    {"dhd", "Force Dimension's SDK", OpenForceDimension, FindForceDimension},
+    Driver{"dhd", "Force Dimension's SDK", OpenForceDimension, FindForceDimension},
 #else
-    {"dhd", "Force Dimension's SDK", nullptr, nullptr},
+    Driver{"dhd", "Force Dimension's SDK", nullptr, nullptr},
 #endif
 #ifdef ENAMEL_WITH_OPENHAPTICS
-    {"openhaptics", "OpenHaptics", OpenOpenHaptics, FindOpenHaptics},
+    Driver{"openhaptics", "OpenHaptics", OpenOpenHaptics, FindOpenHaptics},
 #else
-    {"openhaptics", "OpenHaptics", nullptr, nullptr},
+    Driver{"openhaptics", "OpenHaptics", nullptr, nullptr},
 #endif
-}};
+    Driver{"woodenhaptics", "", OpenWoodenHaptics, FindWoodenHaptics},
+    Driver{"polhem", "", OpenPolhem, FindPolhem},
+    Driver{"polhem_serial", "", OpenPolhemSerial, FindPolhemSerial},
+};
 
-const Library* Find(std::string_view choice) {
-  for (const Library& library : kLibraries) {
-    if (library.choice == choice) return &library;
-  }
-  return nullptr;
+std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }
+
+const Driver* Find(std::string_view choice) {
+  const auto* found = std::ranges::find(kDrivers, NameIn(choice), &Driver::choice);
+  return found == kDrivers.end() ? nullptr : found;
 }
 
-Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceChoice& choice,
+Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoice& choice,
                                      const scene::DeviceProfile& profile) {
-  if (library.open == nullptr) {
+  if (driver.open == nullptr) {
     return Status(Code::kUnavailable,
-                  "this program was built without " + std::string(library.what) + ", which '" +
-                      std::string(library.choice) +
+                  "this program was built without " + std::string(driver.what) + ", which '" +
+                      std::string(driver.choice) +
                       "' needs: install the maker's SDK and build again (station/sdk/README.md)",
                   "device");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto bus, library.open());
+  BusChoice wanted;
+  if (choice.device.size() > driver.choice.size())
+    wanted.address = choice.device.substr(driver.choice.size() + 1);
+  wanted.peak_n = static_cast<double>(profile.peak_force_mn.value) * 1e-3;
+  wanted.reach_m = static_cast<double>(profile.workspace_radius_um.value) * 1e-6;
+  ENAMEL_ASSIGN_OR_RETURN(auto bus, driver.open(wanted));
   const double resolution_m = scene::CountNm(profile) * 1e-9;
   return std::unique_ptr<Device>(
-      // A maker's calls may wait for the bus: a thread polls, the tick takes the latest.
+      // A bus may wait: a thread polls, the tick takes the latest.
       std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup));
 }
 
@@ -60,19 +70,33 @@ Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceCh
 
 std::vector<SdkDevice> ListSdkDevices() {
   std::vector<SdkDevice> out;
-  for (const Library& library : kLibraries) {
-    if (library.find == nullptr) continue;
-    if (auto name = library.find()) {
-      out.push_back({std::string(library.choice), *name, ProfileNameOf(*name)});
+  for (const Driver& driver : kDrivers) {
+    if (driver.find == nullptr) continue;
+    for (SdkDevice& found : driver.find()) {
+      found.choice = driver.choice;
+      out.push_back(std::move(found));
     }
   }
   return out;
 }
 
+std::string AskedForText(const SdkDevice& device) {
+  const auto profile = scene::FindProfile(device.profile);
+  if (!profile.ok()) return {};
+  std::string members;
+  for (const std::string& member : scene::AskedFor(*profile)) {
+    members += (members.empty() ? "" : ", ") + member;
+  }
+  if (members.empty()) return {};
+  return device.name + ": profile " + device.profile + " asks for " + members +
+         ", which nobody published: 'enamel-station calibrate --device " + device.choice +
+         " --out FILE' measures what can be measured";
+}
+
 std::vector<std::string> BuiltIn() {
   std::vector<std::string> out;
-  for (const Library& library : kLibraries) {
-    if (library.open != nullptr) out.emplace_back(library.choice);
+  for (const Driver& driver : kDrivers) {
+    if (driver.open != nullptr) out.emplace_back(driver.choice);
   }
   return out;
 }
@@ -98,9 +122,9 @@ bool IsSdkDevice(std::string_view choice) { return Find(choice) != nullptr; }
 Result<std::unique_ptr<Device>> OpenChosenDevice(const hid::DeviceChoice& choice,
                                                  const scene::DeviceProfile& profile,
                                                  double tick_s) {
-  const Library* library = Find(choice.device);
-  if (library == nullptr) return hid::OpenDevice(choice, profile, tick_s);
-  auto device = Open(*library, choice, profile);
+  const Driver* driver = Find(choice.device);
+  if (driver == nullptr) return hid::OpenDevice(choice, profile, tick_s);
+  auto device = Open(*driver, choice, profile);
   if (!device.ok()) return device;
   return hid::WithPedal(std::move(*device), choice.pedal);
 }

@@ -12,30 +12,40 @@
 
 namespace enamel::station::sdk {
 
-// A device found by a maker's library.
+// An attached device of the table of drivers (open_sdk_device.cpp): of a maker's library, or of a protocol
+// that is published.
 struct SdkDevice {
-  std::string choice;   // name on the command line: "dhd", "openhaptics"
-  std::string name;     // from the library: "omega.3"
-  std::string profile;  // name of its device profile: ProfileNameOf(name)
+  std::string choice;   // its driver, as a command line names it: "dhd", "polhem"
+  std::string name;     // "omega.3"
+  std::string profile;  // name of its device profile
+  std::string ids;      // "1234:0006"; empty where the library does not say
+  std::string unit;     // as Device::Unit
+  std::string problem;  // why it cannot be used now, and what to do; empty if it can
 };
 
-// Attached devices of the libraries built in. Opens each briefly without switching its motors on:
-// not while one is in use. Thread safety: one at a time.
+// Attached devices of the drivers built in, in the table's order. Opens those of makers' libraries briefly
+// without switching motors on: not while one is in use. Two drivers may both list a device whose ids are
+// the same: its profile tells which. Thread safety: one at a time.
 std::vector<SdkDevice> ListSdkDevices();
 
-// The libraries this program was built with, by choice.
+// What the device's profile does not know of it, and how to find out: "profile polhem_v1 asks for …". Empty
+// if it knows all, or no such profile is built in.
+std::string AskedForText(const SdkDevice& device);
+
+// The drivers this program was built with, by choice.
 std::vector<std::string> BuiltIn();
 
 // Profile name of a model: its letters and digits in lower case, words joined by _. "omega.3" is
 // omega3, "PHANTOM Desktop" is phantom_desktop.
 std::string ProfileNameOf(std::string_view model);
 
-// Whether a choice on the command line is an SDK's: "dhd", "openhaptics".
+// Whether a choice on the command line names a driver of the table: "dhd", "polhem_serial:/dev/ttyACM0".
 bool IsSdkDevice(std::string_view choice);
 
-// Opens the chosen device for an attempt, through a maker's library or hid::OpenDevice, with the
-// foot pedal if one was named. Errors: as hid::OpenDevice; kUnavailable when this program was built
-// without that SDK, or the library finds no device.
+// Opens the chosen device for an attempt, through a driver of the table or hid::OpenDevice, with the
+// foot pedal if one was named. A choice of the table may be followed by ":ADDRESS" (buses.h). Errors: as
+// hid::OpenDevice; kUnavailable when this program was built without that SDK, the device is not found, is
+// used by another program, or is not calibrated.
 Result<std::unique_ptr<Device>> OpenChosenDevice(const hid::DeviceChoice& choice,
                                                  const scene::DeviceProfile& profile,
                                                  double tick_s);

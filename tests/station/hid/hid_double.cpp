@@ -117,6 +117,14 @@ int HidBus::Write(Handle* handle, const unsigned char* data, size_t size) {
   changed_.notify_all();
   if (handle->gone) return -1;
   written_.emplace_back(data, data + size);
+  const auto device = devices_.find(handle->path);
+  if (device != devices_.end() && device->second.answer) {
+    const Bytes answer = device->second.answer({data, size});
+    for (Handle* h : handles_) {
+      if (h->path == handle->path && !answer.empty()) h->reports.push_back(answer);
+    }
+    changed_.notify_all();
+  }
   return static_cast<int>(size);
 }
 

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -21,6 +22,9 @@ struct ScriptedHid {
   std::wstring serial, maker, name;
   Bytes feature;         // answer to every feature request; empty: none
   bool may_open = true;  // false: permission denied
+  // A device that only answers: called for each report written to it, while the bus is locked. Empty: no
+  // answer.
+  std::function<Bytes(ByteView)> answer = {};
 };
 
 // One per process, as hidapi is. Thread safety: all of it.

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/plan.h"
 #include "station/devices/operators.h"
 #include "station/devices/pointer_device.h"
@@ -17,6 +18,7 @@
 #include "station/sdk/open_sdk_device.h"
 #include "station/uplink/live_mailbox.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/station/sdk/emulated_arms.h"
 #include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
 
@@ -163,12 +165,27 @@ Rig Sdk(const World& w, const char* choice, FakeSdk& sdk) {
           }};
 }
 
+// A device that only answers: its emulator has a pose for each force.
+Rig Arm(std::shared_ptr<testing_support::EmulatedArm> arm) {
+  hid::DeviceChoice chosen;
+  chosen.device = arm->choice();
+  auto device = sdk::OpenChosenDevice(chosen, *scene::FindProfile(arm->profile()), 1e-3);
+  ENAMEL_CHECK(device.ok());
+  Device* raw = device->get();
+  return {std::move(*device), [raw, arm](int) {
+            uint64_t before = raw->counters().samples;
+            Await([&] { return raw->counters().samples > before; });
+          }};
+}
+
 Rig MakeRig(const std::string& driver, const World& w) {
   if (driver == "board") return Board(w);
   if (driver == "mouse") return MouseWithPedal(w);
   if (driver == "pointer") return Pointer(w);
   if (driver == "simulated") return Simulated(w);
   if (driver == "dhd") return Sdk(w, "dhd", FakeSdk::ForceDimension());
+  if (driver == "polhem") return Arm(std::make_shared<testing_support::EmulatedHidArm>(true));
+  if (driver == "polhem_serial") return Arm(std::make_shared<testing_support::EmulatedSerialArm>());
   return Sdk(w, "openhaptics", FakeSdk::OpenHaptics());
 }
 
@@ -286,7 +303,7 @@ TEST_P(DriverTicksTest, AWindowThatReadsSlowlyOrNeverHoldsUpNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Drivers, DriverTicksTest,
                          testing::Values("board", "mouse", "pointer", "simulated", "dhd",
-                                         "openhaptics"),
+                                         "openhaptics", "polhem", "polhem_serial"),
                          [](const auto& param) { return param.param; });
 
 // The consumers of a tick in the window and the uplink, as TickFeed and RunningAttempt, while

@@ -78,7 +78,8 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
 }
 
 TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
-  EXPECT_EQ(BuiltIn(), (std::vector<std::string>{"dhd", "openhaptics"}));
+  EXPECT_EQ(BuiltIn(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
+                                                 "polhem_serial"}));
   EXPECT_TRUE(ListSdkDevices().empty());
   Attach(FakeSdk::ForceDimension(), "omega.3");
   auto found = ListSdkDevices();

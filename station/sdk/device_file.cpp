@@ -1,0 +1,71 @@
+#include "station/sdk/device_file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace enamel::station::sdk {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRules =
+    "may not be used by you: an admin installs station/ops/60-enamel.rules, then plug it in again";
+
+// The folder of the USB device itself, above those of its interface and of the driver's.
+fs::path UsbFolder(const std::string& path) {
+  std::error_code error;
+  const std::string name = fs::path(path).filename();
+  for (const char* kind : {"hidraw", "tty"}) {
+    fs::path at = fs::canonical(fs::path("/sys/class") / kind / name / "device", error);
+    for (; !error && at.has_relative_path(); at = at.parent_path()) {
+      if (fs::exists(at / "idVendor", error)) return at;
+    }
+  }
+  return {};
+}
+
+std::string Line(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Fd>> OpenAlone(const std::string& path) {
+  auto opened =
+      std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (opened->get() < 0) {
+    if (errno == EACCES) return Status(Code::kUnavailable, path + " " + kRules, "device");
+    return Status(Code::kUnavailable,
+                  "cannot open " + path + " (" + std::strerror(errno) + "): plug the device in",
+                  "device");
+  }
+  if (::flock(opened->get(), LOCK_EX | LOCK_NB) != 0) {
+    return Status(Code::kUnavailable,
+                  path + " is in use: close the other program or window that uses this device",
+                  "device");
+  }
+  return opened;
+}
+
+std::string WhyNotOpenable(const std::string& path) {
+  return ::access(path.c_str(), R_OK | W_OK) == 0 ? std::string() : path + " " + kRules;
+}
+
+std::string UsbPlace(const std::string& path) { return UsbFolder(path).filename(); }
+
+std::string UsbIds(const std::string& path) {
+  const fs::path folder = UsbFolder(path);
+  if (folder.empty()) return {};
+  return Line(folder / "idVendor") + ":" + Line(folder / "idProduct");
+}
+
+}  // namespace enamel::station::sdk

@@ -1,0 +1,244 @@
+#include <linux/serial.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "station/devices/limited.h"
+#include "station/sdk/answering.h"
+#include "station/sdk/buses.h"
+#include "station/sdk/device_file.h"
+#include "station/sdk/userward.h"
+
+// Polhem v3 on a serial port: a line of text with a force out, one with the tip in. The lines are those of
+// forsslund/haptikfabrikenapi (uhaptikfabriken.h).
+namespace enamel::station::sdk {
+namespace {
+
+constexpr size_t kSerialLine = 64;
+// Two answers may be lost before the loop has missed five ticks and latches a fault.
+constexpr std::chrono::milliseconds kAnswerPatience{2};
+constexpr int kTries = 500;                    // a second
+constexpr std::string_view kTeensy = "16c0:";  // Teensy boards; their builds differ in the product
+// The counters of an arm that is held at home, a to f (v3, since 2020-10-27).
+constexpr std::array<int, 6> kSerialHome = {8298, -10771, 19756, 0, 30, 0};
+enum Command { kSetCounters = 1, kForce = 2 };
+
+struct Answer {
+  std::array<double, 3> tip_mm{};
+  std::array<double, 4> joints_rad{};  // a, lambda, d, e
+  int info = 0;                        // 1: the calibration button was pressed
+};
+
+// A number with exactly so many decimals, from its field of `width` characters and a blank after it.
+bool TakeNumber(std::string_view& line, size_t width, size_t decimals, double& out) {
+  if (line.size() <= width || line[width] != ' ') return false;
+  std::string_view field = line.substr(0, width);
+  line.remove_prefix(width + 1);
+  field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+  const size_t point = field.find('.');
+  if (point == field.npos || field.size() - point - 1 != decimals) return false;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), out);
+  return error == std::errc() && end == field.data() + field.size();
+}
+
+// Every column counts: a line that lost a byte on the way would be another place.
+std::optional<Answer> Parse(std::string_view line) {
+  Answer out;
+  for (double& v : out.tip_mm) {
+    if (!TakeNumber(line, 8, 3, v)) return std::nullopt;
+  }
+  for (double& v : out.joints_rad) {
+    if (!TakeNumber(line, 7, 4, v)) return std::nullopt;
+  }
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), out.info);
+  if (error != std::errc()) return std::nullopt;
+  line.remove_prefix(static_cast<size_t>(end - line.data()));
+  if (line.find_first_not_of(" \r") != line.npos) return std::nullopt;
+  return out;
+}
+
+Quat About(const dvec3& axis, double rad) {
+  const dvec3 v = axis * std::sin(rad / 2);
+  return {v.x, v.y, v.z, std::cos(rad / 2)};
+}
+
+class PolhemSerial final : public PolledBus {
+ public:
+  PolhemSerial(const BusChoice& choice, std::unique_ptr<Fd> port, std::string unit)
+      : peak_n_(choice.peak_n), unit_(std::move(unit)), port_(std::move(port)) {}
+
+  std::string Name() const override { return "Polhem v3"; }
+  std::string Driver() const override { return "polhem_serial"; }
+  std::string Unit() const override { return unit_; }
+  bool answers() const override { return true; }
+
+  Heard Read(Pose& out) override {
+    // A line may come in pieces.
+    const auto until = std::chrono::steady_clock::now() + kAnswerPatience;
+    Heard heard = Heard::kNothing;
+    for (auto left = kAnswerPatience; heard == Heard::kNothing && left.count() > 0;
+         left = std::chrono::ceil<std::chrono::milliseconds>(until -
+                                                             std::chrono::steady_clock::now())) {
+      pollfd ready{port_->get(), POLLIN, 0};
+      if (::poll(&ready, 1, static_cast<int>(left.count())) == 0) break;
+      if (!Fill()) return Heard::kGone;
+      heard = TakeLines(out);
+    }
+    return heard;
+  }
+  bool Send(const dvec3& force_n) override {
+    // An answer that came too late answers nothing any more: kept, each later answer would be one
+    // exchange old.
+    if (!Fill()) return false;
+    text_.clear();
+    const dvec3 mn = ToUserward(Limited(force_n, peak_n_)) * 1e3;
+    return Write({static_cast<int>(std::lround(mn.x)), static_cast<int>(std::lround(mn.y)),
+                  static_cast<int>(std::lround(mn.z)), kForce, 0, 0, 0});
+  }
+
+  // Sets the line up and awaits the first pose. An arm whose button was pressed gets its counters.
+  // Errors: kUnavailable.
+  Status Begin(double reach_m) {
+    termios line{};
+    if (::tcgetattr(port_->get(), &line) == 0) {
+      ::cfmakeraw(&line);
+      ::cfsetspeed(&line, B115200);
+      ::tcsetattr(port_->get(), TCSANOW, &line);
+    }
+    // Where the driver knows it, it passes on each packet at once instead of every 16 ms.
+    serial_struct serial{};
+    if (::ioctl(port_->get(), TIOCGSERIAL, &serial) == 0) {
+      serial.flags |= ASYNC_LOW_LATENCY;
+      ::ioctl(port_->get(), TIOCSSERIAL, &serial);
+    }
+    for (int i = 0; i < kFirstQuestions; ++i) {
+      Pose pose;
+      if (!(asks_for_home_ ? SendHome() : Send(dvec3(0)))) break;
+      const Heard heard = Read(pose);
+      if (heard == Heard::kGone) break;
+      if (heard != Heard::kPose || asks_for_home_) continue;
+      return CheckHome(Name(), pose.tip_m, reach_m,
+                       "hold its arm at the home pose and press its calibration button");
+    }
+    return SaysNothing(Name());
+  }
+
+ private:
+  // All that is there. False: the port is gone.
+  bool Fill() {
+    std::array<char, 256> piece;
+    for (;;) {
+      const ssize_t got = ::read(port_->get(), piece.data(), piece.size());
+      if (got > 0) {
+        text_.append(piece.data(), static_cast<size_t>(got));
+        // What has no end of a line by now has none.
+        if (text_.size() > piece.size()) text_.erase(0, text_.size() - piece.size());
+      } else if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
+        return false;
+      } else if (errno == EAGAIN) {
+        return true;
+      }
+    }
+  }
+  // The newest answer counts. A line without a word is what older firmware sends in between.
+  Heard TakeLines(Pose& out) {
+    Heard heard = Heard::kNothing;
+    for (size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1)) {
+      const std::string_view line(text_.data(), end);
+      if (line.find_first_not_of(" \r") == line.npos) continue;
+      const auto answer = Parse(line);
+      heard = answer ? Heard::kPose : Heard::kRefused;
+      if (answer) Take(*answer, out);
+    }
+    return heard;
+  }
+  bool Write(const std::array<int, 7>& words) {
+    std::array<char, kSerialLine + 1> line;
+    int n = 0;
+    for (const int word : words) {
+      n += std::snprintf(line.data() + n, line.size() - static_cast<size_t>(n), "%d ", word);
+    }
+    std::fill(line.begin() + n, line.end(), ' ');
+    line[kSerialLine - 1] = '\n';
+    // A line that does not fit is lost, as on the cable: the next one follows within a millisecond.
+    return ::write(port_->get(), line.data(), kSerialLine) >= 0 || errno == EAGAIN ||
+           errno == EINTR;
+  }
+  bool SendHome() {
+    return Write({kSerialHome[3], kSerialHome[4], kSerialHome[5], kSetCounters, kSerialHome[0],
+                  kSerialHome[1], kSerialHome[2]});
+  }
+  void Take(const Answer& answer, Pose& out) {
+    asks_for_home_ = answer.info == 1;
+    out.tip_m = FromUserward({answer.tip_mm[0], answer.tip_mm[1], answer.tip_mm[2]}) * 1e-3;
+    // Without the sixth joint, which is not on this line.
+    const auto& rad = answer.joints_rad;
+    const Quat q = About({0, 0, 1}, rad[0]) * About({0, 1, 0}, -rad[1]) * About({1, 0, 0}, rad[2]) *
+                   About({0, 1, 0}, rad[3]);
+    const dvec3 axis = FromUserward({q.x, q.y, q.z});
+    out.orientation = {axis.x, axis.y, axis.z, q.w};
+  }
+
+  const double peak_n_;
+  const std::string unit_;
+  const std::unique_ptr<Fd> port_;
+  std::string text_;
+  bool asks_for_home_ = false;
+};
+
+std::string UnitOf(const std::string& path) {
+  const std::string place = UsbPlace(path);
+  return place.empty() ? place : "polhem_serial:usb:" + place;
+}
+
+std::vector<std::string> Ports() {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (const auto& port : std::filesystem::directory_iterator("/sys/class/tty", error)) {
+    const std::string name = port.path().filename(), path = "/dev/" + name;
+    if (name.starts_with("ttyACM") && UsbIds(path).starts_with(kTeensy)) out.push_back(path);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PolledBus>> OpenPolhemSerial(const BusChoice& choice) {
+  std::string path = choice.address;
+  if (path.empty()) {
+    const auto ports = Ports();
+    if (ports.empty()) {
+      return Status(Code::kNotFound,
+                    "no Polhem is attached to a serial port: plug it in, or name the port "
+                    "(polhem_serial:/dev/ttyACM0)",
+                    "device");
+    }
+    path = ports.front();
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto port, OpenAlone(path));
+  auto bus = std::make_unique<PolhemSerial>(choice, std::move(port), UnitOf(path));
+  ENAMEL_RETURN_IF_ERROR(bus->Begin(choice.reach_m));
+  return std::unique_ptr<PolledBus>(std::move(bus));
+}
+
+std::vector<SdkDevice> FindPolhemSerial() {
+  std::vector<SdkDevice> out;
+  for (const std::string& path : Ports()) {
+    out.push_back({"", "Polhem v3 (" + path + ")", "polhem_v3", UsbIds(path), UnitOf(path),
+                   WhyNotOpenable(path)});
+  }
+  return out;
+}
+
+}  // namespace enamel::station::sdk

@@ -1,0 +1,500 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/cell.h"
+#include "common/scene/find_profile.h"
+#include "common/scene/json/json.h"
+#include "common/scene/plan.h"
+#include "station/loop/tick_loop.h"
+#include "station/sdk/open_sdk_device.h"
+#include "tests/station/hid/hid_double.h"
+#include "tests/station/sdk/emulated_arms.h"
+#include "tests/support/await_sample.h"
+
+// Devices of published protocols against emulators of their bytes.
+namespace enamel::station::sdk {
+namespace {
+
+using testing_support::EmulatedArm;
+using testing_support::EmulatedHidArm;
+using testing_support::EmulatedSerialArm;
+using testing_support::HidBus;
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+void Await(const std::function<bool()>& reached) {
+  for (int i = 0; i < 100'000 && !reached(); ++i) {
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  ASSERT_TRUE(reached());
+}
+
+Result<std::unique_ptr<Device>> Open(const EmulatedArm& arm) {
+  hid::DeviceChoice choice;
+  choice.device = arm.choice();
+  return OpenChosenDevice(choice, *scene::FindProfile(arm.profile()), 1e-3);
+}
+
+// With its first pose, which is the middle.
+std::unique_ptr<Device> MustOpen(const EmulatedArm& arm) {
+  auto device = Open(arm);
+  EXPECT_TRUE(device.ok()) << device.status().message();
+  if (!device.ok()) return nullptr;
+  Await([&] { return (*device)->counters().samples > 0; });
+  return std::move(*device);
+}
+
+std::unique_ptr<EmulatedArm> Make(const std::string& name) {
+  if (name == "polhem_serial") return std::make_unique<EmulatedSerialArm>();
+  return std::make_unique<EmulatedHidArm>(name == "polhem");
+}
+
+// A sample of an exchange that began after this call.
+DeviceSample Next(Device& device) {
+  const uint64_t before = device.counters().samples;
+  Await([&] { return device.counters().samples >= before + 2; });
+  return device.ReadSample();
+}
+
+class ArmsTest : public testing::TestWithParam<const char*> {
+ protected:
+  ArmsTest() { HidBus::Get().Reset(); }
+};
+
+TEST_P(ArmsTest, ItIsAskedAtForceZeroWhileTheLoopIsSilent) {
+  auto arm = Make(GetParam());
+  auto device = MustOpen(*arm);
+  device->SendForce(dvec3(0, 0, 1));
+  Await([&] { return arm->told() != std::array<int, 3>{}; });
+  // The station's keeper ends the force; the requests that feed the watchdog continue.
+  Await([&] { return arm->told() == std::array<int, 3>{}; });
+  const uint64_t before = arm->requests();
+  Await([&] { return arm->requests() > before + 20; });
+  EXPECT_EQ(arm->told(), (std::array<int, 3>{}));
+}
+
+TEST_P(ArmsTest, EndsWithForceZero) {
+  auto arm = Make(GetParam());
+  auto device = MustOpen(*arm);
+  device->SendForce(dvec3(0, 0, 1));
+  Await([&] { return arm->told() != std::array<int, 3>{}; });
+  device.reset();
+  Await([&] { return arm->told() == std::array<int, 3>{}; });
+}
+
+TEST_P(ArmsTest, ASecondSessionIsRefusedUntilTheFirstEnds) {
+  auto arm = Make(GetParam());
+  auto device = MustOpen(*arm);
+  const Status refused = Open(*arm).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("in use"), std::string::npos) << refused.message();
+  device.reset();
+  EXPECT_NE(MustOpen(*arm), nullptr);
+}
+
+TEST_P(ArmsTest, OneThatSaysNothingIsRefusedWithWhatToDo) {
+  auto arm = Make(GetParam());
+  arm->Mute(true);
+  const Status refused = Open(*arm).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("sends no pose"), std::string::npos) << refused.message();
+}
+
+TEST_P(ArmsTest, AForceIsShortenedToTheProfilesPeak) {
+  auto arm = Make(GetParam());
+  auto device = MustOpen(*arm);
+  std::array<int, 3> peak{};
+  for (double newtons : {5.0, 500.0}) {
+    const uint64_t before = arm->requests();
+    device->SendForce(dvec3(0, 0, newtons));
+    Await([&] { return arm->requests() > before && arm->told() != std::array<int, 3>{}; });
+    if (newtons == 5.0) peak = arm->told();
+    device->SendForce(dvec3(0, 0, newtons));
+    Await([&] { return arm->told() == peak; });
+    device->SendForce(dvec3(0));
+    Await([&] { return arm->told() == std::array<int, 3>{}; });
+  }
+}
+
+// Passes a driver's calls on. The pedal is down, and force may come on at once.
+class Held final : public Device {
+ public:
+  explicit Held(Device& inner) : inner_(inner) {}
+  std::string Name() const override { return inner_.Name(); }
+  Hand hand() const override { return inner_.hand(); }
+  DeviceSample ReadSample() noexcept override {
+    DeviceSample s = inner_.ReadSample();
+    s.buttons = kPedal;
+    s.bur_speed_krpm = kTurbineSpeed_krpm;
+    return s;
+  }
+  void SendForce(const dvec3& force_n) noexcept override {
+    force = force_n;
+    inner_.SendForce(force_n);
+  }
+  dvec3 force{0};
+
+ private:
+  Device& inner_;
+};
+
+// The block under a bur that begins 0.5 mm above it, held by a device with this profile.
+struct Plan {
+  core::CoreParams params;
+  cutting::Volume volume;
+};
+
+Plan PlanFor(const char* name) {
+  auto built = scene::BuildBuiltinScene("block", 200'000);
+  ENAMEL_CHECK(built.ok());
+  const auto profile = scene::FindProfile(name);
+  auto params =
+      scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}), *profile);
+  ENAMEL_CHECK(params.ok());
+  params->soft_start_ticks = 1;
+  params->device_origin_nm[2] =
+      int64_t{built->scene.landmarks.at("occlusal_centre")[2]} * 1000 + 500'000;
+  return {*params, std::move(built->volume)};
+}
+
+// A device in the loop, ticked by the test: its time is that of the ticks.
+class Session {
+ public:
+  Session(EmulatedArm& arm, const Plan& plan)
+      : arm_(arm),
+        device_(MustOpen(arm)),
+        held_(*device_),
+        core_(plan.params, plan.volume),
+        loop_(held_, core_, ring_, {1000, false, true}) {}
+
+  // With the next answer, unless none comes any more.
+  void Tick(int step) {
+    arm_.Lower(step);
+    const uint64_t before = device_->counters().samples;
+    Await([&] { return device_->counters().samples > before || arm_.is_cut(); });
+    Tick();
+  }
+  void Tick() {
+    loop_.Tick();
+    Sample s;
+    while (ring_.Pop(s)) {
+    }
+  }
+  Fault fault() const { return loop_.fault(); }
+  const dvec3& force() const { return held_.force; }
+  DeviceCounters counters() const { return device_->counters(); }
+
+ private:
+  EmulatedArm& arm_;
+  std::unique_ptr<Device> device_;
+  Held held_;
+  core::Core core_;
+  SampleRing ring_{64};
+  TickLoop loop_;
+};
+
+// Until the tooth pushes back.
+int Touch(Session& session) {
+  int step = 0;
+  // Force comes on in free air only.
+  for (int i = 0; i < 5; ++i) session.Tick(step);
+  while (session.force() == dvec3(0) && step < 100) session.Tick(++step);
+  EXPECT_NE(session.force(), dvec3(0));
+  EXPECT_EQ(session.fault(), Fault::kNone);
+  return step;
+}
+
+TEST_P(ArmsTest, LostAnswersCostNoFault) {
+  auto arm = Make(GetParam());
+  const Plan plan = PlanFor(arm->profile());
+  Session session(*arm, plan);
+  int step = Touch(session);
+  for (int i = 0; i < 60; ++i) {
+    session.Tick(step);
+    // The answers to the next two ticks.
+    arm->Mute(true);
+    for (int lost = 0; lost < 2; ++lost) {
+      const uint64_t before = arm->requests();
+      Await([&] { return arm->requests() > before; });
+      session.Tick();
+    }
+    arm->Mute(false);
+  }
+  EXPECT_EQ(session.fault(), Fault::kNone);
+}
+
+// 1000 sessions with ENAMEL_FULL=1. Ticks are counted from the last whole answer, or from the tick in
+// which the driver's thread knows that the port is closed.
+TEST_P(ArmsTest, CutAtAnyByteTheForceIsZeroAndTheFaultLatchedInTime) {
+  const int sessions = std::getenv("ENAMEL_FULL") != nullptr ? 1000 : 60;
+  const Plan plan = PlanFor(Make(GetParam())->profile());
+  std::mt19937 random(39);
+  int most_silent = 0, most_closed = 0;
+  for (int i = 0; i < sessions; ++i) {
+    auto arm = Make(GetParam());
+    Session session(*arm, plan);
+    int step = Touch(session);
+    const bool closed = i % 2 == 1;
+    arm->CutAfter(random() % (6 * arm->answer_bytes()));
+    uint64_t samples = session.counters().samples;
+    int ticks = 0;  // since the last answer
+    while (!arm->is_cut()) {
+      session.Tick(++step);
+      ticks = session.counters().samples == samples ? ticks + 1 : 0;
+      samples = session.counters().samples;
+    }
+    if (closed) {
+      arm->Unplug();
+      Await([&] { return session.counters().detached == 1; });
+      ticks = 0;
+    }
+    while (session.fault() == Fault::kNone && ticks < 100) {
+      session.Tick();
+      ++ticks;
+    }
+    int& most = closed ? most_closed : most_silent;
+    most = std::max(most, ticks);
+    ASSERT_LE(ticks, closed ? 2 : 7) << i;
+    ASSERT_EQ(session.fault(), closed ? Fault::kUnplugged : Fault::kStalled) << i;
+    ASSERT_EQ(session.force(), dvec3(0)) << i;
+    if (!closed) Await([&] { return arm->told() == std::array<int, 3>{}; });
+  }
+  std::printf("%s, %d sessions: %d ticks after the last answer, %d after a closed port\n",
+              GetParam(), sessions, most_silent, most_closed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, ArmsTest,
+                         testing::Values("woodenhaptics", "polhem", "polhem_serial"),
+                         [](const auto& param) { return std::string(param.param); });
+
+// Dimensions of an arm, from devices.md's list; worked out here apart from the driver.
+struct Drawn {
+  bool polhem;
+  double a, b, c;              // bodies, m
+  std::array<double, 3> gear;  // body over capstan
+  dvec3 origin;                // m
+  double k;                    // N m/A
+  std::array<double, 3> sign;  // of the currents
+  double zero_c;               // rad
+};
+const Drawn kDrawn[] = {
+    {false, 0.080, 0.205, 0.245, {16, 12, 12}, {0.220, 0, 0.080}, 0.0259, {1, -1, -1}, kTurn / 4},
+    {true, 0.058, 0.174, 0.133, {18, 10, 10}, {0.140, 0, 0.100}, 0.0538, {-1, -1, -1}, 0}};
+
+dvec3 TipOf(const Drawn& d, const std::array<int, 6>& n) {
+  const double turn = -n[0] / 2000.0 * kTurn / d.gear[0], rise = -n[1] / 2000.0 * kTurn / d.gear[1],
+               fore = d.zero_c - n[2] / 2000.0 * kTurn / d.gear[2];
+  // Body b leans by `rise` from the vertical, body c hangs by `fore`; both turn about the base.
+  const double out = d.b * std::sin(rise) + d.c * std::sin(fore);
+  const dvec3 arm{out * std::cos(turn) - d.origin.x, out * std::sin(turn) - d.origin.y,
+                  d.a + d.b * std::cos(rise) - d.c * std::cos(fore) - d.origin.z};
+  return {arm.y, -arm.x, arm.z};  // x toward the user, y right: scene
+}
+
+TEST(HidArmTest, ItsTipIsWhereTheDrawingPutsIt) {
+  for (const Drawn& d : kDrawn) {
+    EmulatedHidArm arm(d.polhem);
+    auto device = MustOpen(arm);
+    const auto start = arm.counters();
+    const double cell = scene::CountNm(*scene::FindProfile(arm.profile())) * 1e-9;
+    for (const std::array<int, 3> by :
+         {std::array{300, 0, 0}, {0, 200, 0}, {0, 0, -250}, {-99, 50, 70}}) {
+      auto at = start;
+      for (size_t i = 0; i < 3; ++i) at[i] += by[i];
+      arm.Set(at);
+      const DeviceSample s = Next(*device);
+      const dvec3 moved = TipOf(d, at) - TipOf(d, start);
+      for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(s.counts[static_cast<size_t>(i)] * cell, moved[i], cell) << i;
+      }
+    }
+  }
+}
+
+// Virtual work: a motor's torque over its turn is the force over the tip's way.
+TEST(HidArmTest, ItsCurrentsDoTheForcesWork) {
+  const dvec3 force{0.3, -0.5, 0.7};
+  for (const Drawn& d : kDrawn) {
+    EmulatedHidArm arm(d.polhem);
+    auto at = arm.counters();
+    at[0] += 400;
+    arm.Set(at);
+    auto device = MustOpen(arm);
+    std::array<double, 3> expected;
+    for (size_t i = 0; i < 3; ++i) {
+      auto ahead = at, behind = at;
+      ++ahead[i];
+      --behind[i];
+      const double work_j = Dot(force, TipOf(d, ahead) - TipOf(d, behind));
+      const double body_rad = -2 / 2000.0 * kTurn / d.gear[i];
+      expected[i] = d.sign[i] * work_j / body_rad / d.gear[i] / d.k * 1e3;
+    }
+    Await([&] {
+      device->SendForce(force);
+      return arm.told() != std::array<int, 3>{};
+    });
+    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(arm.told()[i], expected[i], 1) << d.polhem << i;
+    // Beyond 2 A the direction stays.
+    device->SendForce(force * 5.0);
+    Await([&] { return std::abs(arm.told()[1]) > 1.5 * std::abs(expected[1]); });
+    const auto strong = arm.told();
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_LE(std::abs(strong[i]), d.polhem && i == 0 ? 1000 : 2000);
+      EXPECT_NEAR(1.0 * strong[i] / strong[1], expected[i] / expected[1], 0.02) << i;
+    }
+  }
+}
+
+TEST(HidArmTest, CountersThatWrapMoveNothing) {
+  EmulatedHidArm arm(false);
+  auto at = arm.counters();
+  at[0] = 32'760;  // a whole turn and 8 degrees
+  arm.Set(at);
+  auto device = MustOpen(arm);
+  Next(*device);
+  at[0] = 32'776 - 65'536;
+  arm.Set(at);
+  const double way = dvec3(TipOf(kDrawn[0], {32'776, at[1], at[2]})).x -
+                     TipOf(kDrawn[0], {32'760, at[1], at[2]}).x;
+  EXPECT_NEAR(Next(*device).counts[0] * 500e-9, way, 1e-6);
+  EXPECT_LT(std::abs(way), 2e-3);
+}
+
+TEST(HidArmTest, RestartedInASessionItCountsAsUnplugged) {
+  EmulatedHidArm arm(true);
+  auto device = MustOpen(arm);
+  Next(*device);
+  arm.Set({});
+  test::AwaitSample(*device, [](const DeviceSample& s) { return !s.attached; });
+}
+
+TEST(HidArmTest, WithoutCalibrationItIsRefusedWithHowToDoIt) {
+  for (bool polhem : {false, true}) {
+    EmulatedHidArm arm(polhem);
+    arm.Set({30, -20, 10, 0, 0, 0});
+    const Status refused = Open(arm).status();
+    EXPECT_EQ(refused.code(), Code::kUnavailable);
+    for (const char* said : {"not calibrated", "home pose", polhem ? "press" : "switch it on"}) {
+      EXPECT_NE(refused.message().find(said), std::string::npos) << refused.message();
+    }
+  }
+}
+
+TEST(HidArmTest, AfterItsButtonWasPressedItGetsItsCounters) {
+  EmulatedHidArm arm(true);
+  arm.PressCalibration();
+  EXPECT_NE(MustOpen(arm), nullptr);
+  EXPECT_TRUE(arm.calibrated_to_home());
+}
+
+TEST(HidArmTest, TheOtherFirmwaresReportsAreNamed) {
+  EmulatedHidArm arm(true);
+  HidBus::Get().Unplug(arm.path());
+  testing_support::ScriptedHid wrong;
+  wrong.path = arm.path();
+  wrong.vendor = 0x1234;
+  wrong.product = 0x0006;
+  wrong.answer = [](ByteView) { return Bytes(8); };
+  HidBus::Get().Plug(wrong);
+  const Status refused = Open(arm).status();
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.message().find("8 bytes, expected 14"), std::string::npos) << refused.message();
+}
+
+// Gimbal counter d turns the tool about its own axis: a quarter of 1024 the wrong way round, about the
+// arm's x, which is the scene's -y.
+TEST(HidArmTest, ItsGimbalTurnsTheTool) {
+  EmulatedHidArm arm(true);
+  auto at = arm.counters();
+  at[1] = 0;
+  at[2] = -5000;  // body c level: the tool's frame is the arm's
+  auto device = MustOpen(arm);
+  arm.Set(at);
+  const Quat level = FromQuantised(Next(*device).orientation);
+  EXPECT_NEAR(level.w, 1, 1e-3);
+  at[3] = 256;
+  arm.Set(at);
+  const Quat turned = FromQuantised(Next(*device).orientation);
+  EXPECT_NEAR(turned.y, std::sqrt(0.5), 1e-3);
+  EXPECT_NEAR(turned.w, std::sqrt(0.5), 1e-3);
+}
+
+TEST(HidArmTest, BothFirmwaresOfItsIdsAreListedWithTheirProfiles) {
+  HidBus::Get().Reset();
+  EmulatedHidArm arm(true);
+  std::vector<std::string> listed;
+  for (const SdkDevice& d : ListSdkDevices()) {
+    if (d.ids != "1234:0006") continue;
+    listed.push_back(d.choice + " " + d.profile);
+    EXPECT_EQ(d.problem, "");
+    const std::string asked = AskedForText(d);
+    for (const char* member : {"damping_mn_s_per_m", "friction_mn", "mass_g", "continuous_force_mn",
+                               "enamel-station calibrate --device "}) {
+      EXPECT_NE(asked.find(member), std::string::npos) << asked;
+    }
+  }
+  EXPECT_EQ(listed,
+            (std::vector<std::string>{"woodenhaptics woodenhaptics_v2015", "polhem polhem_v1"}));
+}
+
+TEST(SerialArmTest, ItsTipAndForceAreTurnedToTheSceneAndBack) {
+  EmulatedSerialArm arm;
+  auto device = MustOpen(arm);
+  // Toward the user 1 mm, right 2, up 3; turned by a quarter about its z, which is the scene's.
+  arm.Set({1, 2, 3}, {kTurn / 4, 0, 0, 0});
+  const DeviceSample s = Next(*device);
+  EXPECT_EQ(s.counts, (std::array<int32_t, 3>{4000, -2000, 6000}));
+  EXPECT_NEAR(FromQuantised(s.orientation).z, std::sqrt(0.5), 1e-3);
+  device->SendForce(dvec3(0.1, 0.2, -0.3));
+  Await([&] { return arm.told() == std::array<int, 3>{-200, 100, -300}; });
+}
+
+TEST(SerialArmTest, AnswersInPiecesAfterEmptyLinesAreRead) {
+  EmulatedSerialArm arm;
+  arm.InPieces(true);
+  auto device = MustOpen(arm);
+  arm.Set({0, 0, 1});
+  test::AwaitSample(*device, [](const DeviceSample& s) { return s.counts[2] == 2000; });
+}
+
+TEST(SerialArmTest, AnAnswerThatLostAByteMovesNothing) {
+  EmulatedSerialArm arm;
+  arm.Set({0, 0, 0});
+  auto device = MustOpen(arm);
+  Next(*device);
+  arm.LoseAByte(true);
+  Await([&] { return device->counters().refused >= 5; });
+  EXPECT_EQ(device->ReadSample().counts, (std::array<int32_t, 3>{}));
+  arm.LoseAByte(false);
+  Next(*device);
+}
+
+TEST(SerialArmTest, WithoutCalibrationItIsRefusedAndItsButtonSetsItsCounters) {
+  EmulatedSerialArm arm;
+  arm.Set({0, 20, 170});
+  const Status refused = Open(arm).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  for (const char* said : {"171 mm", "150 mm", "not calibrated", "calibration button"}) {
+    EXPECT_NE(refused.message().find(said), std::string::npos) << refused.message();
+  }
+  arm.PressCalibration();
+  EXPECT_NE(MustOpen(arm), nullptr);
+  EXPECT_TRUE(arm.calibrated_to_home());
+}
+
+TEST(SerialArmTest, APortThatIsNotThereIsNamed) {
+  hid::DeviceChoice choice;
+  choice.device = "polhem_serial:/dev/ttyNONE";
+  const auto profile = *scene::FindProfile("polhem_v3");
+  const Status refused = OpenChosenDevice(choice, profile, 1e-3).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("/dev/ttyNONE"), std::string::npos) << refused.message();
+}
+
+}  // namespace
+}  // namespace enamel::station::sdk

@@ -1,0 +1,202 @@
+#include "tests/station/sdk/emulated_arms.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "common/base/check.h"
+#include "tests/station/hid/hid_double.h"
+
+namespace enamel::station::testing_support {
+
+std::array<int, 3> EmulatedArm::told() const {
+  std::lock_guard lock(mutex_);
+  return told_;
+}
+
+void EmulatedArm::CutAfter(size_t bytes) {
+  std::lock_guard lock(mutex_);
+  left_ = bytes;
+}
+
+Bytes EmulatedArm::Through(Bytes answer) {
+  if (mute_) return {};
+  if (answer.size() > left_) {
+    answer.resize(left_);
+    cut_ = true;
+  }
+  if (left_ != SIZE_MAX) left_ -= answer.size();
+  return answer;
+}
+
+namespace {
+
+// Inside the workspace, by the arm's dimensions.
+constexpr std::array<int, 6> kWoodenStart = {0, -1333, 3453, 0, 0, 0};
+constexpr std::array<int, 6> kPolhemStart = {0, -1389, -1667, 0, 0, 0};
+
+int Word(ByteView bytes, size_t i) {
+  return static_cast<int16_t>(bytes[1 + 2 * i] | bytes[2 + 2 * i] << 8);
+}
+
+std::string OwnFile() {
+  std::string path = std::filesystem::temp_directory_path() / "enamel-arm-XXXXXX";
+  ENAMEL_CHECK(Fd(::mkstemp(path.data())).get() >= 0);
+  return path;
+}
+
+}  // namespace
+
+EmulatedHidArm::EmulatedHidArm(bool polhem)
+    : polhem_(polhem), path_(OwnFile()), counters_(polhem ? kPolhemStart : kWoodenStart) {
+  ScriptedHid device;
+  device.path = path_;
+  device.vendor = 0x1234;
+  device.product = 0x0006;
+  device.answer = [this](ByteView report) { return Answer(report); };
+  HidBus::Get().Plug(device);
+}
+
+EmulatedHidArm::~EmulatedHidArm() {
+  HidBus::Get().Unplug(path_);
+  std::filesystem::remove(path_);
+}
+
+void EmulatedHidArm::Unplug() { HidBus::Get().Unplug(path_); }
+
+void EmulatedHidArm::Set(const std::array<int, 6>& counters) {
+  std::lock_guard lock(mutex_);
+  counters_ = counters;
+}
+
+std::array<int, 6> EmulatedHidArm::counters() const {
+  std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+void EmulatedHidArm::Lower(int steps) {
+  // Body c sinks as its angle falls, which is against its counter on both arms.
+  auto counters = polhem_ ? kPolhemStart : kWoodenStart;
+  counters[2] += steps;
+  Set(counters);
+}
+
+void EmulatedHidArm::PressCalibration() {
+  std::lock_guard lock(mutex_);
+  counters_ = {7, -8, 9, 10, 11, 12};
+  info_ = 1;
+}
+
+Bytes EmulatedHidArm::Answer(ByteView report) {
+  std::lock_guard lock(mutex_);
+  ++requests_;
+  // What does not have the firmware's length it does not read, and so does not answer.
+  if (report.size() != 1 + answer_bytes() || report[0] != 0) return {};
+  if (polhem_ && Word(report, 3) == 1) {
+    homed_ = Word(report, 4) == 0 && Word(report, 5) == 0 && Word(report, 6) == -5000 &&
+             Word(report, 0) == 0 && Word(report, 1) == 0 && Word(report, 2) == 0;
+    counters_ = kPolhemStart;
+    info_ = 0;
+  } else {
+    for (size_t i = 0; i < 3; ++i) told_[i] = Word(report, i);
+  }
+  Bytes answer(answer_bytes());
+  for (size_t i = 0; i < answer.size() / 2; ++i) {
+    const auto word = static_cast<uint16_t>(i < 6 && (polhem_ || i < 3) ? counters_[i] : info_);
+    answer[2 * i] = static_cast<uint8_t>(word & 0xFF);
+    answer[2 * i + 1] = static_cast<uint8_t>(word >> 8);
+  }
+  return Through(std::move(answer));
+}
+
+EmulatedSerialArm::EmulatedSerialArm()
+    : master_(std::make_unique<Fd>(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC))) {
+  ENAMEL_CHECK(master_->get() >= 0 && ::grantpt(master_->get()) == 0 &&
+               ::unlockpt(master_->get()) == 0);
+  path_ = ::ptsname(master_->get());
+  // Open as long as the device is plugged in, so that a driver that closes it hangs nothing up.
+  slave_ = std::make_unique<Fd>(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  thread_ = std::thread([this] { Run(); });
+}
+
+EmulatedSerialArm::~EmulatedSerialArm() { Unplug(); }
+
+void EmulatedSerialArm::Unplug() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+  slave_.reset();
+  master_.reset();
+}
+
+void EmulatedSerialArm::Set(const std::array<double, 3>& tip_mm,
+                            const std::array<double, 4>& joints_rad) {
+  std::lock_guard lock(mutex_);
+  tip_mm_ = tip_mm;
+  joints_rad_ = joints_rad;
+}
+
+void EmulatedSerialArm::Lower(int steps) { Set({0, 0, -0.04 * steps}); }
+
+void EmulatedSerialArm::PressCalibration() {
+  std::lock_guard lock(mutex_);
+  tip_mm_ = {123, 45, 200};
+  info_ = 1;
+}
+
+void EmulatedSerialArm::Run() {
+  std::string text;
+  while (!stop_) {
+    pollfd ready{master_->get(), POLLIN, 0};
+    if (::poll(&ready, 1, 1) <= 0) continue;
+    char piece[256];
+    const ssize_t got = ::read(master_->get(), piece, sizeof piece);
+    if (got <= 0) continue;
+    text.append(piece, static_cast<size_t>(got));
+    for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
+      Take(text.substr(0, end));
+    }
+  }
+}
+
+void EmulatedSerialArm::Take(const std::string& line) {
+  std::lock_guard lock(mutex_);
+  ++requests_;
+  int w[7] = {};
+  if (std::sscanf(line.c_str(), "%d %d %d %d %d %d %d", w, w + 1, w + 2, w + 3, w + 4, w + 5,
+                  w + 6) != 7) {
+    return;
+  }
+  if (w[3] == 1) {
+    homed_ =
+        w[0] == 0 && w[1] == 30 && w[2] == 0 && w[4] == 8298 && w[5] == -10771 && w[6] == 19756;
+    tip_mm_ = {};
+    info_ = 0;
+  } else if (w[3] == 2) {
+    told_ = {w[0], w[1], w[2]};
+  }
+  char answer[80];
+  int n = std::snprintf(answer, sizeof answer, "%8.3f %8.3f %8.3f %7.4f %7.4f %7.4f %7.4f %d",
+                        tip_mm_[0], tip_mm_[1], tip_mm_[2], joints_rad_[0], joints_rad_[1],
+                        joints_rad_[2], joints_rad_[3], info_);
+  Bytes bytes(answer, answer + n);
+  bytes.resize(64, ' ');
+  bytes.back() = '\n';
+  if (lose_) bytes.erase(bytes.begin() + 3);
+  Send(Through(std::move(bytes)));
+}
+
+void EmulatedSerialArm::Send(const Bytes& bytes) {
+  const size_t first = pieces_ ? bytes.size() / 3 : 0;
+  if (pieces_) ENAMEL_CHECK(::write(master_->get(), "\n", 1) == 1);
+  if (first > 0) ENAMEL_CHECK(::write(master_->get(), bytes.data(), first) >= 0);
+  if (bytes.size() > first) {
+    ENAMEL_CHECK(::write(master_->get(), bytes.data() + first, bytes.size() - first) >= 0);
+  }
+}
+
+}  // namespace enamel::station::testing_support

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/base/bytes.h"
+#include "common/base/fd.h"
+#include "common/math/vec.h"
+
+// Devices of published protocols, as bytes on the transport that the driver opens. Thread safety: all of
+// it.
+namespace enamel::station::testing_support {
+
+// An arm that answers each request with its pose, and the ways in which it can fail.
+class EmulatedArm {
+ public:
+  virtual ~EmulatedArm() = default;
+  // As DeviceChoice::device names it, and its profile.
+  virtual std::string choice() const = 0;
+  virtual const char* profile() const = 0;
+  // Puts the tip about 40 um times `steps` below where it began.
+  virtual void Lower(int steps) = 0;
+  // What the motors were told last, in the protocol's own unit and axes.
+  std::array<int, 3> told() const;
+  uint64_t requests() const { return requests_; }
+  virtual size_t answer_bytes() const = 0;
+
+  // The requests from now on have no answer.
+  void Mute(bool mute) { mute_ = mute; }
+  // After so many more bytes of answers no more come.
+  void CutAfter(size_t bytes);
+  bool is_cut() const { return cut_; }
+  // The cable is pulled.
+  virtual void Unplug() = 0;
+
+ protected:
+  // The part of an answer that still gets through; to be called under mutex_.
+  Bytes Through(Bytes answer);
+
+  mutable std::mutex mutex_;
+  std::array<int, 3> told_{};
+  std::atomic<uint64_t> requests_{0};
+
+ private:
+  std::atomic<bool> mute_{false}, cut_{false};
+  size_t left_ = SIZE_MAX;  // bytes until the cut
+};
+
+// WoodenHaptics (8-byte reports) or Polhem (14) on the HID port's double.
+class EmulatedHidArm final : public EmulatedArm {
+ public:
+  explicit EmulatedHidArm(bool polhem);
+  ~EmulatedHidArm() override;
+  std::string choice() const override { return polhem_ ? "polhem" : "woodenhaptics"; }
+  const char* profile() const override { return polhem_ ? "polhem_v1" : "woodenhaptics_v2015"; }
+  void Lower(int steps) override;
+  size_t answer_bytes() const override { return polhem_ ? 14 : 8; }
+  void Unplug() override;
+
+  // Encoders a to f.
+  void Set(const std::array<int, 6>& counters);
+  std::array<int, 6> counters() const;
+  // The calibration button is down at the home pose; once calibrated the arm is moved to its start.
+  void PressCalibration();
+  bool calibrated_to_home() const { return homed_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  Bytes Answer(ByteView report);
+
+  const bool polhem_;
+  const std::string path_;
+  std::array<int, 6> counters_;
+  int info_ = 0;
+  std::atomic<bool> homed_{false};
+};
+
+// Polhem v3 on a pseudo terminal.
+class EmulatedSerialArm final : public EmulatedArm {
+ public:
+  EmulatedSerialArm();
+  ~EmulatedSerialArm() override;
+  std::string choice() const override { return "polhem_serial:" + path_; }
+  const char* profile() const override { return "polhem_v3"; }
+  void Lower(int steps) override;
+  size_t answer_bytes() const override { return 64; }
+  void Unplug() override;
+
+  // Tip, mm, and the joints a, lambda, d, e, rad; the device's own axes.
+  void Set(const std::array<double, 3>& tip_mm, const std::array<double, 4>& joints_rad = {});
+  void PressCalibration();
+  bool calibrated_to_home() const { return homed_; }
+  // Each answer comes in two pieces, after an empty line.
+  void InPieces(bool pieces) { pieces_ = pieces; }
+  // From each answer one byte is missing.
+  void LoseAByte(bool lose) { lose_ = lose; }
+
+ private:
+  void Run();
+  void Take(const std::string& line);
+  void Send(const Bytes& bytes);
+
+  std::unique_ptr<Fd> master_, slave_;
+  std::string path_;
+  std::array<double, 3> tip_mm_{};
+  std::array<double, 4> joints_rad_{};
+  int info_ = 0;
+  std::atomic<bool> stop_{false}, pieces_{false}, lose_{false}, homed_{false};
+  std::thread thread_;
+};
+
+}  // namespace enamel::station::testing_support
