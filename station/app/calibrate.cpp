@@ -24,6 +24,7 @@
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/loop/realtime.h"
+#include "station/sdk/open_sdk_device.h"
 #include "station/session/device_delay.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/server_link.h"
@@ -70,17 +71,48 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   return out;
 }
 
+// A device that does not say what it is: its profile does.
+Result<Subject> OpenOfTable(const CalibrateCommand& options) {
+  Subject out;
+  std::string name = options.profile;
+  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
+    const bool chosen = options.device.substr(0, options.device.find(':')) == found.choice;
+    if (chosen && name.empty()) name = found.profile;
+  }
+  if (name.empty()) {
+    return Status(
+        Code::kNotFound,
+        "'" + options.device +
+            "' is not attached, so that its profile is not known: plug it in, or name the "
+            "profile with --profile",
+        "device");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(name));
+  hid::DeviceChoice choice;
+  choice.device = options.device;
+  choice.thread_setup = [] { (void)RequestRealtime(); };
+  ENAMEL_ASSIGN_OR_RETURN(auto device,
+                          sdk::OpenChosenDevice(choice, profile, 1.0 / options.rate_hz));
+  out.count_m.fill(scene::CountNm(profile) * 1e-9);
+  out.profile = std::move(profile);
+  out.address = options.device + " " + device->Name();
+  out.device = std::move(device);
+  out.real = true;
+  return out;
+}
+
 Result<Subject> OpenAttached(const CalibrateCommand& options) {
+  if (sdk::IsSdkDevice(options.device)) return OpenOfTable(options);
   Subject out;
   hid::HapticBoardSettings settings;
   size_t colon = options.device.find(':');
   if (options.device.substr(0, colon) != "hid") {
-    return Status(Code::kInvalidInput,
-                  "expected hid, hid:VENDOR:PRODUCT or simulated:PROFILE, found '" +
-                      options.device +
-                      "': only devices with motors can be calibrated, and those of a maker's "
-                      "library not yet ('enamel-station devices' lists them)",
-                  "device");
+    return Status(
+        Code::kInvalidInput,
+        "expected hid, hid:VENDOR:PRODUCT, a driver that 'enamel-station devices' lists, or "
+        "simulated:PROFILE, found '" +
+            options.device + "': only devices with motors can be calibrated",
+        "device");
   }
   if (colon != std::string::npos) {
     ENAMEL_ASSIGN_OR_RETURN(auto match,
@@ -395,6 +427,11 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   if (subject->real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, *subject));
   if (!proposed.ok()) return proposed.status();
   proposed->delay_measured = subject->real;  // a simulated device is no unit
+  for (const std::string& member : scene::AskedFor(*proposed)) {
+    std::printf(
+        "not measured, and not published: %s. Ask the maker, and write it into the profile\n",
+        member.c_str());
+  }
   std::printf("proposed: Kc = %.3f N/mm, K = %.3f N/mm at %d Hz\n",
               static_cast<double>(proposed->coupling_mn_per_mm.value) * 1e-3,
               static_cast<double>(proposed->max_stiffness_mn_per_mm.value) * 1e-3, options.rate_hz);

@@ -24,7 +24,7 @@ struct CalibrateCommand {
   bool yes = false;                   // do not wait for the person's go-ahead
 };
 
-// Measures a haptic board or a simulated device (calibrator.h) and prints the figures beside the
+// Measures a haptic board, a device of the table of drivers or a simulated one (calibrator.h) and prints the figures beside the
 // profile's. Writes a profile made of them (schemas/device_profile.schema.json) and the measurement
 // (schemas/calibration.schema.json). For a unit with a serial number the measurement is also kept
 // under `data`, where attempts on it find its delay (device_delay.h). Errors: the device's,

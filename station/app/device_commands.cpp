@@ -37,8 +37,10 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher
       "An attached board, found by 'enamel-station devices':\n"
       "  enamel-station calibrate --device hid:1209:0001 --calibration today.json --out mine.json");
   command
-      ->add_option("--device", options->device,
-                   "hid, hid:VENDOR:PRODUCT or simulated:PROFILE (a name or a .json file)")
+      ->add_option(
+          "--device", options->device,
+          "hid, hid:VENDOR:PRODUCT, a driver (dhd, polhem, …) or simulated:PROFILE (a name or a "
+          ".json file)")
       ->capture_default_str();
   command->add_option("--profile", options->profile,
                       "Profile to compare with; else the device's own");

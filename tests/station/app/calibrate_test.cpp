@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/profile_criteria.h"
@@ -30,6 +31,26 @@ TEST(CalibrateTest, WorstAxisIsTakenForEachQuantity) {
   EXPECT_DOUBLE_EQ(worst.friction_n.value, 0.03);
   EXPECT_DOUBLE_EQ(worst.damping_n_s_per_m.value, 1);
   EXPECT_DOUBLE_EQ(worst.delay_ticks.value, 2);
+}
+
+TEST(CalibrateTest, AMeasuredProfileAsksOnlyForWhatCannotBeMeasured) {
+  const auto base = scene::FindProfile("polhem_v1");
+  ASSERT_TRUE(base.ok());
+  const auto p = ProposeProfile(Axis(55, 0.05, 2, 1), 1000, *base, "mine", "measured here");
+  ASSERT_TRUE(p.ok()) << p.status().message();
+  EXPECT_EQ(scene::AskedFor(*p), std::vector<std::string>{"continuous_force_mn"});
+}
+
+TEST(CalibrateTest, ADriverWithoutItsDeviceIsRefusedWithWhatToDo) {
+  CalibrateCommand command;
+  command.device = "polhem_serial:/dev/ttyNONE";
+  Status refused = CalibrateDevice(command);
+  EXPECT_EQ(refused.code(), Code::kNotFound);
+  EXPECT_NE(refused.message().find("--profile"), std::string::npos) << refused.message();
+  command.profile = "polhem_v3";
+  refused = CalibrateDevice(command);
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("/dev/ttyNONE"), std::string::npos) << refused.message();
 }
 
 // The lower ends: b = 1.8, c = 0.045; the upper end of d, a tenth more: K = 2 b f/(d + 1)^2, 2 b f
