@@ -471,9 +471,14 @@ TEST_F(HapticBoardTest, BoardThatDoesNotAnswerYetWhenItIsBackIsAskedAgain) {
   bus_.Plug(booting);
   ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.opened() >= opened + 2; }));
   bus_.Plug(Plugged());
-  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
-  Send(At(7, 3004));
-  EXPECT_EQ(Until([](const DeviceSample& d) { return d.attached; }).counts[2], 4);
+  // It reports all the time, as a board does: handles of a try that asked before it answered, and failed,
+  // may still be open, and what these hear is lost.
+  uint32_t sequence = 6;
+  const DeviceSample back = Until([&](const DeviceSample& d) {
+    Send(At(++sequence, 3004));
+    return d.attached;
+  });
+  EXPECT_EQ(back.counts[2], 4);
 }
 
 TEST_F(HapticBoardTest, NotFitForOneReportBetweenTwoTicksIsSeenByTheTick) {
