@@ -179,18 +179,21 @@ void SayFirstAdmin(const std::string& page_url, const std::string& token) {
 }
 
 // Runs `io` on its threads until it is out of work; `stopping` becomes ready with the first signal.
-void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
+// False: some connections did not end in time and were closed.
+bool RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
   auto ended = std::async(std::launch::async, [&] {
     std::vector<std::jthread> runners;
     // `run` returns when no handler is left, which is when the last connection has ended.
     for (int i = 0; i < threads; ++i) runners.emplace_back([&] { io.run(); });
   });
   stopping.wait();
-  if (ended.wait_for(kStopWait) != std::future_status::ready) {
+  const bool in_time = ended.wait_for(kStopWait) == std::future_status::ready;
+  if (!in_time) {
     spdlog::warn("some connections did not end in time; closing them");
     io.stop();
   }
   ended.wait();
+  return in_time;
 }
 
 // What must be in order before anything listens.
@@ -376,7 +379,7 @@ Status Serve(const ServeOptions& options) {
         "--role admin");
   }
 
-  RunUntilStopped(io, options.io_threads, stop_asked.get_future());
+  if (RunUntilStopped(io, options.io_threads, stop_asked.get_future())) signals.OnlyJobsRemain();
   // After the connections, since a seal that was just acknowledged may still queue a job. An
   // interrupted job begins again after the next start.
   school.StopJobs();

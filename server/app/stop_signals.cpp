@@ -28,14 +28,20 @@ void StopSignals::OnFirst(std::function<void()> stop) {
   });
 }
 
-void StopSignals::EndSoon() {
-  last_ = std::jthread([](const std::stop_token& ended) {
-    if (SleepUntilStopped(ended, kLongestStop)) return;
-    spdlog::error(
-        "stopping without waiting longer: changes that were not answered are in doubt. Stations "
-        "send theirs again; check on the page before you repeat one");
+void StopSignals::EndSoon(std::chrono::milliseconds longest) {
+  last_ = std::jthread([this, longest](const std::stop_token& ended) {
+    if (SleepUntilStopped(ended, longest)) return;
+    const bool only_jobs = only_jobs_;
+    if (only_jobs) {
+      spdlog::warn(
+          "stopping in the middle of a job: it begins again after the next start, nothing is lost");
+    } else {
+      spdlog::error(
+          "stopping without waiting longer: changes that were not answered are in doubt. Stations "
+          "send theirs again; check on the page before you repeat one");
+    }
     spdlog::default_logger()->flush();
-    std::_Exit(1);
+    std::_Exit(only_jobs ? 0 : 1);
   });
 }
 

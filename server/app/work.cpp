@@ -143,6 +143,7 @@ Status Work(const WorkOptions& options) {
   std::cout << "ready: " << options.threads << (options.threads == 1 ? " worker" : " workers")
             << std::endl;
   io.run();  // until the signal
+  signals.OnlyJobsRemain();
   own->worker.Stop();
   spdlog::info("stopped");
   return Status::Ok();
