@@ -26,13 +26,13 @@ constexpr CriticalError kErrors[] = {
 
 std::string Limit(const CriticalResult& c) {
   const std::string unit = c.unit;
-  const int digits = ReasonDigits({c.above ? "at_most" : "at_least", {c.value, c.limit}, {}}, unit);
-  auto number = [&](double value) {
+  const Reason reason{c.above ? "at_most" : "at_least", {c.value, c.limit}, {}};
+  auto number = [&](size_t i) {
     char text[64];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    std::snprintf(text, sizeof text, "%.*f", ReasonDigits(reason, i, unit), reason.values[i]);
     return WithUnit(text, unit);
   };
-  return number(c.value) + ", " + (c.above ? "at most " : "at least ") + number(c.limit);
+  return number(0) + ", " + (c.above ? "at most " : "at least ") + number(1);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <span>
 
 namespace enamel::scoring {
 namespace {
@@ -61,18 +62,25 @@ std::string Number(double value, std::string_view unit) {
   return Number(value, unit, UsualDigits(unit));
 }
 
-// `limits`: the first is missed where `missed`.
-int DigitsFor(double value, const std::vector<double>& limits, bool missed, std::string_view unit) {
-  constexpr int kMost = 4;
+constexpr int kMostDigits = 4;
+
+int DigitsOfLimit(double limit, std::string_view unit) {
   int digits = UsualDigits(unit);
-  for (double limit : limits) {
-    while (digits < kMost && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
-  }
-  for (double limit : limits) {
-    if (!missed || value == limit) continue;
-    while (digits < kMost && Digits(std::fabs(value), digits) == Digits(std::fabs(limit), digits)) {
-      ++digits;
-    }
+  while (digits < kMostDigits && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
+  return digits;
+}
+
+// A value that misses must show as missing, one that does not may show as the limit itself.
+int DigitsOfFound(double value, std::span<const double> limits, bool missed,
+                  std::string_view unit) {
+  const auto misleads = [&](double limit, int digits) {
+    const double shown = AsShown(value, digits);
+    if (std::fabs(shown - limit) < 1e-9) return missed && value != limit;
+    return (shown > limit) != (value > limit);
+  };
+  int digits = UsualDigits(unit);
+  for (const double limit : limits) {
+    while (digits < kMostDigits && misleads(limit, digits)) ++digits;
   }
   return digits;
 }
@@ -99,6 +107,10 @@ constexpr Wording kOneLimit[] = {{"at_most", "up to ", "from "},
                                  {"at_least", "from ", "up to "},
                                  {"within", "within ", "beyond "}};
 
+std::string Value(const Reason& reason, size_t i, std::string_view unit) {
+  return Number(reason.values[i], unit, ReasonDigits(reason, i, unit));
+}
+
 bool Misses(std::string_view code, const std::vector<double>& v) {
   if (code == "fails_above") return true;
   if (code == "between") return v[0] < v[1] || v[0] > v[2];
@@ -106,13 +118,13 @@ bool Misses(std::string_view code, const std::vector<double>& v) {
   return code == "at_least" ? v[0] < v[1] : std::fabs(v[0]) > v[1];
 }
 
-std::string LimitText(const MetricInfo& info, const Wording& how, const std::vector<double>& v) {
-  const int digits = ReasonDigits({std::string(how.code), v, {}}, info.unit);
+std::string LimitText(const MetricInfo& info, const Wording& how, const Reason& reason) {
+  const std::vector<double>& v = reason.values;
   // One value alone earns them: no pulp exposed.
   const bool exact = how.code != "at_least" && v[1] == 0;
-  std::string text = Found(info, v[0], digits) + " (full marks " +
-                     std::string(exact ? "at " : how.full) + Number(v[1], info.unit, digits);
-  if (v.size() > 2) text += ", none " + std::string(how.none) + Number(v[2], info.unit, digits);
+  std::string text = Found(info, v[0], ReasonDigits(reason, 0, info.unit)) + " (full marks " +
+                     std::string(exact ? "at " : how.full) + Value(reason, 1, info.unit);
+  if (v.size() > 2) text += ", none " + std::string(how.none) + Value(reason, 2, info.unit);
   return text + ")";
 }
 
@@ -120,21 +132,19 @@ std::string LimitText(const MetricInfo& info, const Wording& how, const std::vec
 std::string Clause(const MetricInfo& info, const Reason& reason) {
   const std::vector<double>& v = reason.values;
   for (const Wording& how : kOneLimit) {
-    if (reason.code == how.code && v.size() >= 2) return LimitText(info, how, v);
+    if (reason.code == how.code && v.size() >= 2) return LimitText(info, how, reason);
   }
   if (reason.code == "between" && v.size() == 3) {
-    const int digits = ReasonDigits(reason, info.unit);
-    return Found(info, v[0], digits) + " (full marks " +
-           (v[1] == v[2] ? "at " + Number(v[1], info.unit, digits)
-                         : "from " + Number(v[1], info.unit, digits) + " to " +
-                               Number(v[2], info.unit, digits)) +
+    return Found(info, v[0], ReasonDigits(reason, 0, info.unit)) + " (full marks " +
+           (v[1] == v[2]
+                ? "at " + Value(reason, 1, info.unit)
+                : "from " + Value(reason, 1, info.unit) + " to " + Value(reason, 2, info.unit)) +
            ")";
   }
   if (reason.code == "any" && v.size() == 1) return Found(info, v[0], UsualDigits(info.unit));
   if (reason.code == "fails_above" && v.size() == 2) {
-    const int digits = ReasonDigits(reason, info.unit);
-    return Found(info, v[0], digits) + " (more than " + Number(v[1], info.unit, digits) +
-           " fails the whole attempt)";
+    return Found(info, v[0], ReasonDigits(reason, 0, info.unit)) + " (more than " +
+           Value(reason, 1, info.unit) + " fails the whole attempt)";
   }
   if (reason.code == "not_in_task") return "not judged, because the reference has none of it";
   if (reason.code == "not_made") return "there is nothing to measure yet";
@@ -167,10 +177,12 @@ int UsualDigits(std::string_view unit) {
   return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
 }
 
-int ReasonDigits(const Reason& reason, std::string_view unit) {
+int ReasonDigits(const Reason& reason, size_t i, std::string_view unit) {
   const std::vector<double>& v = reason.values;
+  if (i > 0) return DigitsOfLimit(v[i], unit);
   if (v.size() < 2 || (reason.code == "between" && v.size() < 3)) return UsualDigits(unit);
-  return DigitsFor(v[0], {v.begin() + 1, v.end()}, Misses(reason.code, v), unit);
+  const double found = reason.code == "within" ? std::fabs(v[0]) : v[0];
+  return DigitsOfFound(found, std::span(v).subspan(1), Misses(reason.code, v), unit);
 }
 
 std::string WithUnit(std::string number, std::string_view unit) {

@@ -54,10 +54,11 @@ std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<scene::RubricPoint>& map,
                              const std::vector<Deduction>& deductions);
 // Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
-// of a degree or of a second. A reason gives all its values enough decimals to show a limit exactly
-// (0.025 mm, not 0.03), and to tell a value that misses the limit from the limit.
+// of a degree or of a second. More, up to four, only for a limit that they would not show exactly
+// (0.025 mm, not 0.03), and for a value that they would show on the wrong side of its limit.
 int UsualDigits(std::string_view unit);
-int ReasonDigits(const Reason& reason, std::string_view unit);
+// Of reason.values[i]: 0 is what was found, the others are its limits.
+int ReasonDigits(const Reason& reason, size_t i, std::string_view unit);
 // "0.30 mm", "12°", "3" of a count.
 std::string WithUnit(std::string number, std::string_view unit);
 // Of a signed metric, in its unit: a smaller value shows as 0.00, neither too deep nor short.

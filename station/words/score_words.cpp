@@ -146,25 +146,24 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
   const std::vector<double>& v = reason.values;
   const std::string& code = reason.code;
   const std::string key = "reason." + code;
-  const auto quantity = [&](size_t i, int digits) {
-    return QuantityText(words, v[i], unit, digits);
+  const auto quantity = [&](size_t i) {
+    return QuantityText(words, v[i], unit, scoring::ReasonDigits(reason, i, unit));
   };
   const bool one_limit = code == "at_most" || code == "at_least" || code == "within";
   if ((one_limit && v.size() >= 2) || (code == "between" && v.size() == 3) ||
       (code == "fails_above" && v.size() == 2)) {
-    const int digits = scoring::ReasonDigits(reason, unit);
-    const std::string found = FoundText(words, metric, v[0], unit, digits);
-    const std::string second = quantity(1, digits);
+    const std::string found =
+        FoundText(words, metric, v[0], unit, scoring::ReasonDigits(reason, 0, unit));
+    const std::string second = quantity(1);
     if (code == "fails_above") return words.Say(key, {{"found", found}, {"limit", second}});
     if (code == "between") {
       if (v[1] == v[2]) return words.Say("reason.exactly", {{"found", found}, {"full", second}});
-      return words.Say(key, {{"found", found}, {"from", second}, {"to", quantity(2, digits)}});
+      return words.Say(key, {{"found", found}, {"from", second}, {"to", quantity(2)}});
     }
     // Only one value earns the points: no pulp exposed.
     const std::string how = code != "at_least" && v[1] == 0 ? "reason.exactly" : key;
     if (v.size() == 2) return words.Say(how, {{"found", found}, {"full", second}});
-    return words.Say(how + "_none",
-                     {{"found", found}, {"full", second}, {"none", quantity(2, digits)}});
+    return words.Say(how + "_none", {{"found", found}, {"full", second}, {"none", quantity(2)}});
   }
   if (code == "any" && v.size() == 1) {
     return words.Say(key,
@@ -246,15 +245,14 @@ std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical) {
   const std::string key = "critical_error." + critical.error;
   if (!words.Has(key)) return critical.reason;
-  const std::string code = critical.above ? "at_most" : "at_least";
-  const int digits =
-      scoring::ReasonDigits({code, {critical.value, critical.limit}, {}}, critical.unit);
-  auto quantity = [&](double value) {
-    return scoring::WithUnit(words.Decimal(value, digits), critical.unit);
+  const scoring::Reason reason{
+      critical.above ? "at_most" : "at_least", {critical.value, critical.limit}, {}};
+  auto quantity = [&](size_t i) {
+    const int digits = scoring::ReasonDigits(reason, i, critical.unit);
+    return scoring::WithUnit(words.Decimal(reason.values[i], digits), critical.unit);
   };
-  return words.Say("critical." + code, {{"error", words.Say(key)},
-                                        {"found", quantity(critical.value)},
-                                        {"limit", quantity(critical.limit)}});
+  return words.Say("critical." + reason.code,
+                   {{"error", words.Say(key)}, {"found", quantity(0)}, {"limit", quantity(1)}});
 }
 
 std::string NumberText(const Words& words, double value, int most_digits) {

@@ -39,7 +39,7 @@ TEST(CriticalTest, IsNotAcceptableAndThePointsWithoutItAreBesideIt) {
   EXPECT_NEAR(beyond.points, at_limit.points, 1);
   ASSERT_EQ(beyond.critical.size(), 1U);
   EXPECT_EQ(beyond.critical[0].reason,
-            "The contact with the adjacent tooth is not broken (-0.201 mm, at least -0.200 mm).");
+            "The contact with the adjacent tooth is not broken (-0.201 mm, at least -0.20 mm).");
   EXPECT_EQ(ApplyRubric(rubric, Values(0))->acceptance, Acceptance::kAcceptable);
 }
 

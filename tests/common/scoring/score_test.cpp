@@ -52,9 +52,10 @@ TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThe
     return scored->criteria[0].reason;
   };
   EXPECT_EQ(reason(0.025, 0.031),
-            "Walls smooth: 0.031 mm (full marks up to 0.025 mm, none from 0.100 mm).");
+            "Walls smooth: 0.03 mm (full marks up to 0.025 mm, none from 0.10 mm).");
   EXPECT_EQ(reason(0.05, 0.0504),
-            "Walls smooth: 0.0504 mm (full marks up to 0.0500 mm, none from 0.1000 mm).");
+            "Walls smooth: 0.0504 mm (full marks up to 0.05 mm, none from 0.10 mm).");
+  EXPECT_EQ(reason(0.0285, 0.028), "Walls smooth: 0.028 mm (full marks up to 0.0285 mm).");
   EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (full marks up to 0.05 mm).");
 }
 
@@ -208,7 +209,7 @@ TEST(ApplyRubricTest, WhoLostLessThanHalfAPointNeedsNoAdvice) {
   Advise(Three(), {WallTooDeep()}, r);
   EXPECT_LT(r.criteria[0].points, 60);
   EXPECT_EQ(r.criteria[0].reason,
-            "Mesial wall: 0.051 mm too deep (full marks within 0.050 mm, none beyond 0.300 mm).");
+            "Mesial wall: 0.051 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm).");
   EXPECT_TRUE(r.criteria[0].comment.empty());
 }
 

@@ -1,5 +1,5 @@
 import {
-  formatFixed,
+  formatLimit,
   formatMoment,
   formatNumber,
   formatQuantity,
@@ -53,12 +53,10 @@ export function wordedScore(score: Score): Score {
 export function criticalText({ error, name, value, unit, limit, above, reason }: Critical): string {
   const said = sayIf(`critical_error.${error}`);
   if (said === undefined) return reason;
-  const digits = digitsBeside(value, [limit], true, unit);
-  const form = (each: number) => (digits === undefined ? formatQuantity(each, unit) : formatWith(each, unit, digits));
   return say(above ? "critical.at_most" : "critical.at_least", {
     error: said,
-    found: measuredText(name, value, unit, form),
-    limit: form(limit),
+    found: measuredText(name, value, unit, formBeside(value, [limit], true, unit)),
+    limit: formatLimit(limit, unit),
   });
 }
 
@@ -136,31 +134,29 @@ export function measuredText(
   return sayIf(`direction.${Math.abs(value) < kLeast ? "none" : directions[value > 0 ? 0 : 1]}`, { size }) ?? size;
 }
 
-// Returns enough decimals to show a limit unrounded, 0.025 mm and not 0.03, and to tell a value
-// that misses it from it.
-function digitsBeside(value: number, limits: readonly number[], missed: boolean, unit: string): number | undefined {
+// The form of what was found, beside its limits: with as many decimals as keep it on its side of
+// each. A value that misses must not read like the limit; one that does not may.
+function formBeside(value: number, limits: readonly number[], missed: boolean, unit: string) {
   let digits = usualDigits(unit);
-  if (digits === undefined) return undefined;
-  const shown = (each: number) => formatFixed(Math.abs(each), digits!);
-  for (const limit of limits) {
-    while (digits < kMostDigits && Math.abs(Number(limit.toFixed(digits)) - limit) > 1e-9) ++digits;
-  }
-  for (const limit of limits) {
-    while (missed && value !== limit && digits < kMostDigits && shown(value) === shown(limit)) ++digits;
-  }
-  return digits;
+  if (digits === undefined) return (size: number) => formatQuantity(size, unit);
+  const misleads = (limit: number) => {
+    const shown = Number(value.toFixed(digits));
+    if (Math.abs(shown - limit) < 1e-9) return missed && value !== limit;
+    return shown > limit !== value > limit;
+  };
+  while (digits < kMostDigits && limits.some(misleads)) ++digits;
+  return (size: number) => formatWith(size, unit, digits);
 }
 
 // `shown`: what stands for the value that was found; undefined: the value.
 function sentence(metric: string, { code, values }: Reason, unit: string, shown?: string): string | undefined {
   const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = values;
-  // What was found and its limits, all with as many decimals.
-  const told = (missed: boolean) => {
-    const digits = digitsBeside(first, values.slice(1), missed, unit);
-    const form = (value: number) =>
-      digits === undefined ? formatQuantity(value, unit) : formatWith(value, unit, digits);
-    return { found: shown ?? measuredText(metric, first, unit, form), second: form(second), third: form(third) };
-  };
+  const compared = code === "within" ? Math.abs(first) : first;
+  const told = (missed: boolean) => ({
+    found: shown ?? measuredText(metric, first, unit, formBeside(compared, values.slice(1), missed, unit)),
+    second: formatLimit(second, unit),
+    third: formatLimit(third, unit),
+  });
   const none = values.length > 2 ? "_none" : "";
   switch (code) {
     case "at_most":
