@@ -197,6 +197,7 @@ function makeAttempts({ nowMs, people: all, exercises, stations, profiles: [prof
     problem: "",
     gap_ticks: 0,
     hand: { kind: "haptic", device: "omega.3", driver: "hid", unit: "hid:1209:0001:A7" },
+    device_origin_um: null,
     progress: 1,
     ticketed_ms: kStartMs + number * 7 * kMinuteMs,
     sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs,
@@ -213,6 +214,7 @@ function makeAttempts({ nowMs, people: all, exercises, stations, profiles: [prof
     row(number, person, 1, {
       state: "recording",
       ...unscored,
+      device_origin_um: [0, 0, 3_000],
       station: stations[place],
       sealed_ms: 0,
       ticks: 12_000,

@@ -53,7 +53,7 @@ const kScreens = {
     ["grading", `/grading?assignment=${id(500)}`, "table.grading .lost-much"],
     ["marking", `/markings/${id(901)}`, ".tooth-frame[aria-busy=false]"],
     ["live", "/live", ".live-card .badge.good"],
-    ["watch", `/live/${id(110)}`, ".columns .live-anchor"],
+    ["watch", `/live/${id(110)}`, ".columns .live-tool"],
     ["stations_seen", "/stations", "main table"],
     ["profile_seen", "/profiles/phantom_desktop", ".trend"],
   ],

@@ -5,6 +5,7 @@
 #include "common/base/utf8.h"
 #include "common/scene/json/json.h"
 #include "common/scoring/score.h"
+#include "common/trace/trace.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
@@ -121,6 +122,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
   if (row.assignment) assignment = row.assignment->Text();
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value origin, DeviceOriginJson(row));
   const uint32_t hidden = CanReviewAttempt(viewer_, row, *shares) ? 0 : kReviewFlags;
   json::array flags;
   for (const char* name : AttemptFlagNames(row.flags & ~hidden)) flags.emplace_back(name);
@@ -142,6 +144,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"flags", std::move(flags)},
                       {"facts", json::parse(row.facts)},
                       {"hand", HandJson(row.hand)},
+                      {"device_origin_um", std::move(origin)},
                       {"progress", row.progress},
                       {"ticketed_ms", row.ticketed_ms},
                       {"sealed_ms", row.sealed_ms},
@@ -152,6 +155,19 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"problem", row.problem},
                       {"recording_removed_ms", row.expired_ms},
                       {"revision", row.revision}};
+}
+
+// Only viewers of what is being made need it.
+Result<json::value> AttemptView::DeviceOriginJson(const AttemptRow& row) {
+  if (row.state != AttemptState::kRecording) return json::value();
+  const Result<Bytes> bytes = store_.recordings.AttemptHeader(row.id);
+  if (bytes.status().code() == Code::kNotFound) return json::value();  // erased since
+  if (!bytes.ok()) return bytes.status();
+  const auto header = trace::DecodeHeader(*bytes);
+  if (!header.ok()) return json::value();  // a station of another version
+  json::array out;
+  for (const int64_t nm : header->params.device_origin_nm) out.emplace_back(nm / 1000);
+  return json::value(std::move(out));
 }
 
 Result<json::value> AttemptView::ComparedWithJson(const AttemptResult& result,

@@ -41,6 +41,7 @@ class AttemptView {
   Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
   Result<boost::json::value> ComparedWithJson(const AttemptResult& result,
                                               const Exercise& exercise);
+  Result<boost::json::value> DeviceOriginJson(const AttemptRow& row);
   Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
   Result<boost::json::value> AppealJson(const AttemptRow& row);
   Result<boost::json::value> NearnessJson(const AttemptRow& row);

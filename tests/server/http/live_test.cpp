@@ -5,6 +5,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "common/trace/trace.h"
+#include "tests/common/core/params.h"
 #include "tests/server/http/running_server.h"
 
 // Viewers of attempts in progress, as a browser's EventSource would be.
@@ -132,6 +134,23 @@ TEST_F(LiveTest, AttemptThatIsOverIsNotShown) {
   Visitor ada(server.port(), "ada");
   EXPECT_EQ(ErrorCode(ada.Get(Path(school_.sams_scored))), "conflict");
   EXPECT_EQ(ada.Get(Path(Uuid::New())).status, 404);
+}
+
+TEST_F(LiveTest, WhereTheDevicesCentreLiesIsSaidWhileItIsBeingMade) {
+  trace::Header header;
+  header.hand.kind = HandKind::kProgram;
+  header.params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+  header.params.device_origin_nm = {1'000'000, -2'500'000, 4'000'400};
+  const Uuid made = school_.RecordingAttempt(school_.sam, {}, trace::EncodeHeader(header));
+  RunningServer server(school_, options_);
+  Visitor ada(server.port(), "ada");
+  const auto origin = [&](const Uuid& attempt) {
+    return boost::json::parse(ada.Get("/api/v1/attempts/" + attempt.Text()).body)
+        .at("device_origin_um");
+  };
+  EXPECT_EQ(origin(made), boost::json::parse("[1000,-2500,4000]"));
+  EXPECT_TRUE(origin(school_.sams_recording).is_null());  // of a header that is not read here
+  EXPECT_TRUE(origin(school_.sams_scored).is_null());
 }
 
 TEST_F(LiveTest, StoppingDoesNotWaitForViewers) {

@@ -145,7 +145,7 @@ ExerciseRow School::OwnExercise(const Actor& by, const std::string& name, bool p
   return publish ? Must(store->exercises.PublishDraft(row.id, row.revision, by)) : row;
 }
 
-Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
+Uuid School::RecordingAttempt(const Uuid& person, const Change& change, ByteView header) {
   AttemptRow row;
   row.id = Uuid::New();
   row.person = person;
@@ -155,7 +155,7 @@ Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
   row.ticketed_ms = now_ms;
   if (change) change(row);
   Must(store->tickets.CreateAttempt(row, AsBytes("ticket"), kBy));
-  Must(store->tickets.OpenAttempt(row.id, AsBytes("header")));
+  Must(store->tickets.OpenAttempt(row.id, header));
   return row.id;
 }
 

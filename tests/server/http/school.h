@@ -31,7 +31,8 @@ struct School {
   // `judge` may give its score criteria.
   using Judge = std::function<void(scoring::ScoreResult&)>;
   Uuid ScoredAttempt(const Uuid& person, const Change& change = {}, const Judge& judge = {});
-  Uuid RecordingAttempt(const Uuid& person, const Change& change = {});
+  Uuid RecordingAttempt(const Uuid& person, const Change& change = {},
+                        ByteView header = AsBytes("header"));
   // An exercise of this name by the actor, a draft or published, which nobody is to do.
   ExerciseRow OwnExercise(const Actor& by, const std::string& name, bool publish,
                           bool graded = true);

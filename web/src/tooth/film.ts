@@ -2,11 +2,11 @@ import { fail, ok, type Result } from "../base/result";
 import { ChangingPart, decodeChanging } from "./changing";
 import { type ToothDeviation, decodeDeviation, kNotCompared } from "./deviation";
 import { boxBall, comparedIn, joined } from "./film_parts";
-import type { Compared, Detail, Extent, FilmAsk, FilmTold } from "./messages";
+import type { Compared, Detail, Extent, FilmAsk, FilmTold, Plane } from "./messages";
 import { type BlockMesh, ToothMesher } from "./mesher";
 import { decodeMesh } from "./part_mesh";
 import { glbOf } from "./glb";
-import type { Opened, opened } from "./opened";
+import type { Opened, opened, plansOf } from "./opened";
 import { stlOf } from "./stl";
 import { decodeSurface, type Surface } from "./surface";
 import { kTissues } from "./tissue_color";
@@ -41,8 +41,8 @@ export interface FilmScreen {
 export interface FilmOptions {
   // Resolves when messages that have come meanwhile were taken.
   readonly pause: () => Promise<void>;
-  // Loads what opens a tooth (opened.ts).
-  readonly opener: () => Promise<{ readonly opened: typeof opened }>;
+  // Loads opened.ts.
+  readonly opener: () => Promise<{ readonly opened: typeof opened; readonly plansOf: typeof plansOf }>;
   readonly nowMs?: () => number;
 }
 
@@ -103,6 +103,8 @@ export class Film {
         return this.work();
       case "interior":
         return this.readInterior(asked.bytes);
+      case "plans":
+        return this.drawPlans(asked.bytes, asked.planes);
       case "model": {
         const bytes = (asked.as === "stl" ? stlOf : glbOf)([...this.meshes.values()]);
         this.tell({ told: "model", bytes }, [bytes]);
@@ -271,11 +273,14 @@ export class Film {
     this.tell({ told: "compared", compared: ok(compared) }, []);
   }
 
+  private open<T>(use: (script: Awaited<ReturnType<FilmOptions["opener"]>>) => T) {
+    return this.opener().then(use, () => fail("what reads it could not be loaded"));
+  }
+  private async drawPlans(bytes: ArrayBuffer, planes: readonly Plane[]): Promise<void> {
+    this.tell({ told: "plans", plans: await this.open(({ plansOf }) => plansOf(bytes, planes)) }, []);
+  }
   private async readInterior(bytes: ArrayBuffer): Promise<void> {
-    const made = await this.opener().then(
-      (script) => script.opened(bytes),
-      () => fail("what reads it could not be loaded"),
-    );
+    const made = await this.open(({ opened }) => opened(bytes));
     if (this.closed) return;
     if (made.ok) {
       this.inside = made.value;

@@ -5,6 +5,7 @@ import type {
   FilmAsk,
   FilmTold,
   ModelFormat,
+  Plane,
   PointMm,
   ScreenAsk,
   ScreenState,
@@ -13,6 +14,7 @@ import type {
   StudioAsk,
   StudioTold,
   SurfacePoint,
+  ToothPlan,
 } from "./messages";
 
 // The page's end of the worker that reads and draws teeth (studio.ts): the page's thread hands over bytes, a canvas
@@ -45,7 +47,7 @@ export class StudioLink {
     };
   }
 
-  film(told: (told: Exclude<FilmTold, { told: "model" | "interior" }>) => void): FilmLink {
+  film(told: (told: Exclude<FilmTold, { told: "model" | "interior" | "plans" }>) => void): FilmLink {
     const film = this.next++;
     const link = new FilmLink(
       film,
@@ -55,6 +57,7 @@ export class StudioLink {
     this.films.set(film, (message) => {
       if (message.told === "model") link.gave(message.bytes);
       else if (message.told === "interior") link.opened(message.tissues);
+      else if (message.told === "plans") link.drew(message.plans);
       else told(message);
     });
     return link;
@@ -88,6 +91,7 @@ export class StudioLink {
 export class FilmLink {
   private readonly waiting: ((bytes: ArrayBuffer) => void)[] = [];
   opened: (tissues: Result<readonly number[], string>) => void = () => undefined;
+  drew: (plans: Result<readonly ToothPlan[], string>) => void = () => undefined;
 
   constructor(
     readonly number: number,
@@ -122,6 +126,13 @@ export class FilmLink {
     this.ask({ ask: "interior", bytes }, [bytes]);
     return new Promise((resolve) => {
       this.opened = resolve;
+    });
+  }
+  // Of a surface, which is not kept; one question at a time.
+  plans(bytes: ArrayBuffer, planes: readonly Plane[]): Promise<Result<readonly ToothPlan[], string>> {
+    this.ask({ ask: "plans", bytes, planes }, [bytes]);
+    return new Promise((resolve) => {
+      this.drew = resolve;
     });
   }
   // Afterwards nothing is reported.

@@ -21,6 +21,24 @@ export type Detail = "none" | "coarse" | "fine";
 
 export type ModelFormat = "stl" | "glb";
 
+export type Axis = 0 | 1 | 2;
+
+// Two axes of the scene: which points right in a picture, and which up.
+export interface Plane {
+  readonly right: Axis;
+  readonly up: Axis;
+}
+
+// A tooth seen straight along an axis of its scene (tooth_plan.ts).
+export interface ToothPlan {
+  readonly shade: Uint8Array; // rows from the top; 0: no tooth there, else how bright
+  readonly width: number;
+  readonly height: number;
+  readonly cellMm: number;
+  // Of the picture's left lower corner, along the plane's `right` and `up`.
+  readonly lowMm: readonly [number, number];
+}
+
 export type FilmAsk =
   | { readonly ask: "bytes"; readonly bytes: ArrayBuffer } // more of a timeline's file
   | { readonly ask: "surface"; readonly bytes: ArrayBuffer } // instead of one (surface.ts)
@@ -28,6 +46,7 @@ export type FilmAsk =
   | { readonly ask: "seek"; readonly frames: number } // the latest one counts
   | { readonly ask: "interior"; readonly bytes: ArrayBuffer } // what is inside (interior.ts)
   | { readonly ask: "model"; readonly as: ModelFormat } // of what is shown
+  | { readonly ask: "plans"; readonly bytes: ArrayBuffer; readonly planes: readonly Plane[] } // of a surface, not kept
   | { readonly ask: "close" };
 
 export type FilmTold =
@@ -40,6 +59,7 @@ export type FilmTold =
   | { readonly told: "shown"; readonly frames: number; readonly tissues: readonly number[] } // on all its screens
   | { readonly told: "model"; readonly bytes: ArrayBuffer }
   | { readonly told: "interior"; readonly tissues: Result<readonly number[], string> } // all that are in it
+  | { readonly told: "plans"; readonly plans: Result<readonly ToothPlan[], string> } // in the order that was asked for
   | { readonly told: "failed"; readonly message: string }; // the file is damaged there
 
 export type ColorMode = "tissue" | "deviation";

@@ -1,10 +1,13 @@
 import { ok, type Result } from "../base/result";
 import { decodeInterior, tissuesIn } from "./interior";
+import type { Plane, ToothPlan } from "./messages";
 import { CutFill } from "./scene/cut_fill";
 import type { Gl } from "./scene/gl";
+import { decodeSurface } from "./surface";
+import { toothPlan } from "./tooth_plan";
 
-// A tooth whose inside is known. A script of its own with all that it needs (scripts/build.mjs): the worker loads it when
-// a tooth is first cut open.
+// What few pictures need: a script of its own with all that it uses (scripts/build.mjs). The worker loads it when a
+// tooth is first cut open, or seen in a plan.
 
 export interface Opened {
   readonly tissues: readonly number[]; // all that are in it
@@ -17,4 +20,10 @@ export async function opened(bytes: ArrayBuffer): Promise<Result<Opened, string>
   if (!interior.ok) return interior;
   const { value } = interior;
   return ok({ tissues: tissuesIn(value), fill: (gl) => new CutFill(gl, value) });
+}
+
+// `bytes`: of a surface.
+export function plansOf(bytes: ArrayBuffer, planes: readonly Plane[]): Result<readonly ToothPlan[], string> {
+  const surface = decodeSurface(bytes);
+  return surface.ok ? ok(planes.map((plane) => toothPlan(surface.value, plane))) : surface;
 }

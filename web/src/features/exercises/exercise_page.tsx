@@ -30,7 +30,7 @@ import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { ProgressCard } from "./progress_card";
 import { StaffActions } from "./staff_actions";
-import { outlinePaths, outlineViewBox } from "./target_outline";
+import { outlinePaths, outlineViewBox } from "../../widgets/target_outline";
 
 const kAttemptsShown = 50;
 

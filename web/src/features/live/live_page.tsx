@@ -1,7 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
-import { mesialX } from "../../api/tooth_number";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
@@ -9,10 +8,13 @@ import { formatQuantity } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
+import type { ToothPlan } from "../../tooth/messages";
 import { Badge, Bar, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
-import { AnchorView, ForceStrip, kFromAbove } from "./live_pictures";
+import { ForceStrip } from "./force_strip";
 import { liveTime, recentFaults } from "./live_time";
+import { kFromAbove, ToolView, workpieceOf } from "./tool_view";
 import { emptyTrack, kDefaultRateHz, type Track } from "./track";
+import { usePlans } from "./use_plans";
 import { useTracks } from "./use_tracks";
 
 const kPollMs = 5000;
@@ -26,6 +28,7 @@ export function LivePage({ client }: { readonly client: Client }) {
   useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];
   const exercises = useExercises(client, attempts);
+  const plans = usePlans(client, [...exercises.values()]);
   const tracks = useTracks(
     attempts.map((attempt) => ({
       id: attempt.id,
@@ -50,6 +53,7 @@ export function LivePage({ client }: { readonly client: Client }) {
                 <LiveCard
                   attempt={attempt}
                   exercise={exercises.get(attempt.exercise.id)}
+                  plan={plans.get(attempt.exercise.id)?.above}
                   track={tracks.get(attempt.id) ?? emptyTrack}
                 />
               </li>
@@ -78,10 +82,12 @@ const kNone: ReadonlyMap<string, Exercise> = new Map();
 function LiveCard({
   attempt,
   exercise,
+  plan,
   track,
 }: {
   readonly attempt: Attempt;
   readonly exercise: Exercise | undefined;
+  readonly plan: ToothPlan | undefined;
   readonly track: Track;
 }) {
   const rateHz = exercise?.rate_hz ?? kDefaultRateHz;
@@ -117,11 +123,11 @@ function LiveCard({
       ) : (
         <>
           <div class="live-pictures">
-            <AnchorView
+            <ToolView
               rows={track.rows}
               rateHz={rateHz}
               plane={kFromAbove}
-              mesial={exercise === undefined ? undefined : mesialX(exercise.target.tooth)}
+              workpiece={workpieceOf(exercise, plan, attempt)}
             />
             <ForceStrip rows={track.rows} rateHz={rateHz} />
           </div>

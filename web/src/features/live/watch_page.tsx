@@ -1,6 +1,5 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { mesialX } from "../../api/tooth_number";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
@@ -9,8 +8,10 @@ import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { ForceNow, LiveState } from "./live_page";
 import { ChairRemarks } from "./chair_remarks";
-import { AnchorView, ForceStrip, kFromAbove, kFromLingual } from "./live_pictures";
+import { ForceStrip } from "./force_strip";
+import { kFromAbove, kFromSide, ToolView, workpieceOf } from "./tool_view";
 import { emptyTrack, kDefaultRateHz, kTrackSeconds, largestForce } from "./track";
+import { usePlans } from "./use_plans";
 import { useTracks } from "./use_tracks";
 
 const kPollMs = 5000;
@@ -61,10 +62,9 @@ function Watched({
   readonly onEnd: () => void;
 }) {
   const rateHz = rateOf(attempt);
-  const { loaded: exercise } = useRequest(attempt.exercise.id, (signal) =>
-    client.teaching.exercise(attempt.exercise.id, signal),
-  );
-  const mesial = exercise.state === "ready" ? mesialX(exercise.value.value.target.tooth) : undefined;
+  const { loaded } = useRequest(attempt.exercise.id, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
+  const exercise = loaded.state === "ready" ? loaded.value.value : undefined;
+  const plans = usePlans(client, exercise === undefined ? [] : [exercise]).get(attempt.exercise.id);
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;
   const last = track.rows.at(-1);
   return (
@@ -97,9 +97,14 @@ function Watched({
             </div>
           </dl>
           <div class="columns">
-            {[kFromAbove, kFromLingual].map((plane) => (
+            {[kFromAbove, kFromSide].map((plane) => (
               <Card key={plane.name} title={say(`live.from_${plane.name}`)}>
-                <AnchorView rows={track.rows} rateHz={rateHz} plane={plane} mesial={mesial} />
+                <ToolView
+                  rows={track.rows}
+                  rateHz={rateHz}
+                  plane={plane}
+                  workpiece={workpieceOf(exercise, plans?.[plane.name], attempt)}
+                />
               </Card>
             ))}
           </div>

@@ -1,4 +1,4 @@
-import type { StumpSection, Target, TargetPart } from "../../api/types";
+import type { StumpSection, Target, TargetPart } from "../api/types";
 
 // What an exercise asks for, seen from above, as paths of a drawing: x to the right,
 // y (buccal) up, um.
