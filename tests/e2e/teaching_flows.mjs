@@ -324,7 +324,10 @@ async function live(world) {
   await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
   await eventually(async () => assert.ok((await page.getByText(/no time limit/).count()) >= 3));
   // The tooth of each is under the tool.
-  await page.getByRole("img", { name: /^Tool from above: .*of the crown’s middle$/ }).nth(2).waitFor();
+  await page
+    .getByRole("img", { name: /^Tool from above: .*of the crown’s middle$/ })
+    .nth(2)
+    .waitFor();
   await world.picture(page, "live", { fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
