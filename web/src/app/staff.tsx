@@ -5,13 +5,12 @@ import { AssignmentsPage } from "../features/assignments/assignments_page";
 import { CohortPage } from "../features/cohorts/cohort_page";
 import { CohortsPage } from "../features/cohorts/cohorts_page";
 import { GradingPage } from "../features/grading/grading_page";
-import { LivePage } from "../features/live/live_page";
-import { WatchPage } from "../features/live/watch_page";
 import { StationsPage } from "../features/stations/stations_page";
 import { part } from "../widgets/part";
 import { isForAdmins, type ScreenProps } from "./routes";
 
 const Editors = part("editors", () => import("./editors"));
+const Live = part("live", () => import("./live"));
 const Marking = part("marking", () => import("./marking"));
 const More = part("more", () => import("./more"));
 
@@ -59,9 +58,9 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenPr
     case "cohort":
       return <CohortPage client={client} id={route.id} admin={admin} />;
     case "live":
-      return <LivePage client={client} />;
+      return <Live show={({ LivePage }) => <LivePage client={client} />} />;
     case "watch":
-      return <WatchPage client={client} id={route.id} />;
+      return <Live show={({ WatchPage }) => <WatchPage client={client} id={route.id} />} />;
     case "stations":
       return <StationsPage client={client} admin={admin} />;
     case "profiles":
