@@ -182,7 +182,9 @@ int ReasonDigits(const Reason& reason, size_t i, std::string_view unit) {
   if (i > 0) return DigitsOfLimit(v[i], unit);
   if (v.size() < 2 || (reason.code == "between" && v.size() < 3)) return UsualDigits(unit);
   const double found = reason.code == "within" ? std::fabs(v[0]) : v[0];
-  return DigitsOfFound(found, std::span(v).subspan(1), Misses(reason.code, v), unit);
+  // Where no points are left any more is read as about there.
+  const size_t limits = reason.code == "between" ? 2 : 1;
+  return DigitsOfFound(found, std::span(v).subspan(1, limits), Misses(reason.code, v), unit);
 }
 
 std::string WithUnit(std::string number, std::string_view unit) {

@@ -55,7 +55,7 @@ std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<Deduction>& deductions);
 // Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
 // of a degree or of a second. More, up to four, only for a limit that they would not show exactly
-// (0.025 mm, not 0.03), and for a value that they would show on the wrong side of its limit.
+// (0.025 mm, not 0.03), and for a value that they would show on the wrong side of where full marks end.
 int UsualDigits(std::string_view unit);
 // Of reason.values[i]: 0 is what was found, the others are its limits.
 int ReasonDigits(const Reason& reason, size_t i, std::string_view unit);

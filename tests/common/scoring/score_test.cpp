@@ -55,6 +55,8 @@ TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThe
             "Walls smooth: 0.03 mm (full marks up to 0.025 mm, none from 0.10 mm).");
   EXPECT_EQ(reason(0.05, 0.0504),
             "Walls smooth: 0.0504 mm (full marks up to 0.05 mm, none from 0.10 mm).");
+  EXPECT_EQ(reason(0.05, 0.0998),
+            "Walls smooth: 0.10 mm (full marks up to 0.05 mm, none from 0.10 mm).");
   EXPECT_EQ(reason(0.0285, 0.028), "Walls smooth: 0.028 mm (full marks up to 0.0285 mm).");
   EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (full marks up to 0.05 mm).");
 }

@@ -120,6 +120,10 @@ test("beside a table that has title and value, a reason says neither", () => {
 test("a value that misses its limit does not read like it, and a limit is not rounded", () => {
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.1004, 0.1), "It: 0.1004 mm (full marks up to 0.10 mm).");
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.0999, 0.1), "It: 0.10 mm (full marks up to 0.10 mm).");
+  assert.equal(
+    told("deviation_rms_mm", "mm", "at_most", 0.4998, 0.1, 0.5),
+    "It: 0.50 mm (full marks up to 0.10 mm, none from 0.50 mm).",
+  );
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.0253, 0.025), "It: 0.03 mm (full marks up to 0.025 mm).");
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.028, 0.0285), "It: 0.028 mm (full marks up to 0.0285 mm).");
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.2, 0.025), "It: 0.20 mm (full marks up to 0.025 mm).");

@@ -151,9 +151,11 @@ function formBeside(value: number, limits: readonly number[], missed: boolean, u
 // `shown`: what stands for the value that was found; undefined: the value.
 function sentence(metric: string, { code, values }: Reason, unit: string, shown?: string): string | undefined {
   const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = values;
+  // Where no points are left any more is read as about there.
+  const limits = values.slice(1, code === "between" ? 3 : 2);
   const compared = code === "within" ? Math.abs(first) : first;
   const told = (missed: boolean) => ({
-    found: shown ?? measuredText(metric, first, unit, formBeside(compared, values.slice(1), missed, unit)),
+    found: shown ?? measuredText(metric, first, unit, formBeside(compared, limits, missed, unit)),
     second: formatLimit(second, unit),
     third: formatLimit(third, unit),
   });
