@@ -51,8 +51,8 @@ mesh::Rigid Somewhere(std::mt19937& random) {
 }
 
 mesh::Triangles WithNoise(mesh::Triangles mesh, double mm, std::mt19937& random) {
-  std::normal_distribution<double> normal(0, mm);
-  for (dvec3& v : mesh.vertices) v += dvec3(normal(random), normal(random), normal(random));
+  std::normal_distribution<double> normal;  // which takes no deviation of 0
+  for (dvec3& v : mesh.vertices) v += mm * dvec3(normal(random), normal(random), normal(random));
   return mesh;
 }
 

@@ -29,9 +29,9 @@ mesh::Rigid Somewhere(unsigned seed) {
 
 mesh::Triangles WithNoise(mesh::Triangles mesh, double mm, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0, mm);
+  std::normal_distribution<double> normal;  // which takes no deviation of 0
   // Along x, y and z, so that along a normal it is `mm`.
-  for (dvec3& v : mesh.vertices) v += dvec3(normal(random), normal(random), normal(random));
+  for (dvec3& v : mesh.vertices) v += mm * dvec3(normal(random), normal(random), normal(random));
   return mesh;
 }
 
