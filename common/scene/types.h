@@ -275,12 +275,56 @@ struct RubricCritical {
   bool operator==(const RubricCritical&) const = default;
 };
 
+// The restorative material that a preparation is for; kNone: the rubric names none.
+// restoration.h has the names in documents.
+enum class Restoration : uint8_t { kNone, kAmalgam, kComposite, kCeramic };
+
+// How far a wall may lean from the way out of the cavity without losing points, in degrees: + it
+// opens towards the top (divergent), - it leans over the cavity (convergent).
+struct DivergenceRange {
+  double from_deg = 0, to_deg = 0;
+
+  bool operator==(const DivergenceRange&) const = default;
+};
+
+// What one material tolerates in place of the rubric's own maps and limits.
+struct RestorationTolerance {
+  Restoration restoration = Restoration::kNone;
+  std::string source;  // of the figures
+  struct Ranges {
+    DivergenceRange mesiodistal, buccolingual;  // of mesial and distal, buccal and lingual walls
+
+    bool operator==(const Ranges&) const = default;
+  };
+  // With it, the maps of undercut_deg and wall_tilt_deg are for the degrees beyond the range.
+  std::optional<Ranges> divergence = {};
+  struct Map {
+    std::string metric;  // of a criterion
+    std::vector<RubricPoint> map;
+
+    bool operator==(const Map&) const = default;
+  };
+  std::vector<Map> criteria;
+  struct Limit {
+    std::string error, metric;  // of a critical error
+    double limit = 0;           // on the side on which the critical error has its own
+
+    bool operator==(const Limit&) const = default;
+  };
+  std::vector<Limit> critical = {};
+
+  bool operator==(const RestorationTolerance&) const = default;
+};
+
 struct Rubric {
   std::string name;
   int32_t version = 1;
   std::vector<RubricCriterion> criteria;
   std::vector<RubricGate> gates;
   std::vector<RubricCritical> critical = {};
+  Restoration restoration = Restoration::kNone;
+  // By material, each once; the one that `restoration` names counts.
+  std::vector<RestorationTolerance> restorations = {};
 
   bool operator==(const Rubric&) const = default;
 };

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/scoring/tolerances.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -33,7 +35,8 @@ std::optional<double> ErrorOf(const scene::RubricCriterion& criterion, int32_t v
 
 }  // namespace
 
-std::vector<FineBand> FineBands(const scene::Rubric& rubric, int32_t voxel_nm) {
+std::vector<FineBand> FineBands(const scene::Rubric& given, int32_t voxel_nm) {
+  const scene::Rubric rubric = WithTolerances(given);
   std::vector<FineBand> out;
   for (const scene::RubricCriterion& criterion : rubric.criteria) {
     const std::optional<double> error = ErrorOf(criterion, voxel_nm);

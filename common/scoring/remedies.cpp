@@ -30,8 +30,13 @@ constexpr Row kRows[] = {
     {"tilt_distal_deg", kOpen, kLeansIn},
     {"tilt_buccal_deg", kOpen, kLeansIn},
     {"tilt_lingual_deg", kOpen, kLeansIn},
+    {"divergence_mesial_deg", kOpen, kLeansIn},
+    {"divergence_distal_deg", kOpen, kLeansIn},
+    {"divergence_buccal_deg", kOpen, kLeansIn},
+    {"divergence_lingual_deg", kOpen, kLeansIn},
     {"tilt_floor_deg", {"floor_slopes", "do_level"}, kNone},
-    {"wall_tilt_deg", {"walls_inclined", "do_parallel"}, kNone},
+    // Below: a material that has to slide in needs walls that diverge more.
+    {"wall_tilt_deg", {"walls_inclined", "do_parallel"}, {"walls_inclined", "do_diverge"}},
     {"undercut_deg", kLeansIn, kNone},
     {"wall_waviness_mm", {"wall_wavy", "do_even_wall"}, kNone},
     {"floor_waviness_mm", {"floor_uneven", "do_even_floor"}, kNone},
@@ -101,6 +106,7 @@ struct Text {
 constexpr Text kTexts[] = {
     {"do_align", "Hold the bur along the long axis of the tooth before you begin each wall"},
     {"do_bevel", "Lean the bur at 45 degrees and widen the bevel evenly along the cusps"},
+    {"do_diverge", "Let the walls open toward the top by a few degrees, as a tapered bur does"},
     {"do_even_floor", "Finish the floor with light, overlapping strokes at one depth"},
     {"do_even_wall", "Finish the wall with long, light strokes from one end to the other"},
     {"do_finish_all_around", "Take the finish line around the whole tooth without a break"},

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "common/scoring/tolerances.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -152,12 +154,15 @@ Charged ChargedOf(const Rubric& rubric, const RubricCriterion& criterion,
   return {found.value, ""};
 }
 
+// `lean`: of LeanOf, which then is what the criterion is charged for.
 CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion,
-                      const MetricValue& found, bool& critical_fail) {
+                      const MetricValue& found, const std::optional<JudgedLean>& lean,
+                      bool& critical_fail) {
   const MetricInfo& info = *FindMetric(criterion.metric);
   CriterionResult out{
       criterion.metric, criterion.title, found.value, criterion.unit, 0, criterion.points, ""};
-  const Charged charged = ChargedOf(rubric, criterion, found);
+  const Charged charged =
+      lean ? Charged{lean->beyond_deg, ""} : ChargedOf(rubric, criterion, found);
   out.charged = charged.value;
   out.under = charged.under;
   if (Fails(criterion, found.value)) {
@@ -167,7 +172,8 @@ CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion,
     out.points = criterion.points * ShareAt(criterion.map, charged.value);
     // What was measured; more is charged only where the measure says less than there is.
     out.reasons = {
-        FoundReason(info, out.under.empty() ? charged.value : found.value, criterion.map)};
+        lean ? FoundReason(info, lean->angle_deg, lean->map)
+             : FoundReason(info, out.under.empty() ? charged.value : found.value, criterion.map)};
   }
   if (IsWorthAComment(LossOf(rubric, criterion, charged.value))) out.comment = criterion.comment;
   Write(out);
@@ -246,7 +252,8 @@ Result<Looked> LookUp(const MetricSet& metrics, const std::string& name) {
 
 }  // namespace
 
-std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult& result) {
+std::vector<std::string> CostlyCriteria(const Rubric& given, const ScoreResult& result) {
+  const Rubric rubric = WithTolerances(given);
   std::vector<std::string> out;
   auto add = [&](const std::string& name) {
     if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
@@ -264,7 +271,8 @@ std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult&
   return out;
 }
 
-void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result) {
+void Advise(const Rubric& given, std::vector<Deduction> deductions, ScoreResult& result) {
+  const Rubric rubric = WithTolerances(given);
   // The words are given where they cost most, of equal costs at the first.
   struct Told {
     std::string words;
@@ -291,9 +299,16 @@ void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult
     advise(result.gates[i], LossOf(result.gates[i]), result.gates[i].value, rubric.gates[i].map);
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     CriterionResult& found = result.criteria[i];
-    if (found.judged)
-      advise(found, LossOf(rubric, rubric.criteria[i], found.charged), found.charged,
-             rubric.criteria[i].map);
+    if (!found.judged) continue;
+    const RubricCriterion& asked = rubric.criteria[i];
+    const Loss loss = LossOf(rubric, asked, found.charged);
+    // By the wall's angle: a wall may be too upright for its material.
+    const auto lean = LeanOf(rubric, asked, {result.metrics, result.missing, {}});
+    if (lean.ok() && *lean) {
+      advise(found, loss, (*lean)->angle_deg, (*lean)->map);
+    } else {
+      advise(found, loss, found.charged, asked.map);
+    }
   }
   for (Told& told : all) told.reasons->push_back(std::move(told.reason));
   for (GateResult& gate : result.gates) Write(gate);
@@ -327,6 +342,15 @@ Status ValidateRubric(const Rubric& rubric) {
     ENAMEL_RETURN_IF_ERROR(ValidateMap(item, gate.map));
   }
   ENAMEL_RETURN_IF_ERROR(ValidateCritical(rubric));
+  for (size_t i = 0; i < rubric.restorations.size(); ++i) {
+    const auto& criteria = rubric.restorations[i].criteria;
+    for (size_t k = 0; k < criteria.size(); ++k) {
+      ENAMEL_RETURN_IF_ERROR(
+          ValidateMap("restorations[" + std::to_string(i) + "].criteria[" + std::to_string(k) + "]",
+                      criteria[k].map));
+    }
+  }
+  ENAMEL_RETURN_IF_ERROR(ValidateRestorations(rubric));
   // Or a score would be 0 of 0.
   if (!(total > 0)) {
     return Status(Code::kInvalidInput, "rubric: no criterion gives points, so there is no score",
@@ -335,8 +359,9 @@ Status ValidateRubric(const Rubric& rubric) {
   return Status::Ok();
 }
 
-Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) {
-  ENAMEL_RETURN_IF_ERROR(ValidateRubric(rubric));
+Result<ScoreResult> ApplyRubric(const Rubric& given, const MetricSet& metrics) {
+  ENAMEL_RETURN_IF_ERROR(ValidateRubric(given));
+  const Rubric rubric = WithTolerances(given);
   ScoreResult out;
   out.metrics = metrics.values;
   out.missing = metrics.missing;
@@ -356,7 +381,8 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     } else if (IsHidden(criterion, *found.value)) {
       out.criteria.push_back(Hidden(criterion, found.value->value));
     } else {
-      out.criteria.push_back(Judge(rubric, criterion, *found.value, out.critical_fail));
+      ENAMEL_ASSIGN_OR_RETURN(const auto lean, LeanOf(rubric, criterion, metrics));
+      out.criteria.push_back(Judge(rubric, criterion, *found.value, lean, out.critical_fail));
     }
     CriterionResult& result = out.criteria.back();
     // After the reasons: they are about this criterion, a gate about the whole.

@@ -101,15 +101,16 @@ inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
 // Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
 // metric, critical error or another unit, has an empty or unsorted map, a share outside 0..1, no
-// points at all, or more than kMaxCriteria criteria, kMaxGates gates or kMaxCritical errors.
+// points at all, or more than kMaxCriteria criteria, kMaxGates gates or kMaxCritical errors; and
+// those of ValidateRestorations (tolerances.h).
 Status ValidateRubric(const scene::Rubric& rubric);
 
-// Points by the piecewise linear map, constant beyond its ends; the score is the share of all
-// points in percent, times every gate's share, or 0 after a critical error. A
-// criterion whose metric is not in the task is left out of both sums, and so is one of a force at
-// the device's limit, unless the force that is known already costs all that it can. Fills score,
-// critical_fail, critical, points, acceptance, criteria, gates, metrics, missing and
-// rubric_version; the caller fills the rest.
+// Points by the piecewise linear map, the material's where the rubric names one (tolerances.h),
+// constant beyond its ends; the score is the share of all points in percent, times every gate's
+// share, or 0 after a critical error. A criterion whose metric is not in the task is left out of
+// both sums, and so is one of a force at the device's limit, unless the force that is known already
+// costs all that it can. Fills score, critical_fail, critical, points, acceptance, criteria, gates,
+// metrics, missing and rubric_version; the caller fills the rest.
 // Errors: those of ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a
 // gate's metric has no value, or no criterion with points is in the task.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);

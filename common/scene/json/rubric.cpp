@@ -5,6 +5,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/json/kinds.h"
 #include "common/scene/json/text.h"
+#include "common/scene/restoration.h"
 
 namespace enamel::scene {
 namespace {
@@ -56,6 +57,69 @@ void ReadMap(ObjectReader& in, std::vector<RubricPoint>& map) {
   }
 }
 
+json::array RangeJson(const DivergenceRange& range) { return {range.from_deg, range.to_deg}; }
+
+json::object ToleranceJson(const RestorationTolerance& t) {
+  json::object out{{"restoration", RestorationName(t.restoration)}, {"source", t.source}};
+  if (t.divergence) {
+    out["divergence_deg"] = {{"mesiodistal", RangeJson(t.divergence->mesiodistal)},
+                             {"buccolingual", RangeJson(t.divergence->buccolingual)}};
+  }
+  json::array criteria, critical;
+  for (const auto& c : t.criteria)
+    criteria.push_back({{"metric", c.metric}, {"map", MapJson(c.map)}});
+  out["criteria"] = std::move(criteria);
+  for (const auto& c : t.critical)
+    critical.push_back({{"error", c.error}, {"metric", c.metric}, {"limit", c.limit}});
+  if (!critical.empty()) out["critical"] = std::move(critical);
+  return out;
+}
+
+Restoration ReadRestoration(ObjectReader& in) {
+  const std::string name = in.Name("restoration");
+  std::string known;
+  for (const RestorationEntry& entry : kRestorations) {
+    if (entry.name == name) return entry.restoration;
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  in.Refuse("restoration", "one of " + known, "\"" + name + "\"");
+  return Restoration::kNone;
+}
+
+DivergenceRange ReadRange(ObjectReader& in, const char* name) {
+  const auto rows = in.Ints(name, 2, -45, 45);
+  if (rows[0] >= rows[1]) {
+    in.Refuse(name, "the lesser angle first",
+              std::to_string(rows[0]) + " and " + std::to_string(rows[1]));
+  }
+  return {static_cast<double>(rows[0]), static_cast<double>(rows[1])};
+}
+
+RestorationTolerance ReadTolerance(ObjectReader& item) {
+  RestorationTolerance t;
+  t.restoration = ReadRestoration(item);
+  t.source = item.Text("source", 1, 500);
+  if (item.Has("divergence_deg")) {
+    ObjectReader pairs = item.Object("divergence_deg");
+    t.divergence = {ReadRange(pairs, "mesiodistal"), ReadRange(pairs, "buccolingual")};
+    pairs.Finish();
+  }
+  for (ObjectReader& c : item.Objects("criteria", 0, 64)) {
+    RestorationTolerance::Map& map = t.criteria.emplace_back();
+    map.metric = c.Name("metric");
+    ReadMap(c, map.map);
+    c.Finish();
+  }
+  if (item.Has("critical")) {
+    for (ObjectReader& c : item.Objects("critical", 1, 32)) {
+      t.critical.push_back({c.Name("error"), c.Name("metric"), c.Number("limit", -1e9, 1e9)});
+      c.Finish();
+    }
+  }
+  item.Finish();
+  return t;
+}
+
 }  // namespace
 
 boost::json::object RubricJson(const Rubric& r) {
@@ -73,6 +137,10 @@ boost::json::object RubricJson(const Rubric& r) {
   json::array critical;
   for (const RubricCritical& c : r.critical) critical.push_back(CriticalJson(c));
   if (!critical.empty()) out["critical"] = std::move(critical);
+  if (r.restoration != Restoration::kNone) out["restoration"] = RestorationName(r.restoration);
+  json::array restorations;
+  for (const RestorationTolerance& t : r.restorations) restorations.push_back(ToleranceJson(t));
+  if (!restorations.empty()) out["restorations"] = std::move(restorations);
   return out;
 }
 
@@ -107,6 +175,12 @@ Rubric ReadRubric(ObjectReader& rubric) {
   if (rubric.Has("critical")) {
     for (ObjectReader& item : rubric.Objects("critical", 1, 32)) {
       r.critical.push_back(ReadCritical(item));
+    }
+  }
+  if (rubric.Has("restoration")) r.restoration = ReadRestoration(rubric);
+  if (rubric.Has("restorations")) {
+    for (ObjectReader& item : rubric.Objects("restorations", 1, kRestorations.size())) {
+      r.restorations.push_back(ReadTolerance(item));
     }
   }
   return r;

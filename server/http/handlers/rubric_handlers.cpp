@@ -22,8 +22,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// Body, rubric, criteria, one of them, its map, a row of it.
-constexpr size_t kRubricDepth = 6;
+// Body, rubric, restorations, one of them, its criteria, one of them, its map, a row of it.
+constexpr size_t kRubricDepth = 8;
 
 Result<scene::Exercise> DocumentOf(StoredBlobs& blobs, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, blobs.GetBlob(row.content));

@@ -6,6 +6,7 @@
 
 #include "common/scoring/reasons.h"
 #include "common/scoring/remedies.h"
+#include "common/scoring/tolerances.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -118,8 +119,8 @@ void Say(const Loss& most, const scoring::ScoreResult& score, Judged& out) {
 
 }  // namespace
 
-Judged JudgedOf(const Fault& fault, const scene::Rubric& rubric,
-                const scoring::ScoreResult& score) {
+Judged JudgedOf(const Fault& fault, const scene::Rubric& given, const scoring::ScoreResult& score) {
+  const scene::Rubric rubric = scoring::WithTolerances(given);
   Judged out;
   const std::vector<Loss> losses = LossesOf(rubric, score);
   for (const Loss& l : losses) {

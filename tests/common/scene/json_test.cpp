@@ -217,6 +217,35 @@ TEST(SceneJsonTest, GatesHaveAMapOfShares) {
             "/rubric/gates/0/comment");
 }
 
+TEST(SceneJsonTest, ARubricNamesAMaterialAndWhatEachTolerates) {
+  const std::string text = ReadText("golden/scene_exercise_restoration.json");
+  Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  const Rubric& rubric = exercise->rubric;
+  EXPECT_EQ(rubric.restoration, Restoration::kAmalgam);
+  ASSERT_EQ(rubric.restorations.size(), 2u);
+  EXPECT_EQ(rubric.restorations[0].divergence->buccolingual, (DivergenceRange{-5, 2}));
+  EXPECT_EQ(rubric.restorations[1].divergence, std::nullopt);
+  EXPECT_EQ(rubric.restorations[1].critical[0].limit, 50);
+  auto refused = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? Status(Code::kInternal, "accepted") : e.status();
+  };
+  const Status unknown = refused("\"restoration\": \"amalgam\",\n    \"restorations\"",
+                                 "\"restoration\": \"gold\",\n    \"restorations\"");
+  EXPECT_EQ(unknown.field(), "/rubric/restoration");
+  EXPECT_NE(unknown.message().find("one of amalgam, composite, ceramic"), std::string::npos)
+      << unknown.message();
+  EXPECT_EQ(refused("\"source\": \"a textbook\"", "\"source\": \"\"").field(),
+            "/rubric/restorations/0/source");
+  EXPECT_EQ(refused("[-5, 2]", "[2, -5]").field(),
+            "/rubric/restorations/0/divergence_deg/buccolingual");
+  EXPECT_EQ(refused("[-5, 2]", "[-50, 2]").field(),
+            "/rubric/restorations/0/divergence_deg/buccolingual");
+  EXPECT_EQ(refused("\"limit\"", "\"above\"").field(), "/rubric/restorations/1/critical/0/limit");
+}
+
 TEST(SceneJsonTest, ARubricByItselfSaysWhatItSaysInAnExercise) {
   const std::string text = ReadText("golden/scene_rubric.json");
   Result<Rubric> rubric = RubricFromJson(text);
@@ -383,8 +412,14 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_relief.json"));
   exercise.merge(NamesOf(ReadText("golden/scene_exercise_prepared.json")));
+  exercise.merge(NamesOf(ReadText("golden/scene_exercise_restoration.json")));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
-  EXPECT_EQ(NamesOf(ReadText("golden/scene_rubric.json")), SchemaNames("rubric.schema.json"));
+  auto rubric = NamesOf(ReadText("golden/scene_rubric.json"));
+  constexpr std::string_view kRubric = "/rubric";
+  for (const std::string& name : exercise) {
+    if (name.starts_with("/rubric/restoration")) rubric.insert(name.substr(kRubric.size()));
+  }
+  EXPECT_EQ(rubric, SchemaNames("rubric.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),

@@ -26,6 +26,16 @@ TEST(FineBandsTest, BandFinerThanAQuarterVoxelIsFoundAndAWiderOneIsNot) {
   EXPECT_TRUE(FineBands(With("wall_mesial_mm", "mm", {{0.1, 1}, {0.2, 0}}), 100'000).empty());
 }
 
+TEST(FineBandsTest, OfAMaterialTheMapsThatCountAreLookedAt) {
+  scene::Rubric rubric = With("undercut_deg", "deg", {{2, 1}, {8, 0}});
+  rubric.restoration = scene::Restoration::kCeramic;
+  rubric.restorations = {
+      {scene::Restoration::kCeramic, "x", {}, {{"undercut_deg", {{0.5, 1}, {0.6, 0}}}}, {}}};
+  EXPECT_EQ(FineBands(rubric, 50'000).size(), 1u);
+  rubric.restoration = scene::Restoration::kNone;
+  EXPECT_TRUE(FineBands(rubric, 50'000).empty());
+}
+
 TEST(FineBandsTest, FlatStretchesDoNotCount) {
   EXPECT_TRUE(FineBands(With("floor_mm", "mm", {{0, 1}, {0.001, 1}, {0.3, 0}}), 100'000).empty());
 }

@@ -364,8 +364,8 @@ class ScoreAtRates : public ::testing::TestWithParam<AtRates> {};
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   // Five voxels of volume; two of the 50 ms in which a cut counts as continuing.
   constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
-  constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.06, kRateShare = 0.1, kPercent = 0.1;
-  constexpr double kPoints = 0.5;
+  constexpr double kAngle_deg = 0.1, kDivergence_deg = 0.5, kOfFew_mm = 0.06, kRateShare = 0.1;
+  constexpr double kPercent = 0.1, kPoints = 0.5;
   std::map<std::string, double> slow;
   double slow_score = 0;
   for (int32_t rate : {1000, 2000, 4000, 8000}) {
@@ -392,9 +392,11 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
       const double least = m.unit == "mm"    ? length
                            : m.unit == "mm3" ? kVolume_mm3
                            : m.unit == "s"   ? kTime_s
-                           : m.unit == "deg" ? kAngle_deg
-                           : m.unit == "%"   ? kPercent
-                           : m.unit == "N"   ? GetParam().force_n
+                           // Each rate's reference has its own angle, known to that.
+                           : m.name.starts_with("divergence_") ? kDivergence_deg
+                           : m.unit == "deg"                   ? kAngle_deg
+                           : m.unit == "%"                     ? kPercent
+                           : m.unit == "N"                     ? GetParam().force_n
                            // What that force adds up to over the time, and over the way.
                            : m.unit == "N s" ? GetParam().force_n * slow["time_s"]
                            : m.unit == "mJ"  ? GetParam().force_n * slow["path_length_mm"]

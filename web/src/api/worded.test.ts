@@ -36,6 +36,10 @@ test("a signed measurement says which way, and no other does", () => {
     "tilt_distal_deg",
     "tilt_buccal_deg",
     "tilt_lingual_deg",
+    "divergence_mesial_deg",
+    "divergence_distal_deg",
+    "divergence_buccal_deg",
+    "divergence_lingual_deg",
     "finish_depth_mm",
   ];
   assert.deepEqual([...new Set(documented.filter((name) => directionsOf(name) !== undefined))].sort(), signed.sort());
@@ -44,6 +48,7 @@ test("a signed measurement says which way, and no other does", () => {
   assert.equal(spaced(measuredText("wall_mesial_mm", -0.1, "mm")), "0.10 mm short");
   assert.equal(spaced(measuredText("wall_mesial_mm", -0.001, "mm")), "0.00 mm off");
   assert.equal(spaced(measuredText("tilt_buccal_deg", -3, "deg")), "3.0° undercut");
+  assert.equal(spaced(measuredText("divergence_lingual_deg", -4, "deg")), "4.0° undercut");
   assert.equal(spaced(measuredText("tilt_floor_deg", 3, "deg")), "3.0°");
   assert.equal(spaced(measuredText("convergence_least_deg", -2, "deg")), "−2.0°");
 });

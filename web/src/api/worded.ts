@@ -106,8 +106,8 @@ function withoutFound(text: string): string {
 // What lies above and below zero of a measurement whose sign says which way: MetricInfo in
 // common/scoring/registry.
 export function directionsOf(metric: string): readonly [above: string, below: string] | undefined {
-  const [, kind] = /^(wall|tilt)_(?:mesial|distal|buccal|lingual)_/.exec(metric) ?? [];
-  if (kind === "tilt") return ["more_open_at_the_top", "undercut"];
+  const [, kind, unit] = /^(\w+)_(?:mesial|distal|buccal|lingual)_(\w+)/.exec(metric) ?? [];
+  if (unit === "deg") return ["more_open_at_the_top", "undercut"];
   const below =
     kind === "wall"
       ? "short"

@@ -111,6 +111,8 @@ TEST_P(KnownFaults, ALeaningWallIsFoundWithinHalfADegree) {
   for (double degrees : {1.0, 5.0, 10.0, 20.0, -1.0, -5.0, -10.0, -20.0}) {
     MetricSet m = Measure(Cut(Leaning(degrees)));
     EXPECT_NEAR(ValueOf(m, "tilt_mesial_deg"), degrees, 0.5) << degrees;
+    EXPECT_NEAR(ValueOf(m, "divergence_mesial_deg"), degrees, 0.5) << degrees;
+    EXPECT_NEAR(ValueOf(m, "divergence_distal_deg"), 0, 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "wall_tilt_deg"), std::fabs(degrees), 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "undercut_deg"), std::max(0.0, -degrees), 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "tilt_distal_deg"), 0, 0.5) << degrees;
