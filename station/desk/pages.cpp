@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
+#include "common/scene/restoration.h"
 #include "station/desk/exercise_words.h"
 #include "station/words/score_words.h"
 
@@ -223,6 +224,9 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
                           {{"scene", WordedTitle(flow_.words(), prepared.scene.title)}});
   if (e.time_limit_s > 0) {
     facts = Say("exercise.time", {{"facts", facts}, {"time", render::TimerText(e.time_limit_s)}});
+  }
+  if (const auto material = scene::RestorationName(e.rubric.restoration); !material.empty()) {
+    facts = Say("exercise.for_" + std::string(material), {{"facts", facts}});
   }
   ui_.Note(facts);
 }

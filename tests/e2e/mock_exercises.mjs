@@ -92,6 +92,7 @@ export function makeExercises() {
   const rubric = {
     name: "class-1",
     version: 1,
+    restoration: null,
     criteria: kRubric.map(([metric, title, unit, points, map]) => ({
       metric,
       title,
@@ -128,6 +129,15 @@ export function makeExercises() {
     leeway_bottom_um: 200,
     container_um: 800,
   };
+  // A class I or class II cavity is for a filling.
+  const filled = {
+    ...rubric,
+    restoration: {
+      name: "amalgam",
+      source: "a textbook",
+      divergence_deg: { mesiodistal: [-2, 10], buccolingual: [-5, 2] },
+    },
+  };
   const disc = { outline: "disc", top_um: [0, 0, 0], radius_um: 1350, depth_um: 2000 };
   const exercise = (number, name, title, graded, instructions, changes = {}) => ({
     id: id(number),
@@ -157,6 +167,7 @@ export function makeExercises() {
       "Occlusal cavity, class I",
       true,
       "Cut a box cavity in the occlusal surface of the lower first molar.\nKeep the walls upright and the floor flat. Stay out of the marginal ridges.",
+      { rubric: filled },
     ),
     exercise(
       21,
@@ -172,6 +183,7 @@ export function makeExercises() {
       "Class II cavity, mesial box",
       true,
       "Cut the mesial box 3.2 mm wide and 3.5 mm deep from the marginal ridge, open to the mesial side, with its axial wall 0.99 mm inside the middle of the ridge. Do not touch the adjacent tooth.",
+      { rubric: filled },
     ),
     exercise(23, "crown", "Crown preparation", true, "Reduce the crown evenly.", {
       state: "draft",

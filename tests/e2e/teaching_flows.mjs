@@ -84,6 +84,13 @@ async function copyExercise(world) {
   await dialog.getByRole("button", { name: "Make the draft" }).click();
   await page.waitForURL(/\/editor\?exercise=/);
   await eventually(async () => assert.equal(await page.getByLabel("Title").first().inputValue(), "Class II, term 2"));
+  const material = page.getByLabel("Restorative material");
+  assert.equal(await material.inputValue(), "amalgam");
+  assert.deepEqual(await material.locator("option").allInnerTexts(), ["Not named", "Amalgam", "Composite"]);
+  await material.selectOption({ label: "Composite" });
+  await page.getByRole("button", { name: "Save the draft" }).click();
+  await page.getByText("Amalgam: mesial and distal walls may diverge").waitFor();
+  assert.equal(world.mock.documents.get(page.url().split("/").at(-1)).rubric.restoration, "composite");
 }
 
 async function assignmentLife(world) {
@@ -403,7 +410,12 @@ async function print(world) {
   const shown = await sides.evaluateAll((all) => all.map(({ src, naturalWidth }) => [src, naturalWidth]));
   assert.equal(new Set(shown.map(([src]) => src)).size, 5, "five different pictures");
   assert.ok(shown.every(([, width]) => width > 300));
-  for (const seen of ["Mesial wall", "The mesial wall was cut 0.301 mm too far", "3fa9c1d2".repeat(8)])
+  for (const seen of [
+    "Material: Amalgam",
+    "Mesial wall",
+    "The mesial wall was cut 0.301 mm too far",
+    "3fa9c1d2".repeat(8),
+  ])
     assert.ok(await page.getByText(seen).first().isVisible(), seen);
   for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"])
     assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);

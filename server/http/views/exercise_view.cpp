@@ -1,10 +1,13 @@
 #include "server/http/views/exercise_view.h"
 
+#include <algorithm>
 #include <map>
 
 #include "common/base/mutex.h"
 #include "common/scene/json/json.h"
 #include "common/scene/json/preparation.h"
+#include "common/scene/restoration.h"
+#include "common/scoring/tolerances.h"
 #include "server/training/access.h"
 
 namespace enamel::server::http {
@@ -157,7 +160,23 @@ void AddWhole(StoredBlobs& blobs, const ExerciseRow& row, const scene::Exercise&
   out.emplace("target", std::move(target));
 }
 
-json::object RubricJson(const scene::Rubric& rubric) {
+json::value RestorationJson(const scene::Rubric& rubric) {
+  const auto tolerance = std::ranges::find(rubric.restorations, rubric.restoration,
+                                           &scene::RestorationTolerance::restoration);
+  if (tolerance == rubric.restorations.end()) return nullptr;
+  auto range = [](const scene::DivergenceRange& r) { return json::array{r.from_deg, r.to_deg}; };
+  json::value divergence;
+  if (tolerance->divergence) {
+    divergence = {{"mesiodistal", range(tolerance->divergence->mesiodistal)},
+                  {"buccolingual", range(tolerance->divergence->buccolingual)}};
+  }
+  return {{"name", scene::RestorationName(rubric.restoration)},
+          {"source", tolerance->source},
+          {"divergence_deg", std::move(divergence)}};
+}
+
+json::object RubricJson(const scene::Rubric& written) {
+  const scene::Rubric rubric = scoring::WithTolerances(written);
   json::array criteria, gates, critical;
   for (const scene::RubricGate& gate : rubric.gates) {
     gates.push_back({{"metric", gate.metric},
@@ -189,7 +208,8 @@ json::object RubricJson(const scene::Rubric& rubric) {
           {"version", rubric.version},
           {"critical", std::move(critical)},
           {"criteria", std::move(criteria)},
-          {"gates", std::move(gates)}};
+          {"gates", std::move(gates)},
+          {"restoration", RestorationJson(rubric)}};
 }
 
 }  // namespace enamel::server::http

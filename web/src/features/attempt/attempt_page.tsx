@@ -53,6 +53,8 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
   const target = exercise.loaded.state === "ready" ? exercise.loaded.value.value.target : undefined;
   const anatomy = useMemo(() => (target === undefined ? undefined : anatomyOf(target)), [target]);
+  const restoration =
+    exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.restoration?.name : undefined;
   const [done, setDone] = useState<number>(); // of the work, where it was stopped early; the score says it
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
@@ -133,7 +135,9 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         <div class="attempt-title">
           <PageTitle document={wordedTitle(attempt.exercise.title)}>{wordedTitle(attempt.exercise.title)}</PageTitle>
           <p class="byline">
-            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} />{" "}
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)}
+            {restoration !== undefined && `, ${say("restoration.named", { material: say(`material.${restoration}`) })}`}{" "}
+            <StateBadge attempt={attempt} />{" "}
             <Flags
               attempt={attempt}
               graded={graded && teacher}

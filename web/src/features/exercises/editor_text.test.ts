@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Json } from "../../base/document";
-import { placeWords, rubricProblems } from "./editor_text";
+import { materialOptions, placeWords, rubricProblems } from "./editor_text";
 
 const rubric = (points: number | null, share = 1): Json => ({
   criteria: [
@@ -50,4 +50,17 @@ test("a place is named after its content", () => {
     placeWords(["rubric", "criteria", 0, "map", 0, 1], document),
     "Rubric, Mesial wall, full and no marks, 1",
   );
+});
+
+test("a form offers the materials that a rubric has tolerances for, and keeps one that it names", () => {
+  const restorations = [{ restoration: "amalgam" }, { restoration: "ceramic" }];
+  assert.deepEqual(
+    materialOptions(restorations, "amalgam").map(({ value, title }) => `${value}: ${title}`),
+    [": Not named", "amalgam: Amalgam", "ceramic: Ceramic"],
+  );
+  assert.deepEqual(
+    materialOptions(undefined, "composite").map(({ value }) => value),
+    ["", "composite"],
+  );
+  assert.equal(materialOptions(undefined, undefined).length, 1);
 });

@@ -67,3 +67,16 @@ const kShapes = ["sphere", "cylinder", "cone", "inverted_cone", "pear", "flame",
 export function shapeOptions(): readonly Option[] {
   return kShapes.map((value) => ({ value, title: say(`bur_shape.${value}`) }));
 }
+
+// Materials with tolerances in a rubric, and the one that it names; none first.
+export function materialOptions(restorations: Json | undefined, named: Json | undefined): readonly Option[] {
+  const names = (Array.isArray(restorations) ? (restorations as readonly Json[]) : []).map((each) =>
+    valueAt(each, ["restoration"]),
+  );
+  return [
+    { value: "", title: say("restoration.not_named") },
+    ...[...new Set([...names, named])]
+      .filter((name) => typeof name === "string")
+      .map((value) => ({ value, title: sayIf(`material.${value}`) ?? value })),
+  ];
+}

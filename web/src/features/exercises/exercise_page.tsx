@@ -29,6 +29,7 @@ import {
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { ProgressCard } from "./progress_card";
+import { marksTexts, restorationText } from "./restoration_text";
 import { StaffActions } from "./staff_actions";
 import { outlinePaths, outlineViewBox } from "../../widgets/target_outline";
 
@@ -121,9 +122,15 @@ function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
 }
 
 function Target({ exercise }: { readonly exercise: Exercise }) {
-  const { target, handpiece, touch_cues } = exercise;
+  const { target, handpiece, touch_cues, rubric } = exercise;
   return (
     <dl class="facts stacked">
+      {rubric.restoration !== null && (
+        <div>
+          <dt>{say("restoration.material")}</dt>
+          <dd>{say(`material.${rubric.restoration.name}`)}</dd>
+        </div>
+      )}
       <div>
         <dt>{say("exercise_page.bur")}</dt>
         <dd>{burText(exercise.bur)}</dd>
@@ -177,7 +184,7 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
 }
 
 function Rubric({ exercise }: { readonly exercise: Exercise }) {
-  const { criteria, gates, critical } = exercise.rubric;
+  const { criteria, gates, critical, restoration } = exercise.rubric;
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
     <>
@@ -200,11 +207,16 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
               </>
             ),
           },
-          { title: say("exercise_page.full"), cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
-          { title: say("exercise_page.no_marks"), cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
+          { title: say("exercise_page.full"), cell: (criterion) => marksTexts(criterion, restoration)[0] },
+          { title: say("exercise_page.no_marks"), cell: (criterion) => marksTexts(criterion, restoration)[1] },
           { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
         ]}
       />
+      {restoration !== null && (
+        <p class="hint">
+          {restorationText(restoration)} {say("restoration.source", { source: restoration.source })}
+        </p>
+      )}
       {critical.length > 0 && (
         <>
           <h3>{say("score.not_acceptable")}</h3>

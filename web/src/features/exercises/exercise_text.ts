@@ -66,7 +66,7 @@ export function versionText({ version }: { readonly version: number }): string {
   return version === 0 ? say("version.draft") : say("version.number", { number: String(version) });
 }
 
-type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
+export type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
 
 // From where on a criterion gives all of its points: one end, or for one that may err to both
 // sides, both.

@@ -6,6 +6,7 @@ import { say } from "../../base/words";
 import { Brief } from "../../widgets/basics";
 import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
 import { SelectField } from "../../widgets/form";
+import { materialOptions } from "./editor_text";
 
 interface Props {
   readonly form: DocumentForm;
@@ -20,6 +21,7 @@ export function RubricFields({ form, path, metrics }: Props) {
   const total = criteria.reduce<number>((sum, item) => sum + Number(valueAt(item, ["points"]) ?? 0), 0);
   return (
     <div class="stack">
+      <Material form={form} path={path} />
       <p class="hint">{say("rubric.points_in_all", { points: formatPoints(total) })}</p>
       {criteria.map((item, i) => (
         <Item
@@ -66,6 +68,23 @@ export function RubricFields({ form, path, metrics }: Props) {
       </div>
       <p class="hint">{say("rubric.gate_hint")}</p>
     </div>
+  );
+}
+
+// The restorative material: one of those that the rubric has tolerances for, or none.
+function Material({ form, path }: { readonly form: DocumentForm; readonly path: Path }) {
+  const place = [...path, "restoration"];
+  const options = materialOptions(form.edit.at([...path, "restorations"]), form.edit.at(place));
+  if (options.length === 1) return null;
+  return (
+    <SelectField
+      label={say("restoration.material")}
+      hint={say("restoration.hint")}
+      problem={problemAt(form, place)}
+      value={String(form.edit.at(place) ?? "")}
+      options={options}
+      onValue={(chosen) => form.edit.set(place, chosen === "" ? undefined : chosen)}
+    />
   );
 }
 
