@@ -72,6 +72,7 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
                                CriticalOfContact(), CriticalOfCaries()}) {
     AddCritical(e.rubric, critical);
   }
+  e.rubric.restorations = TolerancesOfCavity(true);
   for (const auto& [metric, points] : {std::pair{"task_done_percent", 2},
                                        {"left_standing_mm3", 10},
                                        {"outside_removed_mm3", 5},
@@ -117,6 +118,9 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
+  // Its walls are turned: their tolerances are not those of an occlusal cavity.
+  e.rubric.restoration = Restoration::kNone;
+  e.rubric.restorations.clear();
   std::erase_if(e.rubric.critical,
                 [](const RubricCritical& c) { return c.error == "gross_overextension"; });
   // The wall towards the pulp is down in this scene.

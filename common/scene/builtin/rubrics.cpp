@@ -140,6 +140,8 @@ Rubric ClassOneRubric(bool tooth) {
     AddCritical(r, CriticalOfPulp());
     AddCritical(r, CriticalOfCavity());
     AddCritical(r, CriticalOfWidth(false));
+    r.restoration = Restoration::kAmalgam;
+    r.restorations = TolerancesOfCavity(false);
   }
   return r;
 }

@@ -54,6 +54,9 @@ std::vector<RubricCritical> CriticalOfContact();
 std::vector<RubricCritical> CriticalOfCaries();
 std::vector<RubricCritical> CriticalOfCrown();
 std::vector<RubricCritical> CriticalOfFace();
+// What amalgam, composite and ceramic tolerate in a cavity (restorations.cpp). `box`: of class II,
+// whose axial wall is the one towards the middle of the tooth.
+std::vector<RestorationTolerance> TolerancesOfCavity(bool box);
 void AddCritical(Rubric& rubric, const std::vector<RubricCritical>& critical);
 
 }  // namespace enamel::scene

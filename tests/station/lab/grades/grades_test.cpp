@@ -21,6 +21,7 @@ namespace enamel::station::lab {
 namespace {
 
 constexpr int32_t kVoxel_nm = 100'000;
+constexpr double kDegree = 3.14159265358979323846 / 180;
 
 struct Made {
   scene::BuiltScene built;
@@ -112,6 +113,48 @@ INSTANTIATE_TEST_SUITE_P(
       std::replace(name.begin(), name.end(), '-', '_');
       return name;
     });
+
+// A class I cavity whose walls diverge by so many degrees, those for mesial and distal first.
+Hollow LeaningBox(const Task& task, double mesiodistal_deg, double buccolingual_deg) {
+  BoxCavity box = task.box;
+  for (size_t w = 0; w < 4; ++w) {
+    box.faces[w].slope = std::tan((w < 2 ? mesiodistal_deg : buccolingual_deg) * kDegree);
+  }
+  return [box](const dvec3& p) { return box.Distance_m(p); };
+}
+
+double PointsOf(const scoring::ScoreResult& score, std::string_view metric) {
+  return std::ranges::find(score.criteria, metric, &scoring::CriterionResult::name)->points;
+}
+
+TEST(GradesTest, TheMaterialDecidesWhetherConvergentWallsLosePoints) {
+  const Made made = Build("molar");
+  const auto found = std::ranges::find_if(
+      made.exercises, [](const scene::Exercise& e) { return e.name.starts_with("class-1"); });
+  ASSERT_NE(found, made.exercises.end());
+  auto score = [&](scene::Restoration restoration, double mesiodistal, double buccolingual) {
+    scene::Exercise exercise = *found;
+    exercise.rubric.restoration = restoration;
+    const auto graded = GradedExercise::Make(made.built, exercise);
+    ENAMEL_CHECK(graded.ok());
+    const auto scored =
+        graded->Score(LeaningBox(graded->task(), mesiodistal, buccolingual), Neighbours::kSpared);
+    ENAMEL_CHECK(scored.ok());
+    return *scored;
+  };
+  using enum scene::Restoration;
+  for (const double mesiodistal : {0.0, 6.0}) {
+    SCOPED_TRACE(mesiodistal);
+    EXPECT_LT(score(kNone, mesiodistal, -4).score, 99);
+    EXPECT_NEAR(score(kAmalgam, mesiodistal, -4).score, 100, 0.05);
+    EXPECT_NEAR(score(kComposite, mesiodistal, -4).score, 100, 0.05);
+  }
+  const scoring::ScoreResult ceramic = score(kCeramic, 6, -4);
+  EXPECT_EQ(PointsOf(ceramic, "undercut_deg"), 0);
+  EXPECT_NEAR(score(kCeramic, 6, 6).score, 100, 0.05);
+  EXPECT_LT(score(kNone, 6, 6).score, 98);
+  EXPECT_LT(PointsOf(score(kAmalgam, -6, 0), "undercut_deg"), 3);
+}
 
 // schemas/critical_errors.json names the exercises of each error.
 TEST(GradesTest, EveryCriticalErrorOfAnExerciseIsMadeAndFound) {
