@@ -9,7 +9,7 @@ import { fileURLToPath } from 'node:url';
 const bin = process.argv[2];
 const root = normalize(join(dirname(fileURLToPath(import.meta.url)), '../..'));
 const guides = readdirSync(join(root, 'docs')).filter((name) => name.endsWith('.md')).map((name) => `docs/${name}`);
-const files = [...guides, 'README.md', 'CONTRIBUTING.md', 'SECURITY.md', 'server/README.md', 'station/README.md', 'station/lab/README.md'];
+const files = [...guides, 'README.md', 'CHANGELOG.md', 'CONTRIBUTING.md', 'SECURITY.md', 'server/README.md', 'station/README.md', 'station/lab/README.md'];
 let failed = 0;
 const wrong = (file, text) => {
   console.error(`FAILED: ${file}: ${text}`);
@@ -112,6 +112,16 @@ for (const file of guides) {
   if (file !== 'docs/README.md' && !readFileSync(join(root, 'docs/README.md'), 'utf8').includes(`(${file.slice(5)})`)) {
     wrong('docs/README.md', `does not lead to ${file}`);
   }
+}
+// A release has its section; until then one collects what comes.
+const changelog = readFileSync(join(root, 'CHANGELOG.md'), 'utf8');
+const [, version] = readFileSync(join(root, 'CMakeLists.txt'), 'utf8').match(/^project\(enamel VERSION ([0-9.]+)/m);
+const sections = [...changelog.matchAll(/^## (.*)$/gm)].map((m) => m[1]);
+if (!/^(Unreleased \([0-9.]+\)|[0-9.]+ - \d{4}-\d\d-\d\d)$/.test(sections[0] ?? '')) {
+  wrong('CHANGELOG.md', `begins with "${sections[0]}", and not with "Unreleased (VERSION)" or "VERSION - DATE"`);
+}
+if (!sections[0]?.startsWith('Unreleased') && !sections[0]?.startsWith(`${version} `)) {
+  wrong('CHANGELOG.md', `does not begin with version ${version}, which CMakeLists.txt names`);
 }
 if (commands < 50) wrong('guides.mjs', `found only ${commands} commands`);
 console.log(`${files.length} texts, ${commands} commands, ${helps.size} helps read`);
