@@ -36,7 +36,7 @@ online() { # the same with the archive at hand
 trap 'rm -rf --one-file-system "$work"' EXIT
 
 step "packages"
-cmake --build "$build" --target enamel_manuals enamel-import-child >"$work/log" 2>&1 || { tail "$work/log"; fail "building"; }
+cmake --build "$build" --target enamel_manuals enamel_sbom >"$work/log" 2>&1 || { tail "$work/log"; fail "building"; }
 commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || date +%s)
 SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B "$work/packages" >"$work/cpack.log" 2>&1 ||
   { cat "$work/cpack.log"; fail "cpack"; }
@@ -98,7 +98,7 @@ done <"$work/guide" >>"$debian/root/trial"
 cat >>"$debian/root/trial" <<'TRIAL'
 echo "# what is there now"
 for file in man/man1/enamel-server.1.gz man/man1/enamel-station.1.gz bash-completion/completions/enamel-server \
-  doc/enamel-server/all_settings.toml doc/enamel-server/changelog.gz doc/enamel-station/copyright; do
+  doc/enamel-server/all_settings.toml doc/enamel-server/changelog.gz doc/enamel-station/copyright doc/enamel-server/sbom.cdx.json doc/enamel-page/sbom.cdx.json; do
   [ -s /usr/share/$file ] || fail "/usr/share/$file is missing"
 done
 [ "$(stat -c '%a %U' /var/lib/enamel)" = "700 enamel" ] || fail "/var/lib/enamel is open to others"
