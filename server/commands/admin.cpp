@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <iostream>
 #include <set>
+#include <sstream>
 
+#include "common/base/csv.h"
 #include "common/base/hex.h"
 #include "common/base/unix_time.h"
+#include "common/program/input.h"
 #include "server/app/data_folder.h"
 #include "server/auth/password.h"
 #include "server/commands/command_line.h"
@@ -186,19 +189,72 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
   return Status::Ok();
 }
 
-Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
-  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  // The station pins this fingerprint from its first byte on: whoever brings the code brings the
-  // trust, and no authority is needed.
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
+namespace {
+
+constexpr size_t kMaxEnrolled = 5000;
+
+// CODE@FINGERPRINT. The station pins this fingerprint from its first byte on: whoever brings the
+// code brings the trust, and no authority is needed.
+Result<std::string> MakeEnrolCode(StationRows& stations, const Sha256& fingerprint,
+                                  int valid_minutes) {
   Bytes random(16);
   randombytes_buf(random.data(), random.size());
   std::string code = ToHex(random);
   const UnixMs expires = enamel::UnixMs() + UnixMs{valid_minutes} * 60'000;
   // The hash alone is kept, so that a copy of the database enrols no station.
-  auto added = store->stations.AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
+  auto added = stations.AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();
-  Say("{}@{}\n", code, identity.fingerprint.Hex());
+  return code + "@" + fingerprint.Hex();
+}
+
+Result<std::vector<std::string>> StationNames(std::string_view text) {
+  std::vector<std::string> names;
+  std::set<std::string> keys;
+  std::istringstream lines{std::string(text)};
+  std::string line;
+  for (int at = 1; std::getline(lines, line); ++at) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty()) continue;
+    const std::string place = "line " + std::to_string(at) + ": ";
+    auto name = CheckedName(line, "name");
+    if (!name.ok()) return Status(name.status().code(), place + name.status().message());
+    if (!keys.insert(NameKey(*name)).second) {
+      return Status(Code::kInvalidInput, place + "\"" + *name + "\" is the name of two stations");
+    }
+    names.push_back(*name);
+  }
+  if (names.empty()) return Status(Code::kInvalidInput, "expected a name on each line, found none");
+  if (names.size() > kMaxEnrolled) {
+    return Status(Code::kTooLarge, "expected at most " + std::to_string(kMaxEnrolled) +
+                                       " names, found " + std::to_string(names.size()));
+  }
+  return names;
+}
+
+}  // namespace
+
+Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto code,
+                          MakeEnrolCode(store->stations, identity.fingerprint, valid_minutes));
+  Say("{}\n", code);
+  return Status::Ok();
+}
+
+Status EnrolCodes(const std::filesystem::path& data, const std::filesystem::path& names_file,
+                  int valid_minutes) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text,
+                          program::ReadInput(names_file, kMaxEnrolled * (kMaxNameBytes + 2)));
+  ENAMEL_ASSIGN_OR_RETURN(auto names, StationNames(text));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
+  std::cout << CsvLine({"name", "code"});
+  for (const std::string& name : names) {
+    ENAMEL_ASSIGN_OR_RETURN(auto code,
+                            MakeEnrolCode(store->stations, identity.fingerprint, valid_minutes));
+    std::cout << CsvLine({name, code});
+  }
   return Status::Ok();
 }
 
@@ -355,13 +411,19 @@ void DeclarePeople(CommandGroup admin) {
 
 void DeclareAttempts(CommandGroup admin) {
   struct Enrolment {
-    std::filesystem::path data;
+    std::filesystem::path data, names;
     int valid_minutes = 60;
   };
   auto [code, e] = Declare<Enrolment>(
       admin, "enrol-code", "Make a one-time code for a station: CODE@FINGERPRINT",
-      [](const Enrolment& o) { return EnrolCode(o.data, o.valid_minutes); });
+      [](const Enrolment& o) {
+        return o.names.empty() ? EnrolCode(o.data, o.valid_minutes)
+                               : EnrolCodes(o.data, o.names, o.valid_minutes);
+      });
   AddData(code, e.data);
+  code->add_option("--names", e.names,
+                   "File with a station's name on each line, - for standard input: prints a table "
+                   "of names and codes for 'enamel-station enrol --codes'");
   code->add_option("--minutes", e.valid_minutes, "How long it can be used")
       ->check(CLI::Range(1, 7 * 24 * 60))
       ->capture_default_str();

@@ -32,6 +32,11 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
 // Prints CODE@FINGERPRINT: the one-time code (128 random bits, hexadecimal) and the SHA-256 of the
 // certificate that the station is to trust.
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
+// The same for many stations, as schemas/enrolment_codes.md says: `names` has a name on each line
+// ("-": standard input). Makes no code unless every name is valid and no two are equal. Errors:
+// kInvalidInput with the line, and those of reading `names`.
+Status EnrolCodes(const std::filesystem::path& data, const std::filesystem::path& names,
+                  int valid_minutes);
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist, bool consent, const std::string& anyway = {});

@@ -11,6 +11,7 @@
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
 #include "common/import/scene_folder.h"
+#include "common/program/input.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/find_profile.h"
@@ -27,11 +28,17 @@ namespace {
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
 
+Result<EnrolCode> CodeOf(const EnrolOptions& options, const std::string& name) {
+  if (options.codes.empty()) return ParseEnrolCode(options.code);
+  constexpr size_t kMaxTable = size_t{2} << 20;
+  ENAMEL_ASSIGN_OR_RETURN(auto table, program::ReadInput(options.codes, kMaxTable));
+  return FindEnrolCode(table, name);
+}
+
 }  // namespace
 
 Status EnrolStation(const EnrolOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto server, net::ParseEndpoint(options.server));
-  ENAMEL_ASSIGN_OR_RETURN(auto code, ParseEnrolCode(options.code));
   std::optional<Credentials> before;
   if (options.again) {
     ENAMEL_ASSIGN_OR_RETURN(auto loaded, LoadCredentials(options.data));
@@ -46,6 +53,8 @@ Status EnrolStation(const EnrolOptions& options) {
             "are signed with that key: upload them before you move it away. If the server "
             "was restored and no longer knows it, --again enrols it as the same station");
   }
+  const bool keeps_name = options.name.empty() && before;
+  ENAMEL_ASSIGN_OR_RETURN(auto code, CodeOf(options, keeps_name ? before->name : options.name));
   // Before the code is used up.
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.data / "station.json", "--data"));
@@ -203,8 +212,12 @@ void DeclareEnrol(CommandGroup group) {
       group.app.add_subcommand("enrol", "Make this machine a station of a server (once)");
   AddDataOption(*cmd, group.place);
   cmd->add_option("--server", o.server, "HOST:PORT of its station link")->required();
-  cmd->add_option("--code", o.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")
-      ->required();
+  CLI::Option* code =
+      cmd->add_option("--code", o.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'");
+  cmd->add_option("--codes", o.codes,
+                  "Table from 'enamel-server admin enrol-code --names FILE', which has this "
+                  "station's --name; - for standard input")
+      ->excludes(code);
   cmd->add_option("--name", o.name, "What to call this station")->capture_default_str();
   cmd->add_flag("--again", o.again,
                 "Enrol again as the same station: the server was restored and does not know it; "

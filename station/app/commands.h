@@ -12,9 +12,11 @@ namespace enamel::station {
 
 struct EnrolOptions {
   std::filesystem::path data;
-  std::string server, code;
-  std::string name;    // empty: unchanged
-  bool again = false;  // with the old id and key, at a server restored without them
+  std::string server;
+  std::string code;             // empty: that of `name` in `codes`
+  std::filesystem::path codes;  // a table of names and codes; "-": standard input
+  std::string name;             // empty: unchanged
+  bool again = false;           // with the old id and key, at a server restored without them
 };
 Status EnrolStation(const EnrolOptions& options);
 

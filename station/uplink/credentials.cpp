@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 
+#include "common/base/csv.h"
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "station/uplink/private_folder.h"
@@ -143,6 +144,21 @@ Result<EnrolCode> ParseEnrolCode(std::string_view text) {
   auto fingerprint = Sha256::FromHex(hex);
   if (!fingerprint.ok()) return bad;
   return EnrolCode{std::string(text.substr(0, at)), *fingerprint};
+}
+
+Result<EnrolCode> FindEnrolCode(std::string_view table, std::string_view name) {
+  const CsvTable csv = ReadCsv(table);
+  ENAMEL_RETURN_IF_ERROR(csv.status());
+  if (csv.rows.empty() || csv.rows[0].cells != std::vector<std::string>{"name", "code"}) {
+    return Status(Code::kInvalidInput,
+                  "expected a table with the columns name,code, as 'enamel-server admin enrol-code "
+                  "--names' prints it");
+  }
+  for (const CsvRow& row : csv.rows) {
+    if (row.cells.size() == 2 && row.cells[0] == name) return ParseEnrolCode(row.cells[1]);
+  }
+  return Status(Code::kNotFound, "the table of codes has no station named '" + std::string(name) +
+                                     "'; give this station's name with --name");
 }
 
 }  // namespace enamel::station

@@ -46,5 +46,8 @@ struct EnrolCode {
   Sha256 fingerprint;
 };
 Result<EnrolCode> ParseEnrolCode(std::string_view text);
+// The code of the station with this name in a table as `enamel-server admin enrol-code --names`
+// prints it (schemas/enrolment_codes.md). Errors: kNotFound, kInvalidInput.
+Result<EnrolCode> FindEnrolCode(std::string_view table, std::string_view name);
 
 }  // namespace enamel::station

@@ -105,6 +105,16 @@ keep_secret "${code%@*}"
 "$bin/enamel-station" enrol --data "$work/station3" --server "127.0.0.1:$((port + 1))" --code "$code" --name "Bench 3"
 expect_failure "a code that was used" "used or expired" \
   "$bin/enamel-station" enrol --data "$work/station4" --server "127.0.0.1:$((port + 1))" --code "$code" --name "Bench 4"
+
+step "a room of stations, enrolled from one table"
+printf 'Room 1\nRoom 2, left\n' >"$work/room"
+printf 'Room 1\nroom  1\n' >"$work/twice"
+expect_failure "two stations of one name" "line 2" "$bin/enamel-server" admin enrol-code --data "$data" --names "$work/twice"
+admin enrol-code --names - <"$work/room" >"$work/codes.csv"
+expect_failure "a station without a row" "no station named" \
+  "$bin/enamel-station" enrol --data "$work/room3" --server "127.0.0.1:$((port + 1))" --codes "$work/codes.csv" --name "Room 3"
+"$bin/enamel-station" enrol --data "$work/room1" --server "127.0.0.1:$((port + 1))" --codes "$work/codes.csv" --name "Room 1"
+"$bin/enamel-station" enrol --data "$work/room2" --server "127.0.0.1:$((port + 1))" --codes - --name "Room 2, left" <"$work/codes.csv"
 admin revoke-station --station "Bench 3"
 admin list-stations
 

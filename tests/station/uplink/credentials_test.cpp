@@ -52,6 +52,22 @@ TEST_F(CredentialsTest, MovedServerKeepsItsPinnedIdentity) {
   EXPECT_FALSE(LoadCredentialsFor(folder_, "nowhere").ok());
 }
 
+TEST_F(CredentialsTest, StationTakesTheCodeOfItsOwnName) {
+  auto table = ReadFile(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/enrolment_codes.csv");
+  ASSERT_TRUE(table.ok()) << table.status().message();
+  auto first = FindEnrolCode(AsText(*table), "Chair 1");
+  auto second = FindEnrolCode(AsText(*table), "Room 2, left");
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  ASSERT_TRUE(second.ok()) << second.status().message();
+  EXPECT_EQ(first->code, "00112233445566778899aabbccddeeff");
+  EXPECT_EQ(second->code, "ffeeddccbbaa99887766554433221100");
+  EXPECT_EQ(second->fingerprint.Hex().substr(0, 8), "a94a8fe5");
+
+  EXPECT_EQ(FindEnrolCode(AsText(*table), "Chair 3").status().code(), Code::kNotFound);
+  EXPECT_EQ(FindEnrolCode(AsText(*table), "name").status().code(), Code::kInvalidInput);
+  EXPECT_EQ(FindEnrolCode("code,name\r\n", "Chair 1").status().code(), Code::kInvalidInput);
+}
+
 TEST_F(CredentialsTest, PublicKeyIsTheSecretKeysOwn) {
   trace::KeyPair keys = trace::NewKeyPair();
   credentials_.secret_key = keys.secret_key;
