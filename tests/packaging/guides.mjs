@@ -108,6 +108,15 @@ for (const file of files) {
     checkCommand(file, span.replace(/\n/g, ' '));
   }
 }
+// A text of more than 100 lines leads to each of its parts.
+// docs/paper.md is made by enamel-lab.
+for (const file of files.filter((name) => /^(docs|server|station)\//.test(name) && name !== 'docs/paper.md')) {
+  const text = readFileSync(join(root, file), 'utf8').replace(/^ *```[\s\S]*?^ *```/gm, '');
+  const heads = [...text.matchAll(/^## +(.*)$/gm)].map((m) => m[1]);
+  if (text.split('\n').length <= 100 || heads.length < 3) continue;
+  const linked = new Set([...text.matchAll(/\]\(#([^)]+)\)/g)].map((m) => m[1]));
+  for (const head of heads) if (!linked.has(slug(head))) wrong(file, `no link leads to its part "${head}"`);
+}
 for (const file of guides) {
   if (file !== 'docs/README.md' && !readFileSync(join(root, 'docs/README.md'), 'utf8').includes(`(${file.slice(5)})`)) {
     wrong('docs/README.md', `does not lead to ${file}`);
