@@ -1,4 +1,4 @@
-// Lists what each package is made of, in CycloneDX 1.5: sbom.mjs BUILD OUT VERSION COMMIT TIME
+// Lists the parts of each package, in CycloneDX 1.5: sbom.mjs BUILD OUT VERSION COMMIT TIME
 // For a program of ours: the Debian packages that it links, those whose code was compiled into it (from the build's own list
 // of the headers and archives that each object needs), and the packages that it opens at run time, which are compiled
 // in as headers. For the page: the npm packages that web/package-lock.json has for use.

@@ -1,4 +1,4 @@
-// The lists of what each package is made of: sbom.mjs BUILD. They have the shape of CycloneDX 1.5, and name every library that
+// The lists of each package's parts: sbom.mjs BUILD. They have the shape of CycloneDX 1.5, and name every library that
 // a program needs and every npm package that the page's sources import.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, readdirSync, rmSync } from 'node:fs';
