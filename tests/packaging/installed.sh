@@ -23,7 +23,7 @@ made='/usr/share/doc/enamel-server/all_settings.toml|/etc/udev/rules.d/61-enamel
 grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/for_it.md "$root"/docs/at_the_chair.md \
   "$root"/{server,station}/ops/*.{service,timer,toml} | sed 's/[.:]*$//' | sort -u | grep -vE "^($made)" >"$work/named"
 while read -r path; do
-  has "$path" || [ -d "$work/page$path" ] || wrong "$path is named by a unit, its settings or a guide, and no package has it"
+  has "$path" || grep -qF "$path/" "$work/all" || wrong "$path is named by a unit, its settings or a guide, and no package has it"
 done <"$work/named"
 
 # Each unit's user and folder are made by its own package, and settings that somebody may have changed survive an upgrade.
@@ -39,6 +39,10 @@ for part in server station; do
     wrong "packaging/$part/conffiles is not what $part has in /etc: $(cat "$work/diff")"
   for script in postinst prerm postrm; do sh -n "$root/packaging/$part/$script" || wrong "$part/$script is no shell script"; done
 done
+
+if command -v apparmor_parser >/dev/null; then
+  apparmor_parser --skip-kernel-load --skip-cache "$root/server/ops/apparmor-enamel-server" >"$work/log" 2>&1 || wrong "$(cat "$work/log")"
+fi
 
 # Programs say which commit they are of, and nothing about the computer that built them.
 for program in server station lab; do
