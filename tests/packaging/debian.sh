@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Debian packages in a bare Debian 12: every command of the first two sections of docs/for_it.md as it is written there, each unit
-# with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a Debian archive.
+# The Debian packages in a bare Debian 12: every command of the first three sections of docs/for_it.md and of its
+# runbooks as they are written there, each unit with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a Debian archive.
 # ENAMEL_DEBIAN=FOLDER names a Debian that debootstrap has made before, to start from a copy of it.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -73,7 +73,10 @@ fi
 # The guide's commands, with what a person would type in. "apt" asks.
 awk '/^## Sizes/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" |
   sed 's/^apt install/apt-get install -y -qq/; s/CODE@FINGERPRINT/"$(cat \/tmp\/code)"/; s/ admin enrol-code .*/& | tee \/tmp\/code/' >"$work/guide"
-commands=$(awk '/^## Backup/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" | wc -l)
+# The runbooks. A check may find something, but a command must exist and take its options.
+awk '/^## Several servers/ { exit } /^## Symptoms/ { here = 1 } here && /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" >"$work/runbooks"
+[ "$(wc -l <"$work/runbooks")" -ge 15 ] || fail "found only $(wc -l <"$work/runbooks") commands of runbooks"
+commands=$(awk '/^## Forty/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" | wc -l)
 [ "$commands" -le 10 ] || fail "the guide takes $commands commands to a class; at most 10"
 printf 'login,display_name,role,cohort\nanna,Anna,student,Year 3\nbob,Bob,student,Year 3\nvera,Vera,instructor,Year 3\n' >"$debian/tmp/year3.csv"
 install -m 755 "$root/tests/packaging/systemctl" "$debian/root/systemctl"
@@ -86,9 +89,12 @@ until_log() { # until_log FILE TEXT
 }
 systemctl() {
   echo "# systemctl $*"
+  [ "$1" != status ] || return 0
   /root/systemctl "$@" || exit 1
   case "$*" in *"--now enamel-server"* | "start enamel-server") until_log /var/log/enamel-server.service.log '^ready' ;; esac
 }
+# What the journal would have of a unit.
+journalctl() { cat /var/log/enamel-server.service.log; }
 cd /packages
 TRIAL
 # Each command is shown before it runs.
@@ -122,6 +128,12 @@ as_server admin put-profile omega3
 as_server retention --set recordings --days 730
 as_server admin export-person /tmp/anna --login anna >/dev/null
 as_server admin erase-person --login bob --confirm bob
+TRIAL
+echo 'echo "# runbooks"' >>"$debian/root/trial"
+while IFS= read -r line; do
+  printf 'echo %q\n{ %s; } || case $? in 1) ;; *) fail "ended with $?" ;; esac\n' "\$ $line" "$line"
+done <"$work/runbooks" >>"$debian/root/trial"
+cat >>"$debian/root/trial" <<'TRIAL'
 echo "# every other unit"
 systemd-analyze verify /usr/lib/systemd/system/enamel-*.service /usr/lib/systemd/system/enamel-*.timer
 for unit in /usr/lib/systemd/system/enamel-*.service; do
