@@ -9,6 +9,7 @@
 #include "common/scene/prepared_target.h"
 #include "common/scene/tooth_number.h"
 #include "station/devices/cavity_plan.h"
+#include "station/devices/mistakes.h"
 #include "station/devices/path_operator.h"
 #include "station/devices/prepared_plan.h"
 #include "station/devices/relief_plan.h"
@@ -24,13 +25,61 @@ constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 using Extra = OperatorPreset::Extra;
 constexpr OperatorPreset kPresets[] = {
-    {"dentist", "cuts what the exercise asks for to about 0.02 mm", 9, 1, 1.0, 0.55e-3, 2.2, false},
-    {"student", "the same, another hand: slower, other layers, other way round", 9, 7, 0.85},
-    {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 6, 7, 0.85,
+    {"dentist", "cuts what the exercise asks for to about 0.02 mm", 8, 1, 1.0, 0.55e-3, 2.2, false},
+    {.name = "graduate",
+     .summary =
+         "another hand, slower, other way round; a little off, as every hand but the dentist's",
+     .rank = 7,
+     .seed = 2,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 0.18},
+    {.name = "student",
+     .summary = "errs as a good student does: a little off everywhere, and two mistakes",
+     .rank = 6,
+     .seed = 7,
+     .speed_ratio = 0.85,
+     .lack = 0.34},
+    {.name = "fourth-year",
+     .summary = "errs more than the student",
+     .rank = 5,
+     .seed = 3,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 0.46},
+    {.name = "third-year",
+     .summary = "errs more than the fourth-year student",
+     .rank = 4,
+     .seed = 4,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 0.58},
+    {.name = "second-year",
+     .summary = "makes three mistakes, each one large",
+     .rank = 3,
+     .seed = 5,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 0.72},
+    {.name = "first-year",
+     .summary = "errs more than the second-year student",
+     .rank = 2,
+     .seed = 6,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 0.86},
+    {.name = "untrained",
+     .summary = "makes four mistakes, each as large as they come",
+     .rank = 1,
+     .seed = 8,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .lack = 1},
+    {"student-deep-mesial",
+     "a good hand whose one fault is that it cuts the mesial wall 0.3 mm too far", 0, 7, 0.85,
      0.5e-3, 1.8, true, Extra{.mesial_m = 0.3e-3}},
     {.name = "good",
      .summary = "walls and floor 0.04 to 0.08 mm off, another way with each seed",
-     .rank = 8,
      .seed = 21,
      .speed_ratio = 0.85,
      .offered = false,
@@ -38,34 +87,29 @@ constexpr OperatorPreset kPresets[] = {
     {.name = "shaky",
      .summary =
          "trembles six times as much as a calm hand, and walls and floor are 0.08 to 0.16 mm off",
-     .rank = 7,
      .seed = 11,
      .tremor_ratio = 6,
      .offered = false,
      .misjudges_m = 0.08e-3},
     {.name = "undercutter",
      .summary = "holds the bur 12 degrees askew: the lingual wall leans over the cavity",
-     .rank = 5,
      .seed = 22,
      .offered = false,
      .askew_deg = 12},
     {.name = "caries-leaver",
      .summary = "leaves the lowest 0.4 mm, and the caries there",
-     .rank = 5,
      .seed = 23,
      .extra = {.floor_m = -0.4e-3},
      .offered = false,
      .needs = cutting::Tissue::kCaries},
     {.name = "neighbour-nicker",
      .summary = "cuts the target, and 0.3 mm into the neighbour",
-     .rank = 5,
      .seed = 24,
      .offered = false,
      .nicks_neighbour = true,
      .needs = cutting::Tissue::kNeighbour},
     {.name = "hasty",
      .summary = "fast and hard; walls and floor 0.12 to 0.2 mm off",
-     .rank = 5,
      .seed = 12,
      .speed_ratio = 1.5,
      .rough_push_n = 3,
@@ -73,19 +117,16 @@ constexpr OperatorPreset kPresets[] = {
      .offered = false},
     {.name = "too-shallow",
      .summary = "leaves the lowest 0.6 mm, and the caries there",
-     .rank = 4,
      .seed = 13,
      .extra = {.floor_m = -0.6e-3},
      .offered = false},
     {.name = "over-extender",
      .summary = "cuts every wall 0.35 mm too far",
-     .rank = 3,
      .seed = 14,
      .extra = {0.35e-3, 0.35e-3, 0.35e-3, 0.35e-3, 0},
      .offered = false},
     {.name = "clumsy",
      .summary = "every wall and the floor are off, and at the end the bur slips into the tooth",
-     .rank = 2,
      .seed = 15,
      .extra = {0.4e-3, 0.3e-3, -0.25e-3, 0.4e-3, 0.35e-3},
      .tremor_ratio = 4,
@@ -93,7 +134,6 @@ constexpr OperatorPreset kPresets[] = {
      .offered = false},
     {.name = "timid",
      .summary = "stops before the cavity is half done",
-     .rank = 1,
      .seed = 16,
      .speed_ratio = 0.6,
      .rough_push_n = 1.2,
@@ -101,7 +141,6 @@ constexpr OperatorPreset kPresets[] = {
      .offered = false},
     {.name = "idle",
      .summary = "holds the handpiece and cuts nothing",
-     .rank = 0,
      .seed = 17,
      .plan_share = 0,
      .offered = false},
@@ -114,14 +153,6 @@ double ExtraAt_m(const Extra& e, int mesial_x, const glm::dvec2& outward) {
          std::max(outward.y, 0.0) * e.buccal_m + std::max(-outward.y, 0.0) * e.lingual_m;
 }
 
-// A number from -1 to 1, evenly distributed, for a seed and a side (splitmix64).
-double Draw(uint64_t seed, uint64_t side) {
-  uint64_t z = (seed * 8 + side + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
-}
-
 // Each side by one to two times `by_m`, in either direction: a misjudgement is never zero.
 Extra Misjudged(Extra extra, double by_m, uint64_t seed) {
   double* sides[] = {&extra.mesial_m, &extra.distal_m, &extra.buccal_m, &extra.lingual_m,
@@ -131,6 +162,46 @@ Extra Misjudged(Extra extra, double by_m, uint64_t seed) {
     *sides[i] += by_m * (draw < 0 ? draw - 1 : draw + 1);
   }
   return extra;
+}
+
+SideErrors Sum(const SideErrors& a, const SideErrors& b) {
+  return {a.mesial_m + b.mesial_m, a.distal_m + b.distal_m, a.buccal_m + b.buccal_m,
+          a.lingual_m + b.lingual_m, a.floor_m + b.floor_m};
+}
+
+// Whether a neighbour stands just beyond the target's side in x.
+bool NeighbourBeside(const Bounds& extent, int side, double floor_m, double top_m,
+                     const cutting::Volume& volume) {
+  constexpr double kBeside_m = 0.4e-3;
+  const cutting::GridSpec& spec = volume.spec();
+  const double from = side > 0 ? extent.x1 : extent.x0 - kBeside_m;
+  auto index = [&](double x, double y, double z) {
+    const dvec3 at = (dvec3(x, y, z) - spec.origin_m()) / spec.voxel_m();
+    return glm::clamp(ivec3(at), ivec3(0), spec.voxels() - 1);
+  };
+  const ivec3 lo = index(from, extent.y0, floor_m), hi = index(from + kBeside_m, extent.y1, top_m);
+  for (int k = lo.z; k <= hi.z; ++k)
+    for (int j = lo.y; j <= hi.y; ++j)
+      for (int i = lo.x; i <= hi.x; ++i)
+        if (volume.PhiAt({i, j, k}) < 0 &&
+            volume.TissueAt({i, j, k}) == cutting::Tissue::kNeighbour)
+          return true;
+  return false;
+}
+
+// A neighbour shows where the tooth ends: on that side a person errs by half as much.
+SideErrors Guided(SideErrors errors, bool mesial, bool distal) {
+  if (mesial) errors.mesial_m *= 0.5;
+  if (distal) errors.distal_m *= 0.5;
+  return errors;
+}
+
+// The person of this attempt: as his preset says, and with the mistakes that the seed draws.
+OperatorPreset Erring(OperatorPreset preset, const Mistakes& mistakes) {
+  preset.speed_ratio *= mistakes.speed_ratio;
+  preset.rough_push_n *= mistakes.push_ratio;
+  preset.tremor_ratio *= mistakes.tremor_ratio;
+  return preset;
 }
 
 // The box about the whole target.
@@ -299,6 +370,37 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   return plan;
 }
 
+// With errors that leave the bur no room, a person feels it, and errs less.
+Result<std::vector<Move>> PlanAsFits(const scene::Preparation& shape, const OperatorPreset& preset,
+                                     const Extra& wrong, const SideErrors& errs, int mesial_x,
+                                     const scene::Exercise& exercise, double top_m,
+                                     const cutting::Volume& volume) {
+  constexpr double kLeast = 0.2;
+  for (double share = 1;; share *= 0.5) {
+    const Extra sides = Sum(wrong, Scaled(errs, share < kLeast ? 0 : share));
+    auto plan = PlanTarget(shape, preset, sides, mesial_x, exercise, top_m, volume);
+    if (plan.ok() || share < kLeast || preset.lack == 0) return plan;
+  }
+}
+
+// The steps that his mistakes change and add.
+std::vector<Move> WithMistakes(std::vector<Move> plan, const Mistakes& mistakes,
+                               const scene::Preparation& shape, const scene::Exercise& exercise,
+                               const Bounds& extent, const cutting::Volume& volume) {
+  constexpr double kClear_m = 1e-3;
+  const cutting::GridSpec& spec = volume.spec();
+  const dvec3 far = spec.origin_m() + dvec3(spec.voxels()) * spec.voxel_m();
+  const double clear =
+      HighestSolid_m(volume, {spec.origin_m().x, far.x, spec.origin_m().y, far.y}) + kClear_m;
+  if (mistakes.done_last) plan = OutOfOrder(std::move(plan), *mistakes.done_last, clear);
+  if (mistakes.gouge) {
+    const auto& tooth = exercise.target.prepared_tooth;
+    plan.emplace_back(GougeStroke(*mistakes.gouge, extent, exercise.bur().metric(),
+                                  tooth ? tooth->volume : scene::Prepared(volume, shape), clear));
+  }
+  return plan;
+}
+
 // Joints that no axis of the scene is along, as an arm's are in most of its poses: a rotation in whole sevenths.
 const dmat3 kArm = glm::transpose(dmat3(dvec3(2, 3, 6), dvec3(6, 2, -3), dvec3(-3, 6, -2)) / 7.0);
 
@@ -363,7 +465,7 @@ PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams&
 }
 
 Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
-    const OperatorPreset& preset, const scene::Scene& scene, const scene::Exercise& exercise,
+    const OperatorPreset& described, const scene::Scene& scene, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, const core::CoreParams& params,
     const cutting::Volume& volume, uint64_t seed) {
   if (params.spring_on_board) {
@@ -378,28 +480,41 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
   const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
   const dvec3 landmark = dvec3(at[0], at[1], at[2]) * 1e-6;
   const int mesial_x = scene::MesialX(scene.tooth);
-  const uint64_t used_seed = seed != 0 ? seed : preset.seed;
+  const uint64_t used_seed = seed != 0 ? seed : described.seed;
+  const Bounds extent = ExtentOf(exercise.target, landmark);
+  Mistakes mistakes = MistakesOf(described.lack, used_seed);
+  const double floor = landmark.z - exercise.target.depth_um * 1e-6;
+  // A stump's walls are cut away from the neighbours.
+  if (described.lack > 0 && shape.parts[0].outline != scene::PreparationPart::Outline::kStump) {
+    auto beside = [&](int side) {
+      return NeighbourBeside(extent, side, floor, landmark.z, volume);
+    };
+    mistakes.sides = Guided(mistakes.sides, beside(mesial_x), beside(-mesial_x));
+  }
+  const OperatorPreset preset = Erring(described, mistakes);
   const Extra wrong = preset.misjudges_m > 0
                           ? Misjudged(preset.extra, preset.misjudges_m, used_seed)
                           : preset.extra;
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<Move> plan,
-                          PlanTarget(shape, preset, wrong, mesial_x, exercise, landmark.z, volume));
+  ENAMEL_ASSIGN_OR_RETURN(
+      std::vector<Move> plan,
+      PlanAsFits(shape, preset, wrong, mistakes.sides, mesial_x, exercise, landmark.z, volume));
   plan.resize(static_cast<size_t>(preset.plan_share * static_cast<double>(plan.size())));
-  const Bounds extent = ExtentOf(exercise.target, landmark);
   if (preset.slips) {
     const bool all_around = shape.parts[0].outline == scene::PreparationPart::Outline::kStump;
     plan.emplace_back(SlipBeside(extent, mesial_x, preset.extra.distal_m, all_around,
                                  exercise.bur().metric(), volume));
   }
   if (preset.nicks_neighbour) {
-    plan.emplace_back(NickOf(extent, mesial_x, landmark.z - exercise.target.depth_um * 1e-6,
-                             landmark.z, 0.3e-3, exercise.bur().metric(), volume));
+    plan.emplace_back(
+        NickOf(extent, mesial_x, floor, landmark.z, 0.3e-3, exercise.bur().metric(), volume));
   }
   const double top = HighestSolid_m(volume, extent);
+  plan = WithMistakes(std::move(plan), mistakes, shape, exercise, extent, volume);
   const dvec3 start(0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1),
                     std::max(top, landmark.z) + kStartAbove_m * std::max(1.0, preset.speed_ratio));
   PlantParams plant = PlantOf(profile, params);
-  HandParams hand = HandFor(plant, params, preset, AskewIn_deg(shape, preset.askew_deg), used_seed);
+  HandParams hand = HandFor(plant, params, preset,
+                            AskewIn_deg(shape, preset.askew_deg) + mistakes.lean_deg, used_seed);
   auto op = std::make_unique<PathOperator>(std::string(preset.name), std::move(plan), hand, start);
   return std::make_unique<SimulatedDevice>(plant, std::move(op));
 }

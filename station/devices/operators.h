@@ -9,6 +9,7 @@
 #include "common/core/params.h"
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
+#include "station/devices/mistakes.h"
 #include "station/devices/simulated_device.h"
 
 // The station's simulated people, and the simulated device they hold.
@@ -17,17 +18,15 @@ namespace enamel::station {
 struct OperatorPreset {
   std::string_view name;  // as on the command line
   std::string_view summary;
-  // Better cutters have a higher rank, equally good ones the same. Scores are tested against it.
-  int rank;
-  uint64_t seed;  // of the tremor
+  // Of skill: the better cutter has the higher, and no two the same. Scores are tested against it.
+  // 0: a hand made for one fault, which has no place among the others.
+  int rank = 0;
+  uint64_t seed;  // of the tremor and of the mistakes
   double speed_ratio = 1;
   double layer_m = 0.5e-3;
   double rough_push_n = 1.8;
   bool clockwise = true;
-  // How much too far each part is cut; negative: too short.
-  struct Extra {
-    double mesial_m = 0, distal_m = 0, buccal_m = 0, lingual_m = 0, floor_m = 0;
-  };
+  using Extra = SideErrors;
   Extra extra{};
   double tremor_ratio = 1;  // relative to a calm hand's
   double plan_share = 1;    // he stops after this share of his moves
@@ -39,6 +38,8 @@ struct OperatorPreset {
   // The bur's upper end leans to buccal; at a stump to its steeper side, and farther than the wall.
   double askew_deg = 0;
   bool nicks_neighbour = false;
+  // Lack of skill, 0 to 1: he errs as devices/mistakes.h says.
+  double lack = 0;
   // The tissue a tooth needs for his fault to apply; air: none.
   cutting::Tissue needs = cutting::Tissue::kAir;
 };

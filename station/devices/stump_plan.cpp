@@ -12,11 +12,12 @@ constexpr double kClear_m = 1.0e-3;  // above the highest solid, between air and
 constexpr double kAirFeed_m_per_s = 10e-3;
 constexpr double kRoughFeed_m_per_s = 4e-3;
 constexpr double kFinishFeed_m_per_s = 4e-3;
-constexpr double kStock_m = 0.12e-3;       // left by roughing
-constexpr double kOverlap = 1.3;           // of the tip's radius, from round to round
-constexpr double kContour_m = 0.25e-3;     // height of what a contour finishes
-constexpr double kNeighbourGap_m = 40e-6;  // that the bur keeps
-constexpr double kTableRows_m = 0.6e-3;    // from row to row, roughly and to finish
+constexpr double kStock_m = 0.12e-3;          // left by roughing
+constexpr double kOverlap = 1.3;              // of the tip's radius, from round to round
+constexpr double kContour_m = 0.25e-3;        // height of what a contour finishes
+constexpr double kNeighbourGap_m = 0.2e-3;    // that the bur keeps: as far as a hand strays
+constexpr double kPushBesideNeighbour = 0.5;  // of what it is elsewhere, so that it strays less
+constexpr double kTableRows_m = 0.6e-3;       // from row to row, roughly and to finish
 constexpr double kTableFinishRows_m =
     0.3e-3;  // a flat end leaves ridges of 0.1 mm on a slope of 20 degrees
 constexpr double kWhereWide_m = 4e-3;  // above the tip: where crowns are widest
@@ -141,6 +142,13 @@ class Planner {
     std::reverse(out.begin(), out.end());
     return out;
   }
+  // Whether a neighbour keeps the round from going farther out.
+  bool IsBesideNeighbour(const Outline& round) const {
+    if (round.empty()) return false;
+    constexpr double kAt_m = 1e-6;
+    const Bounds b = BoundsOf(round);
+    return b.x0 < room_.x0 + kAt_m || b.x1 > room_.x1 - kAt_m;
+  }
   int Layers(double from, double to, double layer) const {
     return std::max(1, static_cast<int>(std::ceil((from - to) / layer)));
   }
@@ -212,7 +220,8 @@ class Planner {
     for (int i = 1; i <= layers; ++i) {
       const double z = table_z_ + (foot_z_ - table_z_) * i / layers;
       for (const Outline& round : RoundsFrom(Walls(z, tip_m_ + kStock_m), around_.tooth)) {
-        GoRound(round, z, kRoughFeed_m_per_s, options_.rough_push_n);
+        const double push = IsBesideNeighbour(round) ? kPushBesideNeighbour : 1;
+        GoRound(round, z, kRoughFeed_m_per_s, push * options_.rough_push_n);
       }
     }
   }

@@ -113,8 +113,7 @@ class Study {
     ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
     std::vector<double> ranks, scores;
     for (const OperatorPreset& preset : OperatorPresets()) {
-      if (!HasUseFor(preset, built.scene, exercise)) continue;
-      // A bur held askew has no room in a narrow shape: that fault cannot be made there.
+      if (preset.rank == 0) continue;
       if (!CanCut(preset, built, exercise, profile)) {
         out_.left_out.push_back({exercise.name, profile.name, std::string(preset.name)});
         continue;
@@ -129,7 +128,6 @@ class Study {
         out_.rows.push_back({exercise.name, profile.name, std::string(preset.name), preset.rank,
                              seed != 0 ? seed : preset.seed, score.critical_fail, score.score});
         if (row_) row_(out_.rows.back());
-        if (score.critical_fail) continue;
         ranks.push_back(preset.rank);
         scores.push_back(score.score);
       }

@@ -7,15 +7,16 @@
 
 #include "common/base/result.h"
 
-// Whether scores rank skill: the simulated people of devices/operators.h, each with a published
-// rank, cut and are graded against the dentist among them. Document:
+// Whether scores rank skill: the eight simulated people of devices/operators.h with a published
+// rank cut and are graded against the dentist among them. The less skilled err more and more often
+// (devices/mistakes.h). Document:
 // schemas/lab_operators.schema.json. Thread safety: functions, any thread. Blocks.
 namespace enamel::station::lab {
 
 struct OperatorsOptions {
   int32_t voxel_nm = 100'000;
   std::vector<std::string> devices = {"omega3", "phantom_desktop"};
-  std::vector<uint64_t> seeds = {0, 101};  // of the tremor; 0: each operator's own
+  std::vector<uint64_t> seeds = {0, 101};  // of tremor and mistakes; 0: each operator's own
   std::vector<std::string> exercises;      // names or their beginnings; empty: all they can cut
   bool quick = false;                      // the first device and seed
 };
@@ -27,15 +28,15 @@ struct OperatorRow {
   bool critical_fail = false;
   double score = 0;
 };
-// Spearman's correlation of rank and score over an exercise's rows on one device. Rows that fail
-// critically are left out: their score is 0 whatever the rest is like.
+// Spearman's correlation of rank and score over all of an exercise's rows on one device. Work that
+// is not acceptable has the score 0, the lowest there is, and is not left out.
 struct SkillOrder {
   std::string exercise, device;
   size_t rows = 0;
   double spearman = 0;
 };
 
-// An operator who cannot make their fault in an exercise: no room for a bur held askew.
+// An operator who has no plan for an exercise on a device.
 struct LeftOut {
   std::string exercise, device, name;
 };
