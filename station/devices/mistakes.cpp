@@ -8,8 +8,8 @@
 namespace enamel::station {
 namespace {
 
-constexpr double kAim_m = 0.2e-3, kLean_deg = 2, kPace = 0.4, kTremor = 3;
-constexpr double kOneSide_m = 0.4e-3, kTilt_deg = 5, kGouge_m = 0.4e-3;
+constexpr double kAim_m = 0.24e-3, kLean_deg = 2, kPace = 0.4, kTremor = 3;
+constexpr double kOneSide_m = 0.45e-3, kTilt_deg = 5, kGouge_m = 0.4e-3;
 
 enum Kind : size_t { kOverExtension, kUntouched, kTilt, kGouge, kWrongOrder, kKinds };
 

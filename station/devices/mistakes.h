@@ -11,14 +11,14 @@
 //
 // The lack of skill L, 0 to 1, is a spread of five things and a number of mistakes. u is a number
 // from -1 to 1, evenly distributed, drawn anew for each place where it stands, from the seed alone:
-//   aim and depth  each wall and the floor is off by L 0.2 mm (1 + |u|), in the direction of u
+//   aim and depth  each wall and the floor is off by L 0.24 mm (1 + |u|), in the direction of u
 //   angle          the bur leans to buccal or lingual by L 2 degrees u
 //   pace           feeds are 1 + 0.4 L u times a calm person's, the push 1 + 0.4 L u times
 //   tremor         1 + 3 L times a calm person's
 //   mistakes       1 + floor(3 L) of the five kinds; with the same seed the less skilled make those
 //                  of the more skilled, and more. s = L (1.25 + 0.25 u):
-//     over-extension   one wall or the floor is s 0.4 mm too far
-//     untouched part   s 0.4 mm in front of another is left
+//     over-extension   one wall or the floor is s 0.45 mm too far
+//     untouched part   s 0.45 mm in front of another is left
 //     tilt             the bur leans by s 5 degrees
 //     gouge            the bur sinks s 0.4 mm into what has to stay
 //     wrong order      one step of the first half is done last

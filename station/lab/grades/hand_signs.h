@@ -43,7 +43,7 @@ SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> 
 
 struct HandSignsOptions {
   std::string people;  // folder of CSV files as lab/laws/motions.h reads them
-  std::vector<std::string> operators = {"dentist", "student"};
+  std::vector<std::string> operators = {"dentist", "student-deep-mesial"};
   std::string exercise = "class-1-block";
   size_t seconds = 60;  // of each operator
 };

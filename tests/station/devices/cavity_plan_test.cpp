@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/builtin/exercises.h"
+#include "common/scene/preparation.h"
 #include "station/devices/operators.h"
 
 namespace enamel::station {
@@ -90,6 +92,48 @@ TEST_F(CavityPlanTest, BoxTooNarrowForTheBurIsRefused) {
                                     core::CoreParams{}, volume_);
   EXPECT_EQ(device.status().code(), Code::kInvalidInput);
   EXPECT_EQ(device.status().field(), "half_size_um");
+}
+
+// Highest x of a neighbour on the left of the tooth, and lowest on its right, from a height upward.
+Bounds RoomBetweenNeighbours(const cutting::Volume& volume, double z_m) {
+  Bounds room{-1, 1, -1, 1};
+  const cutting::GridSpec& spec = volume.spec();
+  for (int k = 0; k < spec.voxels().z; ++k)
+    for (int j = 0; j < spec.voxels().y; ++j)
+      for (int i = 0; i < spec.voxels().x; ++i) {
+        const dvec3 at = spec.origin_m() + dvec3(i, j, k) * spec.voxel_m();
+        if (at.z < z_m || volume.PhiAt({i, j, k}) >= 0) continue;
+        if (volume.TissueAt({i, j, k}) != cutting::Tissue::kNeighbour) continue;
+        if (at.x < 0) room.x0 = std::max(room.x0, at.x);
+        if (at.x > 0) room.x1 = std::min(room.x1, at.x);
+      }
+  return room;
+}
+
+// A hand strays by as much from the line; nearer, the dentist cut the neighbour 0.24 mm deep.
+TEST(StumpPlanTest, TheBurKeepsTwoTenthsOfAMillimetreFromTheNeighbours) {
+  constexpr double kKept_m = 0.2e-3;
+  const auto built = scene::BuildBuiltinScene("molar-class-2", 200'000);
+  ASSERT_TRUE(built.ok());
+  const scene::Exercise crown = scene::CrownExercise(built->scene, {});
+  const auto shape = scene::TargetShape(built->scene, crown.target);
+  ASSERT_TRUE(shape.ok());
+  const scene::PreparationPart& part = shape->parts.at(0);
+  const cutting::Bur bur = crown.bur().metric();
+  const double foot_m = (part.top_um[2] - part.depth_um) * 1e-6;
+  const Bounds room = RoomBetweenNeighbours(built->volume, foot_m);
+  size_t points = 0;
+  const PartCut cut{part, [](const glm::dvec2&) { return 0.0; }, 0};
+  for (const Move& move : PlanStump(cut, bur, built->volume, {})) {
+    const auto* stroke = std::get_if<Stroke>(&move);
+    if (stroke == nullptr) continue;
+    for (const dvec3& p : stroke->points) {
+      ++points;
+      EXPECT_GE(p.x - bur.narrow_radius_m - room.x0, kKept_m);
+      EXPECT_GE(room.x1 - p.x - bur.narrow_radius_m, kKept_m);
+    }
+  }
+  EXPECT_GT(points, 100u);
 }
 
 }  // namespace

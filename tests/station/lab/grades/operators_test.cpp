@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -50,6 +51,25 @@ TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_operators.json");
   const std::string golden(std::istreambuf_iterator<char>(file), {});
   EXPECT_EQ(boost::json::value(OperatorsJson(findings)), boost::json::parse(golden));
+}
+
+TEST(OperatorsTest, EightPeopleEachErrMoreThanTheOneOfTheNextHigherRank) {
+  std::map<int, double> lack_of_rank;
+  for (const OperatorPreset& preset : OperatorPresets()) {
+    if (preset.rank == 0) {
+      EXPECT_EQ(preset.lack, 0) << preset.name;
+      continue;
+    }
+    EXPECT_TRUE(lack_of_rank.emplace(preset.rank, preset.lack).second) << preset.name;
+  }
+  ASSERT_EQ(lack_of_rank.size(), 8u);
+  double above = 2;
+  for (const auto& [rank, lack] : lack_of_rank) {
+    EXPECT_LT(lack, above) << rank;
+    above = lack;
+  }
+  EXPECT_EQ(above, 0);
+  EXPECT_GT(FindOperator("student")->lack, 0);
 }
 
 // Walls cut in beyond their middle leave nothing to go round: must not crash.
