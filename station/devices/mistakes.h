@@ -22,7 +22,8 @@
 //     tilt             the bur leans by s 5 degrees
 //     gouge            the bur sinks s 0.4 mm into what has to stay
 //     wrong order      one step of the first half is done last
-// Beside a neighbour that bounds a cavity a side errs by a third (operators.cpp): he sees the contact.
+// A side beside a neighbour errs by a third, and at most half is left of what lies before the
+// opposite one (operators.cpp): contact and caries are seen.
 // So nobody who errs is ever without an error, and no error is more than twice another of the same
 // kind and skill: an attempt tells skill. A person's own attempts differ more than that.
 //

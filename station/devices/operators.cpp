@@ -190,12 +190,11 @@ bool NeighbourBeside(const Bounds& extent, int side, double floor_m, double top_
 }
 
 // A neighbour shows where the tooth ends, and a contact that is not open is seen: on that side a
-// person errs by a third.
-SideErrors Guided(SideErrors errors, bool mesial, bool distal) {
-  constexpr double kShare = 1.0 / 3;
-  if (mesial) errors.mesial_m *= kShare;
-  if (distal) errors.distal_m *= kShare;
-  return errors;
+// person errs by a third. The wall opposite ends the caries of the contact, which is soft and dark:
+// he leaves half as much of it.
+void Guide(double& at_contact_m, double& opposite_m) {
+  at_contact_m /= 3;
+  if (opposite_m < 0) opposite_m /= 2;
 }
 
 // The person of this attempt: as his preset says, and with the mistakes that the seed draws.
@@ -491,7 +490,9 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     auto beside = [&](int side) {
       return NeighbourBeside(extent, side, floor, landmark.z, volume);
     };
-    mistakes.sides = Guided(mistakes.sides, beside(mesial_x), beside(-mesial_x));
+    SideErrors& sides = mistakes.sides;
+    if (beside(mesial_x)) Guide(sides.mesial_m, sides.distal_m);
+    if (beside(-mesial_x)) Guide(sides.distal_m, sides.mesial_m);
   }
   const OperatorPreset preset = Erring(described, mistakes);
   const Extra wrong = preset.misjudges_m > 0
