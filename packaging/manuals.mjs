@@ -45,7 +45,8 @@ function readHelp(words) {
   return help;
 }
 
-const escaped = (text) => text.replace(/\\/g, '\\e').replace(/-/g, '\\-').replace(/^([.'])/gm, '\\&$1');
+// A long list of choices has no blanks: it may be broken after each comma.
+const escaped = (text) => text.replace(/\\/g, '\\e').replace(/-/g, '\\-').replace(/^([.'])/gm, '\\&$1').replace(/,(?=\S)/g, ',\\:');
 const entries = (list) => list.map(([what, text]) => `.TP\n.B ${escaped(what)}\n${escaped(text) || '\\&'}\n`).join('');
 const verbatim = (text) => (text ? `.PP\n.nf\n${escaped(text)}\n.fi\n` : '');
 
@@ -71,6 +72,7 @@ for (const program of Object.keys(files)) {
     writeFileSync(join(out, 'all_settings.toml'), all);
   }
   const page = `.TH ${program.toUpperCase()} 1 "${date}" "Enamel ${version}"
+.ad l
 .SH NAME
 ${program} \\- ${escaped(help.about.replace(/^[Ee]namel[- ]\w+: /, ''))}
 .SH SYNOPSIS
