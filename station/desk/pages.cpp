@@ -226,7 +226,7 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
     facts = Say("exercise.time", {{"facts", facts}, {"time", render::TimerText(e.time_limit_s)}});
   }
   if (const auto material = scene::RestorationName(e.rubric.restoration); !material.empty()) {
-    facts = Say("exercise.for_" + std::string(material), {{"facts", facts}});
+    facts = Say("restoration." + std::string(material), {{"facts", facts}});
   }
   ui_.Note(facts);
 }
