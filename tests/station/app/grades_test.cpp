@@ -145,7 +145,9 @@ struct OneFault {
   const char* exercise = "";  // the beginning of its name; else all of the scene's
 };
 constexpr OneFault kOneFaults[] = {
-    {"undercutter", "undercut_deg"},
+    // In class II the lingual wall of this hand converges by no more than amalgam asks for.
+    {"undercutter", "undercut_deg", "class-1"},
+    {"undercutter", "undercut_deg", "caries-"},
     {"too-shallow", "floor_mm", "class-1"},
     {"over-extender", "wall_buccal_mm", "class-1"},
     {"caries-leaver", "caries_left_percent", "caries-"},
