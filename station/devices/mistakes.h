@@ -10,7 +10,7 @@
 // How a simulated person of less than full skill errs. Pure functions, any thread.
 //
 // The lack of skill L, 0 to 1, is a spread of five things and a number of mistakes. u is a number
-// from -1 to 1, evenly distributed, drawn anew for each place where it stands, from the seed alone:
+// from -1 to 1, evenly distributed; each u below is a draw of its own, from the seed alone:
 //   aim and depth  each wall and the floor is off by L 0.24 mm (1 + |u|), in the direction of u
 //   angle          the bur leans to buccal or lingual by L 2 degrees u
 //   pace           feeds are 1 + 0.4 L u times a calm person's, the push 1 + 0.4 L u times
@@ -62,7 +62,7 @@ Stroke GougeStroke(const Gouge& gouge, const Bounds& extent, const cutting::Bur&
                    const cutting::Volume& prepared, double clear_m);
 
 // One step of the plan's first half is done after all others. `clear_m`: height above everything,
-// for the way there. A plan without such a step stays as it is.
+// for the way there. Returns a plan unchanged where no step can be moved.
 std::vector<Move> OutOfOrder(std::vector<Move> plan, double which, double clear_m);
 
 }  // namespace enamel::station
