@@ -88,6 +88,7 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
     per_area_.threshold_n[t] = damping.threshold_n[t] / kReferenceArea_m2;
   }
   candidates_.resize(points_.size());
+  facing_.resize(points_.size());
   contacts_.resize(points_.size());
   clear_.resize(points_.size(), static_cast<float>(kUnknown));
   for (const Point& p : points_)
@@ -96,10 +97,6 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
 
 void EngagementReader::Forget() noexcept {
   std::fill(clear_.begin(), clear_.end(), static_cast<float>(kUnknown));
-}
-
-dvec3 EngagementReader::InScene(const dvec3& bur) const noexcept {
-  return axes_[0] * bur.x + axes_[1] * bur.y + axes_[2] * bur.z;
 }
 
 dvec3 EngagementReader::InBur(const dvec3& scene) const noexcept {
@@ -113,24 +110,28 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
   const auto closer = static_cast<float>(kSteepest * Motion(pose, last_, reach_m_) / voxel_m_);
   last_ = pose;
   for (float& clear : clear_) clear -= closer;
-  count_ = 0;
+  // Each is written, and kept or not: a branch would be guessed wrongly at every other point.
+  size_t near = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
-    float& clear = clear_[i];
-    if (clear >= kReach) continue;
+    candidates_[near] = {static_cast<uint32_t>(i), false};
+    near += clear_[i] < kReach;
+  }
+  count_ = 0;
+  for (size_t i = 0; i < near; ++i) {
+    const Candidate candidate = candidates_[i];
+    float& clear = clear_[candidate.point];
     if (clear < kLongAgo) {
-      const dvec3 at = tip_ + InScene(points_[i].position);
+      const dvec3 at = tip_ + InScene(points_[candidate.point].position);
       clear = static_cast<float>(volume.ClearanceAtSample(at) - kRounding);
-      if (clear >= kReach) continue;
     }
-    candidates_[count_++] = {static_cast<uint32_t>(i), false};
+    candidates_[count_] = candidate;
+    count_ += clear < kReach;
   }
 }
 
-const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
-                                                       size_t candidate) noexcept {
+void EngagementReader::Look(const Volume& volume, size_t candidate) noexcept {
   Candidate& who = candidates_[candidate];
   Contact& c = contacts_[candidate];
-  if (who.seen) return c;
   who.seen = true;
   const Point& p = points_[who.point];
   const dvec3 at = tip_ + InScene(p.position);
@@ -138,7 +139,7 @@ const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
   const double distance = volume.DistanceAndSlope(at, kReach, slope);
   clear_[who.point] = static_cast<float>(distance - kRounding);
   c.area_m2 = 0;
-  if (distance >= kReach) return c;
+  if (distance >= kReach) return;
   const dvec3 normal = InScene(p.normal);
   c.grazing = Grazing(distance);
   c.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance * (1 / kReach));
@@ -146,24 +147,21 @@ const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
   // Else the bur's own normal is the best that is known.
   c.into = steepness >= kSlope ? slope * (-1 / steepness) : normal;
   if (steepness < kPlainWall) c.area_m2 *= SolidShare(volume, at, distance, c.into);
-  if (!(c.area_m2 > 0)) return c;
+  if (!(c.area_m2 > 0)) return;
   c.press = Press(normal, c.into);
   c.beta = c.coulomb = c.threshold = 0;
-  if (p.shank) return c;
+  if (p.shank) return;
   // Half a voxel ahead: at the point itself there may be what was cut already.
   const auto t = static_cast<size_t>(volume.TissueAtSample(at + normal * kReach));
   const double lateral = per_area_.lateral[t];
   c.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
   c.coulomb = per_area_.coulomb_n[t];
   c.threshold = per_area_.threshold_n[t];
-  return c;
 }
 
 // Its area, by how far that direction brings it into solid, m^2.
-double EngagementReader::AreaAhead(const Volume& volume, const dvec3& direction,
-                                   const dvec3& in_bur, size_t candidate) noexcept {
-  // The cheapest first: half of a bur's points face away from its travel.
-  const double own = Dot(points_[candidates_[candidate].point].normal, in_bur);
+double EngagementReader::AreaAhead(const Volume& volume, const dvec3& direction, double own,
+                                   size_t candidate) noexcept {
   if (!(own > 0)) return 0;
   const Contact& c = See(volume, candidate);
   if (!(c.area_m2 > 0) || !(own > c.grazing)) return 0;
@@ -183,8 +181,16 @@ Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noe
   Engagement out;
   const dvec3 direction = Unit(travel), in_bur = InBur(direction);
   dvec3 cutting(0), shank(0);
+  // The cheapest first: half of a bur's points face away from its travel. As in Sample.
+  size_t facing = 0;
   for (size_t i = 0; i < count_; ++i) {
-    const double area = AreaAhead(volume, direction, in_bur, i);
+    const double own = Dot(points_[candidates_[i].point].normal, in_bur);
+    facing_[facing] = {static_cast<uint32_t>(i), own};
+    facing += own > 0;
+  }
+  for (size_t k = 0; k < facing; ++k) {
+    const size_t i = facing_[k].candidate;
+    const double area = AreaAhead(volume, direction, facing_[k].own, i);
     if (!(area > 0)) continue;
     const Contact& a = contacts_[i];
     if (points_[candidates_[i].point].shank) {
@@ -210,7 +216,8 @@ RotationalEngagement EngagementReader::ReadRotational(const Volume& volume,
     const dvec3 arm_m = InScene(points_[candidates_[i].point].position) * voxel_m_;
     // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
     const dvec3 direction = Unit(glm::cross(turn, arm_m));
-    const double area = AreaAhead(volume, direction, InBur(direction), i);
+    const double own = Dot(points_[candidates_[i].point].normal, InBur(direction));
+    const double area = AreaAhead(volume, direction, own, i);
     if (!(area > 0)) continue;
     const Contact& a = contacts_[i];
     const bool shank = points_[candidates_[i].point].shank;

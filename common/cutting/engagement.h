@@ -119,6 +119,11 @@ class EngagementReader {
     uint32_t point;
     bool seen;  // its Contact was read
   };
+  // A candidate that faces travel, for the time of a Read.
+  struct Facing {
+    uint32_t candidate;
+    double own;
+  };
   // What is there.
   struct Contact {
     dvec3 into;      // m, scene frame
@@ -130,11 +135,18 @@ class EngagementReader {
   };
 
   // Of a vector: from the bur's frame into the scene's, and back.
-  dvec3 InScene(const dvec3& bur) const noexcept;
+  dvec3 InScene(const dvec3& bur) const noexcept {
+    return axes_[0] * bur.x + axes_[1] * bur.y + axes_[2] * bur.z;
+  }
   dvec3 InBur(const dvec3& scene) const noexcept;
-  const Contact& See(const Volume& volume, size_t candidate) noexcept;
-  // `in_bur`: the direction in the bur's frame.
-  double AreaAhead(const Volume& volume, const dvec3& direction, const dvec3& in_bur,
+  // What is at a candidate, read once.
+  const Contact& See(const Volume& volume, size_t candidate) noexcept {
+    if (!candidates_[candidate].seen) Look(volume, candidate);
+    return contacts_[candidate];
+  }
+  void Look(const Volume& volume, size_t candidate) noexcept;
+  // `own`: the direction's share along the point's own normal.
+  double AreaAhead(const Volume& volume, const dvec3& direction, double own,
                    size_t candidate) noexcept;
 
   std::vector<Point> points_;
@@ -142,6 +154,7 @@ class EngagementReader {
   // The first `count_` are of the last Sample.
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
+  std::vector<Facing> facing_;
   size_t count_ = 0;
   // Of each point: a distance that it surely had at the last Sample, voxels; far below 0: nothing is known.
   std::vector<float> clear_;
