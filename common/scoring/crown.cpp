@@ -23,7 +23,8 @@ constexpr double kReach_m = 9e-3;        // a molar's half diagonal and room
 constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
 constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
 // Walls are measured from this far above the finish line, where a shoulder's inner edge is round,
-// to this far below the top, whose edge is round.
+// to this far below the top, whose edge is round. The top falls towards a premolar's mesial and distal
+// edges: it is the lowest of what lies this far inside the wall.
 constexpr double kWallMargin_m = 0.5e-3, kLeastWall_m = 1e-3;
 constexpr double kMostMissing = 0.3;
 constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
@@ -194,6 +195,18 @@ std::optional<Line> WallLine(const Profile& profile, const Direction& d, double 
   }
   if (n < 3 || n < (1 - kMostMissing) * looked) return std::nullopt;
   return Line{(n * szr - sz * sr) / (n * szz - sz * sz), Median(std::move(radii))};
+}
+
+// Where the wall of a half plane ends at the top, at least a wall's height above the finish line.
+double WallTop_m(const Profile& reference, const Direction& d, double line_z_m, double top_z_m) {
+  const double least = line_z_m + 2 * kWallMargin_m + kLeastWall_m;
+  const double foot = reference.Radius_m(d, line_z_m + kWallMargin_m).value_or(0);
+  double lowest = top_z_m;
+  for (double r = 0; r < foot - kWallMargin_m; r += reference.step_m()) {
+    if (const auto z = reference.Height_m(d, r, top_z_m + reference.step_m(), least))
+      lowest = std::min(lowest, *z);
+  }
+  return std::max(lowest, least);
 }
 
 dvec3 PointAt(const dvec3& axis_m, const Direction& d, double r_m, double z_m) {
@@ -389,11 +402,12 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   const std::optional<double> top = asked.Height_m(directions[0], 0, sky, bottom_z_m);
   if (!top || *top - line_z < 2 * kWallMargin_m + kLeastWall_m) return out;
   static const std::array<Direction, kHalfPlanes> half_planes = HalfPlanes(directions);
-  std::array<double, kHalfPlanes> lines_z;
+  std::array<double, kHalfPlanes> lines_z, tops_z;
   for (size_t k = 0; k < kHalfPlanes; ++k) {
     const std::optional<Place> place = FinishLine(before, asked, half_planes[k], bottom_z_m);
     if (!place) return out;
     lines_z[k] = place->line_z_m;
+    tops_z[k] = WallTop_m(asked, half_planes[k], place->line_z_m, *top);
   }
   out.in_task = true;
 
@@ -403,7 +417,7 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   std::array<double, kHalfPlanes> slope{}, asked_off{};
   for (size_t k = 0; k < kHalfPlanes; ++k) {
     const Direction& d = half_planes[k];
-    const double lo = lines_z[k] + kWallMargin_m, hi = *top - kWallMargin_m;
+    const double lo = lines_z[k] + kWallMargin_m, hi = tops_z[k] - kWallMargin_m;
     const std::optional<Line> wall = WallLine(is, d, lo, hi), tooth = WallLine(before, d, lo, hi);
     const std::optional<Line> wanted = WallLine(asked, d, lo, hi);
     if (!wall || !tooth || !wanted) return out;
