@@ -359,13 +359,13 @@ class Restorer {
     if (report_.left_out.empty() || (options_.accept_damage && !database)) return Status::Ok();
     std::string list;
     for (size_t i = 0; i < report_.left_out.size() && i < 20; ++i)
-      list += "\n  " + report_.left_out[i];
+      list += (i == 0 ? " " : ", ") + report_.left_out[i];
     if (report_.left_out.size() > 20)
-      list += "\n  and " + std::to_string(report_.left_out.size() - 20) + " more";
+      list += " and " + std::to_string(report_.left_out.size() - 20) + " more";
     return Status(
         Code::kInvalidInput,
         Counted(report_.left_out.size(), "file of the backup is", "files of the backup are") +
-            " not what its manifest says:" + list + "\nUse another backup" +
+            " not what its manifest says:" + list + "; use another backup" +
             (database ? "" : ", or accept the loss with --accept-damage") + "; " +
             options_.data.string() + " is unfinished, empty it first");
   }

@@ -105,7 +105,8 @@ Result<FolderBlobs::Listing> FolderBlobs::List() const {
       out.others.push_back(it->path());
     }
   }
-  if (error) {
+  // Made with the first blob.
+  if (error && error != std::errc::no_such_file_or_directory) {
     return Status(Code::kStorage, "cannot read the folder " + folder_.string() + ": " +
                                       error.message() + "; make it readable for this user");
   }

@@ -79,7 +79,7 @@ class FolderBlobs final : public Blobs {
   Result<size_t> Sweep(std::chrono::seconds age) override;
 
   // Every blob by name, in order. `others`: files that are none (an interrupted write, something
-  // put there by hand). Errors: kStorage.
+  // put there by hand). None while there is no folder. Errors: kStorage.
   struct Listing {
     std::vector<Sha256> blobs;
     std::vector<std::filesystem::path> others;

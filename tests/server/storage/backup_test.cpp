@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "server/storage/keys/folder_keyring.h"
 #include "server/storage/verify/manifest.h"
 #include "tests/server/storage/failing_disk.h"
@@ -189,6 +190,16 @@ TEST_F(BackupTest, PlacesThatAreNotEmptyAreLeftAlone) {
   EXPECT_EQ(Bring("nowhere", "new").status().code(), Code::kInvalidInput);
 }
 
+TEST_F(BackupTest, OfASchoolWithoutBlobsIsWhole) {
+  { auto store = OpenStore(Path("young")); }
+  BackupOptions options;
+  options.data = Path("young");
+  options.target = Path("backup");
+  ASSERT_TRUE(BackUp(options).ok());
+  ASSERT_FALSE(fs::exists(Path("backup") / "blobs")) << "this test is of a backup without them";
+  ExpectWhole(Path("backup"));
+}
+
 TEST_F(BackupTest, DamagedBackupIsNamedFileByFileAndRestoredOnlyWithTheLossAccepted) {
   Uuid scored = school_.Record(2), other = school_.Record(1);
   school_.Score(scored);
@@ -203,6 +214,8 @@ TEST_F(BackupTest, DamagedBackupIsNamedFileByFileAndRestoredOnlyWithTheLossAccep
   EXPECT_EQ(refused.status().code(), Code::kInvalidInput);
   for (const Sha256& hash : {series, surface})
     EXPECT_NE(refused.status().message().find(hash.Hex()), std::string::npos);
+  EXPECT_EQ(Printable(refused.status().message()), refused.status().message())
+      << "on one line, as programs show an error";
   auto verified = Verify({Path("backup"), {}, {}});
   EXPECT_EQ(verified->findings.size(), 2u);
 
