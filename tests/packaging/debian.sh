@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# The Debian packages in a bare Debian 12: every command of the first three sections of docs/for_it.md and of its
-# runbooks as they are written there, each unit with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a Debian archive.
+# The Debian packages in a bare Debian 12: every command that docs/for_it.md has in a block of "sh", as it is written there,
+# each unit with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a
+# Debian archive.
 # ENAMEL_DEBIAN=FOLDER names a Debian that debootstrap has made before, to start from a copy of it.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/tests/packaging/guide_blocks.sh"
 build=${ENAMEL_BUILD:-$root/build/release}
 skip() { echo "skipped: $*"; exit 77; }
 fail() { echo "FAILED: $*" >&2; exit 1; }
@@ -71,12 +73,12 @@ if command -v gpg >/dev/null; then
 fi
 
 # The guide's commands, with what a person would type in. "apt" asks.
-awk '/^## Sizes/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" |
+sed '/^## Symptoms/,$d' "$root/docs/for_it.md" | guide_blocks - '```sh' |
   sed 's/^apt install/apt-get install -y -qq/; s/CODE@FINGERPRINT/"$(cat \/tmp\/code)"/; s/ admin enrol-code .*/& | tee \/tmp\/code/' >"$work/guide"
 # The runbooks. A check may find something, but a command must exist and take its options.
-awk '/^## Several servers/ { exit } /^## Symptoms/ { here = 1 } here && /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" >"$work/runbooks"
+sed -n '/^## Symptoms/,/^## Several servers/p' "$root/docs/for_it.md" | guide_blocks - '```sh' >"$work/runbooks"
 [ "$(wc -l <"$work/runbooks")" -ge 15 ] || fail "found only $(wc -l <"$work/runbooks") commands of runbooks"
-commands=$(awk '/^## Forty/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" | wc -l)
+commands=$(sed '/^## Forty/,$d' "$root/docs/for_it.md" | guide_blocks - '```sh' | wc -l)
 [ "$commands" -le 10 ] || fail "the guide takes $commands commands to a class; at most 10"
 printf 'login,display_name,role,cohort\nanna,Anna,student,Year 3\nbob,Bob,student,Year 3\nvera,Vera,instructor,Year 3\n' >"$debian/tmp/year3.csv"
 install -m 755 "$root/tests/packaging/systemctl" "$debian/root/systemctl"
