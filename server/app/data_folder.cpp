@@ -2,6 +2,7 @@
 
 #include "common/base/file.h"
 #include "common/net/certificate.h"
+#include "common/protocol/release.h"
 #include "server/app/school_folder.h"
 #include "server/storage/engine/server_identity.h"
 #include "server/storage/folder/data_folder.h"
@@ -33,6 +34,8 @@ Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
 }
 
 }  // namespace
+
+std::string SoftwareName() { return "enamel-server " + std::string(protocol::ThisRelease()); }
 
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
                     bool moving) {

@@ -14,8 +14,8 @@
 
 namespace enamel::server::app {
 
-// As told to stations and written into backups.
-inline constexpr char kSoftware[] = "enamel-server 0.1.0";
+// "enamel-server 0.9.0", for stations and for the manifest of a backup.
+std::string SoftwareName();
 
 // What makes a data folder this server and no other; made once, never overwritten. Losing it means
 // enrolling every station again.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/base/unix_time.h"
+#include "common/protocol/release.h"
 #include "server/app/work.h"
 
 namespace enamel::server::app {
@@ -100,11 +101,12 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
                 live_,
                 content_,
                 identity.ticket_key,
-                kSoftware,
+                SoftwareName(),
+                std::string(protocol::ThisRelease()),
                 [] { return enamel::UnixMs(); }},
       worker_(*store_, LoggedJobs(identity.ticket_key, options.job_threads)) {
   services_.board = &stations_;
-  metrics_.Add([](ops::MetricsText& text) { ops::AddBuild(text, kSoftware); });
+  metrics_.Add([](ops::MetricsText& text) { ops::AddBuild(text, SoftwareName()); });
   metrics_.Add(ops::AddProcess);
   metrics_.Add([this](ops::MetricsText& text) { AddStoreFigures(store_->health, text); });
   metrics_.Add([this](ops::MetricsText& text) {

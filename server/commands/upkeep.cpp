@@ -133,8 +133,8 @@ Status BackupForServer(const BackupCommand& command) {
     next = now + kEvery;
     PrintLine({{"phase", phase}, {"done", done}, {"all", all}});
   };
-  const auto report =
-      BackUp({command.data, command.target, command.keyring, command.copy, kSoftware, progress});
+  const auto report = BackUp(
+      {command.data, command.target, command.keyring, command.copy, SoftwareName(), progress});
   PrintLine(report.ok() ? Outcome(*report)
                         : json::object{{"problem", AsUtf8(report.status().message())}});
   return report.status();
@@ -149,7 +149,7 @@ Status Backup(const BackupCommand& command) {
   // The progress line is wiped when its object goes, so it goes before anything is said.
   Result<BackupReport> report = [&] {
     ConsoleProgress progress;
-    return BackUp({command.data, command.target, command.keyring, command.copy, kSoftware,
+    return BackUp({command.data, command.target, command.keyring, command.copy, SoftwareName(),
                    Telling(progress)});
   }();
   const std::string place = std::filesystem::absolute(command.target).string();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/utf8.h"
+#include "common/protocol/release.h"
 #include "server/auth/token.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
@@ -140,6 +141,7 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
 
 Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(hello.protocol_version()));
+  ENAMEL_RETURN_IF_ERROR(protocol::MayMeet(services_.release, hello.release()));
   ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(hello.station_id(), "station_id"));
   // Shortened and not refused: it is for a list that an admin reads, and no reason to turn a
   // station away.
@@ -180,6 +182,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
 
 Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(enrol.protocol_version()));
+  ENAMEL_RETURN_IF_ERROR(protocol::MayMeet(services_.release, enrol.release()));
   ENAMEL_ASSIGN_OR_RETURN(auto key, protocol::ReadKey(enrol.public_key(), "public_key"));
   if (enrol.name().empty() || enrol.name().size() > kMaxStationNameBytes) {
     return Status(Code::kInvalidInput,

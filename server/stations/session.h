@@ -38,7 +38,8 @@ struct Services {
   LiveBoard& live;
   Content& content;
   trace::KeyPair ticket_key;
-  std::string software;  // "enamel-server 0.1.0"
+  std::string software;  // "enamel-server 0.9.0"
+  std::string release;   // "0.9.0" (protocol::MayMeet)
   std::function<UnixMs()> clock;
   std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
   StationBoard* board = nullptr;  // who is connected; none: nobody asks

@@ -4,6 +4,7 @@
 
 #include "common/base/unix_time.h"
 #include "common/core/params.h"
+#include "common/protocol/release.h"
 
 namespace enamel::station {
 namespace {
@@ -37,7 +38,7 @@ HandsAllowed HandsIn(const std::string& name) {
 
 }  // namespace
 
-std::string SoftwareName() { return "enamel-station " ENAMEL_VERSION; }
+std::string SoftwareName() { return "enamel-station " + std::string(protocol::ThisRelease()); }
 
 Status ServerLink::Send(wire::Request& request) {
   request.set_id(++last_id_);
@@ -103,6 +104,7 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
   if (before) enrol->set_station_id(protocol::ToField(before->station.view()));
   enrol->set_public_key(protocol::ToField(keys.public_key));
   enrol->set_software(SoftwareName());
+  enrol->set_release(std::string(protocol::ThisRelease()));
   ENAMEL_ASSIGN_OR_RETURN(auto reply, link.Call(request));
   if (!reply.has_enrolled()) return Unexpected("Enrolled");
   auto station = protocol::ReadUuid(reply.enrolled().station_id(), "station_id");
@@ -131,6 +133,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   hello->set_credential(protocol::ToField(credentials.credential));
   hello->set_core_version(core::kCoreVersion);
   hello->set_software(SoftwareName());
+  hello->set_release(std::string(protocol::ThisRelease()));
   hello->set_shows_remarks(true);
   // As in NTP: half of the round trip counts as the way back, with an error of at most that half.
   int64_t asked_ms = UnixMs();

@@ -268,6 +268,26 @@ TEST_F(LinkAuthorisationTest, SoftwareThatIsNoNameIsRefused) {
   }
 }
 
+// The world's server is 0.9.3.
+TEST_F(LinkAuthorisationTest, AReleaseMoreThanAMinorVersionAwayIsRefused) {
+  for (const char* near : {"", "0.8.0", "0.9.0", "0.10.7"}) {
+    wire::Request hello = RequestOf("hello");
+    hello.mutable_hello()->set_release(near);
+    Reconnect();
+    EXPECT_TRUE(Carry(hello)->has_welcome()) << near;
+  }
+  for (const char* message : {"hello", "enrol"}) {
+    wire::Request request = RequestOf(message);
+    if (request.has_hello()) request.mutable_hello()->set_release("0.11.0");
+    if (request.has_enrol()) request.mutable_enrol()->set_release("0.11.0");
+    Reconnect();
+    const wire::Error error = Carry(request)->error();
+    EXPECT_EQ(error.code(), "version") << message;
+    EXPECT_EQ(error.field(), "release") << message;
+    EXPECT_FALSE(session_.station().has_value());
+  }
+}
+
 TEST_F(LinkAuthorisationTest, HelloLeavesWhatTheStationRuns) {
   wire::Request hello = RequestOf("hello");
   hello.mutable_hello()->set_software("enamel-station 0.1.0");

@@ -57,10 +57,9 @@ struct LinkWorld {
   LiveBoard live;
   Content content{*store};
   UnixMs now = 1'700'000'000'000;
-  Services services{
-      *store, authenticator, live, content, trace::NewKeyPair(), "enamel-server test", [this] {
-        return now;
-      }};
+  Services services{*store,  authenticator,         live,
+                    content, trace::NewKeyPair(),   "enamel-server test",
+                    "0.9.3", [this] { return now; }};
   std::string verifier;
   Uuid student, instructor, cohort;
   SceneRow scene;
