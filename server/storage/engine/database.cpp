@@ -121,7 +121,9 @@ Result<int> SchemaVersion(Db& db) {
     return Status(Code::kVersion,
                   "the database has schema version " + std::to_string(version) +
                       ", this enamel-server knows up to " + std::to_string(latest) +
-                      "; run the newer enamel-server that made it, or restore a backup");
+                      ": a newer enamel-server has used it. Install that one again. Or bring back "
+                      "the newest backup from before the update, with enamel-server restore BACKUP "
+                      "--data NEW_FOLDER; what was done since is lost");
   }
   return version;
 }

@@ -8,6 +8,7 @@
 
 #include "common/base/file.h"
 #include "common/base/utf8.h"
+#include "server/storage/engine/database.h"
 #include "server/storage/keys/folder_keyring.h"
 #include "server/storage/verify/manifest.h"
 #include "tests/server/storage/failing_disk.h"
@@ -198,6 +199,33 @@ TEST_F(BackupTest, OfASchoolWithoutBlobsIsWhole) {
   ASSERT_TRUE(BackUp(options).ok());
   ASSERT_FALSE(fs::exists(Path("backup") / "blobs")) << "this test is of a backup without them";
   ExpectWhole(Path("backup"));
+}
+
+// An update that migrates, and the way back: docs/for_it.md, "Downgrade".
+TEST_F(BackupTest, WhatANewerServerMigratedIsRefusedAndTheBackupBeforeItIsNot) {
+  const Uuid before = school_.Record(2);
+  ASSERT_TRUE(Back("backup").ok());
+  const Uuid since = school_.Record(1);
+  school_.store.reset();
+  {
+    auto newer = OpenDatabase(Path("data") / "enamel.db", DbMode::kExisting);
+    ASSERT_TRUE(newer.ok()) << newer.status().message();
+    std::vector<sql::Migration> migrations = SqliteMigrations();
+    migrations.push_back({LatestSchemaVersion() + 1, "0002_next.sql",
+                          "ALTER TABLE people ADD COLUMN next INTEGER NOT NULL DEFAULT 0"});
+    ASSERT_TRUE((*newer)->Migrate(migrations).ok());
+  }
+  const Status refused = OpenSqliteStore({Path("data"), false, 4, {}}).status();
+  EXPECT_EQ(refused.code(), Code::kVersion);
+  EXPECT_NE(refused.message().find("restore"), std::string::npos) << refused.message();
+  // A backup that the newer server made is no way back.
+  EXPECT_EQ(Back("newer").status().code(), Code::kVersion);
+
+  ASSERT_TRUE(Bring("backup", "restored").ok());
+  school_.store = OpenStore(Path("restored"));
+  EXPECT_EQ(school_.store->recordings.AttemptChunks(before)->size(), 2u);
+  EXPECT_EQ(school_.store->recordings.AttemptChunks(since).status().code(), Code::kNotFound)
+      << "what came after the backup is lost";
 }
 
 TEST_F(BackupTest, DamagedBackupIsNamedFileByFileAndRestoredOnlyWithTheLossAccepted) {

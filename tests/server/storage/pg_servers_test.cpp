@@ -621,7 +621,7 @@ TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersion
   status = OpenPostgresStore(options).status();
   EXPECT_EQ(status.code(), Code::kVersion);
   EXPECT_NE(status.message().find(std::to_string(next)), std::string::npos) << status.message();
-  EXPECT_NE(status.message().find("run the newer"), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("Install that one again"), std::string::npos) << status.message();
 }
 
 TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
