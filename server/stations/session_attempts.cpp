@@ -69,6 +69,7 @@ Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
   if (!assigned) return not_assigned;
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(assigned->assignment));
   ENAMEL_RETURN_IF_ERROR(MayBegin(*assigned, now_ms, station_->id, stations));
+  ENAMEL_RETURN_IF_ERROR(MayBeginByClock(*assigned, now_ms, request.station_unix_ms()));
   if (request.for_later() && assigned->assignment.exam) {
     return Status(Code::kForbidden,
                   "an exam begins while the server is there: its ticket cannot be taken in advance",

@@ -154,9 +154,25 @@ UnixMs TicketEnd(const std::optional<AssignedRow>& assigned, UnixMs now_ms) {
   return std::min(end, terms.due_ms);
 }
 
+bool Counts(const AssignedRow& assigned) {
+  return assigned.assignment.exam || assigned.exercise.graded;
+}
+
+Status MayBeginByClock(const AssignedRow& assigned, UnixMs now_ms, UnixMs station_ms) {
+  // Compared with both bounds: a difference of two foreign numbers may overflow.
+  const bool near = station_ms >= now_ms - kMostStationClockOffMs &&
+                    station_ms <= now_ms + kMostStationClockOffMs;
+  if (near || !Counts(assigned)) return Status::Ok();
+  return Status(Code::kForbidden,
+                "expected this station's clock within 2 minutes of the server's, " +
+                    TimeText(now_ms) + "; found " +
+                    (station_ms > 0 ? TimeText(station_ms) : std::string("none")) +
+                    ": use another station, and let an admin set this one's clock",
+                "clock");
+}
+
 HandsAllowed HandsFor(const AssignedRow& assigned) {
-  const bool counts = assigned.assignment.exam || assigned.exercise.graded;
-  return counts ? assigned.assignment.hands : HandsAllowed::kAny;
+  return Counts(assigned) ? assigned.assignment.hands : HandsAllowed::kAny;
 }
 
 void SetTerms(const std::optional<AssignedRow>& assigned, AttemptRow& row) {

@@ -41,6 +41,19 @@ bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
 Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
                 const std::string& stations_text);
 
+// Whether the attempts count: exams and graded work, in contrast to practice.
+bool Counts(const AssignedRow& assigned);
+
+// Graded work and exams begin only where the station's clock is within kMostStationClockOffMs of
+// the server's: the station checks by its own clock whether a ticket has expired. Errors:
+// kForbidden, field "clock".
+inline constexpr UnixMs kMostStationClockOffMs = 2 * 60 * 1000;
+Status MayBeginByClock(const AssignedRow& assigned, UnixMs now_ms, UnixMs station_ms);
+
+// A person whose attempt another station records gets no ticket here. Its newest chunk came within
+// this time; a station that lost its power is not waited for.
+inline constexpr UnixMs kElsewhereMs = 60 * 1000;
+
 // What may hold the tool in an attempt under these terms: practice is free, as are reference cuts
 // and instructors' own tries.
 HandsAllowed HandsFor(const AssignedRow& assigned);

@@ -231,6 +231,7 @@ Result<IssuedTicket> ServerLink::RequestTicket(const Credentials& credentials, c
   ask->set_profile(protocol::ToField(wanted.profile.view()));
   ask->set_as_reference(wanted.as_reference);
   ask->set_for_later(wanted.for_later);
+  ask->set_station_unix_ms(UnixMs());
   if (!wanted.assignment.IsZero()) {
     ask->set_assignment(protocol::ToField(wanted.assignment.view()));
   }

@@ -36,16 +36,17 @@ timed_start() {
 
 # One attempt after the other until the stop file is there; a broken link is the station's own business.
 stream() {
-  local station=$1
+  local i=$1 station=$work/station$1
   until [ -e "$work/stop" ]; do
     "$enamel_station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" \
-      --user student1 --operator student >>"$station.log" 2>&1 || sleep 0.2
+      --user "chair$i" --operator student >>"$station.log" 2>&1 || sleep 0.2
   done
 }
 
 "$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
+add_students "$data" "$stations"
 timed_start
 for i in $(seq "$stations"); do
   code=$("$enamel_server" admin enrol-code --data "$data")
@@ -53,7 +54,7 @@ for i in $(seq "$stations"); do
 done
 streams=()
 for i in $(seq "$stations"); do
-  stream "$work/station$i" &
+  stream "$i" &
   streams+=("$!")
   pids+=("$!")
 done

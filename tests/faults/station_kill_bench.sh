@@ -52,7 +52,7 @@ torture() {
   while [ $((kill += 1)) -le "$count" ]; do
     how=(--exercise "$exercise" --profile phantom_desktop)
     [ -z "$before" ] || how=(--resume "$before")
-    "$enamel_station" run --data "$station" --quiet --user student1 --operator student "${run[@]}" "${how[@]}" >"$work/run$i" 2>&1 &
+    "$enamel_station" run --data "$station" --quiet --user "chair$i" --operator student "${run[@]}" "${how[@]}" >"$work/run$i" 2>&1 &
     runner=$!
     pause_ms "$(random_ms $span)"
     facts=$(look "$station")
@@ -99,6 +99,7 @@ torture() {
 "$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
+add_students "$data" "$stations"
 start_server "$data" "$port" --job-threads 0
 for i in $(seq "$stations"); do
   "$enamel_station" enrol --data "$work/station$i" --server "127.0.0.1:$((port + 1))" \

@@ -72,6 +72,17 @@ wait_for_log() {
     { cat "$1"; fail "$(basename "$1") did not say \"$2\" within a minute"; }
 }
 
+# add_students DATA COUNT: chair1, chair2, … in the demo's class, with the password of ENAMEL_PASSWORD: nobody works at two
+# stations at once.
+add_students() {
+  local i
+  for i in $(seq "$2"); do
+    printf '%s\n' "$ENAMEL_PASSWORD" |
+      "$bin/enamel-server" admin add-person --data "$1" --login "chair$i" --role student --password-stdin >/dev/null
+    "$bin/enamel-server" admin add-to-cohort --data "$1" --cohort "Demo cohort" --login "chair$i" >/dev/null
+  done
+}
+
 # json_of FILE NAME: one member of a JSON object.
 json_of() { node -p 'JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"))[process.argv[2]]' "$1" "$2"; }
 

@@ -343,6 +343,30 @@ Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& pers
   });
 }
 
+namespace {
+
+// Where else the person works now: the name of a station that records an attempt of theirs.
+Status MustBeNowhereElse(Db& db, const AttemptRow& row) {
+  Query q(db,
+          "SELECT s.name FROM attempts a JOIN stations s ON s.tenant = a.tenant AND s.id = "
+          "a.station WHERE a.tenant = ?1 AND a.person = ?2 AND a.station <> ?3 AND a.state = " +
+              Sql(AttemptState::kRecording) +
+              " AND (a.last_chunk_ms >= ?4 OR (a.last_chunk_ms = 0 AND a.ticketed_ms >= ?4)) AND "
+              "a.flags & " +
+              Sql(kExcused | kReturned) + " = 0 LIMIT 1");
+  q.Bind(row.person).Bind(row.station).Bind(row.ticketed_ms - kElsewhereMs);
+  const bool elsewhere = q.Next();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (!elsewhere) return Status::Ok();
+  return Status(Code::kForbidden,
+                "station \"" + q.Text(0) +
+                    "\" is recording an attempt of yours; finish it there, wait a minute, and "
+                    "begin again here",
+                "station");
+}
+
+}  // namespace
+
 // Checks the limit and other exams while making the attempt: two stations at once cannot both have
 // the last one. A ticket that ran out with nothing begun is no exam under way.
 Status MayBeIssued(Db& db, const AttemptRow& row) {
@@ -371,7 +395,7 @@ Status MayBeIssued(Db& db, const AttemptRow& row) {
                       " is not finished; finish it, or ask an instructor to excuse it",
                   "exam");
   }
-  return Status::Ok();
+  return MustBeNowhereElse(db, row);
 }
 
 }  // namespace enamel::server

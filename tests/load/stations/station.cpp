@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/unix_time.h"
 #include "tests/support/wire_seal.h"
 
 namespace enamel::load {
@@ -157,6 +158,7 @@ void Station::AskNext() {
     request.mutable_sign_in()->set_password(plan_.school->password);
   } else if (plan_.ticketed && ticket_.empty()) {
     wire::RequestTicket& body = *request.mutable_request_ticket();
+    body.set_station_unix_ms(UnixMs());
     body.set_session(session_);
     body.set_exercise(protocol::ToField(plan_.school->exercise.view()));
     body.set_profile(protocol::ToField(plan_.school->profile.view()));

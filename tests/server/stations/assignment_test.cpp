@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "server/stations/session.h"
 #include "server/training/access.h"
 #include "tests/server/stations/link_world.h"
@@ -179,6 +182,7 @@ TEST_F(AssignmentTest, ExamIsTakenAtItsStationOneAtATimeAndBegunNow) {
   later.mutable_request_ticket()->set_exercise(protocol::ToField(world_.exercise.content.view()));
   later.mutable_request_ticket()->set_profile(protocol::ToField(profile_.view()));
   later.mutable_request_ticket()->set_for_later(true);
+  later.mutable_request_ticket()->set_station_unix_ms(world_.now);
   EXPECT_EQ(station_.Send(later).error().field(), "for_later");
 }
 
@@ -205,6 +209,61 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   EXPECT_TRUE(state.released());
   EXPECT_EQ(state.result_json(), "{}");
   EXPECT_EQ(Listed().best_score(), 84.5);
+}
+
+TEST_F(AssignmentTest, GradedWorkBeginsOnlyWhereTheClockIsRight) {
+  ASSERT_TRUE(world_.exercise.graded);
+  UnixMs off = 0;
+  station_.clock = [&] { return world_.now + off; };
+  for (const UnixMs near : {-kMostStationClockOffMs, kMostStationClockOffMs}) {
+    off = near;
+    EXPECT_TRUE(Ask().has_ticket_issued()) << off;
+  }
+  for (const UnixMs far : {-kMostStationClockOffMs - 1, kMostStationClockOffMs + 1}) {
+    off = far;
+    EXPECT_EQ(Ask().error().code(), "forbidden") << off;
+    EXPECT_EQ(Ask().error().field(), "clock") << off;
+  }
+  station_.clock = [] { return std::numeric_limits<UnixMs>::max(); };
+  EXPECT_EQ(Ask().error().field(), "clock");
+  station_.clock = [] { return UnixMs{0}; };
+  EXPECT_EQ(Ask().error().field(), "clock") << "none stated";
+  AssignedRow practice{open_, world_.exercise, 0};
+  practice.exercise.graded = false;
+  EXPECT_TRUE(MayBeginByClock(practice, world_.now, 0).ok());
+}
+
+TEST_F(AssignmentTest, NobodyWorksAtTwoStationsAtOnce) {
+  ASSERT_TRUE(
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem)
+          .ok());
+  ASSERT_TRUE(ScriptedStation(Asking()).Enrol("c2", "bench-2").has_enrolled());
+  const std::vector<StationRow> stations = *world_.store->stations.Stations();
+  const Uuid elsewhere = std::ranges::find(stations, "bench-2", &StationRow::name)->id;
+  Recording recording(world_, TicketOf(Ask()), station_.keys, 1);
+  const Uuid attempt = recording.seal.attempt;
+  auto there = [&] {
+    AttemptRow row = *world_.store->attempts.AttemptById(attempt);
+    row.id = Uuid::New();
+    row.station = elsewhere;
+    row.ticketed_ms = world_.now;
+    return world_.store->tickets.CreateAttempt(row, Bytes{1}, kSystem);
+  };
+  EXPECT_TRUE(there().ok()) << "a ticket alone is no work";
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  EXPECT_EQ(there().field(), "station") << "opened, no tick yet";
+  world_.now += kElsewhereMs / 2;
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  world_.now += kElsewhereMs;
+  EXPECT_EQ(there().code(), Code::kForbidden);
+  EXPECT_NE(there().message().find("scripted"), std::string::npos) << there().message();
+  EXPECT_TRUE(Ask().has_ticket_issued()) << "at the same station";
+  world_.now += 1;
+  EXPECT_TRUE(there().ok()) << "nothing came for a minute: that station may have lost its power";
+  world_.now -= 1;
+  EXPECT_EQ(there().field(), "station");
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  EXPECT_TRUE(there().ok()) << "sealed";
 }
 
 // Sent each time; unknown facts are not shown, and too much is refused.

@@ -129,6 +129,7 @@ class LinkAuthorisationTest : public ::testing::Test {
     } else if (message == "request_ticket") {
       auto& ticket = *out.mutable_request_ticket();
       ticket.set_session(station_.session);
+      ticket.set_station_unix_ms(world_.now);
       ticket.set_exercise(protocol::ToField(world_.exercise.content.view()));
       ticket.set_profile(protocol::ToField(profile_.view()));
     } else if (message == "open_attempt") {

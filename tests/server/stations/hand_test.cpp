@@ -117,6 +117,7 @@ TEST_F(HandTest, TicketForLaterNeedNotSayYetAndItsAttemptIsLookedAt) {
   body.set_exercise(protocol::ToField(world_.exercise.content.view()));
   body.set_profile(protocol::ToField(profile_.view()));
   body.set_for_later(true);
+  body.set_station_unix_ms(world_.now);
   wire::Reply ticket = station_.Send(later);
   ASSERT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
   EXPECT_EQ(ticket.ticket_issued().hands(), "haptic");

@@ -56,7 +56,8 @@ struct LinkWorld {
   auth::Authenticator authenticator{*store, CheapAuth()};
   LiveBoard live;
   Content content{*store};
-  UnixMs now = 1'700'000'000'000;
+  static constexpr UnixMs kStart = 1'700'000'000'000;
+  UnixMs now = kStart;
   Services services{*store,  authenticator,         live,
                     content, trace::NewKeyPair(),   "enamel-server test",
                     "0.9.3", [this] { return now; }};
@@ -119,6 +120,7 @@ class ScriptedStation {
                             bool as_reference = false) {
     wire::Request request;
     wire::RequestTicket& body = *request.mutable_request_ticket();
+    body.set_station_unix_ms(clock());
     body.set_session(session);
     body.set_exercise(protocol::ToField(exercise.view()));
     body.set_profile(protocol::ToField(profile.view()));
@@ -131,6 +133,7 @@ class ScriptedStation {
                                const Sha256& profile) {
     wire::Request request;
     wire::RequestTicket& body = *request.mutable_request_ticket();
+    body.set_station_unix_ms(clock());
     body.set_session(session);
     body.set_exercise(protocol::ToField(exercise.view()));
     body.set_profile(protocol::ToField(profile.view()));
@@ -196,6 +199,8 @@ class ScriptedStation {
   }
 
   trace::KeyPair keys = trace::NewKeyPair();
+  // The station's own; as the server's at first.
+  std::function<UnixMs()> clock = [] { return LinkWorld::kStart; };
   std::string id, credential, session;
   uint32_t core_version = core::kCoreVersion;
 
@@ -267,6 +272,7 @@ class StudentAtStation : public ::testing::Test {
     std::construct_at(&session_, world_.services, "127.0.0.1");
     EXPECT_TRUE(station_.Hello().has_welcome());
     EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+    station_.clock = [this] { return world_.now; };
   }
 
   wire::Reply Carry(const wire::Request& request) {
