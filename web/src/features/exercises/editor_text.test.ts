@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Json } from "../../base/document";
-import { materialOptions, placeWords, rubricProblems } from "./editor_text";
+import { materialOptions, moreIsBetter, placeWords, rubricProblems } from "./editor_text";
 
 const rubric = (points: number | null, share = 1): Json => ({
   criteria: [
@@ -63,4 +63,12 @@ test("a form offers the materials that a rubric has tolerances for, and keeps on
     ["", "composite"],
   );
   assert.equal(materialOptions(undefined, undefined).length, 1);
+});
+
+test("more is better where the shares rise over the rows", () => {
+  const asDocument = (...map: readonly (readonly [number, number])[]): Json => ({ map });
+  assert.equal(moreIsBetter(asDocument([80, 0], [98, 1])), true);
+  assert.equal(moreIsBetter(asDocument([0.1, 1], [0.4, 0])), false);
+  assert.equal(moreIsBetter(asDocument([0, 1])), false);
+  assert.equal(moreIsBetter({}), false);
 });

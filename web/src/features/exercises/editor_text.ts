@@ -80,3 +80,10 @@ export function materialOptions(restorations: Json | undefined, named: Json | un
       .map((value) => ({ value, title: sayIf(`material.${value}`) ?? value })),
   ];
 }
+
+// By the rows of an item, which are value and share: above a limit such an item would fail its best attempts.
+export function moreIsBetter(item: Json): boolean {
+  const map = valueAt(item, ["map"]);
+  const shares = Array.isArray(map) ? map.map((row: Json) => Number(valueAt(row, [1]))) : [];
+  return (shares.at(-1) ?? 0) > (shares[0] ?? 0);
+}

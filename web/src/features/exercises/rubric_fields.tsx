@@ -6,7 +6,7 @@ import { say } from "../../base/words";
 import { Brief } from "../../widgets/basics";
 import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
 import { SelectField } from "../../widgets/form";
-import { materialOptions } from "./editor_text";
+import { materialOptions, moreIsBetter } from "./editor_text";
 
 interface Props {
   readonly form: DocumentForm;
@@ -116,13 +116,6 @@ function fresh(metrics: readonly ScoringMetric[], others: readonly Json[], point
         ],
         comment: "",
       };
-}
-
-// By its steps: a limit above which the attempt fails says nothing there.
-function moreIsBetter(item: Json): boolean {
-  const map = valueAt(item, ["map"]);
-  const shares = Array.isArray(map) ? map.map((step: Json) => Number(valueAt(step, ["share"]))) : [];
-  return (shares.at(-1) ?? 0) > (shares[0] ?? 0);
 }
 
 interface ItemProps {
