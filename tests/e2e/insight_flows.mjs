@@ -189,13 +189,14 @@ async function correctRubric(world) {
   await page.getByRole("link", { name: "Correct the rubric" }).click();
   await page.getByText("No unsaved changes").waitFor();
   const publish = page.getByRole("button", { name: "Publish the correction" });
+  await eventually(async () => assert.equal(await whyGrey(page, publish), "Nothing has changed yet."));
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
   await first.getByLabel("Share of points (%)").first().fill("140");
   await first.getByText("Enter a number from 0 to 100.").waitFor();
   await first.getByLabel("Share of points (%)").first().fill("90");
   await wrongPoints(world, page, first, publish);
   await page.getByText("Valid, not saved").waitFor();
-  await eventually(async () => assert.ok(await publish.isDisabled(), "a correction has a reason"));
+  await eventually(async () => assert.equal(await whyGrey(page, publish), "Give the reason for the correction first."));
   await page.getByLabel("Reason").fill("Colleagues found it too strict.");
   await page.getByRole("button", { name: "Check past attempts" }).click();
   await page.getByText("Would rise").waitFor();
@@ -209,6 +210,12 @@ async function correctRubric(world) {
   await page.goto(`/editor?rubric=${id(20)}`);
   await page.getByLabel("Compare with").selectOption("1");
   await page.getByRole("table", { name: "Changes from the selected version" }).waitFor();
+}
+
+// What is said beside a button that cannot be pressed; undefined: it can.
+async function whyGrey(page, button) {
+  if (await button.isEnabled()) return undefined;
+  return page.locator(`[id="${await button.getAttribute("aria-describedby")}"]`).innerText();
 }
 
 // A wrong number is reported at once, at its field and in words above; both disappear when it is
