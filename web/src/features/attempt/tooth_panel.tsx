@@ -148,9 +148,9 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const { loaded: exercise } = useRequest(aims ? attempt.exercise.id : undefined, (signal) =>
     client.teaching.exercise(attempt.exercise.id, signal),
   );
-  const [draw, setDraw] = useState<typeof import("./target_lines")>();
+  const [draw, setDraw] = useState<typeof import("../../widgets/target_lines")>();
   useEffect(() => {
-    if (aims) import("./target_lines").then(setDraw, () => undefined);
+    if (aims) import("../../widgets/target_lines").then(setDraw, () => undefined);
   }, [aims]);
   const wanted = exercise.state === "ready" ? exercise.value.value.target : undefined;
   const lines = useMemo(

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Exercise } from "../../api/types";
-import { crossings } from "../../tooth/scene/plane_cut";
+import type { Exercise } from "../api/types";
+import { crossings } from "../tooth/scene/plane_cut";
 import { bodyOfTarget, grown, linesOfTarget } from "./target_lines";
 
 const target: Exercise["target"] = {
@@ -79,7 +79,7 @@ test("a disc is round, a polygon has its own corners, and parts stand where they
   assert.equal(polygon.solid.length, 5);
 });
 
-test("a stump is its foot and its table; a relief has its opening only", () => {
+test("a stump is its foot and its table; a floor of the tooth's own shape is drawn along the walls", () => {
   const stump = linesOfTarget({
     ...target,
     parts: [
@@ -108,11 +108,20 @@ test("a stump is its foot and its table; a relief has its opening only", () => {
         top_um: [0, 0, 0],
         half_size_um: [1000, 1000],
         depth_um: 900,
-        relief: { step_um: 500, count: [3, 3], below_um: [0, 0, 0, 0, 0, 0, 0, 0, 0] },
+        relief: { step_um: 1000, count: [3, 1], below_um: [900, 300, 500] },
       },
     ],
   })!;
-  assert.equal(relief.solid.length, 1);
+  const [opening, floor, edge] = relief.solid;
+  assert.ok(opening!.every(([, , z]) => z === 5));
+  const depthAt = (x: number, y: number) => {
+    const found = floor!.find((point) => Math.abs(point[0] - x) < 1e-9 && Math.abs(point[1] - y) < 1e-9);
+    return Math.round(1000 * (5 - found![2]));
+  };
+  assert.deepEqual([depthAt(0, 3), depthAt(0.5, 3), depthAt(1, 3), depthAt(2, 1)], [900, 600, 300, 500]);
+  assert.deepEqual(edge, [opening![0], floor![0]]);
+  const faintest = relief.faint[1]!.map(([, , z]) => z);
+  assert.ok(Math.abs(Math.min(...faintest) - (5 - 0.9 - 0.5)) < 1e-9, "the leeway follows the floor");
 });
 
 test("a corner grows along both of its sides; without a place there are no lines", () => {
@@ -182,11 +191,25 @@ test("a plane through both arms of an outline with a notch cuts two rectangles",
   assert.ok(Math.abs(cutAlong(body, 0.5).length - 2 * (3 + 1.5)) < 1e-4);
 });
 
-test("a target whose place is not known has no body, and neither has a floor of the tooth's own shape", () => {
-  assert.equal(bodyOfTarget({ ...target, landmark_um: null } as unknown as Exercise["target"]), undefined);
-  const relief = {
+test("a plane cuts a floor of the tooth's own shape as it rises and falls", () => {
+  const roof = {
     ...target,
-    parts: [{ outline: "box", top_um: [0, 0, 0], half_size_um: [1, 1], depth_um: 1, relief: {} }],
+    landmark_um: [0, 0, 0],
+    parts: [
+      {
+        outline: "box" as const,
+        top_um: [0, 0, 0],
+        half_size_um: [1000, 1000],
+        depth_um: 2000,
+        relief: { step_um: 1000, count: [3, 1], below_um: [2000, 1000, 2000] },
+      },
+    ],
   } as unknown as Exercise["target"];
-  assert.equal(bodyOfTarget(relief), undefined);
+  const { length, closed } = cutAlong(bodyOfTarget(roof)!, 0.3);
+  assert.ok(closed);
+  assert.ok(Math.abs(length - (2 + 2 + 2 + 2 * Math.SQRT2)) < 1e-4, `${length}`);
+});
+
+test("a target whose place is not known has no body", () => {
+  assert.equal(bodyOfTarget({ ...target, landmark_um: null } as unknown as Exercise["target"]), undefined);
 });
