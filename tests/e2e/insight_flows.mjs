@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
+import { isTargetLine, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
 export const insightFlows = [
@@ -144,7 +145,13 @@ async function editExercise(world) {
   await accessible(page, "an exercise that is not right yet");
   await title.fill("Occlusal cavity, deeper");
   await page.getByText("Valid, not saved").waitFor();
-  await page.getByLabel("Depth (mm)").fill("2.5");
+  const depth = page.getByLabel("Depth (mm)");
+  await toothPixelsBecome(page, "lines of the target", isTargetLine, (count) => count > 150);
+  await depth.fill("");
+  await page.getByText("Enter a size and a depth above zero to see the target.").waitFor();
+  await toothPixelsBecome(page, "no lines", isTargetLine, (count) => count < 40);
+  await depth.fill("2.5");
+  await toothPixelsBecome(page, "lines of the new target", isTargetLine, (count) => count > 150);
   await page
     .getByRole("table", { name: "Changes from the published version" })
     .getByRole("row", { name: /Target, depth/ })

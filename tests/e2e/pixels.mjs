@@ -16,6 +16,8 @@ export async function countColors(page, selector, tests) {
   return counts;
 }
 
+export const isTargetLine = ([r, g, b]) => b - g > 60 && b - r > 30;
+
 // Pixels of the tooth for which `test` holds, once it is drawn in full.
 export async function toothPixels(page, test) {
   await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").first().waitFor();

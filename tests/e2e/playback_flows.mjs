@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
-import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
+import { isTargetLine, toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, downloaded, looks, signedIn, signIn } from "./session.mjs";
 
 export const playbackFlows = [
@@ -23,8 +23,6 @@ export const playbackFlows = [
 const kAttempt = `/attempts/${id(105)}`;
 
 const isArrow = ([r, g, b]) => r > 170 && g > 40 && g < 90 && b < 40;
-
-const isTargetLine = ([r, g, b]) => b - g > 60 && b - r > 30;
 
 async function video(world) {
   const page = await signedIn(world, "instructor", kAttempt);

@@ -27,6 +27,7 @@ import { placeTitle, placeWords, rubricProblems, shapeOptions } from "./editor_t
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
 import { RubricPreviewCard } from "./rubric_preview";
+import { TargetPreview } from "./target_preview";
 
 const kMm = 1000;
 
@@ -163,6 +164,7 @@ function Editor({
           </Card>
         </div>
         <div class="stack editor-side">
+          <TargetPreview client={client} exercise={exercise} target={valueAt(edit.now, ["target"])} />
           <Card
             title={
               read.published === undefined

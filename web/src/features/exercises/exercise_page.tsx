@@ -91,7 +91,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
             <Rubric exercise={exercise} />
           </Card>
         </div>
-        <InitialTooth client={client} exercise={exercise} />
+        <InitialTooth client={client} exercise={exercise} title={say("exercise_page.before")} />
       </div>
       {teacher ? (
         <div class="columns">

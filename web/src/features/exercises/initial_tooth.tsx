@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { type Anatomy, anatomyOf, toScene } from "../../api/tooth_number";
@@ -7,30 +8,47 @@ import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { angledFrom } from "../../widgets/tooth/angled";
 import { TissueLegend } from "../../widgets/tooth/legend";
-import type { AngledView, Extent, PointMm } from "../../tooth/messages";
+import type { AngledView, Extent, PointMm, ToothLines } from "../../tooth/messages";
 import { useStillFilm } from "../../widgets/tooth/still_film";
 import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
 const kFromTop = 0.35; // of the tooth's height: the work is at the crown, not in the middle of the roots
 
+interface Props {
+  readonly client: Client;
+  readonly exercise: Exercise;
+  readonly title: string;
+  readonly lines?: ToothLines | undefined; // over the tooth
+  readonly children?: ComponentChildren; // below it
+}
+
 // What one will find at the station: the tooth or block before anything is cut.
-export function InitialTooth({ client, exercise }: { readonly client: Client; readonly exercise: Exercise }) {
+export function InitialTooth({ client, exercise, title, lines, children }: Props) {
   const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) =>
     client.teaching.initialSurface(exercise.id, signal),
   );
   return (
-    <Card title={say("exercise_page.before")} className="tooth-card">
+    <Card title={title} className="tooth-card">
       {loaded.state === "loading" && <Loading what={say("loading.picture")} />}
       {loaded.state === "failed" && (
         <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Tooth surface={loaded.value} target={exercise.target} />}
+      {loaded.state === "ready" && <Tooth surface={loaded.value} target={exercise.target} lines={lines} />}
+      {children}
     </Card>
   );
 }
 
-function Tooth({ surface, target }: { readonly surface: ArrayBuffer; readonly target: Exercise["target"] }) {
+function Tooth({
+  surface,
+  target,
+  lines,
+}: {
+  readonly surface: ArrayBuffer;
+  readonly target: Exercise["target"];
+  readonly lines: ToothLines | undefined;
+}) {
   const still = useStillFilm(surface);
   const anatomy = useMemo((): Anatomy => anatomyOf(target), [target]);
   const extent = still.state === "ready" ? still.value.extent : undefined;
@@ -52,6 +70,7 @@ function Tooth({ surface, target }: { readonly surface: ArrayBuffer; readonly ta
         anatomy={anatomy}
         mode="tissue"
         angled={angled}
+        lines={lines}
         label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })}
       />
       <TissueLegend tissues={tissues} />
