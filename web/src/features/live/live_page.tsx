@@ -65,15 +65,17 @@ export function LivePage({ client }: { readonly client: Client }) {
   );
 }
 
-// How long each exercise may take; what is not known yet, or cannot be read, is left out.
+// How long each exercise may take. What is not known yet is left out, and so is what cannot be read: it is asked for
+// again.
 function useExercises(client: Client, attempts: readonly Attempt[]): ReadonlyMap<string, Exercise> {
   const ids = [...new Set(attempts.map((attempt) => attempt.exercise.id))].sort();
-  const { loaded } = useRequest(ids.length === 0 ? undefined : ids.join(" "), async (signal) => {
+  const { loaded, reload } = useRequest(ids.length === 0 ? undefined : ids.join(" "), async (signal) => {
     const read = await Promise.all(ids.map((id) => client.teaching.exercise(id, signal)));
     return ok(
       new Map(read.flatMap((result) => (result.ok ? [[result.value.value.id, result.value.value] as const] : []))),
     );
   });
+  useRefresh(loaded.state === "ready" && loaded.value.size < ids.length, kPollMs, reload);
   return loaded.state === "ready" ? loaded.value : kNone;
 }
 
