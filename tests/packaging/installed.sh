@@ -41,7 +41,10 @@ for part in server station; do
 done
 
 if command -v apparmor_parser >/dev/null; then
-  apparmor_parser --skip-kernel-load --skip-cache "$root/server/ops/apparmor-enamel-server" >"$work/log" 2>&1 || wrong "$(cat "$work/log")"
+  for part in server station; do
+    profile=$work/$part/usr/share/doc/enamel-$part/examples/apparmor-enamel-$part
+    apparmor_parser --skip-kernel-load --skip-cache "$profile" >"$work/log" 2>&1 || wrong "$(cat "$work/log")"
+  done
 fi
 
 # Programs say which commit they are of, and nothing about the computer that built them.
