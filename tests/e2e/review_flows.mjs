@@ -318,8 +318,15 @@ async function filledSection(world) {
     await page.emulateMedia({ colorScheme: scheme });
     await page.setViewportSize({ width: size[0], height: size[1] });
     await toothPixelsBecome(page, `${size} in ${scheme}`, isDentin, (count) => count > 1000);
+    if (size[0] > 1000) await endsInView(page, ".section-legend", size[1]);
     await world.picture(page, `section_filled_${size[0]}_${scheme}`);
   }
+}
+
+async function endsInView(page, part, height) {
+  await page.evaluate(() => scrollTo(0, 0));
+  const box = await page.locator(part).boundingBox();
+  assert.ok(box.y >= 0 && box.y + box.height <= height, `${part} ends at ${box.y + box.height} of ${height}`);
 }
 
 // Three points, the last two by keys; while none of it is a remark's.
@@ -366,10 +373,8 @@ async function oneViewport(world) {
     const page = await signedIn(world, "instructor", `/attempts/${id(105)}`, { width, height });
     await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
     await page.locator(".plot canvas").waitFor();
-    for (const part of [".tooth-frame", "#timeline", ".marks", ".force-card .u-over"]) {
-      const box = await page.locator(part).boundingBox();
-      assert.ok(box.y >= 0 && box.y + box.height <= height, `${part} ends at ${box.y + box.height} of ${height}`);
-    }
+    for (const part of [".tooth-frame", "#timeline", ".marks", ".force-card .u-over"])
+      await endsInView(page, part, height);
     const picture = await page.locator(".tooth-frame").boundingBox();
     const card = await page.locator(".tooth-card").boundingBox();
     assert.ok(picture.height >= Math.max(360, height / 2), `a picture ${picture.height} px high of ${height}`);
