@@ -16,6 +16,7 @@ export const playbackFlows = [
   { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
+  { name: "while the playback is being made, the picture without one is loaded once", run: stillOnce },
   { name: "the playback is saved as a video, from the beginning to its end", run: video },
   { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },
 ];
@@ -299,4 +300,32 @@ async function linkIsOpenedOnce(world) {
   await page.locator(".plot canvas").waitFor();
   await eventually(async () => assert.equal(await slider.inputValue(), "500"));
   fail();
+}
+
+// The picture has megabytes. It comes more slowly than the playback is asked for again.
+async function stillOnce(world) {
+  const page = await world.open();
+  const surfaces = [];
+  let made = false;
+  await page.route("**/timeline", (route) =>
+    made
+      ? route.continue()
+      : route.fulfill({
+          status: 503,
+          json: { error: { code: "unavailable", message: "The playback is being made.", field: "" } },
+        }),
+  );
+  await page.route("**/surface", (route) => {
+    surfaces.push(route);
+  });
+  await page.goto(kAttempt);
+  await signIn(page, world.logins.instructor);
+  await eventually(async () => assert.equal(surfaces.length, 1));
+  await page.waitForResponse("**/timeline");
+  await surfaces[0].continue();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  assert.equal(surfaces.length, 1, "the picture is not asked for again");
+  made = true;
+  await page.locator(".playback[data-shown]").waitFor();
+  assert.equal(surfaces.length, 1);
 }

@@ -74,12 +74,13 @@ export class Playback {
     return this.position < this.frames;
   }
 
+  // Once more while the state is "waiting".
   async load(): Promise<void> {
     if (this.film === undefined) return;
     const error = (await this.part(0, kFirstBytes)) ?? (await this.rest());
     if (error === undefined || this.abort.signal.aborted) return;
-    this.state =
-      error.code === "unavailable" ? { state: "waiting", message: error.message } : { state: "failed", error };
+    const waits = error.code === "unavailable" && this.head === undefined;
+    this.state = waits ? { state: "waiting", message: error.message } : { state: "failed", error };
     this.changed();
   }
   // What the end needs, then all else.

@@ -44,10 +44,9 @@ export function usePlayback(
   setTime: (timeS: number) => void,
 ): PlaybackControl | undefined {
   const [changes, redraw] = useState(0);
-  const [round, setRound] = useState(0);
   const playback = useMemo(
     () => (attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1))),
-    [client, attempt, made, round],
+    [client, attempt, made],
   );
   const [playing, setPlaying] = useState(false);
   const [speed, setSpeed] = useState(1);
@@ -73,12 +72,13 @@ export function usePlayback(
     return () => playback.dispose();
   }, [playback]);
 
-  const waits = playback?.state.state === "waiting";
+  // Of the same playback: it waits until the answer is there, so that the picture without one stays, which has megabytes.
+  const state = playback?.state;
   useEffect(() => {
-    if (!waits) return undefined;
-    const timer = setTimeout(() => setRound((n) => n + 1), kAskAgainMs);
+    if (state?.state !== "waiting") return undefined;
+    const timer = setTimeout(() => void playback?.load(), kAskAgainMs);
     return () => clearTimeout(timer);
-  }, [waits, round]);
+  }, [playback, state]);
 
   const ready = playback?.state.state === "ready";
   const head = playback?.head;
