@@ -166,6 +166,31 @@ DeviceProfile PolhemV3() {
                    2'000, 32, 150'000);
 }
 
+// Through a service and its USB line, so a tick more of delay than the arms above.
+DeviceProfile Inverse3() {
+  DeviceProfile p;
+  p.name = "inverse3";
+  p.title = "Haply Inverse3";
+  p.resolution_nm = {10'000, kSheetSource};
+  p.max_stiffness_mn_per_mm = {2'000,
+                               "asked for: not published; a guess until calibrate measures a unit"};
+  p.coupling_mn_per_mm = {222, kPassiveSource};
+  p.damping_mn_s_per_m = {1'000, kAskedDamping};
+  p.friction_mn = {10, kAskedFriction};
+  p.mass_g = {45, kAskedMass};
+  p.peak_force_mn = {10'000, kSheetSource};
+  p.continuous_force_mn = {3'300, kSheetSource};
+  p.rate_hz = {1'000, "its protocol: an exchange whenever it is asked, here each millisecond"};
+  p.bus_delay_ticks = {2,
+                       "asked for: its protocol has a tick, the answer to one tick's force is read "
+                       "in the next; a tick for the service and USB, until calibrate measures a "
+                       "unit with the force_gate filter that it is used with"};
+  p.workspace_radius_um = {
+      100'000, "asked for: not published as a radius; a guess until somebody measures a unit"};
+  p.cell = JointCells(500);
+  return p;
+}
+
 // Devices without motors. Nothing is felt, so nothing can be unstable: the numbers choose how
 // closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
 // as a real device's.
@@ -191,8 +216,8 @@ DeviceProfile Pointer() {
 }  // namespace
 
 std::vector<DeviceProfile> BuiltinProfiles() {
-  return {Omega3(),   PhantomDesktop(), Bhhd3(), Pointer(), WoodenHapticsV2015(),
-          PolhemV1(), PolhemV3(),       Sigma7()};
+  return {Omega3(),   PhantomDesktop(), Bhhd3(),    Pointer(), WoodenHapticsV2015(),
+          PolhemV1(), PolhemV3(),       Inverse3(), Sigma7()};
 }
 
 }  // namespace enamel::scene
