@@ -33,4 +33,10 @@ std::vector<SdkDevice> FindPolhem();
 Result<std::unique_ptr<PolledBus>> OpenPolhemSerial(const BusChoice& choice);
 std::vector<SdkDevice> FindPolhemSerial();
 
+// Haply's Inverse3 through the maker's service. Address: HOST:PORT of the service; where it is empty,
+// port 10001 of this computer. Find reads the service's inventory, which starts nothing on the device.
+Result<std::unique_ptr<PolledBus>> OpenInverse3(const BusChoice& choice);
+std::vector<SdkDevice> FindInverse3();
+std::vector<SdkDevice> FindInverse3At(const std::string& address);
+
 }  // namespace enamel::station::sdk

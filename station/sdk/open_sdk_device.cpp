@@ -36,6 +36,7 @@ constexpr std::array kDrivers = {
     Driver{"woodenhaptics", "", OpenWoodenHaptics, FindWoodenHaptics},
     Driver{"polhem", "", OpenPolhem, FindPolhem},
     Driver{"polhem_serial", "", OpenPolhemSerial, FindPolhemSerial},
+    Driver{"inverse3", "", OpenInverse3, FindInverse3},
 };
 
 std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }

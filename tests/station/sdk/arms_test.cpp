@@ -11,9 +11,11 @@
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "station/loop/tick_loop.h"
+#include "station/sdk/buses.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/emulated_arms.h"
+#include "tests/station/sdk/emulated_inverse3.h"
 #include "tests/support/await_sample.h"
 
 // Devices of published protocols against emulators of their bytes.
@@ -22,6 +24,7 @@ namespace {
 
 using testing_support::EmulatedArm;
 using testing_support::EmulatedHidArm;
+using testing_support::EmulatedInverse3;
 using testing_support::EmulatedSerialArm;
 using testing_support::HidBus;
 
@@ -51,6 +54,7 @@ std::unique_ptr<Device> MustOpen(const EmulatedArm& arm) {
 
 std::unique_ptr<EmulatedArm> Make(const std::string& name) {
   if (name == "polhem_serial") return std::make_unique<EmulatedSerialArm>();
+  if (name == "inverse3") return std::make_unique<EmulatedInverse3>();
   return std::make_unique<EmulatedHidArm>(name == "polhem");
 }
 
@@ -108,12 +112,13 @@ TEST_P(ArmsTest, OneThatSaysNothingIsRefusedWithWhatToDo) {
 TEST_P(ArmsTest, AForceIsShortenedToTheProfilesPeak) {
   auto arm = Make(GetParam());
   auto device = MustOpen(*arm);
+  const double peak_n = scene::FindProfile(arm->profile())->peak_force_mn.value * 1e-3;
   std::array<int, 3> peak{};
-  for (double newtons : {5.0, 500.0}) {
+  for (double newtons : {peak_n, 100 * peak_n}) {
     const uint64_t before = arm->requests();
     device->SendForce(dvec3(0, 0, newtons));
     Await([&] { return arm->requests() > before && arm->told() != std::array<int, 3>{}; });
-    if (newtons == 5.0) peak = arm->told();
+    if (newtons == peak_n) peak = arm->told();
     device->SendForce(dvec3(0, 0, newtons));
     Await([&] { return arm->told() == peak; });
     device->SendForce(dvec3(0));
@@ -269,7 +274,7 @@ TEST_P(ArmsTest, CutAtAnyByteTheForceIsZeroAndTheFaultLatchedInTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, ArmsTest,
-                         testing::Values("woodenhaptics", "polhem", "polhem_serial"),
+                         testing::Values("woodenhaptics", "polhem", "polhem_serial", "inverse3"),
                          [](const auto& param) { return std::string(param.param); });
 
 // Dimensions of an arm, from devices.md's list; worked out here apart from the driver.
@@ -494,6 +499,134 @@ TEST(SerialArmTest, APortThatIsNotThereIsNamed) {
   const Status refused = OpenChosenDevice(choice, profile, 1e-3).status();
   EXPECT_EQ(refused.code(), Code::kUnavailable);
   EXPECT_NE(refused.message().find("/dev/ttyNONE"), std::string::npos) << refused.message();
+}
+
+TEST(Inverse3Test, ItsTipAndForceHaveTheScenesAxes) {
+  EmulatedInverse3 service;
+  service.Set({0.01, 0.15, 0.1});
+  auto device = MustOpen(service);
+  service.Set({0.011, 0.152, 0.097});
+  EXPECT_EQ(Next(*device).counts, (std::array<int32_t, 3>{2000, 4000, -6000}));
+  device->SendForce(dvec3(0.1, 0.2, -0.3));
+  Await([&] { return service.told() == std::array<int, 3>{100, 200, -300}; });
+}
+
+TEST(Inverse3Test, BothFormsOfAForceAreSentAsTheServiceTakesThem) {
+  for (const char* form : {"vector", "values"}) {
+    EmulatedInverse3 service;
+    service.Take(form);
+    auto device = MustOpen(service);
+    device->SendForce(dvec3(0, 0, 1));
+    Await([&] { return service.told() == std::array<int, 3>{0, 0, 1000}; });
+  }
+  EmulatedInverse3 service;
+  service.Take("something_else");
+  const Status refused = Open(service).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("vector or values"), std::string::npos) << refused.message();
+}
+
+// A bur points along its own -z, a grip along its own y.
+TEST(Inverse3Test, ItsGripTurnsTheBurAndItsButtonRunsIt) {
+  for (bool wireless : {false, true}) {
+    EmulatedInverse3 service;
+    auto device = MustOpen(service);
+    service.Grip({0, 0, 0, 1}, true, wireless);
+    const DeviceSample s = Next(*device);
+    const dvec3 bur = FromQuantised(s.orientation).Matrix() * dvec3(0, 0, -1);
+    EXPECT_NEAR(bur.y, 1, 1e-3);
+    EXPECT_EQ(s.buttons, kPedal) << wireless;
+    service.Grip({0, 0, 0, 1}, false, wireless);
+    EXPECT_EQ(Next(*device).buttons, 0) << wireless;
+  }
+}
+
+TEST(Inverse3Test, OneThatCannotBeUsedIsRefusedAndListedWithWhatToDo) {
+  const std::pair<std::function<void(EmulatedInverse3&)>, const char*> kReasons[] = {
+      {[](EmulatedInverse3& s) { s.Status("calibrated", false); }, "inkwell"},
+      {[](EmulatedInverse3& s) { s.Status("power_supply", false); }, "connect its power supply"},
+      {[](EmulatedInverse3& s) { s.Status("ready", false); }, "not ready"},
+      {[](EmulatedInverse3& s) { s.Damp(0.5); }, "filters.damping"}};
+  for (const auto& [spoil, expected] : kReasons) {
+    EmulatedInverse3 service;
+    spoil(service);
+    const Status refused = Open(service).status();
+    EXPECT_EQ(refused.code(), Code::kUnavailable);
+    EXPECT_NE(refused.message().find(expected), std::string::npos) << refused.message();
+    const auto listed = FindInverse3At(service.address());
+    ASSERT_EQ(listed.size(), 1u);
+    EXPECT_NE(listed[0].problem.find(expected), std::string::npos) << listed[0].problem;
+  }
+}
+
+TEST(Inverse3Test, ItIsListedWithItsIdAndProfileAndNothingIsStarted) {
+  EmulatedInverse3 service;
+  const auto listed = FindInverse3At(service.address());
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0].name, "Inverse3 049D");
+  EXPECT_EQ(listed[0].unit, "inverse3:049D");
+  EXPECT_TRUE(scene::FindProfile(listed[0].profile).ok());
+  EXPECT_EQ(listed[0].problem, "");
+  EXPECT_EQ(service.requests(), 0u);
+  service.Disconnect();
+  EXPECT_TRUE(FindInverse3At(service.address()).empty());
+  EXPECT_EQ(Open(service).status().code(), Code::kNotFound);
+}
+
+TEST(Inverse3Test, AServiceThatRestartsOrLosesPowerCountsAsUnplugged) {
+  const std::function<void(EmulatedInverse3&)> kEnds[] = {
+      [](EmulatedInverse3& s) { s.Restart(); }, [](EmulatedInverse3& s) { s.Disconnect(); },
+      [](EmulatedInverse3& s) { s.Status("power_supply", false); }};
+  for (const auto& end : kEnds) {
+    EmulatedInverse3 service;
+    auto device = MustOpen(service);
+    end(service);
+    test::AwaitSample(*device, [](const DeviceSample& s) { return !s.attached; });
+  }
+}
+
+TEST(Inverse3Test, AnswersThatAreNoJsonMoveNothing) {
+  EmulatedInverse3 service;
+  auto device = MustOpen(service);
+  service.Garble(true);
+  Await([&] { return device->counters().refused >= 5; });
+  EXPECT_TRUE(device->ReadSample().attached);
+  service.Garble(false);
+  Next(*device);
+}
+
+TEST(Inverse3Test, WithoutTheServiceItsAddressIsNamed) {
+  EmulatedInverse3 service;
+  service.Unplug();
+  const Status refused = Open(service).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find(service.address()), std::string::npos) << refused.message();
+}
+
+// Prints what the WebSocket adds on this machine; states no limit, which another load would break.
+TEST(Inverse3Test, EachQuestionHasOneAnswer) {
+  EmulatedInverse3 service;
+  auto bus = OpenInverse3({service.address(), 1, 0.1});
+  ASSERT_TRUE(bus.ok()) << bus.status().message();
+  std::vector<double> took_us;
+  const uint64_t before = service.requests();
+  for (int i = 0; i < 2000; ++i) {
+    PolledBus::Pose pose;
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_TRUE((*bus)->Send(dvec3(0)));
+    if ((*bus)->Read(pose) != PolledBus::Heard::kPose) continue;
+    took_us.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin)
+            .count());
+  }
+  EXPECT_EQ(service.requests(), before + 2000);
+  ASSERT_FALSE(took_us.empty());
+  std::sort(took_us.begin(), took_us.end());
+  const auto at = [&](double share) {
+    return took_us[static_cast<size_t>(share * static_cast<double>(took_us.size() - 1))];
+  };
+  std::printf("WebSocket, %zu of 2000 answered in time: median %.0f us, p99 %.0f, longest %.0f\n",
+              took_us.size(), at(0.5), at(0.99), at(1));
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
 
 TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
   EXPECT_EQ(BuiltIn(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
-                                                 "polhem_serial"}));
+                                                 "polhem_serial", "inverse3"}));
   EXPECT_TRUE(ListSdkDevices().empty());
   Attach(FakeSdk::ForceDimension(), "omega.3");
   auto found = ListSdkDevices();

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <array>
+#include <boost/json.hpp>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "station/devices/limited.h"
+#include "station/sdk/answering.h"
+#include "station/sdk/buses.h"
+#include "station/sdk/web_socket.h"
+
+// Haply's Inverse3 with a VerseGrip, through the maker's service on this computer: JSON over a
+// WebSocket, as docs.haply.co describes it (inverseSDK/service/realtime). Its axes are the scene's.
+namespace enamel::station::sdk {
+namespace {
+
+namespace json = boost::json;
+
+constexpr const char* kHost = "localhost";
+constexpr const char* kPort = "10001";
+constexpr const char* kProfile = "inverse3";
+constexpr std::chrono::seconds kInventoryPatience{1};
+// Answers to a force in one form, before the other form is tried.
+constexpr int kQuestionsOfAForm = 20;
+// The service's documentation names a force's member in the first way, public clients in the second.
+constexpr std::array kForms = {"vector", "values"};
+
+// The member of an object; null: it is not there, or `in` is no object.
+const json::value* Member(const json::value* in, std::string_view name) {
+  const json::object* object = in == nullptr ? nullptr : in->if_object();
+  return object == nullptr ? nullptr : object->if_contains(name);
+}
+
+double Number(const json::value* in, double otherwise) {
+  if (in == nullptr || !in->is_number()) return otherwise;
+  boost::system::error_code error;
+  const auto out = in->to_number<double>(error);
+  return error ? otherwise : out;
+}
+
+bool IsTrue(const json::value* in) { return in != nullptr && in->is_bool() && in->get_bool(); }
+bool IsFalse(const json::value* in) { return in != nullptr && in->is_bool() && !in->get_bool(); }
+
+std::string Text(const json::value* in) {
+  return in != nullptr && in->is_string() ? std::string(in->get_string()) : std::string();
+}
+
+// The devices of a message's list; null: it has none.
+const json::array* List(const json::value& message, std::string_view list) {
+  const json::value* all = Member(&message, list);
+  return all == nullptr ? nullptr : all->if_array();
+}
+
+// The device of a list with this id, or the first where `id` is empty; null: none.
+const json::value* Listed(const json::value& message, std::string_view list,
+                          const std::string& id) {
+  const json::array* all = List(message, list);
+  if (all == nullptr) return nullptr;
+  for (const json::value& device : *all) {
+    if (id.empty() || Text(Member(&device, "device_id")) == id) return &device;
+  }
+  return nullptr;
+}
+
+std::string NameOf(const std::string& id) { return "Inverse3 " + id; }
+std::string UnitNamed(const std::string& id) { return "inverse3:" + id; }
+
+// Why the device cannot be used now, and what to do; empty: it can.
+std::string WhyNotUsable(const json::value& device) {
+  const json::value* status = Member(&device, "status");
+  if (IsFalse(Member(status, "power_supply"))) return "it has no power: connect its power supply";
+  if (IsFalse(Member(status, "calibrated")))
+    return "it is not calibrated: rest its grip on the inkwell until its light is steady";
+  if (IsTrue(Member(status, "in_use")))
+    return "it is in use by another program: close that program";
+  if (IsFalse(Member(status, "ready"))) return "it is not ready: wait, or switch it off and on";
+  const json::value* damping = Member(Member(Member(&device, "config"), "filters"), "damping");
+  if (Number(Member(damping, "scalar"), 0) != 0)
+    return "its service adds damping: set filters.damping to 0 in /etc/haply-inverse-service";
+  return {};
+}
+
+// The service's first message, which lists what is attached.
+Result<json::value> ReadInventory(WebSocket& socket) {
+  std::string text;
+  boost::system::error_code error;
+  json::value out;
+  if (socket.Read(text, kInventoryPatience) == WebSocket::Got::kMessage)
+    out = json::parse(text, error);
+  if (!out.is_object()) {
+    return Status(Code::kUnavailable,
+                  "expected an inventory from Haply's service, found none within a second: restart "
+                  "haply-inverse-service",
+                  "device");
+  }
+  return out;
+}
+
+class Inverse3 final : public PolledBus {
+ public:
+  Inverse3(const BusChoice& choice, std::unique_ptr<WebSocket> socket)
+      : peak_n_(choice.peak_n), socket_(std::move(socket)) {}
+  // Closed at once, the connection could take the last force with it.
+  ~Inverse3() override { (void)socket_->Read(text_, kAnswerPatience); }
+
+  std::string Name() const override { return NameOf(id_); }
+  std::string Driver() const override { return "inverse3"; }
+  std::string Unit() const override { return UnitNamed(id_); }
+  bool answers() const override { return true; }
+
+  Heard Read(Pose& out) override {
+    switch (socket_->Read(text_, kAnswerPatience)) {
+      case WebSocket::Got::kClosed:
+        return Heard::kGone;
+      case WebSocket::Got::kNothing:
+        return Heard::kNothing;
+      case WebSocket::Got::kMessage:
+        break;
+    }
+    boost::system::error_code error;
+    const json::value message = json::parse(text_, error);
+    return error ? Heard::kRefused : Take(message, out);
+  }
+  bool Send(const dvec3& force_n) override {
+    // An answer that came too late answers nothing any more: kept, each later answer would be one
+    // exchange old.
+    auto late = WebSocket::Got::kMessage;
+    while (late == WebSocket::Got::kMessage) {
+      late = socket_->Read(text_, std::chrono::microseconds(0));
+    }
+    if (late == WebSocket::Got::kClosed) return false;
+    const dvec3 f = Limited(force_n, peak_n_);
+    const json::value newtons{{"x", f.x}, {"y", f.y}, {"z", f.z}};
+    const json::object force{{kForms[form_], newtons}};
+    const json::object commands{{"set_cursor_force", force}};
+    json::object device{{"device_id", id_}, {"commands", commands}};
+    const json::object message{{"inverse3", json::array{std::move(device)}}};
+    return socket_->Write(json::serialize(message));
+  }
+
+  // Reads what is attached and finds the form of a force that the service takes. Errors:
+  // kUnavailable, kNotFound, with what to do.
+  Status Begin() {
+    ENAMEL_RETURN_IF_ERROR(TakeInventory());
+    for (form_ = 0; form_ < kForms.size(); ++form_) {
+      if (HasPosition()) return Status::Ok();
+    }
+    if (!has_answered_) return SaysNothing(Name());
+    return Status(Code::kUnavailable,
+                  Name() + ": its service gives no position in answer to a force, named " +
+                      kForms[0] + " or " + kForms[1] + ": update the service",
+                  "device");
+  }
+
+ private:
+  Status TakeInventory() {
+    ENAMEL_ASSIGN_OR_RETURN(const json::value message, ReadInventory(*socket_));
+    const json::value* device = Listed(message, "inverse3", {});
+    if (device == nullptr) {
+      return Status(Code::kNotFound,
+                    "Haply's service finds no Inverse3: switch it on and connect it", "device");
+    }
+    id_ = Text(Member(device, "device_id"));
+    session_ = Text(Member(&message, "session_id"));
+    const std::string problem = WhyNotUsable(*device);
+    if (problem.empty()) return Status::Ok();
+    return Status(Code::kUnavailable, Name() + ": " + problem, "device");
+  }
+  // A service tells a position only to who sends a force, and a form that it does not know is none.
+  bool HasPosition() {
+    for (int i = 0; i < kQuestionsOfAForm; ++i) {
+      Pose pose;
+      if (!Send(dvec3(0))) return false;
+      const Heard heard = Read(pose);
+      if (heard == Heard::kPose) return true;
+      if (heard == Heard::kRefused) has_answered_ = true;
+    }
+    return false;
+  }
+
+  Heard Take(const json::value& message, Pose& out) const {
+    // A service that restarted has another session; the device's settings and calibration are lost.
+    const std::string session = Text(Member(&message, "session_id"));
+    if (!session.empty() && session != session_) return Heard::kGone;
+    const json::value* device = Listed(message, "inverse3", id_);
+    if (device == nullptr) {
+      return List(message, "inverse3") == nullptr ? Heard::kRefused : Heard::kGone;
+    }
+    if (IsFalse(Member(Member(device, "status"), "power_supply"))) return Heard::kGone;
+    const json::value* at = Member(Member(device, "state"), "cursor_position");
+    if (at == nullptr) return Heard::kRefused;
+    const double none = std::nan("");
+    out.tip_m = {Number(Member(at, "x"), none), Number(Member(at, "y"), none),
+                 Number(Member(at, "z"), none)};
+    TakeGrip(message, out);
+    return Heard::kPose;
+  }
+  // Of the wired grip, else of the wireless one.
+  static void TakeGrip(const json::value& message, Pose& out) {
+    const json::value* grip = Listed(message, "verse_grip", {});
+    if (grip == nullptr) grip = Listed(message, "wireless_verse_grip", {});
+    const json::value* state = Member(grip, "state");
+    if (const json::value* q = Member(state, "orientation"); q != nullptr) {
+      // The grip points along its y, the bur along its own -z.
+      constexpr double kHalf = std::numbers::sqrt2 / 2;
+      const Quat grip_in_scene{Number(Member(q, "x"), 0), Number(Member(q, "y"), 0),
+                               Number(Member(q, "z"), 0), Number(Member(q, "w"), 1)};
+      out.orientation = grip_in_scene.Normalised() * Quat{kHalf, 0, 0, kHalf};
+    }
+    const json::value* buttons = Member(state, "buttons");
+    out.pedal = IsTrue(Member(state, "button")) || IsTrue(Member(buttons, "a")) ||
+                IsTrue(Member(buttons, "button_1"));
+  }
+
+  const double peak_n_;
+  const std::unique_ptr<WebSocket> socket_;
+  std::string text_, id_, session_;
+  size_t form_ = 0;
+  bool has_answered_ = false;
+};
+
+struct Place {
+  std::string host = kHost, port = kPort;
+};
+
+// "HOST:PORT", "HOST" or nothing.
+Place PlaceOf(const std::string& address) {
+  Place out;
+  const size_t colon = address.rfind(':');
+  if (!address.empty()) out.host = address.substr(0, colon);
+  if (colon != address.npos) out.port = address.substr(colon + 1);
+  return out;
+}
+
+Result<std::unique_ptr<WebSocket>> Connect(const std::string& address) {
+  const Place place = PlaceOf(address);
+  return WebSocket::Connect(place.host, place.port);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PolledBus>> OpenInverse3(const BusChoice& choice) {
+  ENAMEL_ASSIGN_OR_RETURN(auto socket, Connect(choice.address));
+  auto bus = std::make_unique<Inverse3>(choice, std::move(socket));
+  ENAMEL_RETURN_IF_ERROR(bus->Begin());
+  return std::unique_ptr<PolledBus>(std::move(bus));
+}
+
+std::vector<SdkDevice> FindInverse3At(const std::string& address) {
+  std::vector<SdkDevice> out;
+  auto socket = Connect(address);
+  if (!socket.ok()) return out;
+  const auto inventory = ReadInventory(**socket);
+  const json::array* all = inventory.ok() ? List(*inventory, "inverse3") : nullptr;
+  if (all == nullptr) return out;
+  for (const json::value& device : *all) {
+    const std::string id = Text(Member(&device, "device_id"));
+    out.push_back({"", NameOf(id), kProfile, "", UnitNamed(id), WhyNotUsable(device)});
+  }
+  return out;
+}
+
+std::vector<SdkDevice> FindInverse3() { return FindInverse3At({}); }
+
+}  // namespace enamel::station::sdk

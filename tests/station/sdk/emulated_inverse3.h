@@ -1,0 +1,45 @@
+#pragma once
+
+#include "tests/station/sdk/emulated_arms.h"
+
+namespace enamel::station::testing_support {
+
+// The maker's service with one Inverse3 and a grip, on a TCP port of this computer, any number of
+// sessions at a time. Thread safety: all of it.
+class EmulatedInverse3 final : public EmulatedArm {
+ public:
+  EmulatedInverse3();
+  ~EmulatedInverse3() override;
+  std::string choice() const override { return "inverse3:" + address(); }
+  const char* profile() const override { return "inverse3"; }
+  void Lower(int steps) override;
+  // About: the coordinates' digits differ.
+  size_t answer_bytes() const override { return 400; }
+  // The service ends: its sessions and its port are closed.
+  void Unplug() override;
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  // Tip, m.
+  void Set(const dvec3& tip_m);
+  // The grip's quaternion x, y, z, w and its button; wireless: as the wireless grip writes them.
+  void Grip(const std::array<double, 4>& xyzw, bool button, bool wireless);
+  // The one form of a force that this version of the service takes: "vector" or "values".
+  void Take(const std::string& form);
+  // What the status says of `member` ("calibrated", "power_supply", "ready") from now on.
+  void Status(const std::string& member, bool value);
+  // The service's filters.damping.scalar.
+  void Damp(double scalar);
+  // From now on messages are of another session, as after a restart.
+  void Restart();
+  // Answers from now on are text that is no JSON.
+  void Garble(bool garble);
+  // No device is connected to the service.
+  void Disconnect();
+
+ private:
+  struct Service;
+  std::unique_ptr<Service> service_;
+  uint16_t port_ = 0;
+};
+
+}  // namespace enamel::station::testing_support
