@@ -26,7 +26,7 @@ constexpr int kQuestionsOfAForm = 20;
 // The service's documentation names a force's member in the first way, public clients in the second.
 constexpr std::array kForms = {"vector", "values"};
 
-// The member of an object; null: it is not there, or `in` is no object.
+// The member of an object. Null if it is not there or `in` is not an object.
 const json::value* Member(const json::value* in, std::string_view name) {
   const json::object* object = in == nullptr ? nullptr : in->if_object();
   return object == nullptr ? nullptr : object->if_contains(name);
@@ -167,7 +167,7 @@ class Inverse3 final : public PolledBus {
     if (problem.empty()) return Status::Ok();
     return Status(Code::kUnavailable, Name() + ": " + problem, "device");
   }
-  // A service tells a position only to who sends a force, and a form that it does not know is none.
+  // The service gives a position only to a client whose force it understood.
   bool HasPosition() {
     for (int i = 0; i < kQuestionsOfAForm; ++i) {
       Pose pose;
