@@ -19,6 +19,7 @@
 #include "station/uplink/live_mailbox.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/emulated_arms.h"
+#include "tests/station/sdk/emulated_inverse3.h"
 #include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
 
@@ -186,6 +187,7 @@ Rig MakeRig(const std::string& driver, const World& w) {
   if (driver == "dhd") return Sdk(w, "dhd", FakeSdk::ForceDimension());
   if (driver == "polhem") return Arm(std::make_shared<testing_support::EmulatedHidArm>(true));
   if (driver == "polhem_serial") return Arm(std::make_shared<testing_support::EmulatedSerialArm>());
+  if (driver == "inverse3") return Arm(std::make_shared<testing_support::EmulatedInverse3>());
   return Sdk(w, "openhaptics", FakeSdk::OpenHaptics());
 }
 
@@ -303,7 +305,7 @@ TEST_P(DriverTicksTest, AWindowThatReadsSlowlyOrNeverHoldsUpNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Drivers, DriverTicksTest,
                          testing::Values("board", "mouse", "pointer", "simulated", "dhd",
-                                         "openhaptics", "polhem", "polhem_serial"),
+                                         "openhaptics", "polhem", "polhem_serial", "inverse3"),
                          [](const auto& param) { return param.param; });
 
 // The consumers of a tick in the window and the uplink, as TickFeed and RunningAttempt, while
