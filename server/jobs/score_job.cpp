@@ -283,8 +283,9 @@ class ScoreJob {
   // The motion, and where it lies among those before it at the same exercise and the reference's.
   // One that cannot be read any more is left out.
   Status FillMotion(const scoring::ProcessRecorder& process, AttemptResult& result) {
-    const auto motion = scoring::MotionOf(process.samples());
+    auto motion = scoring::MotionOf(process.samples());
     if (!motion) return Status::Ok();
+    motion->hand = scoring::FiguresOf(process);
     ENAMEL_RETURN_IF_ERROR(Put(scoring::EncodeMotion(*motion), result.motion));
     ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.motions.MotionsBefore(attempt_, kMostMotions));
     std::vector<Uuid> whose;

@@ -10,6 +10,7 @@
 
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
+#include "common/scoring/movement/motion.h"
 #include "common/scoring/score.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
@@ -150,6 +151,19 @@ TEST_F(ScoreJobTest, ACopiedMotionIsFlaggedWithWhatItIsNearAndCostsNothing) {
   ASSERT_TRUE(Run(copy).ok());
   EXPECT_FALSE(school_->Near(copy)->worth_a_look);
   EXPECT_EQ(ScoreOf(copy), flagged);
+}
+
+TEST_F(ScoreJobTest, FiguresOfTheHandAreKeptWithItsMotion) {
+  school_ = std::make_unique<JobSchool>();
+  school_->RecordReference({.pace = kCalm});
+  const Uuid first = Scored({.pace = kCalm}), second = Scored({.pace = kCalm});
+  const auto rows = *school_->store->motions.MotionsBefore(second, 10);
+  const auto row = std::ranges::find(rows, first, &MotionRow::attempt);
+  ASSERT_NE(row, rows.end());
+  const auto motion = scoring::DecodeMotion(school_->Blob(row->content));
+  ASSERT_TRUE(motion.ok()) << motion.status().message();
+  EXPECT_NE(motion->hand.tremor_nm, scoring::HandFigures::kNoTremor);
+  EXPECT_TRUE(scoring::IsTooCalm(motion->hand)) << motion->hand.tremor_nm << " nm along a plan";
 }
 
 TEST_F(ScoreJobTest, AReferenceWhoseMotionIsNotKeptIsComparedWithAllTheSame) {
