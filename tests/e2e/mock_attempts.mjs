@@ -38,6 +38,23 @@ export function attemptView(row, call) {
             size_mm: 1.32,
             worth_a_look: true,
           },
+    evidence:
+      student || !row.exam || row.state !== "scored"
+        ? null
+        : {
+            tremor_um: 1.25,
+            least_tremor_um: 8,
+            too_calm: true,
+            still_percent: 31.5,
+            late_percent: 0.02,
+            gap_percent: 0,
+            rank: 2,
+            of: 24,
+            sign_ins: [
+              { at_ms: row.ticketed_ms - 60_000, via: `station ${row.station.name}` },
+              { at_ms: row.ticketed_ms - 300_000, via: "page" },
+            ],
+          },
   };
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/base/utf8.h"
 #include "common/scene/json/json.h"
+#include "common/scoring/movement/motion.h"
 #include "common/scoring/score.h"
 #include "common/trace/trace.h"
 #include "server/http/caller.h"
@@ -15,6 +16,11 @@
 namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
+
+// An exam's attempt is compared with at most so many, which bounds what opening its page costs.
+constexpr uint32_t kMostCompared = 500;
+constexpr UnixMs kSignInBeforeMs = 15 * 60 * 1000;
+constexpr uint32_t kMostSignIns = 20;
 
 Result<std::string> BlobText(StoredBlobs& blobs, const Sha256& hash) {
   Result<Bytes> bytes = blobs.GetBlob(hash);
@@ -245,6 +251,58 @@ Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
                      {"worth_a_look", (*near)->worth_a_look}};
 }
 
+// Where the person signed in shortly before and during the attempt. Without the network address,
+// which only admins see.
+Result<json::array> AttemptView::SignInsJson(const AttemptRow& row) {
+  AuditFilter filter;
+  filter.action = "session.begin";
+  filter.object = row.person.Text();
+  filter.from_ms = row.ticketed_ms - kSignInBeforeMs;
+  filter.until_ms = row.sealed_ms;
+  filter.limit = kMostSignIns;
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.audit.FindAudit(filter));
+  json::array out;
+  for (const AuditRow& each : rows)
+    out.push_back({{"at_ms", each.at_ms}, {"via", AsUtf8(each.via)}});
+  return out;
+}
+
+// How the hand moved in an exam, for reviewers, beside the other attempts of the assignment. A
+// motion that cannot be read any more is left out.
+Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
+  if (!row.exam || !row.assignment || row.sealed_ms == 0) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const bool shares, SharesCohort(row));
+  if (!CanReviewAttempt(viewer_, row, shares)) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows,
+                          store_.motions.MotionsUnder(*row.assignment, kMostCompared));
+  std::vector<scoring::HandRecord> records;
+  std::optional<size_t> own;
+  for (const AssignedMotion& each : rows) {
+    const auto bytes = store_.blobs.GetBlob(each.content);
+    if (!bytes.ok()) continue;
+    const auto motion = scoring::DecodeMotion(*bytes);
+    if (!motion.ok()) continue;
+    if (each.attempt == row.id) own = records.size();
+    records.push_back({motion->hand, each.near_share});
+  }
+  if (!own) return json::value();
+  const scoring::HandFigures& hand = records[*own].hand;
+  json::value tremor, rank;
+  if (hand.tremor_nm != scoring::HandFigures::kNoTremor) tremor = 1e-3 * hand.tremor_nm;
+  if (const auto place = scoring::UnusualRank(records, *own)) rank = *place;
+  constexpr double kPercent = 1e-4;  // of a millionth
+  ENAMEL_ASSIGN_OR_RETURN(json::array sign_ins, SignInsJson(row));
+  return json::value{{"tremor_um", std::move(tremor)},
+                     {"least_tremor_um", scoring::kLeastTremor_um},
+                     {"too_calm", scoring::IsTooCalm(hand)},
+                     {"still_percent", kPercent * hand.still_ppm},
+                     {"late_percent", kPercent * hand.late_ppm},
+                     {"gap_percent", kPercent * hand.gap_ppm},
+                     {"rank", std::move(rank)},
+                     {"of", records.size()},
+                     {"sign_ins", std::move(sign_ins)}};
+}
+
 // Contradicting chunks, for reviewers.
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
@@ -332,6 +390,8 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!contradictions.ok()) return contradictions.status();
   Result<json::value> nearness = NearnessJson(row);
   if (!nearness.ok()) return nearness.status();
+  Result<json::value> evidence = EvidenceJson(row);
+  if (!evidence.ok()) return evidence.status();
   Result<json::array> may = MayDo(row);
   if (!may.ok()) return may.status();
   // Gaps passed at the chair as well.
@@ -345,6 +405,7 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   out->emplace("appeal", std::move(*appeal));
   out->emplace("contradictions", std::move(*contradictions));
   out->emplace("nearness", std::move(*nearness));
+  out->emplace("evidence", std::move(*evidence));
   out->emplace("may", std::move(*may));
   return out;
 }

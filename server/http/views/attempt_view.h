@@ -45,6 +45,8 @@ class AttemptView {
   Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
   Result<boost::json::value> AppealJson(const AttemptRow& row);
   Result<boost::json::value> NearnessJson(const AttemptRow& row);
+  Result<boost::json::value> EvidenceJson(const AttemptRow& row);
+  Result<boost::json::array> SignInsJson(const AttemptRow& row);
   Result<boost::json::array> ContradictionsJson(const AttemptRow& row);
   Result<boost::json::array> MayDo(const AttemptRow& row);
 

@@ -23,7 +23,8 @@ Result<std::vector<AuditRow>> AuditIn(
     if (!wanted(q)) continue;
     Uuid actor = q.Id(1);
     std::string who = actor.IsZero() ? q.Text(2) : actor.Text() + " (" + q.Text(2) + ")";
-    out.push_back(AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Id(7)});
+    out.push_back(
+        AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Id(7), q.Text(2)});
   }
   if (!q.status().ok()) return q.status();
   return out;

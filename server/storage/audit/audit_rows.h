@@ -30,6 +30,7 @@ struct AuditRow {
   std::string object;
   std::string before_json, after_json;
   Uuid id{};
+  std::string via{};  // how the actor came: "page", "station bench-2"
 };
 
 // The audit trail, to read it and to note in it.

@@ -55,6 +55,26 @@ Result<std::vector<MotionRow>> MotionRows::MotionsBefore(const Uuid& attempt, ui
   });
 }
 
+Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignment,
+                                                             uint32_t limit) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<AssignedMotion>> {
+    Query q(
+        db,
+        "SELECT a.id, m.content, m.others, m.nearest_um, m.size_um FROM attempts a JOIN motions "
+        "m ON m.tenant = a.tenant AND m.attempt = a.id WHERE a.tenant = ?1 AND a.assignment = "
+        "?2 AND a.flags & ?3 = 0 ORDER BY a.id DESC LIMIT ?4");
+    q.Bind(assignment).Bind(int64_t{kExcused}).Bind(int64_t{limit});
+    std::vector<AssignedMotion> out;
+    while (q.Next()) {
+      out.push_back({q.Id(0), q.Hash(1), std::nullopt});
+      if (q.Int(2) == 0 || q.Int(4) == 0) continue;
+      out.back().near_share = static_cast<double>(q.Int(3)) / static_cast<double>(q.Int(4));
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
 Result<std::optional<NearAttempt>> MotionRows::NearestTo(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::optional<NearAttempt>> {
     Query q(db,

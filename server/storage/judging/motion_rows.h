@@ -29,6 +29,14 @@ struct NearAttempt {
   bool operator==(const NearAttempt&) const = default;
 };
 
+// A motion under an assignment. `near_share`: how far the nearest earlier motion was, over this
+// one's size; none: there was none before it.
+struct AssignedMotion {
+  Uuid attempt;
+  Sha256 content;
+  std::optional<double> near_share;
+};
+
 struct AttemptResult;  // result_rows.h
 
 // The motions of attempts, and how near they lie to others (schemas/motion.md).
@@ -39,6 +47,8 @@ class MotionRows {
   // The motions at the same exercise, any version of it on the same scene, that were sealed before
   // this attempt's; the newest `limit`. Anybody's.
   Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit);
+  // Of the assignment's attempts that are not excused; the newest `limit`.
+  Result<std::vector<AssignedMotion>> MotionsUnder(const Uuid& assignment, uint32_t limit);
   // None if there was no earlier one, or the recording was removed.
   Result<std::optional<NearAttempt>> NearestTo(const Uuid& attempt);
 

@@ -11,6 +11,12 @@
 namespace enamel::server {
 namespace {
 
+// As audited: a station by its name, as tickets are.
+std::string WhereOf(const SessionRow& session) {
+  const bool at_station = session.via == "station" && !session.device.empty();
+  return at_station ? session.via + " " + session.device : session.via;
+}
+
 // The token itself is never stored: somebody who reads the database cannot sign in with its
 // content.
 constexpr char kSessionSelect[] =
@@ -57,7 +63,7 @@ Status SessionRows::CreateSession(const SessionRow& session) {
     q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
     q.Bind(session.address).Bind(session.device);
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, Actor{session.person, session.via}, "session.begin",
+    return WriteAudit(db, Actor{session.person, WhereOf(session)}, "session.begin",
                       session.person.Text(), "{}",
                       session.address.empty() ? "{}" : JsonOf({{"address", session.address}}));
   });

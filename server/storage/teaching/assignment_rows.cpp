@@ -345,7 +345,7 @@ Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& pers
 
 namespace {
 
-// Where else the person works now: the name of a station that records an attempt of theirs.
+// Refuses while another station records an attempt of this person.
 Status MustBeNowhereElse(Db& db, const AttemptRow& row) {
   Query q(db,
           "SELECT s.name FROM attempts a JOIN stations s ON s.tenant = a.tenant AND s.id = "

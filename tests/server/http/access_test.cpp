@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "common/scoring/movement/motion.h"
 #include "common/timeline/deviation.h"
 #include "common/timeline/timeline.h"
 #include "tests/server/http/running_server.h"
@@ -140,6 +141,32 @@ TEST_F(AccessTest, InstructorListsOwnCohortsAndAdminAll) {
   EXPECT_EQ(AttemptIds("ben"), std::vector<std::string>{school_.toms_scored.Text()});
   EXPECT_EQ(AttemptIds("root").size(), 3u);
   EXPECT_EQ(AttemptIds("root", "?cohort=" + school_.cohort_b.Text()).size(), 1u);
+}
+
+TEST_F(AccessTest, HowTheHandMovedInAnExamIsToldToReviewersAlone) {
+  auto& store = *school_.store;
+  ASSERT_TRUE(store.engine->rows
+                  .Write([&](sql::Db& db) {
+                    return Query(db,
+                                 "UPDATE attempts SET exam = 1, assignment = ?2 WHERE tenant = ?1")
+                        .Bind(Uuid::New())
+                        .Run();
+                  })
+                  .ok());
+  scoring::Motion motion;
+  motion.hand = {1'500, 250'000, 0, 0};
+  auto result = *store.results.ResultOf(school_.sams_scored);
+  result.motion = *store.blobs.PutAttemptBlob(school_.sams_scored, scoring::EncodeMotion(motion));
+  ASSERT_TRUE(store.results.FinishAttempt(school_.sams_scored, result, {}).ok());
+  const boost::json::value told = Parsed(By("ada").Get(Scored())).at("evidence");
+  ASSERT_TRUE(told.is_object());
+  EXPECT_EQ(told.at("tremor_um").to_number<double>(), 1.5);
+  EXPECT_TRUE(told.at("too_calm").as_bool());
+  EXPECT_EQ(told.at("still_percent").to_number<double>(), 25);
+  EXPECT_TRUE(told.at("rank").is_null()) << "one attempt is no order";
+  EXPECT_EQ(told.at("of").to_number<int>(), 1);
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
+  EXPECT_TRUE(Parsed(By("sam").Get(Scored())).at("evidence").is_null());
 }
 
 TEST_F(AccessTest, WhoseMotionIsNearIsToldToWhoReviewsBothAlone) {

@@ -79,6 +79,30 @@ TEST_P(MotionStoreTest, TheNewestRunSaysWhetherItIsNear) {
   EXPECT_EQ(*store_->motions.NearestTo(copy), Near(first, false));
 }
 
+TEST_P(MotionStoreTest, MotionsUnderAnAssignmentAreItsOwnAndNotTheExcused) {
+  AssignmentRow row;
+  row.exercise = world_.exercise.name;
+  const Uuid assignment = store_->assignments.AddAssignment(row, kSystem)->id;
+  const Uuid another = store_->assignments.AddAssignment(row, kSystem)->id;
+  auto under = [&](const Uuid& which, const std::optional<NearAttempt>& nearest = {}) {
+    const Uuid attempt = world_.ScoredUnder(which);
+    Finish(attempt, nearest);
+    return attempt;
+  };
+  const Uuid first = under(assignment), near = under(assignment, Near(first, false));
+  const Uuid excused = under(assignment);
+  under(another);
+  ASSERT_TRUE(store_->judging.FlagAttempt(excused, kExcused, "power cut", kSystem).ok());
+  const auto rows = *store_->motions.MotionsUnder(assignment, 10);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].attempt, near) << "the newest first";
+  EXPECT_EQ(rows[0].content, Content(near));
+  EXPECT_EQ(rows[0].near_share, 12.0 / 1400);
+  EXPECT_EQ(rows[1].attempt, first);
+  EXPECT_FALSE(rows[1].near_share) << "there was none before it";
+  EXPECT_EQ(store_->motions.MotionsUnder(assignment, 1)->size(), 1u);
+}
+
 TEST_P(MotionStoreTest, ItGoesWithTheRecording) {
   const Uuid attempt = Moved();
   const Uuid run = store_->jobs.LeaseJob(1, 1000)->value().lease;

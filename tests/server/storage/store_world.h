@@ -70,8 +70,8 @@ struct World {
     return row;
   }
 
-  AttemptRow NewAttempt() { return NewAttemptOf(student); }
-  AttemptRow NewAttemptOf(const Uuid& person) {
+  // Not stored.
+  AttemptRow AttemptOf(const Uuid& person) const {
     AttemptRow row;
     row.id = Uuid::New();
     row.person = person;
@@ -79,6 +79,11 @@ struct World {
     row.exercise = exercise.id;
     row.profile_content = profile;
     row.ticketed_ms = 5;
+    return row;
+  }
+  AttemptRow NewAttempt() { return NewAttemptOf(student); }
+  AttemptRow NewAttemptOf(const Uuid& person) {
+    AttemptRow row = AttemptOf(person);
     EXPECT_TRUE(store.tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
     return row;
   }
@@ -130,8 +135,15 @@ struct World {
   }
 
   // Sealed and scored without a reference.
-  Uuid ScoredAttempt(double score = 80) {
-    Uuid attempt = OpenedAttempt();
+  Uuid ScoredAttempt(double score = 80) { return Scored(OpenedAttempt(), score); }
+  Uuid ScoredUnder(const Uuid& assignment) {
+    AttemptRow row = AttemptOf(student);
+    row.assignment = assignment;
+    EXPECT_TRUE(store.tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+    EXPECT_TRUE(store.tickets.OpenAttempt(row.id, AsBytes("header")).ok());
+    return Scored(row.id, 80);
+  }
+  Uuid Scored(const Uuid& attempt, double score) {
     EXPECT_TRUE(store.seals.SealAttempt(SealOf(Append(attempt, 1)), 200).ok());
     AttemptResult result;
     result.score = score;

@@ -28,6 +28,7 @@ import { QueueBar } from "./queue_bar";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
+import { Closer } from "./tooth_tools";
 import { playbackKeys } from "./use_playback";
 import { type Review, type Reviewed, useReview } from "./use_review";
 
@@ -208,12 +209,16 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
 // The recording, and what else is known of it.
 function Details({ review }: { readonly review: Review }) {
   const { attempt, scored } = review;
+  const { evidence } = attempt;
   return (
     <div class="columns">
       <RecordingPanel attempt={attempt} score={scored} />
       <div class="stack">
         <Contradictions attempt={attempt} />
         <Nearness near={attempt.nearness} />
+        {evidence !== null && (
+          <Closer show={({ EvidencePanel }) => <EvidencePanel attempt={attempt} evidence={evidence} />} />
+        )}
         {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
         {scored?.envelope != null && (
           <EnvelopePanel

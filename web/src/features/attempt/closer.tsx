@@ -1,6 +1,7 @@
-// What a tooth needs once it is cut open, measured or compared with another one, or its figures are unfolded: a part of
-// the page of its own.
+// What a tooth needs once it is cut open, measured or compared with another one, or its figures are unfolded, and how the
+// hand moved in an exam: a part of the page of its own.
 export { DeviationFigures } from "./deviation_figures";
+export { EvidencePanel } from "./evidence_panel";
 export { CompareBar, OtherTooth } from "./other_tooth";
 export { Measured } from "./profile";
 export { SectionLegend, SectionTools } from "./section_tools";
