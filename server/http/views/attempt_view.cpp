@@ -17,8 +17,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// An exam's attempt is compared with at most so many, which bounds what opening its page costs.
-constexpr uint32_t kMostCompared = 500;
+// An exam's attempt is compared with at most so many: each is a blob to read, from S3 a request.
+constexpr uint32_t kMostCompared = 100;
 constexpr UnixMs kSignInBeforeMs = 15 * 60 * 1000;
 constexpr uint32_t kMostSignIns = 20;
 
