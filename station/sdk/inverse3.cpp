@@ -21,7 +21,7 @@ constexpr const char* kHost = "localhost";
 constexpr const char* kPort = "10001";
 constexpr const char* kProfile = "inverse3";
 constexpr std::chrono::seconds kInventoryPatience{1};
-// Answers to a force in one form, before the other form is tried.
+// Answers without a position to a force in one form, before the other form is tried.
 constexpr int kQuestionsOfAForm = 20;
 // The service's documentation names a force's member in the first way, public clients in the second.
 constexpr std::array kForms = {"vector", "values"};
@@ -145,8 +145,8 @@ class Inverse3 final : public PolledBus {
     ENAMEL_RETURN_IF_ERROR(TakeInventory());
     for (form_ = 0; form_ < kForms.size(); ++form_) {
       if (HasPosition()) return Status::Ok();
+      if (!has_answered_) return SaysNothing(Name());
     }
-    if (!has_answered_) return SaysNothing(Name());
     return Status(Code::kUnavailable,
                   Name() + ": its service gives no position in answer to a force, named " +
                       kForms[0] + " or " + kForms[1] + ": update the service",
@@ -167,15 +167,19 @@ class Inverse3 final : public PolledBus {
     if (problem.empty()) return Status::Ok();
     return Status(Code::kUnavailable, Name() + ": " + problem, "device");
   }
-  // The service gives a position only to a client whose force it understood.
+  // The service gives a position only to a client whose force it understood. Only answers count
+  // against a form: one that is merely late must not leave the other form chosen, without a force.
   bool HasPosition() {
-    for (int i = 0; i < kQuestionsOfAForm; ++i) {
+    int without_position = 0;
+    for (int i = 0; i < kFirstQuestions && without_position < kQuestionsOfAForm; ++i) {
       Pose pose;
       if (!Send(dvec3(0))) return false;
       const Heard heard = Read(pose);
       if (heard == Heard::kPose) return true;
-      if (heard == Heard::kRefused) has_answered_ = true;
+      if (heard == Heard::kGone) return false;
+      without_position += heard == Heard::kRefused;
     }
+    has_answered_ = without_position == kQuestionsOfAForm;
     return false;
   }
 
