@@ -125,6 +125,11 @@ Status RunHandSigns(const HandSignsCommand& command) {
                 row.people, row.programs, row.area, row.standard_error, 100 * row.found_at_5,
                 100 * row.found_at_10, 100 * row.found_at_20);
   }
+  for (const SignRoc& row : rows) {
+    if (!row.threshold) continue;
+    std::printf("%s below %g: %.1f %% of people's by mistake, %.1f %% of programs'\n",
+                row.sign.c_str(), *row.threshold, 100 * row.mistaken, 100 * row.found);
+  }
   return WriteRows(command.json, HandSignsJson(rows));
 }
 

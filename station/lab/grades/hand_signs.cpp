@@ -31,12 +31,14 @@ constexpr int kVoxel_nm = 200'000;  // the tooth is only there to be cut
 struct Sign {
   const char* name;
   double HandSigns::*value;
+  std::optional<double> threshold{};
 };
-constexpr Sign kSigns[] = {{"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um},
-                           {"log dimensionless jerk", &HandSigns::jerk},
-                           {"spectral arc length", &HandSigns::arc_length},
-                           {"entropy of directions (bit)", &HandSigns::direction_bits},
-                           {"pauses (%)", &HandSigns::pause_percent}};
+constexpr Sign kSigns[] = {
+    {"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um, scoring::kLeastTremor_um},
+    {"log dimensionless jerk", &HandSigns::jerk},
+    {"spectral arc length", &HandSigns::arc_length},
+    {"entropy of directions (bit)", &HandSigns::direction_bits},
+    {"pauses (%)", &HandSigns::pause_percent}};
 
 // One of 26 directions: each axis forward, back or neither (less than half of the longest).
 size_t DirectionOf(const dvec3& step) {
@@ -125,7 +127,7 @@ SignRoc NearnessOfCopies(const std::vector<HandMotion>& motions, std::vector<dou
       }
     }
   }
-  return RocOf("nearness of a copy (of size)", again, std::move(copied));
+  return RocOf("nearness of a copy (of size)", again, std::move(copied), scoring::kNearOfSize);
 }
 
 // The device's own tip positions, once a tick of 1 kHz.
@@ -156,6 +158,12 @@ double FoundAt(double share, const std::vector<double>& people,
     lower += value < below ? 1 : 0;
   }
   return static_cast<double>(std::max(higher, lower)) / static_cast<double>(programs.size());
+}
+
+// Of values in order.
+double ShareBelow(double threshold, const std::vector<double>& values) {
+  const auto end = std::lower_bound(values.begin(), values.end(), threshold);
+  return static_cast<double>(end - values.begin()) / static_cast<double>(values.size());
 }
 
 }  // namespace
@@ -191,7 +199,8 @@ bool SignsOf(const dvec3* position_m, HandSigns& out) {
   return true;
 }
 
-SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs) {
+SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs,
+              std::optional<double> threshold) {
   std::sort(people.begin(), people.end());
   std::sort(programs.begin(), programs.end());
   SignRoc out;
@@ -213,6 +222,11 @@ SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> 
   out.found_at_5 = FoundAt(0.05, people, programs);
   out.found_at_10 = FoundAt(0.1, people, programs);
   out.found_at_20 = FoundAt(0.2, people, programs);
+  out.threshold = threshold;
+  if (threshold) {
+    out.mistaken = ShareBelow(*threshold, people);
+    out.found = ShareBelow(*threshold, programs);
+  }
   return out;
 }
 
@@ -267,13 +281,14 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
     std::vector<double> of_people, of_programs;
     for (const HandSigns& signs : people) of_people.push_back(signs.*sign.value);
     for (const HandSigns& signs : programs) of_programs.push_back(signs.*sign.value);
-    out.push_back(RocOf(sign.name, std::move(of_people), std::move(of_programs)));
+    out.push_back(RocOf(sign.name, std::move(of_people), std::move(of_programs), sign.threshold));
   }
   // A single recording has no repetition.
   if (motions.size() > 1) {
     std::vector<double> again;
     out.push_back(NearnessOfCopies(motions, again));
-    out.push_back(RocOf("nearness, same program (of size)", again, program_pairs));
+    out.push_back(
+        RocOf("nearness, same program (of size)", again, program_pairs, scoring::kNearOfSize));
   }
   return out;
 }
@@ -281,14 +296,18 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
 json::object HandSignsJson(const std::vector<SignRoc>& rows) {
   json::array out;
   for (const SignRoc& r : rows) {
-    out.push_back(json::object{{"figure", r.sign},
-                               {"people", r.people},
-                               {"programs", r.programs},
-                               {"area", r.area},
-                               {"standard_error", r.standard_error},
-                               {"found_at_5_percent", r.found_at_5},
-                               {"found_at_10_percent", r.found_at_10},
-                               {"found_at_20_percent", r.found_at_20}});
+    out.push_back(
+        json::object{{"figure", r.sign},
+                     {"people", r.people},
+                     {"programs", r.programs},
+                     {"area", r.area},
+                     {"standard_error", r.standard_error},
+                     {"found_at_5_percent", r.found_at_5},
+                     {"found_at_10_percent", r.found_at_10},
+                     {"found_at_20_percent", r.found_at_20},
+                     {"threshold", r.threshold ? json::value(*r.threshold) : json::value()},
+                     {"mistaken_at_threshold", r.mistaken},
+                     {"found_at_threshold", r.found}});
   }
   return {{"format", 1}, {"rows", std::move(out)}};
 }

@@ -2,6 +2,7 @@
 
 #include <boost/json/fwd.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,9 @@
 #include "common/math/vec.h"
 
 // Whether a motion distinguishes a person from a program: figures of single seconds of motion, of
-// recorded and of simulated people, and how well each figure separates the two. No threshold
-// follows from it: a person may move like a program and a program like a person. Thread safety:
+// recorded and of simulated people, and how well each figure separates the two. Thresholds of the
+// server are measured here; none decides anything: a person may move like a program and a program
+// like a person. Thread safety:
 // functions, any thread. Blocks.
 namespace enamel::station::lab {
 
@@ -37,9 +39,15 @@ struct SignRoc {
   // Share of the programs' seconds found when 5, 10 and 20 % of the people's are mistaken for a
   // program's, with the threshold on the side that finds more.
   double found_at_5 = 0, found_at_10 = 0, found_at_20 = 0;
+  // Where the server calls lower figures worth a look (scoring::kLeastTremor_um,
+  // scoring::kNearOfSize): below which, and the share of people's taken for a program's by mistake
+  // and of programs' found.
+  std::optional<double> threshold{};
+  double mistaken = 0, found = 0;
 };
 // Requires: both not empty.
-SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs);
+SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs,
+              std::optional<double> threshold = {});
 
 struct HandSignsOptions {
   std::string people;  // folder of CSV files as lab/laws/motions.h reads them

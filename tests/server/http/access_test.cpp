@@ -5,6 +5,8 @@
 #include "common/scoring/movement/motion.h"
 #include "common/timeline/deviation.h"
 #include "common/timeline/timeline.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/http/running_server.h"
 
 // Access rights: person × route, over the wire.

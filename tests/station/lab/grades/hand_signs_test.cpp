@@ -57,8 +57,8 @@ TEST(HandSignsTest, HandThatRestsSaysNothing) {
 TEST(HandSignsTest, TheDocumentIsTheSchemas) {
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_hand_signs.json");
   const std::string golden(std::istreambuf_iterator<char>(file), {});
-  EXPECT_EQ(boost::json::value(
-                HandSignsJson({{"tremor, 8 to 12 Hz (um)", 17, 111, 0.25, 0.125, 0.5, 0.75, 1}})),
+  EXPECT_EQ(boost::json::value(HandSignsJson({{"tremor, 8 to 12 Hz (um)", 17, 111, 0.25, 0.125, 0.5,
+                                               0.75, 1, 3.0, 0.0625, 0.5}})),
             boost::json::parse(golden));
 }
 
