@@ -26,7 +26,7 @@ constexpr int kQuestionsOfAForm = 20;
 // The service's documentation names a force's member in the first way, public clients in the second.
 constexpr std::array kForms = {"vector", "values"};
 
-// The member of an object. Null if it is not there or `in` is not an object.
+// The member of an object; null where `in` is no object or has no such member.
 const json::value* Member(const json::value* in, std::string_view name) {
   const json::object* object = in == nullptr ? nullptr : in->if_object();
   return object == nullptr ? nullptr : object->if_contains(name);

@@ -30,8 +30,8 @@ HandFigures FiguresOf(const ProcessRecorder& process);
 inline constexpr double kLeastTremor_um = 8;
 bool IsTooCalm(const HandFigures& figures);
 
-// One attempt as it is compared with the others of its assignment. `near_share`: distance to the
-// nearest earlier motion over the motion's own size; none: there was none.
+// What is compared between the attempts of an assignment. `near_share`: distance to the nearest
+// earlier motion over the motion's own size; none: there was none.
 struct HandRecord {
   HandFigures hand;
   std::optional<double> near_share;
