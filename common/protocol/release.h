@@ -6,7 +6,7 @@
 
 namespace enamel::protocol {
 
-// The release of Enamel that this program is of: "0.9.0".
+// The release of Enamel that this program belongs to: "0.9.0".
 std::string_view ThisRelease();
 
 // Whether a server and a station of these releases work together: of one major version, at most one

@@ -11,6 +11,7 @@ export const gradingFlows = [
   { name: "an assignment is graded by keyboard", run: gradingByKeys },
   { name: "a release by one key is taken back by another, on the next attempt and on the list", run: releaseTakenBack },
   { name: "a motion near another's shows which, with its figures", run: nearAnother },
+  { name: "an exam's attempt shows a reviewer how the hand moved, and the student nothing", run: handInExam },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
 ];
 
@@ -241,6 +242,21 @@ async function nearAnother(world) {
   await world.picture(page, "near_another");
   await card.getByRole("link").click();
   await page.waitForURL((url) => !url.pathname.endsWith(id(606)));
+}
+
+async function handInExam(world) {
+  const row = world.mock.attempts.find((attempt) => attempt.id === id(105));
+  row.exam = true;
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}`);
+  const card = page.locator(".card", { hasText: "How the hand moved" });
+  await card.waitFor();
+  const text = await card.innerText();
+  assert.match(text, /Of 24 attempts .+ this one is number 2/);
+  assert.match(text, /trembled less than/);
+  assert.match(text, /Nobody can know from this who held the tool/);
+  const student = await signedIn(world, "student", `/attempts/${id(105)}`);
+  await student.getByText("All measurements").waitFor();
+  assert.equal(await student.getByText("How the hand moved").count(), 0);
 }
 
 async function narrow(world) {

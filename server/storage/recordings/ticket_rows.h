@@ -22,11 +22,11 @@ class TicketRows {
 
   // Attempts and their traces. `ticket` is what OpenAttempt's header must contain: one ticket, one
   // attempt, one header. With an assignment: kForbidden when its attempt limit is used up (field
-  // "attempt_limit"), or, as an exam, when the person has another exam attempt that is not sealed
-  // (field "exam"), or has one that another station records (field "station", kElsewhereMs),
-  // unless kReadmitted is set; decided in the transaction, so that two stations cannot both have
-  // the last one. Errors also: kNotFound with field "person", "station" or
-  // "exercise" (which is not here), kConflict with field "person" (erased).
+  // "attempt_limit"); as an exam, when the person has another exam attempt that is not sealed
+  // (field "exam"); and when another station records an attempt of the person (field "station",
+  // kElsewhereMs). None of these where kReadmitted is set. Decided in the transaction, so that two
+  // stations cannot both have the last one. Errors also: kNotFound with field "person", "station"
+  // or "exercise" (which is not here), kConflict with field "person" (erased).
   Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by);
   // The attempt's ticket was handed back unused: sets kReturned, and the attempt can no longer be
   // opened. Again: nothing changes. Errors: kNotFound, kConflict (it was opened).
