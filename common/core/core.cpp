@@ -382,6 +382,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   Quat device = FromQuantised(input.orientation);
   bool faulted = (input.flags & kFaulted) != 0;
   bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
+  engagement_.LookAhead(volume_, {tip, device});
   CutRest();
   if (!bur_on_) FinishCut();
 

@@ -14,7 +14,7 @@ enum class PartId {
   kLabels,       // a tissue per voxel
   kUniform,      // bricks without a surface, stored
   kNeighbour,    // bricks of adjacent teeth
-  kBeyondReach,  // bricks the exercise's bur has no business in
+  kBeyondReach,  // bricks that no bur has come near, unpacked
   kTurning,      // resistance to turning the bur
   kTorque,       // torque for the device
   kTouchCues,    // knock on contact, chatter of the bur

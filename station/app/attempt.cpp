@@ -86,7 +86,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
   // Resumed: the tooth as already cut.
-  return render::Window::Create(w, job.core ? job.core->volume() : job.volume);
+  return render::Window::Create(w, job.core ? job.core->volume().Unpacked() : job.volume);
 }
 
 double Sum(const std::array<double, cutting::kTissueCount>& v) {

@@ -71,8 +71,8 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
     device = attempt->attached_.get();
   } else if (offer.operator_name.empty()) {
     PointerSettings settings;
-    settings.start_m =
-        p.core ? StartOf(params, p.core->volume(), kCavity_m) : StartOf(params, p.volume, 0);
+    settings.start_m = p.core ? StartOf(params, p.core->volume().Unpacked(), kCavity_m)
+                              : StartOf(params, p.volume, 0);
     attempt->mapping_.emplace(settings);
     attempt->pointer_ = std::make_unique<PointerDevice>(params.resolution_nm[0] * 1e-9,
                                                         1.0 / params.rate_hz, settings.start_m);
@@ -91,7 +91,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
-        ViewOf(p), p.core ? p.core->volume() : p.volume,
+        ViewOf(p), p.core ? p.core->volume().Unpacked() : p.volume,
         [zones = attempt->zones_.get(), reach = attempt->reach_.get()](const cutting::Volume& now) {
           zones->Look(now);
           reach->Look(now);

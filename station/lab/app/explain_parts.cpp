@@ -19,11 +19,13 @@ using scene::PartId;
 class Appraiser {
  public:
   explicit Appraiser(const Explained& subject)
-      : s_(subject), way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
+      : s_(subject),
+        packed_(s_.built.volume.Packed()),
+        way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
     ShowProgress("the tick as planned");
-    base_ = MeasureSteps(s_.params, s_.built.volume, way_, kReplays);
+    base_ = MeasureSteps(s_.params, packed_, way_, kReplays);
     // Twice: what the same thing differs by from itself is printed, so that nobody mistakes noise for a cost.
-    for (int i = 0; i < 2; ++i) Timed(s_.params, s_.built.volume);
+    for (int i = 0; i < 2; ++i) Timed(s_.params, packed_);
   }
 
   Appraisal Measure(std::vector<Part> parts) {
@@ -35,7 +37,7 @@ class Appraiser {
     ShowProgress("with and without, in turns");
     const std::vector<Interval> more = MoreThanFirst_us(cases_);
     out.base = base_;
-    out.volume_mb = volume_mb();
+    out.volume_mb = base_.volume_mb;
     out.noise_ns = Ns(more[1], 1);
     for (const Asked& a : asked_) out.rows[a.row].second.ns_per_tick = Ns(more[a.timed], a.sign);
     return out;
@@ -107,13 +109,15 @@ class Appraiser {
     return 1e-6 * static_cast<double>(m.uordblks + m.hblkhd);
   }
   static double Mb(const cutting::Volume& v) { return static_cast<double>(v.MemoryBytes()) * 1e-6; }
-  double volume_mb() const { return Mb(s_.built.volume); }
+  // Of the tooth with nothing packed. What other parts add or save is the difference from it, since a packed brick's
+  // size depends on its content.
+  double unpacked_mb() const { return Mb(s_.built.volume); }
 
   // The same with `other` for the volume; its hash must be equal.
   Worth Instead(cutting::Volume other, const char* what) {
-    Worth w{{}, Mb(other) - volume_mb(), what};
+    Worth w{{}, Mb(other) - unpacked_mb(), what};
     // Leaving out must not change a hash. This measurement also checks it.
-    if (Timed(s_.params, std::move(other)) != base_.state_hash)
+    if (Timed(s_.params, other.Packed()) != base_.state_hash)
       w.note += "; THE HASH DIFFERS: do not trust this plan";
     Ask(1);
     return w;
@@ -154,25 +158,23 @@ class Appraiser {
   Worth Neighbour(bool kept) {
     if (!kept) return {{}, 0.0, "there is none"};
     cutting::Volume without = scene::Without(s_.built.volume, cutting::Tissue::kNeighbour);
-    const double mb = volume_mb() - Mb(without);
-    Timed(s_.params, std::move(without));
+    const double mb = unpacked_mb() - Mb(without);
+    Timed(s_.params, without.Packed());
     Ask(-1);  // this one leaves out a part that the plan keeps
     return {{}, mb, "against the tooth alone"};
   }
 
   Worth BeyondReach() {
-    cutting::Volume inside =
-        scene::Pruned(s_.built.volume, scene::ReachOf(s_.built.scene, s_.exercise));
-    Worth w{{}, volume_mb() - Mb(inside), "the hash stays the same"};
-    if (Timed(s_.params, std::move(inside)) != base_.state_hash)
+    Worth w{{}, unpacked_mb() - base_.volume_mb, "all unpacked; the hash stays the same"};
+    if (Timed(s_.params, s_.built.volume) != base_.state_hash)
       w.note = "THE HASH DIFFERS: do not trust this plan";
-    Ask(-1);
+    Ask(1);
     return w;
   }
 
   // Against the same plan with other parameters of the core.
   Worth Against(const core::CoreParams& without, const char* what) {
-    Timed(without, s_.built.volume);
+    Timed(without, packed_);
     Ask(-1);
     return {{}, 0.0, what};
   }
@@ -231,6 +233,7 @@ class Appraiser {
   }
 
   const Explained& s_;
+  const cutting::Volume packed_;  // as a station holds it
   CutWay way_;
   StepCost base_;
   std::vector<TimedCase> cases_;  // the plan twice, then what is compared with it

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -31,6 +32,8 @@ double Resident_mb() {
 
 struct Figures {
   double mb = 0, resident_mb = 0, blob_mb = 0;
+  // Packed, as a station holds it; to unpack a brick, mean.
+  double packed_mb = 0, unpack_us = 0;
   size_t bricks = 0, stored = 0, labelled = 0;
 };
 
@@ -56,6 +59,14 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
     f.stored += volume.IsStored(b);
     f.labelled += volume.HasLabels(b);
   }
+  const cutting::Volume packed = volume.Packed();
+  f.packed_mb = static_cast<double>(packed.MemoryBytes()) * 1e-6;
+  cutting::BrickPhi room;
+  const auto from = std::chrono::steady_clock::now();
+  for (int b = 0; b < packed.spec().brick_count(); ++b)
+    if (packed.IsPacked(b)) (void)packed.Samples(b, room);
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - from;
+  f.unpack_us = took.count() / static_cast<double>(f.stored);
   return f;
 }
 
@@ -65,9 +76,12 @@ int Run(Options& options) {
   std::string method =
       "the volume as a station loads it from its blob; mb: what its arrays hold, 10^6 bytes; "
       "resident: growth of "
-      "the process over the loading";
-  std::printf("Method: %s.\n\n%-12s %7s %9s %9s %9s %9s %10s %10s\n", method.c_str(), "scene",
-              "voxel", "mb", "resident", "blob", "bricks", "stored", "labelled");
+      "the process over the loading; packed: the same tooth before its first cut at a station; us: "
+      "to unpack a "
+      "brick of it";
+  std::printf("Method: %s.\n\n%-12s %7s %9s %9s %9s %9s %6s %9s %10s %10s\n", method.c_str(),
+              "scene", "voxel", "mb", "resident", "blob", "packed", "us", "bricks", "stored",
+              "labelled");
   Rows rows("memory", method);
   std::string goals;
   size_t done = 0;
@@ -87,8 +101,9 @@ int Run(Options& options) {
         program::SayError(f.status().message());
         return 1;
       }
-      std::printf("%-12s %7.3f %9.1f %9.1f %9.1f %9zu %10zu %10zu", name.c_str(), voxel_um * 1e-3,
-                  f->mb, f->resident_mb, f->blob_mb, f->bricks, f->stored, f->labelled);
+      std::printf("%-12s %7.3f %9.1f %9.1f %9.1f %9.1f %6.1f %9zu %10zu %10zu", name.c_str(),
+                  voxel_um * 1e-3, f->mb, f->resident_mb, f->blob_mb, f->packed_mb, f->unpack_us,
+                  f->bricks, f->stored, f->labelled);
       if (coarser > 0) std::printf("  x%.1f", f->mb / coarser);
       std::printf("\n");
       // By the sum of the arrays: the process's growth includes the allocator's behaviour.
@@ -98,6 +113,8 @@ int Run(Options& options) {
                               {"mb", f->mb},
                               {"resident_mb", f->resident_mb},
                               {"blob_mb", f->blob_mb},
+                              {"packed_mb", f->packed_mb},
+                              {"unpack_us", f->unpack_us},
                               {"stored_bricks", f->stored},
                               {"labelled_bricks", f->labelled}};
       if (coarser > 0) row["growth_per_halving"] = f->mb / coarser;

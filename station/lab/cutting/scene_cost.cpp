@@ -82,6 +82,7 @@ StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& vol
     for (int64_t units : core.removed()) removed += units;
     cost.removed_mm3 = cutting::RemovedUnitsToM3(removed, volume.spec().voxel_m()) * 1e9;
     cost.state_hash = core.state_hash();
+    cost.volume_mb = 1e-6 * static_cast<double>(core.volume().MemoryBytes());
   }
   Spread spread = SpreadOf(std::move(least));
   cost.mean_us = spread.mean;

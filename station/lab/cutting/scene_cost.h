@@ -24,6 +24,7 @@ struct StepCost {
   double mean_us = 0, p99_us = 0;  // over ticks, each the minimum of all replays
   double removed_mm3 = 0;          // in all ticks
   double engaged_share = 0;        // of the measured ticks
+  double volume_mb = 0;            // of the tooth after all ticks
   uint64_t state_hash = 0;
 };
 // Times every tick of `replays` runs on fresh cores with the steady clock (its own 25 ns or so

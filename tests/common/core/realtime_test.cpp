@@ -27,7 +27,7 @@ TEST(RealtimeTest, NoTickAllocates) {
     p.shank_radius_nm = 800'000;
     p.chatter_cue_mn = p.contact_cue_mn = 200;
     p.cue_energy_nj = 100'000;
-    Core core(p, test::Block(50'000, 3e-3, 3e-3));
+    Core core(p, test::Block(50'000, 3e-3, 3e-3).Packed());
     testing_support::AllocationGuard guard;
     for (int tick = 0; tick < 4000; ++tick) {
       TickInput in = test::Stroke(tick);
@@ -85,7 +85,7 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
 // pose.
 TEST(RealtimeTest, OrdinaryCuttingIsFarFromTheBounds) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
-  Core core(p, test::Block(50'000, 3e-3, 3e-3));
+  Core core(p, test::Block(50'000, 3e-3, 3e-3).Packed());
   int cuts = 0, samples = 0;
   for (int tick = 0; tick < 6000; ++tick) {
     core.Step(test::Stroke(tick));

@@ -112,8 +112,9 @@ TEST(TorqueTest, AHeldTwistFallsAsTheEngagementsRotationalDampingSays) {
   }());
   // In the first ticks the hole is the bur's own print.
   Seated same(p, 1.5e-3);
-  reader.Sample(same.core.volume(), {dvec3(0, 0, -1.5e-3), Quat{}});
-  const double b = reader.ReadRotational(same.core.volume(), dvec3(1, 0, 0)).damping_n_m_s.xx;
+  cutting::Volume tooth = same.core.volume();
+  reader.Sample(tooth, {dvec3(0, 0, -1.5e-3), Quat{}});
+  const double b = reader.ReadRotational(tooth, dvec3(1, 0, 0)).damping_n_m_s.xx;
   ASSERT_GT(b, 0.01);
   for (int tick : {10, 30, 45}) {
     const double theta = 0.02 * std::exp(-tick * 1e-3 * 0.8 / b);
