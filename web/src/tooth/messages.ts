@@ -76,7 +76,7 @@ export interface AngledView {
 // A plane that hides what is in front of it.
 export interface SectionPlane {
   readonly across: "x" | "y" | "z" | "view"; // what the plane stands across: an axis of the scene, or the line of sight
-  readonly share: number; // −1 … 1 of the tooth's radius from its middle
+  readonly share: number; // 0: through the middle of the cavity; −1 and 1: past the tooth's ends
   readonly flipped: boolean; // hides the other side
 }
 

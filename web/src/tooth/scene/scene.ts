@@ -262,7 +262,7 @@ export class ToothScene implements FilmScreen {
   private draw(): void {
     const { gl, sight } = this;
     if (this.size.width < 1 || this.detail === "none" || gl.isContextLost()) return;
-    const { centreMm, radiusMm } = this.extent;
+    const { centreMm, radiusMm } = sight.cutOpen;
     const { section } = this;
     section.update(centreMm, radiusMm, sight.away, () => this.blocks.meshes());
     this.targetCut.update(centreMm, radiusMm, sight.away, () => this.target);

@@ -148,3 +148,11 @@ test("a view that is asked for before it is known where the tooth is stays as it
   assert.ok(sameLook(early.look(), wanted), JSON.stringify(early.look()));
   assert.ok(sameLook(late.look(), wanted), JSON.stringify(late.look()));
 });
+
+test("a section begins in the middle of the cavity and reaches both ends of the tooth", () => {
+  const { centreMm, radiusMm } = sight(kLowerRight, { ...kAngled, cavity: kCavity }).cutOpen;
+  assert.deepEqual(centreMm, kCavity.centreMm);
+  const aside = Math.hypot(0.5, 2.5, 0); // from the tooth's middle
+  assert.ok(Math.abs(radiusMm - (10 + aside)) < 1e-9, String(radiusMm));
+  assert.deepEqual(sight(kLowerRight).cutOpen, { centreMm: [1, -2, 3], radiusMm: 10 }, "where no cavity is known");
+});

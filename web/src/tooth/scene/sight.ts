@@ -89,6 +89,13 @@ export class Sight {
     return product(this.projection, this.fromScene);
   }
 
+  // Where a section begins, the middle of the cavity, and how far it can be moved: past either end of the tooth.
+  get cutOpen(): Extent {
+    const centreMm = this.angled.cavity?.centreMm ?? this.centre;
+    const aside = sub(centreMm, this.centre);
+    return { centreMm, radiusMm: this.radius + Math.sqrt(dot(aside, aside)) };
+  }
+
   // The way from the camera through a place of the picture, −1 … 1 to the right and up.
   wayThrough(right: number, up: number): Vec {
     const [x, y, back] = this.axes();
