@@ -78,9 +78,9 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
           {p.position_m / voxel_m, p.normal, p.area_m2, p.normal.z * p.normal.z, shank});
     }
   };
-  // Three voxels apart, or as near as kMaxPoints allows: 0.26 mm for a cylinder of 0.6 x 4 mm.
-  add(SampleSurface(bur, 3 * voxel_m, kMaxPoints), false);
-  add(SampleShank(bur, 3 * voxel_m, kMaxShankPoints), true);
+  // At the finest 0.26 mm apart for a cylinder of 0.6 x 4 mm.
+  add(SampleSurface(bur, kSpacing_voxels * voxel_m, kMaxPoints), false);
+  add(SampleShank(bur, kSpacing_voxels * voxel_m, kMaxShankPoints), true);
   for (size_t t = 0; t < kTissueCount; ++t) {
     per_area_.lateral[t] = damping.lateral[t] / kReferenceArea_m2;
     per_area_.axial[t] = damping.axial[t] / kReferenceArea_m2;

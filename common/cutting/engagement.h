@@ -79,6 +79,7 @@ class EngagementReader {
  public:
   static constexpr double kReferenceArea_m2 = 0.6e-3 * 4e-3 * 1.57079632679489661923;
   static constexpr size_t kMaxPoints = 256, kMaxShankPoints = 160;
+  static constexpr double kSpacing_voxels = 3;  // of the points, or as near as these numbers allow
   static constexpr double kGrazing = 0.06, kRamp = 0.12;  // rates
 
   EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping);

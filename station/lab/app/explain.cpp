@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/base/file.h"
+#include "common/cutting/voxel_limit.h"
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
@@ -12,7 +13,6 @@
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "station/lab/app/explain_steps.h"
-#include "station/lab/cutting/voxel_limit.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -82,24 +82,18 @@ json::object PartJson(const Part& part, const Worth& worth) {
 Status CheckVoxel(const Explained& s, json::object& out) {
   const cutting::Bur bur = core::BurOf(s.params);
   const int32_t voxel_nm = s.built.scene.voxel_nm;
-  ShowProgress("force of the bur at this voxel");
-  const double off = VoxelForceError(bur, voxel_nm);
-  const VoxelVerdict verdict = JudgeVoxel(off, s.exercise.graded);
+  const double off = cutting::VoxelForceError(bur, voxel_nm);
+  const auto coarse = cutting::WhyTooCoarse(bur, voxel_nm, s.exercise.graded);
   out["voxel_force_error"] = off;
-  out["voxel_verdict"] = VoxelVerdictName(verdict);
-  if (verdict == VoxelVerdict::kFine) {
-    EndProgress();
-    std::printf("\nforce of this bur at this voxel: off by %.1f %% in a groove, as the grid lies\n",
-                100 * off);
+  out["voxel_verdict"] = !coarse ? "fine" : s.exercise.graded ? "refused" : "warned";
+  if (!coarse) {
+    std::printf("\nforce of this bur at this voxel: off by up to %.1f %% in a groove\n", 100 * off);
     return Status::Ok();
   }
-  const std::string text =
-      VoxelText(bur, voxel_nm, off, s.exercise.graded, FinerVoxel_nm(bur, voxel_nm));
-  EndProgress();
-  if (verdict == VoxelVerdict::kRefused)
-    return Status(Code::kInvalidInput, "exercise '" + s.exercise.name + "' is graded: " + text,
+  if (s.exercise.graded)
+    return Status(Code::kInvalidInput, "exercise '" + s.exercise.name + "' is graded: " + *coarse,
                   "voxel_um");
-  program::SayWarning(text);
+  program::SayWarning(*coarse);
   return Status::Ok();
 }
 

@@ -22,7 +22,7 @@ struct ExplainCommand {
 // Prints every part of an attempt's plan: kept or left out, why, and what it costs or saves on this
 // machine, measured now: with it and without it take turns, and what an interval cannot tell from nothing is
 // called noise (suites/joint_front.h). Then how far off the bur's force is at this voxel
-// (cutting/voxel_limit.h). With a budget also: for practice, the voxel size, law and rate that fit it and
+// (common/cutting/voxel_limit.h). With a budget also: for practice, the voxel size, law and rate that fit it and
 // are felt best, from the joint front measured now; for a graded exercise, whether this machine can
 // run its fixed settings. Errors: those of the scene; kUnavailable when a graded exercise does not
 // fit, or nothing does; kInvalidInput ("voxel_um") when a graded exercise's voxel is too coarse for its bur.

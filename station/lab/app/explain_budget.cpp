@@ -6,7 +6,7 @@
 #include "common/import/scene_folder.h"
 #include "common/scene/plan.h"
 #include "station/lab/app/explain_steps.h"
-#include "station/lab/cutting/voxel_limit.h"
+#include "station/lab/cutting/force_error.h"
 #include "station/lab/report/report.h"
 #include "station/lab/suites/joint_front.h"
 
@@ -100,7 +100,7 @@ class Budget {
     }
     const cutting::Bur bur = core::BurOf(s_.params);
     for (const auto& volume : volumes)
-      axes.force_errors.emplace_back(volume.first, VoxelForceError(bur, volume.first));
+      axes.force_errors.emplace_back(volume.first, MeasureForceError(bur, volume.first));
     axes.laws = LawChoices({});  // the core leaves the estimator to the law
     axes.default_voxel_nm = s_.built.scene.voxel_nm;
     axes.ways_m = {WanderingMotion(kHuman_m_per_s, kDuration_s, 1).way_m};

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/program/log.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/bench/peers.h"
@@ -67,7 +68,7 @@ std::vector<CutCase> Cases(bool quick) {
 }
 
 void PrintRow(const CutCase& c, const TickCost& t, double growth) {
-  std::printf("%-36s %-6s %6.3f %5g %6zu %9.2f %8.2f %9.2f %8.2f %10.4f", BurText(c).c_str(),
+  std::printf("%-36s %-6s %6.3f %5g %6zu %9.2f %8.2f %9.2f %8.2f %10.4f", BurText(c.bur).c_str(),
               SunkName(c.sunk), c.voxel_nm * 1e-6, c.speed_m_s * 1e3, t.ticks, t.mean_us, t.p99_us,
               t.raw_mean_us, t.raw_p99_us, t.removed_mm3);
   if (growth > 0) std::printf("  x%.1f", growth);
@@ -78,8 +79,8 @@ void PrintGoals(const CutCase& c, const TickCost& t) {
   if (!IsHeadline(c)) return;
   for (const Goal& g : kGoals) {
     if (g.voxel_nm != c.voxel_nm) continue;
-    std::printf("  %s, %s embedded, %g mm/s, %g mm: mean %s us, p99 %s us\n", BurText(c).c_str(),
-                SunkName(c.sunk), c.speed_m_s * 1e3, c.voxel_nm * 1e-6,
+    std::printf("  %s, %s embedded, %g mm/s, %g mm: mean %s us, p99 %s us\n",
+                BurText(c.bur).c_str(), SunkName(c.sunk), c.speed_m_s * 1e3, c.voxel_nm * 1e-6,
                 AgainstGoal(t.mean_us, g.mean_us).c_str(), AgainstGoal(t.p99_us, g.p99_us).c_str());
   }
 }
@@ -121,7 +122,7 @@ void ComparePeers(Rows& rows) {
                   one.what.c_str(), one.mean_us, one.p99_us, one.removed_mm3, over_tick,
                   over_cutter);
       rows.Add({{"peer", one.what},
-                {"bur", BurText(c)},
+                {"bur", BurText(c.bur)},
                 {"voxel_mm", c.voxel_mm()},
                 {"speed_mm_s", c.speed_m_s * 1e3},
                 {"ticks", tick.ticks},
@@ -158,7 +159,7 @@ int Run(const Options& options) {
     TickCost cost;
     {
       Progress progress;
-      std::string what = BurText(c) + ", voxel " + std::to_string(c.voxel_nm / 1000) + " um";
+      std::string what = BurText(c.bur) + ", voxel " + std::to_string(c.voxel_nm / 1000) + " um";
       cost = TimeTicks(MakeCutPath(c, options.ticks), options.replays, [&](int done, int all) {
         progress.Show(what, (static_cast<double>(i) + static_cast<double>(done) / all) /
                                 static_cast<double>(cases.size()));
@@ -171,7 +172,7 @@ int Run(const Options& options) {
           "deterministic here");
       return 1;
     }
-    double& before = coarser[{BurText(c), c.sunk, c.speed_m_s}];
+    double& before = coarser[{BurText(c.bur), c.sunk, c.speed_m_s}];
     double growth = before > 0 ? cost.mean_us / before : 0;
     before = cost.mean_us;
     if (IsHeadline(c)) {
@@ -179,7 +180,7 @@ int Run(const Options& options) {
       worst_growth = std::max(worst_growth, growth);
     }
     PrintRow(c, cost, growth);
-    boost::json::object row{{"bur", BurText(c)},
+    boost::json::object row{{"bur", BurText(c.bur)},
                             {"sunk", SunkName(c.sunk)},
                             {"voxel_mm", c.voxel_nm * 1e-6},
                             {"speed_mm_s", c.speed_m_s * 1e3},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/cutting/cutter.h"
+#include "common/cutting/voxel_limit.h"
 #include "common/surface/surface.h"
 #include "station/lab/cutting/swept_body.h"
 
@@ -104,7 +105,8 @@ std::vector<CuttingFigures> MeasureCutting(
     for (int32_t voxel_nm : plan.voxels_nm) {
       c.voxel_nm = voxel_nm;
       if (progress)
-        progress(BurText(c) + " at " + std::to_string(voxel_nm / 1000) + " um", out.size(), all);
+        progress(BurText(c.bur) + " at " + std::to_string(voxel_nm / 1000) + " um", out.size(),
+                 all);
       CuttingFigures f;
       f.c = c;
       for (size_t i = 0; i < plan.grids; ++i) {

@@ -90,7 +90,8 @@ core::TickInput InputAt(const CutCase& c, const dvec3& tip_m) {
   }
   // Lying: +z of the bur becomes +y of the block.
   Quat own = c.sunk == Sunk::kLying ? Quat{kLow, 0, 0, -kLow} : Quat{};
-  in.orientation = ToQuantised(turn * own);
+  const Quat spun{0, 0, std::sin(c.spun_rad / 2), std::cos(c.spun_rad / 2)};
+  in.orientation = ToQuantised(turn * own * spun);
   in.flags = core::kBurOn;
   in.bur_speed_krpm = 200;
   return in;
@@ -133,18 +134,6 @@ Spread SpreadOf(std::vector<double> values) {
 
 const char* SunkName(Sunk sunk) {
   return sunk == Sunk::kHalf ? "half" : sunk == Sunk::kWhole ? "whole" : "lying";
-}
-
-std::string BurText(const CutCase& c) {
-  char text[96];
-  std::string name(cutting::BurShapeName(c.bur.shape));
-  int n = std::snprintf(text, sizeof text, "%s r %g", name.c_str(), c.bur.radius_m * 1e3);
-  auto append = [&](const char* format, double m) {
-    n += std::snprintf(text + n, sizeof text - static_cast<size_t>(n), format, m * 1e3);
-  };
-  if (c.bur.narrow_radius_m > 0) append(" to %g", c.bur.narrow_radius_m);
-  if (c.bur.shape != cutting::BurShape::kSphere) append(" x %g", c.bur.length_m);
-  return std::string(text) + " mm";
 }
 
 std::vector<CutCase> BurCases() {

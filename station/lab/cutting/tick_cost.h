@@ -31,12 +31,12 @@ struct CutCase {
   bool plunge = false;
   // Where the grid's samples lie: moved by this share of a voxel along each axis.
   dvec3 grid_at{0};
+  // The bur's turn about its own axis, rad: which of its points are ahead.
+  double spun_rad = 0;
   uint32_t rate_hz = 1000;
 
   double voxel_mm() const { return voxel_nm * 1e-6; }
 };
-// "cylinder r 0.6 x 4 mm".
-std::string BurText(const CutCase& c);
 // One case per bur shape, in the sizes of dental burs, the headline's cylinder first.
 std::vector<CutCase> BurCases();
 

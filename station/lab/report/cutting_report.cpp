@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/cutting/voxel_limit.h"
+
 namespace enamel::station::lab {
 namespace {
 
@@ -15,7 +17,7 @@ std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> ByBur(const 
   for (const CuttingRow& row : f.cutting) {
     // One speed: three would make three lines a bur, too similar to distinguish.
     if (row.figures.c.speed_m_s != speed || row.figures.c.plunge) continue;
-    std::string name = BurText(row.figures.c);
+    std::string name = BurText(row.figures.c.bur);
     if (out.empty() || out.back().first != name) out.push_back({name, {}});
     out.back().second.push_back(&row);
   }
@@ -68,7 +70,7 @@ Plot OrderPlot(const Findings& f, const char* quantity, const char* what) {
     p.y_label = std::string(what) + ", RMS over grids, " + row.unit;
     char order[48];
     std::snprintf(order, sizeof order, ", order %.1f", row.observed.order);
-    Series line{BurText(row.c) + order, ColourOf(i++), Style::kLine, {}};
+    Series line{BurText(row.c.bur) + order, ColourOf(i++), Style::kLine, {}};
     for (size_t v = 0; v < row.rms.size(); ++v)
       line.points.push_back({row.voxels_mm[v], row.rms[v]});
     p.series.push_back(std::move(line));
@@ -87,7 +89,7 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
     const CuttingFigures& c = row.figures;
     const CutErrors& first = c.grids[0];
     rows.push_back(boost::json::object{{"suite", "cutting"},
-                                       {"bur", BurText(c.c)},
+                                       {"bur", BurText(c.c.bur)},
                                        {"way", c.c.plunge ? "plunge" : "groove"},
                                        {"voxel_mm", c.c.voxel_mm()},
                                        {"speed_mm_s", c.c.speed_m_s * 1e3},
@@ -110,7 +112,7 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
   for (const OrderRow& o : f.orders) {
     rows.push_back(boost::json::object{
         {"suite", "order"},
-        {"bur", BurText(o.c)},
+        {"bur", BurText(o.c.bur)},
         {"way", o.c.plunge ? "plunge" : "groove"},
         {"speed_mm_s", o.c.speed_m_s * 1e3},
         {"quantity", o.quantity},

@@ -16,6 +16,9 @@ void AddTiming(SuiteContext& context);
 // balance must stay above its floor; a table shows how far beyond it nothing swings.
 void AddMargins(SuiteContext& context);
 
+// The largest voxel that graded work may have with each bur (common/cutting/voxel_limit.h), cut.
+void AddVoxelLimits(std::vector<ExtremeRow>* rows);
+
 // The rows that failed, and how many passed.
 Table ExtremeTable(const Findings& findings);
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/cutting/voxel_limit.h"
+#include "station/lab/cutting/force_error.h"
 #include "station/lab/suites/extreme_cases.h"
 
 namespace enamel::station::lab {
@@ -137,6 +139,21 @@ void AddEvents(const DeviceModel& m, std::vector<ExtremeRow>* rows) {
     s.b = Sym3{};
     return Steady(k);
   });
+}
+
+void AddVoxelLimits(std::vector<ExtremeRow>* rows) {
+  for (const CutCase& c : BurCases()) {
+    const int32_t voxel_nm = cutting::LargestVoxel_nm(c.bur);
+    ExtremeRow row;
+    row.name = "largest voxel of a " + std::string(cutting::BurShapeName(c.bur.shape)) + ", " +
+               std::to_string(voxel_nm / 1000) + " um";
+    row.quantity = "force off B v, RMS over ways to travel";
+    row.unit = "%";
+    row.most = 100 * cutting::kMostVoxelForceError;
+    row.found = 100 * MeasureForceError(c.bur, voxel_nm);
+    row.within_peak = true;
+    rows->push_back(row);
+  }
 }
 
 }  // namespace enamel::station::lab

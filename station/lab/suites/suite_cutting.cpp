@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "station/lab/cutting/voxel_limit.h"
+#include "common/cutting/voxel_limit.h"
+#include "station/lab/cutting/force_error.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
@@ -46,7 +47,7 @@ Table CuttingTable(const Findings& f) {
       "of this bur, way and speed is both cheaper and closer to the body (p95).";
   for (const CuttingRow& row : f.cutting) {
     const CuttingFigures& c = row.figures;
-    t.rows.push_back({BurText(c.c), WayOf(c.c), F(c.c.voxel_mm(), "%.3g"),
+    t.rows.push_back({BurText(c.c.bur), WayOf(c.c), F(c.c.voxel_mm(), "%.3g"),
                       F(c.c.speed_m_s * 1e3, "%g"), F(c.grids[0].removed_mm3),
                       F(100 * row.RmsOf(&CutErrors::volume), "%.3f"),
                       F(row.RmsOf(&CutErrors::surface_p95_um), "%.2f"), F(c.grids[0].force_mean_n),
@@ -104,13 +105,13 @@ Table OrderTable(const std::vector<OrderRow>& orders) {
       "has a floor, at most the last RMS. Causes: volume and surface, poses that are passed over "
       "(common/cutting/sweep.h), and of a sharp edge that moves along its own slope "
       "(common/cutting/cutter.h). The reference follows the bur's tip as the core reports it: how "
-      "far the tip is from the hand is not in these errors. What makes the force's floor is not "
-      "known.";
+      "far the tip is from the hand is not in these errors. Force: no grid "
+      "changes how the few points of a bur lie to the way (common/cutting/voxel_limit.h).";
   t.head = {"bur", "way", "mm/s", "quantity", "RMS", "order", "interval", "floor"};
   for (const OrderRow& o : orders) {
     std::string rms;
     for (double e : o.rms) rms += (rms.empty() ? "" : " / ") + F(e, "%.3g");
-    t.rows.push_back({BurText(o.c), WayOf(o.c), F(o.c.speed_m_s * 1e3, "%g"), o.quantity,
+    t.rows.push_back({BurText(o.c.bur), WayOf(o.c), F(o.c.speed_m_s * 1e3, "%g"), o.quantity,
                       rms + " " + o.unit, F(o.observed.order, "%.2f"),
                       F(o.observed.low, "%.2f") + " to " + F(o.observed.high, "%.2f"),
                       std::isnan(o.floor) ? "" : F(o.floor, "%.3g") + " " + o.unit});
@@ -123,15 +124,18 @@ Table LimitTable() {
   Table t;
   t.title = "Cutting: error of the force by bur and voxel, %, and what that allows";
   t.note =
-      "RMS over grids that lie differently, in a groove turned off the grid. *: beyond 10 %, where "
-      "graded work is refused and practice is warned ('explain').";
-  t.head = {"bur", "0.2 mm", "0.1 mm", "0.05 mm"};
+      "RMS over twelve ways to travel, in a groove turned off the grid, then the bound that is "
+      "kept. *: the bound is beyond 10 %, so that graded work is refused and practice is warned "
+      "(common/cutting/voxel_limit.h).";
+  t.head = {"bur", "0.2 mm", "0.1 mm", "0.05 mm", "largest voxel, mm"};
   for (const CutCase& c : BurCases()) {
-    std::vector<std::string> row = {BurText(c)};
+    std::vector<std::string> row = {BurText(c.bur)};
     for (int32_t voxel_nm : {200'000, 100'000, 50'000}) {
-      const double off = VoxelForceError(c.bur, voxel_nm);
-      row.push_back(F(100 * off, "%.1f") + (off > kMostVoxelForceError ? " *" : ""));
+      const double bound = cutting::VoxelForceError(c.bur, voxel_nm);
+      row.push_back(F(100 * MeasureForceError(c.bur, voxel_nm), "%.1f") + " / " +
+                    F(100 * bound, "%.1f") + (bound > cutting::kMostVoxelForceError ? " *" : ""));
     }
+    row.push_back(F(cutting::LargestVoxel_nm(c.bur) * 1e-6, "%.3f"));
     t.rows.push_back(std::move(row));
   }
   return t;

@@ -153,6 +153,7 @@ void RunExtremeSuite(SuiteContext& c) {
     AddResolutionMass(c, m);
     AddEvents(m, &c.findings.extremes);
   }
+  AddVoxelLimits(&c.findings.extremes);
   AddTiming(c);
   AddMargins(c);
   c.findings.tables.push_back(ExtremeTable(c.findings));

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <memory>
 
-#include "station/lab/cutting/cutting_error.h"
+#include "station/lab/cutting/force_error.h"
 #include "station/lab/suites/joint_front.h"
 #include "station/lab/suites/suites.h"
 
@@ -37,21 +37,6 @@ CutCase CaseAt(int32_t voxel_nm, double rate_hz) {
   return c;
 }
 
-std::vector<std::pair<int32_t, double>> ForceErrors(const std::vector<int32_t>& voxels_nm) {
-  CuttingPlan plan;
-  plan.cases = {CaseAt(voxels_nm[0], 1000)};
-  plan.cases[0].oblique = true;
-  plan.voxels_nm = voxels_nm;
-  plan.ticks = 300;
-  plan.replays = 1;
-  std::vector<std::pair<int32_t, double>> out;
-  for (CuttingFigures& f : MeasureCutting(plan)) {
-    const CuttingRow row{std::move(f), false};
-    out.emplace_back(row.figures.c.voxel_nm, row.RmsOf(&CutErrors::force));
-  }
-  return out;
-}
-
 JointAxes AxesOf(SuiteContext& c, const DeviceModel& m) {
   JointAxes axes;
   for (double rate : c.options.quick ? std::vector<double>{1000, 4000}
@@ -66,7 +51,8 @@ JointAxes AxesOf(SuiteContext& c, const DeviceModel& m) {
                               return Spread{cost.mean_us, cost.p99_us};
                             }}});
     }
-  axes.force_errors = ForceErrors(voxels);
+  for (int32_t voxel : voxels)
+    axes.force_errors.emplace_back(voxel, MeasureForceError(BurCases()[0].bur, voxel));
   axes.laws = LawChoices(Estimators(c.options.quick));
   for (uint64_t seed = 1; seed <= (c.options.quick ? 1 : 2); ++seed)
     axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);

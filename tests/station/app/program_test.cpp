@@ -317,7 +317,7 @@ TEST_F(ProgramTest, WhereTheLogIsJsonNoProgressIsShown) {
   const std::string facts = (folder_ / "facts.json").string();
   for (const std::string& arguments :
        {std::string("calibrate --device simulated:bhhd3"),
-        "explain builtin:block --voxel-um 200 --budget-us 100000 --json " + facts}) {
+        "explain builtin:block --voxel-um 150 --budget-us 100000 --json " + facts}) {
     Outcome out = RunProgram("--log-format json " + arguments, kErrors);
     EXPECT_EQ(out.code, 0) << arguments << ": " << out.text;
     EXPECT_EQ(out.text, "") << arguments;

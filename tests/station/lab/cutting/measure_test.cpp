@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/trace/replay.h"
 #include "station/lab/cutting/attempt.h"
 #include "station/lab/cutting/cutting_error.h"
@@ -90,11 +91,11 @@ TEST(CuttingErrorTest, EveryBurIsWithinAPercentOfItsSweptVolumeAndAVoxelOfItsSur
   ASSERT_EQ(figures.size(), 7u);
   for (const CuttingFigures& f : figures) {
     const CutErrors& e = f.grids[0];
-    EXPECT_LT(std::fabs(e.volume), 0.01) << BurText(f.c);
-    EXPECT_GT(e.vertices, 100u) << BurText(f.c);
-    EXPECT_LT(e.surface_p95_um, 100) << BurText(f.c);
-    EXPECT_LT(e.surface_mean_um, e.surface_p95_um) << BurText(f.c);
-    EXPECT_LT(e.force, 0.15) << BurText(f.c);
+    EXPECT_LT(std::fabs(e.volume), 0.01) << BurText(f.c.bur);
+    EXPECT_GT(e.vertices, 100u) << BurText(f.c.bur);
+    EXPECT_LT(e.surface_p95_um, 100) << BurText(f.c.bur);
+    EXPECT_LT(e.surface_mean_um, e.surface_p95_um) << BurText(f.c.bur);
+    EXPECT_LT(e.force, 0.15) << BurText(f.c.bur);
   }
 }
 

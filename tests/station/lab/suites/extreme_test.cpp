@@ -51,6 +51,14 @@ TEST(ExtremeTest, EventsComeOutAsTheyMust) {
     EXPECT_TRUE(r.Passed()) << r.name << ": " << r.Expected() << ", found " << r.Found();
 }
 
+TEST(ExtremeTest, TheLargestVoxelOfEachBurKeepsTheForceWithinTenPercent) {
+  std::vector<ExtremeRow> rows;
+  AddVoxelLimits(&rows);
+  EXPECT_EQ(rows.size(), BurCases().size());
+  for (const ExtremeRow& r : rows)
+    EXPECT_TRUE(r.Passed()) << r.name << ": " << r.Expected() << ", found " << r.Found();
+}
+
 TEST(ExtremeTest, TimingAndMarginsHoldAtTheProfilesKcAndAreLostAtEightTimesIt) {
   Suite at_profile, stiff(8);
   for (Suite* s : {&at_profile, &stiff}) AddTiming(s->context);
