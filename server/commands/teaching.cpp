@@ -19,6 +19,7 @@
 #include "server/commands/prepared.h"
 #include "server/commands/say.h"
 #include "server/jobs/comparison.h"
+#include "server/jobs/exercise_check.h"
 #include "server/training/names.h"
 #include "server/training/ticket_rules.h"
 
@@ -103,8 +104,8 @@ Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const Ex
   return CheckReference(exam, version, comparable);
 }
 
-// What the publisher has to know: others' work does not change, and graded work waits for a
-// reference.
+// What the publisher has to know: others' work does not change, practice may be coarse, and graded
+// work waits for a reference.
 Status SayWhatFollows(Store& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.assignments.Assignments({}));
   for (const AssignmentRow& each : assignments) {
@@ -112,6 +113,10 @@ Status SayWhatFollows(Store& store, const ExerciseRow& row) {
     Say("  assignment {}, {}, stays with version {}; move-assignment moves it\n", each.id.Text(),
         WordsOf(each), each.version);
   }
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.blobs.GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto exercise, scene::ExerciseFromJson(AsText(text)));
+  for (const std::string& warning : ExerciseWarnings(store.blobs, exercise))
+    Say("  warning: {}\n", warning);
   ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store.blobs, store.references, row));
   if (row.graded && !comparable) {
     Say("  it has no reference yet: what is cut before there is one is scored once there is\n");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/scene/json/json.h"
 #include "common/scene/preparation.h"
 #include "common/scene/volume_blob.h"
@@ -148,41 +149,7 @@ std::optional<double> NumberBefore(std::string_view text, size_t at) {
   return std::strtod(number.c_str(), nullptr);
 }
 
-}  // namespace
-
-Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
-  auto in_rubric = [](const Status& status) {
-    return Status(status.code(), status.message(), "rubric." + status.field());
-  };
-  if (Status rubric = scoring::ValidateRubric(exercise.rubric); !rubric.ok()) {
-    return in_rubric(rubric);
-  }
-  if (Status words = CheckRubricWords(exercise.rubric); !words.ok()) return in_rubric(words);
-  if (exercise.time_limit_s != 0 && exercise.time_limit_s < kLeastTime_s) {
-    return Refused("time_limit_s", "none (0) or at least " + std::to_string(kLeastTime_s) + " s",
-                   std::to_string(exercise.time_limit_s) + " s");
-  }
-  ENAMEL_RETURN_IF_ERROR(CheckBur(exercise));
-  const auto text = blobs.GetBlob(exercise.scene);
-  // Another check finds out whether it is stored.
-  if (!text.ok()) return Status::Ok();
-  const auto scene = scene::SceneFromJson(AsText(*text));
-  if (!scene.ok()) return Status::Ok();
-  if (Status found = scene::TargetPoint(*scene, exercise.target).status(); !found.ok()) {
-    std::string known;
-    for (const auto& [name, point] : scene->landmarks) known += (known.empty() ? "" : ", ") + name;
-    return Refused("target.landmark", "a landmark of \"" + scene->name + "\": " + known,
-                   "\"" + exercise.target.landmark + "\"");
-  }
-  ENAMEL_RETURN_IF_ERROR(CheckMetrics(*scene, exercise));
-  if (!exercise.target.prepared.IsZero()) return Status::Ok();
-  const auto blob = blobs.GetBlob(scene->volume);
-  if (!blob.ok()) return Status::Ok();
-  const auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return Status::Ok();
-  return CheckVolume(*scene, exercise, *volume);
-}
-
+// "the text says 3 mm deep, the target is 2 mm deep".
 std::vector<std::string> ContradictingSizes(const scene::Exercise& exercise) {
   constexpr double kSame_mm = 0.05;
   std::vector<std::string> out;
@@ -198,6 +165,64 @@ std::vector<std::string> ContradictingSizes(const scene::Exercise& exercise) {
     out.push_back(
         fmt::format("the text says {} mm deep, the target is {} mm deep", *said_mm, is_mm));
   }
+  return out;
+}
+
+// None where it is not stored: another check finds that out.
+std::optional<scene::Scene> SceneOf(StoredBlobs& blobs, const scene::Exercise& exercise) {
+  const auto text = blobs.GetBlob(exercise.scene);
+  if (!text.ok()) return std::nullopt;
+  auto scene = scene::SceneFromJson(AsText(*text));
+  if (!scene.ok()) return std::nullopt;
+  return std::move(*scene);
+}
+
+std::optional<std::string> WhyTooCoarse(const scene::Scene& scene,
+                                        const scene::Exercise& exercise) {
+  return cutting::WhyTooCoarse(exercise.bur().metric(), scene.voxel_nm, exercise.graded);
+}
+
+}  // namespace
+
+Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
+  auto in_rubric = [](const Status& status) {
+    return Status(status.code(), status.message(), "rubric." + status.field());
+  };
+  if (Status rubric = scoring::ValidateRubric(exercise.rubric); !rubric.ok()) {
+    return in_rubric(rubric);
+  }
+  if (Status words = CheckRubricWords(exercise.rubric); !words.ok()) return in_rubric(words);
+  if (exercise.time_limit_s != 0 && exercise.time_limit_s < kLeastTime_s) {
+    return Refused("time_limit_s", "none (0) or at least " + std::to_string(kLeastTime_s) + " s",
+                   std::to_string(exercise.time_limit_s) + " s");
+  }
+  ENAMEL_RETURN_IF_ERROR(CheckBur(exercise));
+  const auto scene = SceneOf(blobs, exercise);
+  if (!scene) return Status::Ok();
+  if (Status found = scene::TargetPoint(*scene, exercise.target).status(); !found.ok()) {
+    std::string known;
+    for (const auto& [name, point] : scene->landmarks) known += (known.empty() ? "" : ", ") + name;
+    return Refused("target.landmark", "a landmark of \"" + scene->name + "\": " + known,
+                   "\"" + exercise.target.landmark + "\"");
+  }
+  ENAMEL_RETURN_IF_ERROR(CheckMetrics(*scene, exercise));
+  if (exercise.graded) {
+    if (const auto coarse = WhyTooCoarse(*scene, exercise))
+      return Status(Code::kInvalidInput, *coarse, "bur.radius_um");
+  }
+  if (!exercise.target.prepared.IsZero()) return Status::Ok();
+  const auto blob = blobs.GetBlob(scene->volume);
+  if (!blob.ok()) return Status::Ok();
+  const auto volume = scene::DecodeVolume(*blob);
+  if (!volume.ok()) return Status::Ok();
+  return CheckVolume(*scene, exercise, *volume);
+}
+
+std::vector<std::string> ExerciseWarnings(StoredBlobs& blobs, const scene::Exercise& exercise) {
+  std::vector<std::string> out = ContradictingSizes(exercise);
+  const auto scene = SceneOf(blobs, exercise);
+  if (!scene) return out;
+  if (const auto coarse = WhyTooCoarse(*scene, exercise)) out.push_back(*coarse);
   return out;
 }
 

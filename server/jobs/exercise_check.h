@@ -17,12 +17,14 @@ inline constexpr int32_t kLeastTime_s = 30;
 
 // Errors: kInvalidInput with the member, what was expected and found: the rubric (ValidateRubric,
 // CheckRubricWords), a landmark that the scene does not have, a time limit of seconds, a bur that
-// is wider than the target, a target wider than the tooth or through a pulp whose opening fails the
-// attempt, a criterion of caries, a neighbour or a crown where there is none. What needs the
-// tooth's volume is left out where that cannot be read.
+// is wider than the target, graded work whose voxels are too coarse for its bur
+// (common/cutting/voxel_limit.h), a target wider than the tooth or through a pulp whose opening
+// fails the attempt, a criterion of caries, a neighbour or a crown where there is none. What needs
+// scene or volume is left out where that cannot be read.
 Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise);
 
-// "the text says 3 mm deep, the target is 2 mm deep"; for people.
-std::vector<std::string> ContradictingSizes(const scene::Exercise& exercise);
+// What is allowed, for people: "the text says 3 mm deep, the target is 2 mm deep", practice whose
+// voxels are too coarse for its bur.
+std::vector<std::string> ExerciseWarnings(StoredBlobs& blobs, const scene::Exercise& exercise);
 
 }  // namespace enamel::server

@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
+#include "common/cutting/voxel_limit.h"
 #include "common/import/scene_folder.h"
 #include "common/program/input.h"
 #include "common/program/output.h"
@@ -124,6 +125,10 @@ Status SimulateAttempt(const SimulateCommand& options) {
       // The hash under which the server would store the scene, so that an exercise made here is the
       // same document.
       scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
+  // As a server would refuse it.
+  if (const auto coarse =
+          cutting::WhyTooCoarse(exercise.bur().metric(), built.scene.voxel_nm, exercise.graded))
+    return Status(Code::kInvalidInput, *coarse, "voxel_um");
   ENAMEL_ASSIGN_OR_RETURN(auto report,
                           Simulate(built, exercise, profile, options.operator_name, options.seed));
   double rate = exercise.rate_hz;

@@ -27,7 +27,7 @@ port=$(free_ports)
 export ENAMEL_PASSWORD=enamel-demo-instructor
 both="host=$pg/one.socket,$pg/two.socket user=enamel dbname=enamel"
 "$bin/enamel-server" init --data "$data" --database "$both" --schema school >/dev/null
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"
 standby() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_synchronous_standby //p'; }

@@ -100,7 +100,7 @@ async function primaryHangs(hang, wake) {
 
 section("three servers behind HAProxy, PostgreSQL with a synchronous standby, Swift");
 await enamel("init", "--data", `${work}/one`, ...database("one"));
-await enamel("seed-demo", "--data", `${work}/one`, "--voxel-um", "200");
+await enamel("seed-demo", "--data", `${work}/one`, "--voxel-um", "150");
 for (const login of ["admin", "instructor", "student1", "student2"]) {
   execFileSync(`${bin}/enamel-server`, ["admin", "set-password", "--data", `${work}/one`, "--login", login, "--password-stdin"], { input: `${password}\n`, stdio: ["pipe", "ignore", "ignore"] });
 }

@@ -34,7 +34,7 @@ data=$work/server station=$work/station
 port=$(free_ports)
 export ENAMEL_PASSWORD=enamel-demo-instructor
 "$bin/enamel-server" init --data "$data" --database "host=$pg/one.socket,$pg/two.socket user=enamel dbname=enamel" --schema school >/dev/null
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 start_server "$data" "$port"
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
 # status PATH: of an answer within a second

@@ -11,7 +11,7 @@ stores=(--database "$ENAMEL_POSTGRES" --schema moved --s3-endpoint "$ENAMEL_S3_E
 verify() { "$bin/enamel-server" verify "$@" >"$work/verified" || { cat "$work/verified"; fail "verify $*"; }; }
 
 "$bin/enamel-server" init --data "$folder" >/dev/null
-"$bin/enamel-server" seed-demo --data "$folder" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$folder" --voxel-um 150 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$folder" "$port"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name moved \

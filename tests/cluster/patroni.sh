@@ -73,7 +73,7 @@ port=$(free_ports)
 export ENAMEL_PASSWORD=enamel-demo-instructor
 both="host=127.0.0.1,127.0.0.1 port=${port_of[one]},${port_of[two]} user=postgres dbname=enamel"
 "$bin/enamel-server" init --data "$data" --database "$both" --schema school >/dev/null
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 start_server "$data" "$port"
 wait_for_log "$work/server.log" 'commits are on a standby of the database server too'
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \

@@ -42,7 +42,7 @@ port=$(free_ports)
 "$bin/enamel-server" init --data "$data" --database "host=$pg/socket user=enamel dbname=enamel" --schema school \
   --s3-endpoint "$ENAMEL_S3_ENDPOINT" --s3-bucket "$ENAMEL_S3_BUCKET" --s3-region "$ENAMEL_S3_REGION" \
   --key-bucket keys --master-key "$work/master.key" >/dev/null
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name restored \

@@ -17,7 +17,7 @@ const facts = { format: 1, size, goals };
 section("one server, SQLite");
 const folder = `${work}/sqlite`;
 await enamel("init", "--data", folder);
-await enamel("seed-demo", "--data", folder, "--voxel-um", "200", "--json", `${work}/seed`);
+await enamel("seed-demo", "--data", folder, "--voxel-um", "150", "--json", `${work}/seed`);
 const exercise = jsonOf(`${work}/seed`).exercise;
 for (const login of ["admin", "instructor", "student1", "student2"]) {
   execFileSync(`${bin}/enamel-server`, ["admin", "set-password", "--data", folder, "--login", login, "--password-stdin"], { input: `${password}\n`, stdio: ["pipe", "ignore", "ignore"] });

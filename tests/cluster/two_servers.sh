@@ -38,7 +38,7 @@ expect_failure "keys in the folder" "key ring of the other servers" "$bin/enamel
 "$bin/enamel-server" init --data "$work/other" >/dev/null
 expect_failure "another school's identity" "found another" "$bin/enamel-server" init --data "$two" "${school[@]}" "${keys[@]}" --identity "$work/other"
 
-"$bin/enamel-server" seed-demo --data "$one" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$one" --voxel-um 150 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 for login in admin instructor student1 student2; do
   printf '%s\n' "$ENAMEL_PASSWORD" | "$bin/enamel-server" admin set-password --data "$two" --login "$login" --password-stdin >/dev/null

@@ -8,7 +8,7 @@ json=
 export ENAMEL_PASSWORD
 data=$work/server station=$work/station
 port=$(free_ports)
-voxel=200 seconds=4
+voxel=150 seconds=4
 [ "${ENAMEL_FULL:-}" != 1 ] || { voxel=60; seconds=30; }
 "$bin/enamel-server" init --data "$data" >/dev/null
 "$bin/enamel-server" seed-demo --data "$data" --voxel-um $voxel --json "$work/seed" >/dev/null

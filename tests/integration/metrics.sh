@@ -5,7 +5,7 @@
 data=$work/server station=$work/station
 port=$(free_ports)
 export ENAMEL_PASSWORD=enamel-demo-instructor
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 "$bin/enamel-server" backup "$work/backup" --data "$data" >/dev/null
 start_server "$data" "$port" --log-format json --log-level debug --job-threads 0
 ENAMEL_LOG_FORMAT=json "$bin/enamel-server" work --data "$data" >"$work/worker.log" 2>&1 &

@@ -42,7 +42,7 @@ start_server "$data" "$port"
 add --login early --role student
 add --login dentist --role instructor
 enrol station1 --name "Bench 1"
-publish 200
+publish 150
 reference first_cut
 "$bin/enamel-server" backup "$work/backup" --data "$data"
 
@@ -51,7 +51,7 @@ add --login "$latecomer" --role student
 enrol station2 --name "Bench 2"
 attempt late_person station1 "$latecomer" student
 attempt late_station station2 early student
-publish 250
+publish 160
 reference second_cut
 admin move-assignment --assignment "$(admin list-assignments | grep -v practice | cut -d ' ' -f 1)" >/dev/null
 attempt late_exercise station1 early student
@@ -72,7 +72,7 @@ person=$(sed -n 's/.*"person":"\([^"]*\)".*/\1/p' "$work/awaited")
 
 step "brought back, as the list says"
 add --login "$latecomer" --role student --id "$person"
-publish 250
+publish 160
 enrol station2 --again
 upload station1
 upload station2

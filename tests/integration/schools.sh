@@ -12,7 +12,7 @@ stores=()
   --s3-bucket "$ENAMEL_S3_BUCKET" --s3-region "$ENAMEL_S3_REGION" --key-bucket keys --master-key "$work/master.key")
 cli() { "$bin/enamel-server" "$@"; }
 cli init --data "$data" ${stores[@]+"${stores[@]}"} >/dev/null
-cli seed-demo --data "$data" --voxel-um 200 --json "$work/own-seed" >/dev/null
+cli seed-demo --data "$data" --voxel-um 150 --json "$work/own-seed" >/dev/null
 expect_failure "a school without a host name" "host" "$bin/enamel-server" school add north --data "$data"
 expect_failure "a school's name with a slash" "a-z 0-9" "$bin/enamel-server" school add ../north --host north.test --data "$data"
 expect_failure "a host name with a port" "without port" "$bin/enamel-server" school add north --host north.test:80 --data "$data"
@@ -41,7 +41,7 @@ grep -q 'password' "$work/added" || { cat "$work/added"; fail "its admin has no 
 expect_failure "its name once more" "already" "$bin/enamel-server" school add north --host south.test --data "$data"
 expect_failure "its host name once more" "north's" "$bin/enamel-server" school add south --host north.test --data "$data"
 until_answer north.test 401
-cli seed-demo --data "$north" --voxel-um 200 --json "$work/north-seed" >/dev/null
+cli seed-demo --data "$north" --voxel-um 150 --json "$work/north-seed" >/dev/null
 expect_failure "a server on a school's folder" "found a school's" "$bin/enamel-server" serve --data "$north" --http 127.0.0.1:0 --stations 127.0.0.1:0
 expect_failure "a school of a school" "found a school's" "$bin/enamel-server" school add south --host south.test --data "$north"
 link=$((port + 1))

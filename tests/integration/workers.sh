@@ -7,7 +7,7 @@ attempts=${1:-3} runs=${2:-1} many=${3:-2} data=$work/server station=$work/stati
 port=$(free_ports)
 export ENAMEL_PASSWORD=enamel-demo-instructor
 "$bin/enamel-server" init --data "$data" --database "$ENAMEL_POSTGRES" --schema workers
-"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 150 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port" --job-threads 0
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \

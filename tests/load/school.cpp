@@ -17,7 +17,7 @@ namespace {
 using namespace server;
 
 constexpr char kProfile[] = "phantom_desktop";
-constexpr int32_t kBlockVoxel_nm = 500'000;
+constexpr int32_t kBlockVoxel_nm = 150'000;
 constexpr auth::PasswordCost kCheapPassword{1, 8192};
 // Number of concurrent writers, which share the store's commits.
 constexpr size_t kWriters = 32;

@@ -101,7 +101,7 @@ export async function startSchool({ dist, classToGrade = true }) {
   try {
     await onServer("init");
     // The class cuts a coarse tooth, which takes no time.
-    await onServer("seed-demo", "--voxel-um", "200");
+    await onServer("seed-demo", "--voxel-um", "150");
     let molar = "builtin:molar-caries"; // not the demo's molar: an exercise of that name is there
     if (existsSync(kRealMolar)) {
       molar = join(folder, "molar");

@@ -260,7 +260,7 @@ Response LookAtDraft(const Call& call, Store& store) {
     return ErrorResponse(may);
   ExerciseRow row;
   row.scene = exercise->scene;
-  std::vector<std::string> warnings = ContradictingSizes(*exercise);
+  std::vector<std::string> warnings = ExerciseWarnings(store.blobs, *exercise);
   std::ranges::move(RubricWarnings(store, row, exercise->rubric, true),
                     std::back_inserter(warnings));
   return JsonResponse({{"warnings", json::value_from(warnings)}});

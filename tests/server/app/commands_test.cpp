@@ -72,7 +72,7 @@ TEST_F(CommandsTest, InitMakesAFolderForItsOwnerOnlyAndChangesNoneThatIsThere) {
 TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
   SeedOptions options;
   options.data = Data();
-  options.voxel_um = 400;
+  options.voxel_um = 150;
   options.json = folder_.path() / "seed.json";
   ASSERT_TRUE(SeedDemo(options).ok());
   auto people = OpenData()->people.People();
@@ -207,7 +207,7 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
 }
 
 TEST_F(CommandsTest, AGradedExerciseOfABuiltInSceneComesAsPracticeToo) {
-  NewExercise exercise{"builtin:block", "", 500, "class-1"};
+  NewExercise exercise{"builtin:block", "", 150, "class-1"};
   ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
   exercise.name = "cross";
   ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
@@ -219,6 +219,20 @@ TEST_F(CommandsTest, AGradedExerciseOfABuiltInSceneComesAsPracticeToo) {
   EXPECT_EQ(practice->front().title, "Central box, as in a class I cavity");
   EXPECT_FALSE(store->exercises.ExerciseVersions("cross-block")->front().graded);
   EXPECT_TRUE(store->exercises.ExerciseVersions("practice-cross-block")->empty());
+}
+
+TEST_F(CommandsTest, VoxelsTooCoarseForTheBurAreRefusedForGradedWorkAndToldOfPractice) {
+  NewExercise exercise{"builtin:block", "", 500, "class-1"};
+  const Status refused = PublishExercise(Data(), exercise);
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("voxels of 500 um are too coarse"), std::string::npos)
+      << refused.message();
+  exercise.name = "cross";
+  ::testing::internal::CaptureStdout();
+  EXPECT_TRUE(PublishExercise(Data(), exercise).ok());
+  EXPECT_NE(
+      ::testing::internal::GetCapturedStdout().find("warning: voxels of 500 um are too coarse"),
+      std::string::npos);
 }
 
 TEST_F(CommandsTest, ADueTimeThatHasPassedIsToldWhenItIsSet) {

@@ -68,7 +68,7 @@ class TeachingTest : public testing::Test {
 class DraftTest : public TeachingTest {
  protected:
   DraftTest() {
-    scene::BuiltScene built = *scene::BuildBuiltinScene("block", 500'000);
+    scene::BuiltScene built = *scene::BuildBuiltinScene("block", 150'000);
     Sha256 volume = *school_.store->blobs.PutBlob(scene::EncodeVolume(built.volume));
     Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(built.scene)));
     const Actor by{{}, "test"};
@@ -144,6 +144,22 @@ TEST_F(DraftTest, DryRunSaysWhatIsWrongAndStoresNothing) {
   const std::string field(Parsed(wrong).at("error").at("field").as_string());
   EXPECT_TRUE(field.starts_with("rubric.criteria[0]")) << field;
   EXPECT_EQ(Post("ben", "/api/v1/exercises?dry_run=maybe", Document()).status, 400);
+}
+
+TEST_F(DraftTest, DryRunRefusesGradedWorkInVoxelsTooCoarseForItsBurAndWarnsOfPractice) {
+  document_.bur_shape = cutting::BurShape::kInvertedCone;
+  document_.bur_radius_um = 600;
+  document_.bur_length_um = 1200;
+  document_.bur_narrow_radius_um = 400;
+  const RawResponse refused = Post("ben", "/api/v1/exercises?dry_run=true", Document());
+  EXPECT_EQ(refused.status, 400) << refused.body;
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "bur.radius_um");
+  const std::string coarse = "voxels of 150 um are too coarse for the bur (inverted_cone";
+  EXPECT_NE(refused.body.find(coarse), std::string::npos) << refused.body;
+  document_.graded = false;
+  const RawResponse warned = Post("ben", "/api/v1/exercises?dry_run=true", Document());
+  EXPECT_EQ(warned.status, 200) << warned.body;
+  EXPECT_NE(warned.body.find(coarse), std::string::npos) << warned.body;
 }
 
 TEST_F(DraftTest, EverythingThatIsMeasuredCanBeChosen) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
@@ -17,15 +18,20 @@ namespace {
 
 class ExerciseCheckTest : public ::testing::Test {
  protected:
-  // Coarse: the checks are about sizes of millimetres.
+  // Coarse, and so practice: the checks are about sizes of millimetres.
   static constexpr int32_t kVoxel_nm = 300'000;
 
   std::vector<scene::Exercise> ExercisesOf(const std::string& name) {
     auto built = scene::BuildBuiltinScene(name, kVoxel_nm);
     EXPECT_TRUE(built.ok()) << name;
+    // At the voxel of teeth that a server makes, no bur is left to warn of.
+    for (const scene::BurSpec& bur : built->scene.burs)
+      EXPECT_FALSE(cutting::WhyTooCoarse(bur.metric(), 50'000, true)) << bur.name;
     EXPECT_TRUE(store_->blobs.PutBlob(scene::EncodeVolume(built->volume)).ok());
     const auto content = store_->blobs.PutBlob(AsBytes(scene::ToJson(built->scene)));
-    return scene::BuiltinExercises(built->scene, *content);
+    auto exercises = scene::BuiltinExercises(built->scene, *content);
+    for (scene::Exercise& exercise : exercises) exercise.graded = false;
+    return exercises;
   }
   scene::Exercise Named(const std::string& scene, const std::string& kind) {
     for (scene::Exercise& exercise : ExercisesOf(scene)) {
@@ -55,8 +61,8 @@ TEST_F(ExerciseCheckTest, EveryBuiltInExerciseCanBeDoneAndSaysTheSizesOfItsTarge
       const Status status = CheckExercise(store_->blobs, exercise);
       EXPECT_TRUE(status.ok()) << exercise.name << ": " << status.field() << " "
                                << status.message();
-      EXPECT_TRUE(ContradictingSizes(exercise).empty())
-          << exercise.name << ": " << ContradictingSizes(exercise).front();
+      for (const std::string& warning : ExerciseWarnings(store_->blobs, exercise))
+        EXPECT_NE(warning.find("too coarse"), std::string::npos) << exercise.name << warning;
       EXPECT_TRUE(RepeatedMetrics(exercise.rubric).empty()) << exercise.name;
     }
   }
@@ -75,6 +81,29 @@ TEST_F(ExerciseCheckTest, WhatNobodyCanDoIsRefused) {
       good, [](auto& e) { e.target.half_size_um[0] = 15'000; }, "target.half_size_um");
   ExpectRefused(
       good, [](auto& e) { e.target.depth_um = 6'000; }, "target.depth_um");
+}
+
+TEST_F(ExerciseCheckTest, GradedWorkInVoxelsTooCoarseForItsBurIsRefusedAndPracticeIsWarned) {
+  scene::Exercise exercise = Named("molar", "class-1");
+  EXPECT_TRUE(CheckExercise(store_->blobs, exercise).ok());
+  const auto warnings = ExerciseWarnings(store_->blobs, exercise);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("voxels of 300 um are too coarse for the bur (cylinder r 0.5 x 4 mm)"),
+            std::string::npos)
+      << warnings[0];
+  exercise.graded = true;
+  for (const bool prepared : {false, true}) {
+    if (prepared) exercise.target.prepared = HashSha256(AsBytes("a prepared tooth"));
+    const Status refused = CheckExercise(store_->blobs, exercise);
+    EXPECT_EQ(refused.code(), Code::kInvalidInput);
+    EXPECT_EQ(refused.field(), "bur.radius_um");
+    EXPECT_NE(refused.message().find("Use voxels of 186 um or less"), std::string::npos)
+        << refused.message();
+  }
+  exercise.bur_radius_um = 800;
+  exercise.bur_length_um = 8000;
+  exercise.target.prepared = {};
+  EXPECT_TRUE(CheckExercise(store_->blobs, exercise).ok());
 }
 
 TEST_F(ExerciseCheckTest, CriterionOfWhatTheToothDoesNotHaveIsRefused) {
@@ -106,8 +135,9 @@ TEST_F(ExerciseCheckTest, WordsThatATerminalObeysAreRefused) {
 TEST_F(ExerciseCheckTest, SizesAndMetricsThatContradictAreWarnedAbout) {
   scene::Exercise exercise = Named("molar", "class-1");
   exercise.instructions = "Cut it 7.5 mm deep.";
-  ASSERT_EQ(ContradictingSizes(exercise).size(), 1u);
-  EXPECT_NE(ContradictingSizes(exercise)[0].find("7.5 mm deep"), std::string::npos);
+  const auto warnings = ExerciseWarnings(store_->blobs, exercise);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("7.5 mm deep"), std::string::npos);
   exercise.rubric.criteria.push_back(exercise.rubric.criteria[0]);
   ASSERT_EQ(RepeatedMetrics(exercise.rubric).size(), 1u);
 }

@@ -37,7 +37,7 @@ struct LinkWorld {
     EXPECT_TRUE(store->cohorts.AddToCohort(cohort, student, kSystem).ok());
     EXPECT_TRUE(store->cohorts.AddToCohort(cohort, instructor, kSystem).ok());
     EXPECT_TRUE(app::PublishProfiles(*store).ok());
-    scene = *app::PublishScene(store->blobs, store->scenes, "builtin:block", 500'000);
+    scene = *app::PublishScene(store->blobs, store->scenes, "builtin:block", 150'000);
     exercise = *app::PublishClassOne(store->blobs, store->exercises, scene, cohort);
     EXPECT_TRUE(
         store->stations.AddEnrolCode(HashSha256(AsBytes("code")), UnixMs{1} << 60, kSystem).ok());
