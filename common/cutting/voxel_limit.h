@@ -6,9 +6,9 @@
 
 #include "common/cutting/bur.h"
 
-// Which voxel is fine enough for which bur. A bur is read at points three voxels apart (engagement.h), so that a small
-// bur in coarse voxels has few. How the grid lies hardly matters; which way the bur travels does, as its points are not
-// alike all around.
+// Which voxel is fine enough for which bur and for which wall. A bur is read at points three voxels apart
+// (engagement.h), so that a small bur in coarse voxels has few. How the grid lies hardly matters; which way the bur
+// travels does, as its points are not alike all around.
 //
 // Let A be the part of the surface that resists travel across the axis where half of the bur's height is in solid:
 // the integral of 1 - n_z^2 over that half, all around. With voxels of h it holds N = A / (3 h)^2 points. The RMS of the
@@ -21,6 +21,12 @@ namespace enamel::cutting {
 // Of the force. Beyond it graded work is refused and practice warned: a person tells 7 % of force apart
 // (fidelity/feel.h), and a grade must not hang on which way a wall was cut.
 inline constexpr double kMostVoxelForceError = 0.10;
+
+// Walls below it are not carried. A surface is where the distance changes its sign between two samples. It lies right
+// if the inner one is nearer to it than to the wall's other side, and so everywhere in walls of two voxels and more. A
+// wall of one voxel measures 100, 75 or 0 % of its thickness as the grid moves by quarters of a voxel, and one of half a
+// voxel is left out in most places (tests/common/import/thin_walls_test.cpp).
+inline constexpr double kThinnestWall_voxels = 2;
 
 // The bound c / N, a share of the force.
 double VoxelForceError(const Bur& bur, int32_t voxel_nm);

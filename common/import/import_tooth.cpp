@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "common/base/file.h"
+#include "common/cutting/voxel_limit.h"
 #include "common/import/band_sampler.h"
 #include "common/import/fossa.h"
 #include "common/import/place.h"
@@ -215,7 +216,7 @@ void Enter(const ImportOptions& options, std::string_view phase) {
 void WarnOfThinWalls(const mesh::TriangleTree& surface,
                      const std::function<bool(const dvec3&)>& inside, const ImportOptions& options,
                      ImportedScene& out) {
-  const double limit_mm = kThinnestWall_voxels * options.voxel_nm * 1e-6;
+  const double limit_mm = cutting::kThinnestWall_voxels * options.voxel_nm * 1e-6;
   if (const auto thin = FindThinWalls(surface, inside, limit_mm))
     out.report.push_back(Words(*thin, options.voxel_nm));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/mesh/units.h"
 
 namespace enamel::import {
@@ -79,13 +80,14 @@ std::optional<ThinWalls> FindThinWalls(const mesh::TriangleTree& surface,
 std::string Words(const ThinWalls& walls, int32_t voxel_nm) {
   const double voxel_mm = voxel_nm * 1e-6;
   std::string text =
-      "warning: walls thinner than two voxels (" + mesh::Fixed(kThinnestWall_voxels * voxel_mm, 2) +
-      " mm) behind " + mesh::Fixed(walls.area_mm2, 1) + " mm2 of the surface (" +
-      mesh::Fixed(walls.percent, 1) + " %), the thinnest " + mesh::Fixed(walls.least_mm, 3) +
-      " mm at " + mesh::Fixed(walls.at_mm.x, 1) + ", " + mesh::Fixed(walls.at_mm.y, 1) + ", " +
+      "warning: walls thinner than two voxels (" +
+      mesh::Fixed(cutting::kThinnestWall_voxels * voxel_mm, 2) + " mm) behind " +
+      mesh::Fixed(walls.area_mm2, 1) + " mm2 of the surface (" + mesh::Fixed(walls.percent, 1) +
+      " %), the thinnest " + mesh::Fixed(walls.least_mm, 3) + " mm at " +
+      mesh::Fixed(walls.at_mm.x, 1) + ", " + mesh::Fixed(walls.at_mm.y, 1) + ", " +
       mesh::Fixed(walls.at_mm.z, 1) +
       " mm: they measure too little or are left out, and a score there tells nothing";
-  const auto carries_um = static_cast<int>(walls.least_mm / kThinnestWall_voxels * 1e3);
+  const auto carries_um = static_cast<int>(walls.least_mm / cutting::kThinnestWall_voxels * 1e3);
   if (carries_um >= 10)
     text += "; voxels of " + std::to_string(carries_um) + " um (--voxel-um) would carry them";
   return text;

@@ -6,13 +6,8 @@
 
 #include "common/mesh/triangle_tree.h"
 
-// Walls that a voxel grid does not carry. A surface is where the distance changes its sign between two samples. It
-// lies right if the inner one is nearer to it than to the wall's other side, and so everywhere in walls of two
-// voxels and more. A wall of one voxel measures 100, 75 or 0 % of its thickness as the grid moves by quarters of a
-// voxel, and one of half a voxel is left out in most places (tests/common/import/thin_walls_test.cpp).
+// Walls that a voxel grid does not carry: cutting::kThinnestWall_voxels says why.
 namespace enamel::import {
-
-inline constexpr double kThinnestWall_voxels = 2;
 
 struct ThinWalls {
   double area_mm2 = 0,

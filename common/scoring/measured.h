@@ -30,6 +30,7 @@ struct Measured {
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;
   double remaining_dentin_m = 0;
+  double thinnest_wall_m = 0;  // that the grid can measure
   double pulp_exposed_m2 = 0;
   double align_pose_m = 0, align_force_n = 0, frechet_pose_m = 0;
   bool reference_recorded = true;  // or there is no path to compare with

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
 #include "common/scoring/causes/causes.h"
@@ -156,6 +157,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   Measured m;
   m.process = attempt.process;
+  m.thinnest_wall_m = cutting::kThinnestWall_voxels * initial.spec().voxel_m();
   m.reference_recorded = reference.process != nullptr;
   m.target = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kTarget);
   if (m.target.solid_m3 <= 0) {

@@ -33,6 +33,8 @@ struct MetricInfo {
   // What a value means where the device was at its limit: a force of at least the value, or
   // nothing.
   enum class AtLimit { kSame, kAtLeast, kUnknown } at_limit = AtLimit::kSame;
+  // The thickness of what is left: the grid measures none below cutting::kThinnestWall_voxels.
+  bool thickness = false;
 };
 std::span<const MetricInfo> Metrics();
 const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
@@ -64,6 +66,9 @@ struct MetricValue {
   // metrics that the part is charged under: causes/causes.h, Charge.
   std::optional<double> charged = {};
   std::vector<std::string> under = {};
+  // Of a thickness below it: the least that the grid can measure, in the metric's unit. The value
+  // may be off by all of it, and 0 may be a wall.
+  std::optional<double> below_grid = {};
 
   bool operator==(const MetricValue&) const = default;
 };

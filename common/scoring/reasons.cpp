@@ -152,6 +152,10 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
     return "not judged, because the device was at its limit for more than " + Number(v[1], "%") +
            " of the time with force (measured: " + Number(v[0], info.unit) + ")";
   }
+  if (reason.code == "below_grid" && v.size() == 1) {
+    return "Thinner than " + Value(reason, 0, info.unit) +
+           ": the grid cannot measure it more exactly";
+  }
   if (reason.code == "keeps" && v.size() == 1) {
     return "Every criterion keeps " + Number(v[0], "%") + " of its points";
   }
@@ -179,7 +183,7 @@ int UsualDigits(std::string_view unit) {
 
 int ReasonDigits(const Reason& reason, size_t i, std::string_view unit) {
   const std::vector<double>& v = reason.values;
-  if (i > 0) return DigitsOfLimit(v[i], unit);
+  if (i > 0 || reason.code == "below_grid") return DigitsOfLimit(v[i], unit);
   if (v.size() < 2 || (reason.code == "between" && v.size() < 3)) return UsualDigits(unit);
   const double found = reason.code == "within" ? std::fabs(v[0]) : v[0];
   // Where no points are left any more is read as about there.
@@ -228,6 +232,10 @@ Reason MissingReason(NoValue why) {
 
 Reason LimitReason(const MetricInfo& info, double value) {
   return {"device_limit", {value, kMostLimited_percent}, {std::string(info.unit), "%"}};
+}
+
+Reason BelowGridReason(const MetricInfo& info, double least) {
+  return {"below_grid", {least}, {std::string(info.unit)}};
 }
 
 Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }

@@ -35,6 +35,8 @@ Reason FailsReason(const MetricInfo& info, double value, double limit);
 Reason MissingReason(NoValue why);
 // A force that the device could not render: "device_limit".
 Reason LimitReason(const MetricInfo& info, double value);
+// A thickness below what the grid can measure, beside the value found: "below_grid".
+Reason BelowGridReason(const MetricInfo& info, double least);
 // The share that every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
 // The metric's fault and remedy on the side where the map gives less; nullptr where the value earns

@@ -175,6 +175,7 @@ CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion,
         lean ? FoundReason(info, lean->angle_deg, lean->map)
              : FoundReason(info, out.under.empty() ? charged.value : found.value, criterion.map)};
   }
+  if (found.below_grid) out.reasons.push_back(BelowGridReason(info, *found.below_grid));
   if (IsWorthAComment(LossOf(rubric, criterion, charged.value))) out.comment = criterion.comment;
   Write(out);
   return out;
@@ -219,10 +220,12 @@ CriterionResult Hidden(const RubricCriterion& criterion, double value) {
   return out;
 }
 
-GateResult Open(const scene::RubricGate& gate, double value) {
+GateResult Open(const scene::RubricGate& gate, const MetricValue& found) {
+  const double value = found.value;
   const MetricInfo& info = *FindMetric(gate.metric);
   GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
   out.reasons = {FoundReason(info, value, gate.map)};
+  if (found.below_grid) out.reasons.push_back(BelowGridReason(info, *found.below_grid));
   if (out.share < 1) out.reasons.push_back(KeepsReason(out.share));
   if (IsWorthAComment(LossOf(out))) out.comment = gate.comment;
   Write(out);
@@ -370,7 +373,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& given, const MetricSet& metrics) {
   for (const scene::RubricGate& gate : rubric.gates) {
     ENAMEL_ASSIGN_OR_RETURN(const Looked found, LookUp(metrics, gate.metric));
     if (!found.value) return NotMeasured(gate.metric, " for a gate, which has no value here");
-    out.gates.push_back(Open(gate, found.value->value));
+    out.gates.push_back(Open(gate, *found.value));
     open *= out.gates.back().share;
   }
   double points = 0, max_points = 0;

@@ -124,6 +124,7 @@ std::string ToJson(const ScoreResult& result) {
   for (const MetricValue& m : result.metrics) {
     json::object metric{{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}};
     if (m.limited) metric["limited"] = true;
+    if (m.below_grid) metric["below_grid"] = Rounded(*m.below_grid);
     if (m.charged) {
       metric["charged"] = Rounded(*m.charged);
       metric["under"] = json::value_from(m.under);

@@ -300,6 +300,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("value", m.value);
       item.Read("unit", m.unit);
       if (item.Has("limited")) item.Read("limited", m.limited);
+      if (item.Has("below_grid")) item.Read("below_grid", m.below_grid.emplace());
       if (item.Has("charged")) {
         item.Read("charged", m.charged.emplace());
         item.Read("under", m.under, kMaxUnder);

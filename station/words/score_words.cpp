@@ -173,6 +173,7 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
     return words.Say(
         key, {{"found", QuantityText(words, v[0], unit)}, {"share", NumberText(words, v[1], 1)}});
   }
+  if (code == "below_grid" && v.size() == 1) return words.Say(key, {{"limit", quantity(0)}});
   if (code == "keeps" && v.size() == 1) {
     return words.Say(key, {{"percent", NumberText(words, v[0], 1)}});
   }

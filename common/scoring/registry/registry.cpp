@@ -83,8 +83,11 @@ MetricSet Collect(const Measured& m, const MetricPlan& plan) {
       out.missing.push_back({std::move(name), *state});
     } else {
       // Adding zero turns -0 into 0.
-      out.values.push_back({std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit),
-                            limited && entry.info.at_limit != AtLimit::kSame});
+      MetricValue& v = out.values.emplace_back();
+      v = {std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit),
+           limited && entry.info.at_limit != AtLimit::kSame};
+      const double least_mm = m.thinnest_wall_m * kMm;
+      if (entry.info.thickness && v.value < least_mm) v.below_grid = least_mm;
     }
   }
   return out;

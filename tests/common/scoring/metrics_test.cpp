@@ -287,6 +287,33 @@ TEST(MetricsTest, RatesAndOrderAreThoseOfAKnownWork) {
   }
 }
 
+// A wall of one voxel between the cavity and the pulp measures what the grid makes of it.
+TEST(MetricsTest, AThicknessBelowTwoVoxelsSaysSoWhereverTheGridLies) {
+  constexpr int32_t kVoxel_nm = 100'000;
+  Cavity one, four;
+  one.depth_mm = 2.7;
+  four.depth_mm = 2.4;
+  double least = 1, most = 0;
+  for (const int64_t up_nm : {0, 25'000, 50'000}) {
+    const Volume block = MakeBlock(kVoxel_nm, up_nm);
+    const Cut reference(block, {});
+    for (const Cavity& cavity : {one, four}) {
+      const MetricSet metrics = Compare(block, Cut(block, cavity), reference);
+      const auto thick =
+          std::ranges::find(metrics.values, "remaining_dentin_mm", &MetricValue::name);
+      ASSERT_NE(thick, metrics.values.end());
+      EXPECT_EQ(thick->below_grid.has_value(), cavity.depth_mm == one.depth_mm) << up_nm;
+      if (!thick->below_grid) continue;
+      EXPECT_NEAR(*thick->below_grid, 0.2, 1e-9);
+      least = std::min(least, thick->value);
+      most = std::max(most, thick->value);
+      for (const MetricValue& m : metrics.values)
+        EXPECT_EQ(m.below_grid.has_value(), m.name == thick->name) << m.name;
+    }
+  }
+  EXPECT_GT(most - least, 0.05) << "the grid alone, of one wall of 0.1 mm";
+}
+
 TEST(MetricsTest, ForcesAtTheDevicesLimitSaySo) {
   Volume block = MakeBlock(200'000);
   Cut attempt(block, {}), reference(block, {});

@@ -419,6 +419,25 @@ MetricSet WithForceOf(double force_n, bool limited) {
   return metrics;
 }
 
+TEST(ApplyRubricTest, AThicknessBelowWhatTheGridMeasuresIsToldBesideTheValue) {
+  Rubric rubric = Three();
+  rubric.criteria.push_back(
+      {"remaining_dentin_mm", "Cover", "mm", 10, {{0.5, 0}, {0.9, 1}}, "", {}});
+  MetricSet metrics = Values(0, 99, 0);
+  metrics.values.push_back({"remaining_dentin_mm", 0.12, "mm"});
+  EXPECT_EQ(ApplyRubric(rubric, metrics)->criteria.back().reason.find("grid"), std::string::npos);
+  metrics.values.back().below_grid = 0.2;
+  const CriterionResult told = ApplyRubric(rubric, metrics)->criteria.back();
+  EXPECT_EQ(
+      told.reason,
+      "Cover: 0.12 mm (full marks from 0.90 mm, none up to 0.50 mm). Thinner than 0.20 mm: the "
+      "grid cannot measure it more exactly.");
+  EXPECT_EQ(told.value, 0.12);
+  rubric.gates.push_back({"remaining_dentin_mm", "Cover", "mm", {{0, 0}, {0.5, 1}}, ""});
+  EXPECT_NE(ApplyRubric(rubric, metrics)->gates.back().reason.find("the grid cannot measure it"),
+            std::string::npos);
+}
+
 // A device that cannot press back as hard as the hand presses says nothing of how light it is.
 TEST(ApplyRubricTest, AForceAtTheDevicesLimitIsNotJudgedAndItsPointsAreNobodys) {
   const ScoreResult without = *ApplyRubric(Three(), Values(0, 99, 0));
@@ -471,6 +490,7 @@ ScoreResult Filled() {
   r.late_ticks = 8;
   r.bounded_ticks = 9;
   r.disturbance = {0.25, 1.5, 7.0 / 3};
+  r.metrics.front().below_grid = 0.2;
   r.metrics.push_back({"force_sent_max_n", 7.9, "N", true});
   Deduction over;
   over.criterion = "wall_mesial_mm";
@@ -508,6 +528,8 @@ TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
   EXPECT_NEAR(back->disturbance.limited_percent, 7.0 / 3, 1e-10);
   EXPECT_TRUE(back->metrics.back().limited);
   EXPECT_FALSE(back->metrics.front().limited);
+  EXPECT_EQ(back->metrics.front().below_grid, 0.2);
+  EXPECT_FALSE(back->metrics.back().below_grid);
   EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
 }
 

@@ -64,10 +64,10 @@ Quat Rotation(const dvec3& axis, double tangent_of_half) {
 
 }  // namespace
 
-Volume MakeBlock(int32_t voxel_nm) {
+Volume MakeBlock(int32_t voxel_nm, int64_t up_nm) {
   cutting::GridSpec spec;
   spec.voxel_nm = voxel_nm;
-  spec.origin_nm = {-4'013'000, -3'507'000, -4'519'000};
+  spec.origin_nm = {-4'013'000, -3'507'000, -4'519'000 + up_nm};
   double side = cutting::kBrickSide * voxel_nm * 1e-6;
   spec.bricks = ivec3(static_cast<int>(8.1 / side) + 1, static_cast<int>(7.1 / side) + 1,
                       static_cast<int>(5.1 / side) + 1);

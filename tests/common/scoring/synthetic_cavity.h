@@ -10,8 +10,8 @@
 namespace enamel::scoring {
 
 // Top of the block at z = 0, 7 x 6 mm wide, 4 mm deep, of enamel down to 1.2 mm, dentin below,
-// pulp below 2.8 mm. The grid does not line up with any of it.
-cutting::Volume MakeBlock(int32_t voxel_nm);
+// pulp below 2.8 mm. The grid does not line up with any of it; it may be moved up.
+cutting::Volume MakeBlock(int32_t voxel_nm, int64_t up_nm = 0);
 
 struct Cavity {
   double mesial_mm = 1.5, distal_mm = 1.5;   // walls at +x, -x from the middle

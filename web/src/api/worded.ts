@@ -188,6 +188,8 @@ function sentence(metric: string, { code, values }: Reason, unit: string, shown?
     }
     case "device_limit":
       return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
+    case "below_grid":
+      return sayIf("reason.below_grid", { limit: formatLimit(first, unit) });
     case "keeps":
       return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
     case "stop_earlier":

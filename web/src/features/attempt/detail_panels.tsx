@@ -6,6 +6,7 @@ import {
   formatBytes,
   formatDateTime,
   formatDuration,
+  formatLimit,
   formatNumber,
   formatQuantity,
   formatScore,
@@ -106,7 +107,12 @@ export const MetricsPanel = still(function MetricsPanel({ metrics }: { readonly 
         {metrics.map((metric) => (
           <div key={metric.name}>
             <dt>{metricTitle(metric.name, metric.unit)}</dt>
-            <dd>{formatQuantity(metric.value, metric.unit)}</dd>
+            <dd>
+              {formatQuantity(metric.value, metric.unit)}
+              {metric.below_grid !== undefined && (
+                <p class="hint">{say("reason.below_grid", { limit: formatLimit(metric.below_grid, metric.unit) })}</p>
+              )}
+            </dd>
           </div>
         ))}
       </dl>
