@@ -13,13 +13,13 @@
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/space_mouse.h"
+#include "station/lab/devices/emulated_inverse3.h"
 #include "station/loop/tick_loop.h"
 #include "station/render/brick_feed.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/uplink/live_mailbox.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/emulated_arms.h"
-#include "tests/station/sdk/emulated_inverse3.h"
 #include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
 
@@ -187,7 +187,7 @@ Rig MakeRig(const std::string& driver, const World& w) {
   if (driver == "dhd") return Sdk(w, "dhd", FakeSdk::ForceDimension());
   if (driver == "polhem") return Arm(std::make_shared<testing_support::EmulatedHidArm>(true));
   if (driver == "polhem_serial") return Arm(std::make_shared<testing_support::EmulatedSerialArm>());
-  if (driver == "inverse3") return Arm(std::make_shared<testing_support::EmulatedInverse3>());
+  if (driver == "inverse3") return Arm(std::make_shared<lab::EmulatedInverse3>());
   return Sdk(w, "openhaptics", FakeSdk::OpenHaptics());
 }
 

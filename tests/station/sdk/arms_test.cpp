@@ -10,21 +10,21 @@
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
+#include "station/lab/devices/emulated_inverse3.h"
 #include "station/loop/tick_loop.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/emulated_arms.h"
-#include "tests/station/sdk/emulated_inverse3.h"
 #include "tests/support/await_sample.h"
 
 // Devices of published protocols against emulators of their bytes.
 namespace enamel::station::sdk {
 namespace {
 
-using testing_support::EmulatedArm;
+using lab::EmulatedArm;
+using lab::EmulatedInverse3;
 using testing_support::EmulatedHidArm;
-using testing_support::EmulatedInverse3;
 using testing_support::EmulatedSerialArm;
 using testing_support::HidBus;
 

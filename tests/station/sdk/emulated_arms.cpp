@@ -14,26 +14,6 @@
 
 namespace enamel::station::testing_support {
 
-std::array<int, 3> EmulatedArm::told() const {
-  std::lock_guard lock(mutex_);
-  return told_;
-}
-
-void EmulatedArm::CutAfter(size_t bytes) {
-  std::lock_guard lock(mutex_);
-  left_ = bytes;
-}
-
-Bytes EmulatedArm::Through(Bytes answer) {
-  if (mute_) return {};
-  if (answer.size() > left_) {
-    answer.resize(left_);
-    cut_ = true;
-  }
-  if (left_ != SIZE_MAX) left_ -= answer.size();
-  return answer;
-}
-
 namespace {
 
 // Inside the workspace, by the arm's dimensions.

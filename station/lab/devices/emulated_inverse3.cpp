@@ -1,8 +1,8 @@
-#include "tests/station/sdk/emulated_inverse3.h"
+#include "station/lab/devices/emulated_inverse3.h"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -10,11 +10,13 @@
 #include <boost/json.hpp>
 #include <cmath>
 #include <map>
+#include <random>
 #include <set>
+#include <thread>
 
 #include "common/base/check.h"
 
-namespace enamel::station::testing_support {
+namespace enamel::station::lab {
 namespace {
 
 namespace asio = boost::asio;
@@ -47,6 +49,7 @@ struct EmulatedInverse3::Service {
     explicit Session(tcp::socket socket) : stream(std::move(socket)) {}
     beast::websocket::stream<tcp::socket> stream;
     beast::flat_buffer in;
+    asio::steady_timer due{stream.get_executor()};
     bool commands = false;  // it has sent a force
   };
 
@@ -79,9 +82,21 @@ struct EmulatedInverse3::Service {
       }
       const json::value message = json::parse(beast::buffers_to_string(session->in.data()));
       session->in.consume(session->in.size());
-      Answer(*session, message);
-      Read(session);
+      const auto answer = [this, session, message](Error ended) {
+        if (ended) return;
+        Answer(*session, message);
+        Read(session);
+      };
+      const std::chrono::microseconds late = Late();
+      if (late.count() == 0) return answer({});
+      session->due.expires_after(late);
+      session->due.async_wait(answer);
     });
+  }
+  std::chrono::microseconds Late() {
+    std::lock_guard lock(arm.mutex_);
+    return delay + std::chrono::microseconds(
+                       std::uniform_int_distribution<int64_t>(0, jitter.count())(random));
   }
   // As on the wire: bytes that the peer no longer takes are lost.
   static void Send(Session& session, const Bytes& bytes) {
@@ -155,6 +170,8 @@ struct EmulatedInverse3::Service {
   std::string form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
   double damping = 0;
+  std::chrono::microseconds delay{0}, jitter{0};
+  std::mt19937 random{39};
 };
 
 EmulatedInverse3::EmulatedInverse3() : service_(std::make_unique<Service>(*this)) {
@@ -195,6 +212,12 @@ void EmulatedInverse3::Status(const std::string& member, bool value) {
   service_->status[member] = value;
 }
 
+void EmulatedInverse3::Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter) {
+  std::lock_guard lock(mutex_);
+  service_->delay = delay;
+  service_->jitter = jitter;
+}
+
 void EmulatedInverse3::Damp(double scalar) {
   std::lock_guard lock(mutex_);
   service_->damping = scalar;
@@ -215,4 +238,4 @@ void EmulatedInverse3::Disconnect() {
   service_->connected = false;
 }
 
-}  // namespace enamel::station::testing_support
+}  // namespace enamel::station::lab

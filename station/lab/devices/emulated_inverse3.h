@@ -1,8 +1,15 @@
 #pragma once
 
-#include "tests/station/sdk/emulated_arms.h"
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
 
-namespace enamel::station::testing_support {
+#include "common/math/vec.h"
+#include "station/lab/devices/emulated_arm.h"
+
+namespace enamel::station::lab {
 
 // The maker's service with one Inverse3 and a grip, on a TCP port of this computer, any number of
 // sessions at a time. Thread safety: all of it.
@@ -27,6 +34,8 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Take(const std::string& form);
   // What the status says of `member` ("calibrated", "power_supply", "ready") from now on.
   void Status(const std::string& member, bool value);
+  // Answers come so long after their request, evenly spread from `delay` to `delay` + `jitter`.
+  void Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter);
   // The service's filters.damping.scalar.
   void Damp(double scalar);
   // From now on messages are of another session, as after a restart.
@@ -42,4 +51,4 @@ class EmulatedInverse3 final : public EmulatedArm {
   uint16_t port_ = 0;
 };
 
-}  // namespace enamel::station::testing_support
+}  // namespace enamel::station::lab

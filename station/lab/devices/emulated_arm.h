@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <string>
+
+#include "common/base/bytes.h"
+
+namespace enamel::station::lab {
+
+// A device of a published protocol, as bytes on the transport that its driver opens, and the ways in which
+// it can fail: it answers each request with its pose. Thread safety: all of it.
+class EmulatedArm {
+ public:
+  virtual ~EmulatedArm() = default;
+  // As DeviceChoice::device names it, and its profile.
+  virtual std::string choice() const = 0;
+  virtual const char* profile() const = 0;
+  // Puts the tip about 40 um times `steps` below where it began.
+  virtual void Lower(int steps) = 0;
+  // What the motors were told last, in the protocol's own unit and axes.
+  std::array<int, 3> told() const;
+  uint64_t requests() const { return requests_; }
+  virtual size_t answer_bytes() const = 0;
+
+  // The requests from now on have no answer.
+  void Mute(bool mute) { mute_ = mute; }
+  // After so many more bytes of answers no more come.
+  void CutAfter(size_t bytes);
+  bool is_cut() const { return cut_; }
+  // The cable is pulled.
+  virtual void Unplug() = 0;
+
+ protected:
+  // The part of an answer that still gets through; to be called under mutex_.
+  Bytes Through(Bytes answer);
+
+  mutable std::mutex mutex_;
+  std::array<int, 3> told_{};
+  std::atomic<uint64_t> requests_{0};
+
+ private:
+  std::atomic<bool> mute_{false}, cut_{false};
+  size_t left_ = SIZE_MAX;  // bytes until the cut
+};
+
+}  // namespace enamel::station::lab
