@@ -6,22 +6,44 @@
 #include "common/scene/plan.h"
 
 namespace enamel::scene {
+namespace {
+
+DelayUsed DelayKnown(const DeviceProfile& profile, const Calibration* calibration,
+                     int64_t rate_hz) {
+  if (calibration != nullptr && calibration->bus_delay_ticks) {
+    return {DelayTicksAt(calibration->bus_delay_ticks->value, calibration->rate_hz, rate_hz),
+            DelayUsed::From::kCalibration,
+            {}};
+  }
+  // A number that nobody measured may only make the coupling softer, never stiffer.
+  const int64_t said = DelayTicksAt(profile.bus_delay_ticks.value, profile.rate_hz.value, rate_hz);
+  if (profile.delay_measured) return {said, DelayUsed::From::kProfile, {}};
+  return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed, {}};
+}
+
+}  // namespace
 
 int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz) {
   // Rounded up: too much delay costs stiffness, too little is no longer passive.
   return std::min((ticks * to_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
 }
 
+int64_t AnswerTicks(const AnswerTime& answers, int64_t rate_hz) {
+  return std::max<int64_t>(1, DelayTicksAt(answers.p99_us, 1'000'000, rate_hz));
+}
+
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
-                          int64_t rate_hz) {
-  if (calibration != nullptr && calibration->bus_delay_ticks) {
-    return {DelayTicksAt(calibration->bus_delay_ticks->value, calibration->rate_hz, rate_hz),
-            DelayUsed::From::kCalibration};
+                          int64_t rate_hz, const std::optional<AnswerTime>& answers) {
+  DelayUsed out = DelayKnown(profile, calibration, rate_hz);
+  out.answers = answers;
+  if (!answers) return out;
+  const int64_t behind = out.from == DelayUsed::From::kAssumed ? out.ticks - 1 : 0;
+  const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMostDelay_ticks);
+  if (ticks > out.ticks) {
+    out.ticks = ticks;
+    out.from = DelayUsed::From::kAnswers;
   }
-  // A number that nobody measured may only make the coupling softer, never stiffer.
-  const int64_t said = DelayTicksAt(profile.bus_delay_ticks.value, profile.rate_hz.value, rate_hz);
-  if (profile.delay_measured) return {said, DelayUsed::From::kProfile};
-  return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed};
+  return out;
 }
 
 SpringTime SpringTimeOf(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/base/result.h"
 #include "common/core/params.h"
@@ -18,14 +19,27 @@ inline constexpr int64_t kAssumedDelay_ticks = 1;
 // More than any profile may say makes no coupling worth having.
 inline constexpr int64_t kMostDelay_ticks = 100;
 
+// How long a device that answers each force with its pose takes for it: half of its answers, and 99 of
+// 100. What is above the half is jitter.
+struct AnswerTime {
+  int64_t median_us = 0, p99_us = 0, answers = 0;
+
+  bool operator==(const AnswerTime&) const = default;
+};
+
+// Ticks from the tick that asks to the one that reads the answer, for 99 of 100 answers: at least one.
+int64_t AnswerTicks(const AnswerTime& answers, int64_t rate_hz);
+
 struct DelayUsed {
   enum class From {
     kProfile,      // the profile's, measured on a unit
     kCalibration,  // measured on this unit, by `enamel-station calibrate`
     kAssumed,      // nobody measured it: the profile's number, at least kAssumedDelay_ticks
+    kAnswers,      // more than these say: its answers take longer now
   };
   int64_t ticks = 0;
   From from = From::kAssumed;
+  std::optional<AnswerTime> answers;  // of a device that was timed
 
   bool operator==(const DelayUsed&) const = default;
 };
@@ -36,9 +50,10 @@ int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 
 // The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
 // measured the delay, comes first, then a profile that says it was measured. A delay measured at
-// another rate is converted as a time, rounded up.
+// another rate is converted as a time, rounded up. `answers`, as they are now, only add: a measured delay
+// has them as they were, an assumed one has one tick for them and the rest for what lies behind.
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
-                          int64_t rate_hz);
+                          int64_t rate_hz, const std::optional<AnswerTime>& answers = {});
 
 // The rate and the delay that the coupling's spring runs with: the board's where that runs it, else
 // these of the loop and its bus.

@@ -148,7 +148,7 @@ class Progress {
   steady_clock::time_point last_{};
 };
 
-// The attempt's delay in ticks and its source: "profile", "calibration", "assumed", or
+// The attempt's delay in ticks and its source: "profile", "calibration", "assumed", "answers", or
 // "construction" for a device that is not attached.
 boost::json::object DelayFacts(const PreparedAttempt& job) {
   if (!job.delay) {
@@ -157,6 +157,7 @@ boost::json::object DelayFacts(const PreparedAttempt& job) {
   using From = scene::DelayUsed::From;
   const char* from = job.delay->from == From::kProfile       ? "profile"
                      : job.delay->from == From::kCalibration ? "calibration"
+                     : job.delay->from == From::kAnswers     ? "answers"
                                                              : "assumed";
   return {{"ticks", job.delay->ticks}, {"from", from}};
 }

@@ -271,6 +271,12 @@ std::string Today() {
 
 }  // namespace
 
+void RaiseToAnswers(Estimate& delay_ticks, const scene::AnswerTime& answers, int rate_hz) {
+  const int64_t ticks = scene::AnswerTicks(answers, rate_hz);
+  if (WholeTicks(delay_ticks) < ticks)
+    delay_ticks = {static_cast<double>(ticks), 0, answers.answers};
+}
+
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes) {
   AxisFigures out = axes[0];
   auto take = [&](Estimate AxisFigures::*member, bool largest) {
@@ -409,11 +415,18 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, *subject));
   ENAMEL_ASSIGN_OR_RETURN(auto axes, Measure(*subject, options));
   AxisFigures worst = WorstOf(axes);
+  std::string answers;
+  if (const auto time = subject->device->answer_time()) {
+    RaiseToAnswers(worst.delay_ticks, *time, options.rate_hz);
+    answers = "; " + AnswersText(*time);
+  }
   Print(worst, axes, subject->profile);
+  if (!answers.empty()) std::printf("%s\n", answers.c_str() + 2);
 
   auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
                                  "measured " + Today() + " on " + subject->address);
   scene::Calibration document = CalibrationOf(worst, options.rate_hz);
+  document.method += answers;
   document.device = subject->address;
   document.profile = subject->profile.name;
   if (auto station = LoadCredentials(options.data); station.ok()) document.station = station->name;
@@ -426,6 +439,7 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   }
   if (subject->real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, *subject));
   if (!proposed.ok()) return proposed.status();
+  proposed->bus_delay_ticks.source += answers;
   proposed->delay_measured = subject->real;  // a simulated device is no unit
   for (const std::string& member : scene::AskedFor(*proposed)) {
     std::printf(

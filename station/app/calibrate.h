@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/calibration.h"
+#include "common/scene/delay.h"
 #include "common/scene/types.h"
 #include "station/devices/calibrator.h"
 
@@ -34,6 +35,9 @@ Status CalibrateDevice(const CalibrateCommand& options);
 
 // For each quantity, the worst of three axes.
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
+
+// A device whose answers take longer than its pushes showed has that delay now and then.
+void RaiseToAnswers(Estimate& delay_ticks, const scene::AnswerTime& answers, int rate_hz);
 
 // A profile with the measured numbers, and the rest of `base`: K = 2 b f/(d + 1)^2, and Kc nine
 // tenths of the least of 2 b f/(d + 1)^2, c/S and m (2 pi f1/4)^2 (scene/rate.h) at the lower ends of the

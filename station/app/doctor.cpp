@@ -13,9 +13,10 @@
 #include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/program/output.h"
+#include "common/scene/find_profile.h"
+#include "station/devices/duration_histogram.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
-#include "station/loop/duration_histogram.h"
 #include "station/loop/realtime.h"
 #include "station/render/screen.h"
 #include "station/sdk/open_sdk_device.h"
@@ -206,20 +207,31 @@ Finding Devices() {
   return {"devices", Verdict::kOk, there, ""};
 }
 
+Finding DelayFinding(const scene::DelayUsed& delay, std::string found) {
+  using From = scene::DelayUsed::From;
+  switch (delay.from) {
+    case From::kAssumed:
+      return {"delay", Verdict::kWarn, std::move(found),
+              "or give it a profile that says its delay was measured"};
+    case From::kAnswers:
+      return {"delay", Verdict::kWarn, std::move(found),
+              "close other programs; if it stays, 'enamel-station calibrate' measures all of it"};
+    case From::kProfile:
+    case From::kCalibration:
+      break;
+  }
+  return {"delay", Verdict::kOk, std::move(found), ""};
+}
+
 // For each device with motors that may be opened: the delay assumed for attempts on it.
 void Delays(const fs::path& data, std::vector<Finding>& out) {
-  auto add = [&](const std::string& device, const std::string& unit) {
-    const scene::DelayUsed delay = DelayKnownHere(data, unit);
-    const bool assumed = delay.from == scene::DelayUsed::From::kAssumed;
-    out.push_back({"delay", assumed ? Verdict::kWarn : Verdict::kOk, DelayText(delay, device),
-                   assumed ? "or give it a profile that says its delay was measured" : ""});
-  };
   for (const hid::HidInfo& info : hid::ListHid()) {
-    if (hid::Recognise(info) == hid::HidKind::kHapticBoard)
-      add(hid::DeviceNameOf(info), hid::UnitOf(info));
+    if (hid::Recognise(info) != hid::HidKind::kHapticBoard) continue;
+    const scene::DelayUsed delay = DelayKnownHere(data, hid::UnitOf(info));
+    out.push_back(DelayFinding(delay, DelayText(delay, hid::DeviceNameOf(info))));
   }
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
-    add(found.name, found.unit);
+    out.push_back(DelayOf(data, found));
     const std::string asked = sdk::AskedForText(found);
     if (!asked.empty()) out.push_back({"profile", Verdict::kWarn, asked, ""});
   }
@@ -241,6 +253,23 @@ Finding Graphics() {
 }
 
 }  // namespace
+
+Finding DelayOf(const fs::path& data, const sdk::SdkDevice& device) {
+  const auto profile = scene::FindProfile(device.profile);
+  if (!profile.ok()) return {"delay", Verdict::kWarn, profile.status().message(), ""};
+  std::optional<scene::AnswerTime> answers;
+  if (device.answers && device.problem.empty()) {
+    hid::DeviceChoice choice;
+    choice.device = device.choice;
+    choice.thread_setup = [] { (void)RequestRealtime(); };
+    auto opened = sdk::OpenChosenDevice(choice, *profile, kTick_ns * 1e-9);
+    if (!opened.ok()) return {"delay", Verdict::kWarn, opened.status().message(), ""};
+    answers = AwaitAnswerTime(**opened);
+  }
+  const scene::DelayUsed delay = DelayKnownHere(data, device.unit, *profile, answers);
+  return DelayFinding(delay, DelayText(delay, device.name) + ". Profile " + profile->name +
+                                 " says " + std::to_string(profile->bus_delay_ticks.value));
+}
 
 std::vector<Finding> Examine(const DoctorCommand& options) {
   std::vector<Finding> out;

@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/program/findings.h"
+#include "station/sdk/open_sdk_device.h"
 
 namespace enamel::station {
 
@@ -24,6 +25,10 @@ using program::Verdict;
 // it writes a file and removes it again. Waits are bounded: for a server that does not answer, by
 // ServerLink::kTimeout to connect, then kSilence.
 std::vector<Finding> Examine(const DoctorCommand& options);
+
+// The delay of attempts on this device beside its profile's. One that answers to forces is opened, asked
+// for half a second with force 0, and closed.
+Finding DelayOf(const std::filesystem::path& data, const sdk::SdkDevice& device);
 
 // Prints Examine's findings, one a line. Errors: kUnavailable if one failed (warnings are no
 // error).

@@ -30,6 +30,8 @@ void Workflow::Start(bool as_reference) {
                tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
                 auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
                     sdk::OpenChosenDevice(choice, profile, tick_s));
+                // Here rather than in ShowAttempt, which the window waits for.
+                if (opened->ok()) (void)AwaitAnswerTime(***opened);
                 return [this, opened] {
                   if (!opened->ok()) return Fail(opened->status());
                   ShowAttempt(std::move(**opened));
@@ -43,7 +45,9 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
     // Only the opened device identifies its unit, and so its calibration.
     if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
       return Fail(used);
-    if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
+    using From = scene::DelayUsed::From;
+    if (preview_->delay &&
+        (preview_->delay->from == From::kAssumed || preview_->delay->from == From::kAnswers))
       assumed = DelayText(*preview_->delay, attached->Name()) + ".";
   }
   // From here on there is no preview: after a failure it is fetched again (LeaveAttemptFor).

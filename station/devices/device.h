@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/base/check.h"
 #include "common/hands/hand.h"
 #include "common/math/orientation.h"
 #include "common/math/vec.h"
+#include "common/scene/delay.h"
 
 namespace enamel::station {
 
@@ -101,6 +103,9 @@ class Device {
   virtual double still_before_force_s() const noexcept { return 0; }
   // From any thread.
   virtual DeviceCounters counters() const noexcept { return {}; }
+  // Of all answers so far, one that did not come counting as long as it was waited for. Nothing: the
+  // device does not answer to forces. From any thread.
+  virtual std::optional<scene::AnswerTime> answer_time() const noexcept { return {}; }
 };
 
 // A device whose motors take force and torque together.

@@ -4,20 +4,22 @@
 #include <chrono>
 #include <cmath>
 
-#include "station/devices/force_keeper.h"
-
 namespace enamel::station {
 namespace {
 
 // Interval of the keeper's repeats; a maker's library has no watchdog to feed, but its motors hold
 // the last force.
 constexpr int kRepeat_ms = 4;
+// Time for the loop to answer a pose, before a force that does not is sent again.
+constexpr int64_t kSilence_us = 1'000;
 constexpr double kMostCounts = 2147483647.0;
 
-int64_t Now_us() {
+int64_t Now_ns() {
   using namespace std::chrono;
-  return duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
+  return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
 }
+
+int64_t Now_us() { return Now_ns() / 1000; }
 
 }  // namespace
 
@@ -50,7 +52,7 @@ DeviceSample PolledDevice::ReadSample() noexcept {
 }
 
 void PolledDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
-  forces_.Write({force_n, torque_n_m, ++sent_});
+  forces_.Write({force_n, torque_n_m, ++sent_, seen_});
   if (answers_) force_signal_.Post();
 }
 
@@ -61,6 +63,14 @@ DeviceCounters PolledDevice::counters() const noexcept {
   out.writes = writes_;
   out.detached = detached_;
   return out;
+}
+
+std::optional<scene::AnswerTime> PolledDevice::answer_time() const noexcept {
+  if (!answers_) return std::nullopt;
+  const auto us = [&](double share) {
+    return std::lround(std::ceil(answers_ns_.Quantile_ns(share) * 1e-3));
+  };
+  return scene::AnswerTime{us(0.5), us(0.99), static_cast<int64_t>(answers_ns_.count())};
 }
 
 void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
@@ -82,18 +92,34 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
   poses_.Write(m);
 }
 
-// False: the device is gone.
-bool PolledDevice::Hear(PolledBus::Pose& pose) {
+// False: the device is gone. Makes `asked_ns` earlier if the answer is to an earlier question.
+bool PolledDevice::Hear(PolledBus::Pose& pose, int64_t& asked_ns) {
   PolledBus::Pose read;
   const PolledBus::Heard heard = bus_->Read(read);
   if (heard == PolledBus::Heard::kPose && std::isfinite(Dot(read.tip_m, read.tip_m))) {
     pose = read;
     Publish(pose, true);
     ++samples_;
+    if (pose.asked_ns > 0) asked_ns = std::min(asked_ns, pose.asked_ns);
   } else if (heard == PolledBus::Heard::kPose || heard == PolledBus::Heard::kRefused) {
     ++refused_;
   }
   return heard != PolledBus::Heard::kGone;
+}
+
+// The newest force, once it is one that the loop computed from the newest pose. A force from the pose before
+// that, sent at once after an answer of several ticks, would make the delay two such answers.
+PolledDevice::Force PolledDevice::AwaitForce(const ForceKeeper& keeper) {
+  const int64_t begin_us = Now_us();
+  const int64_t until_us =
+      std::max(begin_us + keeper.WaitFor_us(begin_us), heard_us_ + kSilence_us);
+  while (true) {
+    const Force newest = forces_.Read();
+    const int64_t left_us = until_us - Now_us();
+    const bool is_due = newest.number > taken_ && newest.seen == published_;
+    if (is_due || left_us <= 0 || stop_) return newest;
+    force_signal_.Wait(left_us);
+  }
 }
 
 void PolledDevice::Run() {
@@ -102,9 +128,10 @@ void PolledDevice::Run() {
   PolledBus::Pose pose;
   bool here = true;
   while (!stop_ && here) {
-    if (answers_) force_signal_.Wait(keeper.WaitFor_us(Now_us()));
-    const Force newest = forces_.Read();
-    const int64_t now = Now_us();
+    const Force newest = answers_ ? AwaitForce(keeper) : forces_.Read();
+    taken_ = newest.number;
+    int64_t asked_ns = Now_ns();
+    const int64_t now = asked_ns / 1000;
     keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
     const auto command = keeper.Next(now);
     if (command) {
@@ -112,7 +139,12 @@ void PolledDevice::Run() {
       writes_ += here;
     }
     // Unasked, a device that only answers would be waited for in vain.
-    if (here && (command || !answers_)) here = Hear(pose);
+    if (!here || (answers_ && !command)) continue;
+    here = Hear(pose, asked_ns);
+    if (!answers_) continue;
+    const int64_t heard_ns = Now_ns();
+    answers_ns_.Add(heard_ns - asked_ns);
+    heard_us_ = heard_ns / 1000;
   }
   if (!here) {
     Publish(pose, false);

@@ -7,6 +7,8 @@
 
 #include "common/base/triple_buffer.h"
 #include "station/devices/device.h"
+#include "station/devices/duration_histogram.h"
+#include "station/devices/force_keeper.h"
 #include "station/devices/force_signal.h"
 
 namespace enamel::station {
@@ -25,6 +27,9 @@ class PolledBus {
     dvec3 tip_m{0};    // scene axes
     Quat orientation;  // scene from tool
     bool pedal = false;
+    // Of a device that answers, on the steady clock: when this was asked for, if that may have been in an
+    // earlier exchange; else 0.
+    int64_t asked_ns = 0;
   };
 
   virtual ~PolledBus() = default;
@@ -44,8 +49,8 @@ class PolledBus {
 };
 
 // Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
-// values with the tick. A device that only answers has one exchange for each force, and one each
-// millisecond while the loop sends none. A force that the loop has not renewed falls to 0 (ForceKeeper).
+// values with the tick. A device that only answers has one exchange for each tick in which the loop has
+// seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not renewed falls to 0 (ForceKeeper).
 // A pose that is not finite is left out and counted as refused. Once detached it stays detached, with
 // force 0.
 // Real-time: ReadSample and the Sends are safe. The destructor sends 0.
@@ -64,6 +69,7 @@ class PolledDevice final : public MotorDevice {
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
   DeviceCounters counters() const noexcept override;
+  std::optional<scene::AnswerTime> answer_time() const noexcept override;
 
  private:
   struct Message {
@@ -73,10 +79,12 @@ class PolledDevice final : public MotorDevice {
   struct Force {
     dvec3 newtons{0}, newton_metres{0};
     uint64_t number = 0;
+    uint64_t seen = 0;  // the newest pose that the loop had
   };
 
   void Run();
-  bool Hear(PolledBus::Pose& pose);
+  Force AwaitForce(const ForceKeeper& keeper);
+  bool Hear(PolledBus::Pose& pose, int64_t& asked_ns);
   void Publish(const PolledBus::Pose& pose, bool attached);
 
   const std::unique_ptr<PolledBus> bus_;
@@ -89,8 +97,11 @@ class PolledDevice final : public MotorDevice {
   ForceSignal force_signal_;
   std::atomic<bool> stop_{false};
   std::atomic<uint64_t> samples_{0}, refused_{0}, writes_{0}, detached_{0};
+  DurationHistogram answers_ns_;
   // Owned by the thread.
   dvec3 centre_m_{0};
+  int64_t heard_us_ = 0;
+  uint64_t taken_ = 0;  // number of the newest force that was sent or due
   uint64_t published_ = 0;
   // Owned by the tick.
   uint64_t seen_ = 0, sent_ = 0;

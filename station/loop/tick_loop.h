@@ -9,7 +9,7 @@
 #include "common/core/core.h"
 #include "common/trace/trace.h"
 #include "station/devices/device.h"
-#include "station/loop/duration_histogram.h"
+#include "station/devices/duration_histogram.h"
 #include "station/loop/spsc_ring.h"
 
 namespace enamel::station {

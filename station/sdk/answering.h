@@ -11,6 +11,9 @@ namespace enamel::station::sdk {
 
 // Two answers may be lost before the loop has missed five ticks and latches a fault.
 inline constexpr std::chrono::milliseconds kAnswerPatience{2};
+// Of a device whose answers usually take longer: then none may be lost, and one that takes longer than
+// this is a fault.
+inline constexpr std::chrono::milliseconds kLongestPatience{4};
 // Questions to a device that was just opened: for a second.
 inline constexpr int kFirstQuestions = 500;
 

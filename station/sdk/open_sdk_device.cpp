@@ -20,6 +20,7 @@ struct Driver {
   std::string_view choice, what;
   OpenBus open;
   FindDevices find;
+  bool answers = false;  // as PolledBus::answers
 };
 
 constexpr std::array kDrivers = {
@@ -33,10 +34,10 @@ constexpr std::array kDrivers = {
 #else
     Driver{"openhaptics", "OpenHaptics", nullptr, nullptr},
 #endif
-    Driver{"woodenhaptics", "", OpenWoodenHaptics, FindWoodenHaptics},
-    Driver{"polhem", "", OpenPolhem, FindPolhem},
-    Driver{"polhem_serial", "", OpenPolhemSerial, FindPolhemSerial},
-    Driver{"inverse3", "", OpenInverse3, FindInverse3},
+    Driver{"woodenhaptics", "", OpenWoodenHaptics, FindWoodenHaptics, true},
+    Driver{"polhem", "", OpenPolhem, FindPolhem, true},
+    Driver{"polhem_serial", "", OpenPolhemSerial, FindPolhemSerial, true},
+    Driver{"inverse3", "", OpenInverse3, FindInverse3, true},
 };
 
 std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }
@@ -75,6 +76,7 @@ std::vector<SdkDevice> ListSdkDevices() {
     if (driver.find == nullptr) continue;
     for (SdkDevice& found : driver.find()) {
       found.choice = driver.choice;
+      found.answers = driver.answers;
       out.push_back(std::move(found));
     }
   }

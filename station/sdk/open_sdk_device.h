@@ -15,12 +15,13 @@ namespace enamel::station::sdk {
 // An attached device of the table of drivers (open_sdk_device.cpp): of a maker's library, or of a protocol
 // that is published.
 struct SdkDevice {
-  std::string choice;   // its driver, as a command line names it: "dhd", "polhem"
-  std::string name;     // "omega.3"
-  std::string profile;  // name of its device profile
-  std::string ids;      // "1234:0006"; empty where the library does not say
-  std::string unit;     // as Device::Unit
-  std::string problem;  // why it cannot be used now, and what to do; empty if it can
+  std::string choice;    // its driver, as a command line names it: "dhd", "polhem"
+  std::string name;      // "omega.3"
+  std::string profile;   // name of its device profile
+  std::string ids;       // "1234:0006"; empty where the library does not say
+  std::string unit;      // as Device::Unit
+  std::string problem;   // why it cannot be used now, and what to do; empty if it can
+  bool answers = false;  // to forces, and only so: no maker's library switches its motors on
 };
 
 // Attached devices of the drivers built in, in the table's order. Opens those of makers' libraries briefly

@@ -3,6 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <cctype>
+#include <cstdio>
+#include <thread>
 
 #include "common/base/file.h"
 #include "common/scene/plan.h"
@@ -14,6 +16,9 @@ namespace fs = std::filesystem;
 
 // A calibration has some hundred bytes; another file of that name is not read whole.
 constexpr size_t kMaxCalibration = 1 << 16;
+// For answers of up to four ticks at 1 kHz, which the drivers wait for at most, every second one lost.
+constexpr std::chrono::milliseconds kPatience{10 * kAnswersToKnow};
+constexpr std::chrono::milliseconds kLookEvery{5};
 
 const char* FromText(scene::DelayUsed::From from) {
   switch (from) {
@@ -23,6 +28,8 @@ const char* FromText(scene::DelayUsed::From from) {
       return "measured on this unit";
     case scene::DelayUsed::From::kAssumed:
       return "assumed";
+    case scene::DelayUsed::From::kAnswers:
+      return "more than was known, as its answers take now";
   }
   return "";
 }
@@ -55,23 +62,47 @@ std::optional<scene::Calibration> FindCalibration(const fs::path& data, const st
   return std::nullopt;
 }
 
-scene::DelayUsed DelayKnownHere(const fs::path& data, const std::string& unit) {
+scene::DeviceProfile SilentProfile() {
+  scene::DeviceProfile out;
+  out.rate_hz.value = 1000;
+  return out;
+}
+
+scene::DelayUsed DelayKnownHere(const fs::path& data, const std::string& unit,
+                                const scene::DeviceProfile& profile,
+                                const std::optional<scene::AnswerTime>& answers) {
   const auto calibration = FindCalibration(data, unit);
-  // Only the unit's own delay: for a profile without one, only the calibration remains.
-  scene::DeviceProfile silent;
-  silent.rate_hz.value = 1000;
-  return scene::DelayOfAttached(silent, calibration ? &*calibration : nullptr, 1000);
+  return scene::DelayOfAttached(profile, calibration ? &*calibration : nullptr, 1000, answers);
+}
+
+std::optional<scene::AnswerTime> AwaitAnswerTime(const Device& device) {
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  auto found = device.answer_time();
+  while (found && found->answers < kAnswersToKnow && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(kLookEvery);
+    found = device.answer_time();
+  }
+  return found && found->answers > 0 ? found : std::nullopt;
+}
+
+std::string AnswersText(const scene::AnswerTime& answers) {
+  char text[120];
+  std::snprintf(text, sizeof text, "99 of 100 answers within %.2f ms, half within %.2f",
+                static_cast<double>(answers.p99_us) * 1e-3,
+                static_cast<double>(answers.median_us) * 1e-3);
+  return text;
 }
 
 std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
   const std::string ticks =
       std::to_string(used.ticks) + (used.ticks == 1 ? " tick" : " ticks") + " of delay";
+  const std::string answers = used.answers ? " (" + AnswersText(*used.answers) + ")" : "";
   if (used.from != scene::DelayUsed::From::kAssumed) {
-    return device + ": " + ticks + ", " + FromText(used.from);
+    return device + ": " + ticks + ", " + FromText(used.from) + answers;
   }
   return device + ": its delay was never measured, so attempts assume " + ticks +
          " and its coupling is at most 2 b f/" +
-         std::to_string((used.ticks + 1) * (used.ticks + 1)) +
+         std::to_string((used.ticks + 1) * (used.ticks + 1)) + answers +
          "; 'enamel-station calibrate' measures it";
 }
 
@@ -81,8 +112,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
   const std::string name = device.Name();
   const auto calibration = FindCalibration(data, device.Unit());
   const int64_t rate_hz = prepared.header.params.rate_hz;
-  const auto used =
-      scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz);
+  const auto used = scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr,
+                                           rate_hz, AwaitAnswerTime(device));
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
   // The chunks of a resumed attempt are chained to its header, and its ticks must replay with it: a
@@ -122,8 +153,9 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                           scene::CompilePlan(prepared.scene, prepared.exercise, profile));
   prepared.header.params = params;
   prepared.delay = used;
-  const bool assumed = used.from == scene::DelayUsed::From::kAssumed;
-  spdlog::log(assumed ? spdlog::level::warn : spdlog::level::info, "{}: Kc {} mN/mm{}",
+  using From = scene::DelayUsed::From;
+  const bool unknown = used.from == From::kAssumed || used.from == From::kAnswers;
+  spdlog::log(unknown ? spdlog::level::warn : spdlog::level::info, "{}: Kc {} mN/mm{}",
               DelayText(used, name), is,
               is < was ? " instead of the profile's " + std::to_string(was) : "");
   return Status::Ok();

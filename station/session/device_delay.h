@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,16 +23,26 @@ std::filesystem::path CalibrationFile(const std::filesystem::path& data, const s
 std::optional<scene::Calibration> FindCalibration(const std::filesystem::path& data,
                                                   const std::string& unit);
 
-// The delay for attempts on this unit if its profile does not give a measured one: measured here at
-// 1 kHz, else assumed.
-scene::DelayUsed DelayKnownHere(const std::filesystem::path& data, const std::string& unit);
+// How long the device's answers take: when it has answered kAnswersToKnow times, or given fewer within a
+// few seconds, what it has. Nothing: it does not answer to a force. Blocks meanwhile.
+inline constexpr int64_t kAnswersToKnow = 500;
+std::optional<scene::AnswerTime> AwaitAnswerTime(const Device& device);
 
+// A profile at 1 kHz that says nothing of a delay.
+scene::DeviceProfile SilentProfile();
+// The delay for attempts on this unit with this profile, at 1 kHz.
+scene::DelayUsed DelayKnownHere(const std::filesystem::path& data, const std::string& unit,
+                                const scene::DeviceProfile& profile = SilentProfile(),
+                                const std::optional<scene::AnswerTime>& answers = {});
+
+// "99 of 100 answers within 0.09 ms, half within 0.05".
+std::string AnswersText(const scene::AnswerTime& answers);
 // One sentence for doctor, devices, the log and the operator. If Kc was lowered: by how much and
 // why, and what to do if nobody measured the delay. If it was measured: its value and source.
 std::string DelayText(const scene::DelayUsed& used, const std::string& device);
 
-// Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`
-// and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
+// Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`, whose
+// answers it awaits as above, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
 // are left unchanged. Logged, as a warning if nobody measured. A resumed attempt keeps its original
 // parameters. Errors: WithDelay's; kConflict when a resumed attempt is stiffer than this device
 // allows.

@@ -23,22 +23,22 @@ Calibration Measured(int64_t ticks, int64_t rate_hz = 1000) {
 
 TEST(DelayTest, AnAttachedDeviceThatNobodyMeasuredHasATick) {
   DeviceProfile profile = Phantom();
-  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{1, From::kAssumed}));
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{1, From::kAssumed, {}}));
   profile.bus_delay_ticks.value = 3;  // said, not measured: no less than that
-  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{3, From::kAssumed}));
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{3, From::kAssumed, {}}));
   // A calibration that did not measure it says nothing of it.
   Calibration other;
   other.mass_g = scene::Measured{45, 1, 8};
-  EXPECT_EQ(DelayOfAttached(Phantom(), &other, 1000), (DelayUsed{1, From::kAssumed}));
+  EXPECT_EQ(DelayOfAttached(Phantom(), &other, 1000), (DelayUsed{1, From::kAssumed, {}}));
 }
 
 TEST(DelayTest, WhatWasMeasuredLiftsTheTickAndTheUnitsOwnMeasurementComesFirst) {
   DeviceProfile profile = Phantom();
   profile.delay_measured = true;
-  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{0, From::kProfile}));
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{0, From::kProfile, {}}));
   const Calibration two = Measured(2), none = Measured(0);
-  EXPECT_EQ(DelayOfAttached(profile, &two, 1000), (DelayUsed{2, From::kCalibration}));
-  EXPECT_EQ(DelayOfAttached(Phantom(), &none, 1000), (DelayUsed{0, From::kCalibration}));
+  EXPECT_EQ(DelayOfAttached(profile, &two, 1000), (DelayUsed{2, From::kCalibration, {}}));
+  EXPECT_EQ(DelayOfAttached(Phantom(), &none, 1000), (DelayUsed{0, From::kCalibration, {}}));
 }
 
 TEST(DelayTest, ADelayIsATimeAndIsRoundedUpAtAnotherRate) {
@@ -46,6 +46,33 @@ TEST(DelayTest, ADelayIsATimeAndIsRoundedUpAtAnotherRate) {
   EXPECT_EQ(DelayOfAttached(Phantom(), &slow, 4000).ticks, 4);
   EXPECT_EQ(DelayOfAttached(Phantom(), &fast, 1000).ticks, 1);
   EXPECT_EQ(DelayOfAttached(Phantom(), &slow, 500).ticks, 1);
+}
+
+AnswerTime Answers(int64_t p99_us) { return {p99_us / 2, p99_us, 500}; }
+
+TEST(DelayTest, AnswersCountInWholeTicksOfTheirNinetyNinthPart) {
+  EXPECT_EQ(AnswerTicks(Answers(90), 1000), 1);
+  EXPECT_EQ(AnswerTicks(Answers(1000), 1000), 1);
+  EXPECT_EQ(AnswerTicks(Answers(1001), 1000), 2);
+  EXPECT_EQ(AnswerTicks(Answers(1001), 4000), 5);
+}
+
+TEST(DelayTest, SlowAnswersAddToWhatIsAssumedAndRaiseWhatWasMeasured) {
+  DeviceProfile profile = Phantom();
+  profile.bus_delay_ticks.value = 2;  // a tick for the answer, a tick behind it
+  DelayUsed used = DelayOfAttached(profile, nullptr, 1000, Answers(90));
+  EXPECT_EQ(used, (DelayUsed{2, From::kAssumed, Answers(90)}));
+  used = DelayOfAttached(profile, nullptr, 1000, Answers(3050));
+  EXPECT_EQ(used, (DelayUsed{5, From::kAnswers, Answers(3050)}));
+  // A measurement has the tick behind the answers in it.
+  const Calibration three = Measured(3);
+  EXPECT_EQ(DelayOfAttached(profile, &three, 1000, Answers(2500)).from, From::kCalibration);
+  EXPECT_EQ(DelayOfAttached(profile, &three, 1000, Answers(3050)),
+            (DelayUsed{4, From::kAnswers, Answers(3050)}));
+  profile.delay_measured = true;
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(3050)),
+            (DelayUsed{4, From::kAnswers, Answers(3050)}));
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(900'000)).ticks, kMostDelay_ticks);
 }
 
 // b = 1.75 N s/m: 2 b f = 3500 mN/mm, over 1, 4, 9, 16.

@@ -82,6 +82,21 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
   }
 }
 
+// 2 b f/(d + 1)^2: 3600 at the lower end of b, over 4 and over 25.
+TEST(CalibrateTest, AnswersThatTakeLongerThanThePushesShowedAreTheDelay) {
+  const auto base = *scene::FindProfile("inverse3");
+  for (const int64_t p99_us : {90, 3050}) {
+    AxisFigures worst = Axis(20, 0.05, 2, 1.2);
+    RaiseToAnswers(worst.delay_ticks, {p99_us, p99_us, 500}, 1000);
+    const auto p = ProposeProfile(worst, 1000, base, "mine", "measured");
+    ASSERT_TRUE(p.ok()) << p.status().message();
+    const int64_t ticks = p99_us == 90 ? 2 : 4;
+    EXPECT_EQ(p->bus_delay_ticks.value, ticks);
+    EXPECT_EQ(CalibrationOf(worst, 1000).bus_delay_ticks->value, ticks);
+    EXPECT_LE(p->coupling_mn_per_mm.value, 3600 / ((ticks + 1) * (ticks + 1)));
+  }
+}
+
 // 2 b f/(d + 1)^2 at 8 kHz and a tick is 7200; c/S is 4500.
 TEST(CalibrateTest, ABoardsSpringIsProposedWhereTheMeasuredFiguresCarryIt) {
   scene::DeviceProfile base = scene::BuiltinProfiles()[0];

@@ -121,6 +121,53 @@ TEST_F(PolledDeviceTest, UnpluggedIsSeenAndStays) {
   EXPECT_EQ(device_->counters().detached, 1u);
 }
 
+// Its answers take three ticks, each a cell further along z.
+class SlowBus final : public PolledBus {
+ public:
+  explicit SlowBus(std::shared_ptr<Script> script) : script_(std::move(script)) {}
+  std::string Name() const override { return "slow device"; }
+  std::string Driver() const override { return "slow"; }
+  bool answers() const override { return true; }
+  Heard Read(Pose& out) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    out.tip_m = {0, 0, answers_++ * 10e-6};
+    return Heard::kPose;
+  }
+  bool Send(const dvec3& force_n) override {
+    std::lock_guard lock(script_->mutex);
+    script_->sent.push_back(force_n);
+    return true;
+  }
+
+ private:
+  std::shared_ptr<Script> script_;
+  int answers_ = 0;
+};
+
+// Otherwise its delay is two answers: the force sent in one would be from the pose before.
+TEST(AnsweringDeviceTest, AForceSentAnswersTheNewestPose) {
+  auto script = std::make_shared<Script>();
+  scene::AnswerTime took;
+  {
+    PolledDevice device(std::make_unique<SlowBus>(script), 10e-6);
+    auto due = std::chrono::steady_clock::now();
+    for (int i = 0; i < 400; ++i) {
+      std::this_thread::sleep_until(due += std::chrono::milliseconds(1));
+      device.SendForce(dvec3(0, 0, 1.0 * device.ReadSample().counts[2]));
+    }
+    took = device.answer_time().value();
+  }
+  EXPECT_GE(took.median_us, 3000);
+  EXPECT_GE(took.p99_us, took.median_us);
+  EXPECT_GE(took.answers, 20);
+  // A test that is not woken in time answers late: most, not all.
+  size_t newest = 0;
+  for (size_t i = 1; i < script->sent.size(); ++i) {
+    newest += script->sent[i].z == static_cast<double>(i - 1);
+  }
+  EXPECT_GT(newest, script->sent.size() / 2);
+}
+
 // Says where it is only in answer to a force, unless it is mute.
 class AnsweringBus final : public PolledBus {
  public:

@@ -7,7 +7,10 @@
 
 #include "common/base/file.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/plan.h"
+#include "station/lab/devices/emulated_inverse3.h"
+#include "station/sdk/open_sdk_device.h"
 #include "tests/station/session/log_lines.h"
 #include "tests/support/temp_folder.h"
 
@@ -68,7 +71,7 @@ TEST_F(DeviceDelayTest, AnUnmeasuredDeviceIsComputedWithATickAndItIsSaid) {
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
   EXPECT_EQ(Kc(), 875);
   ASSERT_TRUE(prepared_.delay.has_value());
-  EXPECT_EQ(*prepared_.delay, (scene::DelayUsed{1, scene::DelayUsed::From::kAssumed}));
+  EXPECT_EQ(*prepared_.delay, (scene::DelayUsed{1, scene::DelayUsed::From::kAssumed, {}}));
   EXPECT_TRUE(log.Has("warning: arm: its delay was never measured")) << log.text();
   EXPECT_TRUE(log.Has("enamel-station calibrate")) << log.text();
   EXPECT_TRUE(log.Has("Kc 875 mN/mm instead of the profile's 2500")) << log.text();
@@ -105,6 +108,37 @@ TEST_F(DeviceDelayTest, AProfileThatSaysItWasMeasuredIsBelieved) {
   prepared_.profile.delay_measured = true;
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
   EXPECT_EQ(Kc(), 2500);
+}
+
+// b = 1 N s/m, 1 kHz: 2000/(d + 1)^2. The profile has a tick of delay behind the answers.
+TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) {
+  prepared_.profile = *scene::FindProfile("inverse3");
+  lab::EmulatedInverse3 service;
+  hid::DeviceChoice choice;
+  choice.device = service.choice();
+  for (const int delay_us : {0, 3000}) {
+    service.Delay(std::chrono::microseconds(delay_us), std::chrono::microseconds(200));
+    auto device = sdk::OpenChosenDevice(choice, prepared_.profile, 1e-3);
+    ASSERT_TRUE(device.ok()) << device.status().message();
+    LogLines log;
+    ASSERT_TRUE(UseDelayOf(prepared_, **device, folder_).ok());
+    ASSERT_TRUE(prepared_.delay && prepared_.delay->answers);
+    const scene::AnswerTime answers = *prepared_.delay->answers;
+    EXPECT_GE(answers.answers, kAnswersToKnow);
+    EXPECT_GE(answers.median_us, delay_us);
+    EXPECT_GE(answers.p99_us, answers.median_us);
+    const int64_t ticks = 1 + std::max<int64_t>(1, (answers.p99_us + 999) / 1000);
+    EXPECT_EQ(prepared_.delay->ticks, ticks);
+    EXPECT_EQ(prepared_.header.params.bus_delay_ticks, static_cast<uint32_t>(ticks));
+    EXPECT_EQ(Kc(), std::min<int64_t>(222, 2000 / ((ticks + 1) * (ticks + 1))));
+    EXPECT_TRUE(log.Has("99 of 100 answers within")) << log.text();
+    EXPECT_TRUE(scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile,
+                                   prepared_.header.params)
+                    .ok());
+    if (delay_us == 0) continue;
+    EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kAnswers);
+    EXPECT_LE(Kc(), 2000 / 36);
+  }
 }
 
 TEST_F(DeviceDelayTest, ABrokenMeasurementCountsAsNoneAndIsSaid) {
