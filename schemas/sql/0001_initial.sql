@@ -502,6 +502,16 @@ CREATE TABLE listed_devices (
   PRIMARY KEY (tenant, name)
 ) STRICT, WITHOUT ROWID;
 
+CREATE TABLE station_settings (
+  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
+  name       TEXT NOT NULL,
+  scope      TEXT NOT NULL,  -- '*': every station; 'lab2-*': those whose names begin so; else a name
+  value      TEXT NOT NULL,
+  fixed      INTEGER NOT NULL CHECK (fixed IN (0, 1)),  -- before a station's settings file
+  changed_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, name, scope)
+) STRICT, WITHOUT ROWID;
+
 CREATE TABLE exercise_owners (
   tenant INTEGER NOT NULL REFERENCES tenants (tenant),
   name   TEXT NOT NULL,

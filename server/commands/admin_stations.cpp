@@ -137,6 +137,36 @@ Status ListListedDevices(const std::filesystem::path& data) {
   return Status::Ok();
 }
 
+Status SetStations(const std::filesystem::path& data, const StationSetting& setting) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_RETURN_IF_ERROR(store->settings.PutSetting(setting, kCommandLine));
+  Say("{} is {} at {}{}; a station gets it when it connects, and its programs use it when they "
+      "start\n",
+      setting.name, setting.value, setting.scope == "*" ? "every station" : setting.scope,
+      setting.fixed ? ", whatever its own settings file says" : "");
+  return Status::Ok();
+}
+
+Status UnsetStations(const std::filesystem::path& data, const std::string& name,
+                     const std::string& scope) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_RETURN_IF_ERROR(store->settings.RemoveSetting(name, scope, kCommandLine));
+  Say("{} is no longer set for {}\n", name, scope);
+  return Status::Ok();
+}
+
+Status ListStationSettings(const std::filesystem::path& data) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->settings.Settings());
+  for (const StationSetting& row : rows) {
+    Say("{:<14} {:<20} {:<12} {:<6} since {} UTC\n", row.name, row.scope, row.value,
+        row.fixed ? "fixed" : "", UtcText(row.changed_ms));
+  }
+  if (rows.empty())
+    Say("stations keep their own settings: admin set-stations NAME VALUE sets one\n");
+  return Status::Ok();
+}
+
 Status PutProfile(const std::filesystem::path& data, const std::string& name_or_path,
                   bool check_only) {
   auto profile = scene::FindProfile(name_or_path);
@@ -255,6 +285,35 @@ void DeclareStations(CommandGroup admin) {
   auto [show, s] = Declare<Listing>(admin, "list-listed-devices",
                                     "Haptic devices that are allowed for graded work",
                                     [](const Listing& o) { return ListListedDevices(o.data); });
+  AddData(show, s.data);
+}
+
+void DeclareStationSettings(CommandGroup admin) {
+  struct Setting {
+    std::filesystem::path data;
+    StationSetting row;
+  };
+  constexpr const char* kScope =
+      "\"lab2-*\": stations whose names begin with lab2-; or one station's name; else every "
+      "station";
+  auto [set, p] = Declare<Setting>(admin, "set-stations", "Set a setting of stations from here",
+                                   [](const Setting& o) { return SetStations(o.data, o.row); });
+  set->add_option("NAME", p.row.name, "As in a station's settings file: language")->required();
+  set->add_option("VALUE", p.row.value, "Its value: de")->required();
+  AddData(set, p.data);
+  set->add_option("--at", p.row.scope, kScope)->capture_default_str();
+  set->add_flag("--fixed", p.row.fixed, "Before the station's own settings file, not behind it");
+
+  auto [unset, u] = Declare<Setting>(
+      admin, "unset-stations", "Leave a setting to stations again",
+      [](const Setting& o) { return UnsetStations(o.data, o.row.name, o.row.scope); });
+  unset->add_option("NAME", u.row.name, "As list-station-settings shows it")->required();
+  AddData(unset, u.data);
+  unset->add_option("--at", u.row.scope, kScope)->capture_default_str();
+
+  auto [show, s] =
+      Declare<Setting>(admin, "list-station-settings", "What stations are set to from here",
+                       [](const Setting& o) { return ListStationSettings(o.data); });
   AddData(show, s.data);
 }
 

@@ -28,6 +28,12 @@ Status ListDevice(const std::filesystem::path& data, const std::string& name,
 Status UnlistDevice(const std::filesystem::path& data, const std::string& name);
 Status ListListedDevices(const std::filesystem::path& data);
 
+// Settings of stations (schemas/station_settings.md, "Policy").
+Status SetStations(const std::filesystem::path& data, const StationSetting& setting);
+Status UnsetStations(const std::filesystem::path& data, const std::string& name,
+                     const std::string& scope);
+Status ListStationSettings(const std::filesystem::path& data);
+
 // Prints every criterion with its figures (common/scene/profile_criteria.h); stores the profile as
 // the newest version of its name when all are met, unless it is only to be checked.
 Status PutProfile(const std::filesystem::path& data, const std::string& name_or_path,
@@ -42,6 +48,7 @@ Status ListCalibrations(const std::filesystem::path& data, const std::string& pr
 struct CommandGroup;
 // On the command line (command_line.h), by subject.
 void DeclareStations(CommandGroup admin);
+void DeclareStationSettings(CommandGroup admin);
 void DeclareProfiles(CommandGroup admin);
 
 }  // namespace enamel::server::app

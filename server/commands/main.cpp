@@ -64,10 +64,10 @@ int main(int argc, char** argv) {
   auto* admin =
       root.add_subcommand("admin", "Manage people, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
-  for (auto declare :
-       {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions, app::DeclareStations,
-        app::DeclareProfiles, app::DeclarePersonalData, app::DeclareAttempts, app::DeclareExercises,
-        app::DeclareTargets, app::DeclareRubrics, app::DeclareAssignments}) {
+  for (auto declare : {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions,
+                       app::DeclareStations, app::DeclareStationSettings, app::DeclareProfiles,
+                       app::DeclarePersonalData, app::DeclareAttempts, app::DeclareExercises,
+                       app::DeclareTargets, app::DeclareRubrics, app::DeclareAssignments}) {
     declare({*admin, command});
   }
   root.footer(

@@ -17,8 +17,8 @@ Rows& In(Store& s) {
     return s;
   } else {
     return std::get<Rows&>(std::tie(
-        s.people, s.roster, s.sessions, s.cohorts, s.stations, s.devices, s.profiles, s.scenes,
-        s.exercises, s.rubrics, s.assignments, s.blobs, s.attempts, s.results, s.remarks,
+        s.people, s.roster, s.sessions, s.cohorts, s.stations, s.devices, s.settings, s.profiles,
+        s.scenes, s.exercises, s.rubrics, s.assignments, s.blobs, s.attempts, s.results, s.remarks,
         s.references, s.jobs, s.batches, s.timelines, s.audit, s.erasures, s.retention, s.health));
   }
 }
@@ -195,6 +195,10 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/listed-devices", Need::kInstructor, Given<&ListListedDevices>()},
     Route{Method::kPost, "/api/v1/listed-devices", Need::kAdmin, Given<&ListDevice>()},
     Route{Method::kPost, "/api/v1/listed-devices/remove", Need::kAdmin, Given<&UnlistDevice>()},
+    Route{Method::kGet, "/api/v1/station-settings", Need::kAdmin, Given<&ListStationSettings>()},
+    Route{Method::kPost, "/api/v1/station-settings", Need::kAdmin, Given<&PutStationSetting>()},
+    Route{Method::kPost, "/api/v1/station-settings/remove", Need::kAdmin,
+          Given<&RemoveStationSetting>()},
     Route{Method::kGet, "/api/v1/enrolment-codes", Need::kAdmin, Given<&ListEnrolCodes>()},
     Route{Method::kPost, "/api/v1/enrolment-codes", Need::kAdmin, Given<&AddEnrolCode>()},
     Route{Method::kDelete, "/api/v1/enrolment-codes/{id}", Need::kAdmin,

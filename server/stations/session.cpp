@@ -169,6 +169,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   admitted_ms_ = noted_ms_ = services_.clock();
   NoteHeard();
 
+  ENAMEL_ASSIGN_OR_RETURN(auto policy, services_.store.settings.PolicyFor(station->name));
   wire::Reply reply;
   wire::Welcome& welcome = *reply.mutable_welcome();
   welcome.set_protocol_version(protocol::kProtocolVersion);
@@ -177,6 +178,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   welcome.set_server_unix_ms(services_.clock());
   welcome.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
   welcome.set_page_url(services_.page_url);
+  if (policy.settings_size() > 0) *welcome.mutable_policy() = std::move(policy);
   return reply;
 }
 

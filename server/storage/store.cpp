@@ -16,6 +16,7 @@ Store::Store(std::unique_ptr<StoreEngine> on)
       cohorts(engine->rows),
       stations(engine->rows),
       devices(engine->rows),
+      settings(engine->rows),
       schools(engine->rows),
       profiles(engine->rows, *engine->blobs),
       scenes(engine->rows, *engine->blobs),

@@ -23,6 +23,7 @@
 #include "server/storage/people/roster_rows.h"
 #include "server/storage/people/school_list.h"
 #include "server/storage/people/session_rows.h"
+#include "server/storage/people/setting_rows.h"
 #include "server/storage/people/sign_in_rows.h"
 #include "server/storage/people/station_rows.h"
 #include "server/storage/recordings/ingest_rows.h"
@@ -70,6 +71,7 @@ struct Store {
   CohortRows cohorts;
   StationRows stations;
   DeviceRows devices;
+  SettingRows settings;
   SchoolRows schools;
 
   ProfileRows profiles;

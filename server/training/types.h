@@ -122,6 +122,15 @@ struct ListedDevice {
   UnixMs added_ms = 0;
 };
 
+// What stations are set to from here (schemas/station_settings.md, "Policy").
+struct StationSetting {
+  std::string name;
+  std::string scope = "*";  // "*": every station; "lab2-*": those whose names begin so; else a name
+  std::string value;
+  bool fixed = false;  // before a station's own settings file
+  UnixMs changed_ms = 0;
+};
+
 struct SceneRow {
   std::string name;
   std::string title;

@@ -89,7 +89,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/results", {"server/training", "common/trace"}},
         {"server/storage",
          {"server/training", "server/results", "common/sqlite", "common/postgres", "common/s3",
-          "common/trace", "common/scene"}},
+          "common/protocol", "common/trace", "common/scene"}},
         {"server/auth", {"server/storage"}},
         {"server/roster", {"server/auth", "server/storage", "server/training"}},
         {"server/live", {"server/training", "server/storage", "common/protocol", "common/trace"}},

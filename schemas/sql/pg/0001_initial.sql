@@ -496,6 +496,16 @@ CREATE TABLE listed_devices (
   PRIMARY KEY (tenant, name)
 );
 
+CREATE TABLE station_settings (
+  tenant     BIGINT NOT NULL REFERENCES tenants (tenant),
+  name       TEXT COLLATE "C" NOT NULL,
+  scope      TEXT COLLATE "C" NOT NULL,
+  value      TEXT COLLATE "C" NOT NULL,
+  fixed      BIGINT NOT NULL CHECK (fixed IN (0, 1)),
+  changed_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, name, scope)
+);
+
 CREATE TABLE exercise_owners (
   tenant BIGINT NOT NULL REFERENCES tenants (tenant),
   name   TEXT COLLATE "C" NOT NULL,

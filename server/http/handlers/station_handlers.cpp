@@ -19,6 +19,8 @@ namespace json = boost::json;
 namespace {
 
 constexpr size_t kMaxStationName = 64;  // as in schemas/wire/README.md
+// The beginning of a name and an asterisk; a value is a word or a number.
+constexpr size_t kMaxScope = kMaxStationName + 1, kMaxSetting = 64;
 constexpr int64_t kMaxMinutes = 7 * 24 * 60;
 // 128 bits: nobody guesses it within the week that it may be good for.
 constexpr size_t kCodeBytes = 16;
@@ -185,6 +187,45 @@ Response UnlistDevice(const Call& call, DeviceRows& devices) {
   if (Status done = devices.UnlistDevice(name, ActorOf(call)); !done.ok())
     return ErrorResponse(done);
   return ListListedDevices(call, devices);
+}
+
+Response ListStationSettings(const Call&, SettingRows& settings) {
+  const auto rows = settings.Settings();
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array out;
+  for (const StationSetting& row : *rows) {
+    out.push_back({{"name", row.name},
+                   {"scope", row.scope},
+                   {"value", row.value},
+                   {"fixed", row.fixed},
+                   {"changed_ms", row.changed_ms}});
+  }
+  return JsonResponse({{"settings", std::move(out)}});
+}
+
+Response PutStationSetting(const Call& call, SettingRows& settings) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  StationSetting setting;
+  setting.name = body.Text("name", 1, kMaxSetting);
+  if (body.Has("scope")) setting.scope = body.Text("scope", 1, kMaxScope);
+  setting.value = body.Text("value", 1, kMaxSetting);
+  setting.fixed = body.Flag("fixed", false);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status done = settings.PutSetting(setting, ActorOf(call)); !done.ok())
+    return ErrorResponse(done);
+  return ListStationSettings(call, settings);
+}
+
+Response RemoveStationSetting(const Call& call, SettingRows& settings) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::string name = body.Text("name", 1, kMaxSetting);
+  const std::string scope = body.Has("scope") ? body.Text("scope", 1, kMaxScope) : "*";
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status done = settings.RemoveSetting(name, scope, ActorOf(call)); !done.ok())
+    return ErrorResponse(done);
+  return ListStationSettings(call, settings);
 }
 
 }  // namespace enamel::server::http

@@ -95,6 +95,12 @@ const std::vector<SubjectKind>& Kinds() {
        Key::kText,
        "SELECT name FROM listed_devices WHERE tenant = ?1",
        {{"", "SELECT title, added_ms FROM listed_devices WHERE tenant = ?1 AND name = ?2"}}},
+      {"setting",
+       Key::kText,
+       "SELECT name || ' ' || scope FROM station_settings WHERE tenant = ?1",
+       {{"",
+         "SELECT value, fixed FROM station_settings WHERE tenant = ?1 AND name || ' ' || scope = "
+         "?2"}}},
       {"person",
        Key::kId,
        "SELECT id FROM people WHERE tenant = ?1",
@@ -200,13 +206,11 @@ std::string SubjectOf(const std::string& kind, const std::string& key) { return 
 
 std::string SubjectOfAction(const std::string& action, const std::string& object) {
   static const std::pair<const char*, const char*> kPrefixes[] = {
-      {"attempt.", "attempt"},       {"appeal.", "attempt"},
-      {"reference.", "attempt"},     {"exercise.", "exercise"},
-      {"owner.", "owner"},           {"assignment.", "assignment"},
-      {"device.", "device"},         {"person.", "person"},
-      {"station.enrol", "station"},  {"station.rename", "station"},
-      {"station.revoke", "station"}, {"cohort.create", "cohort"},
-      {"cohort.edit", "cohort"},     {"retention.set", "retention"},
+      {"attempt.", "attempt"},      {"appeal.", "attempt"},        {"reference.", "attempt"},
+      {"exercise.", "exercise"},    {"owner.", "owner"},           {"assignment.", "assignment"},
+      {"device.", "device"},        {"setting.", "setting"},       {"person.", "person"},
+      {"station.enrol", "station"}, {"station.rename", "station"}, {"station.revoke", "station"},
+      {"cohort.create", "cohort"},  {"cohort.edit", "cohort"},     {"retention.set", "retention"},
       {"profile.put", "profile"}};
   // Its object is no id any more.
   if (action == "person.erase") return "";

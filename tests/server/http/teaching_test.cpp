@@ -490,6 +490,31 @@ TEST_F(TeachingTest, DevicesAreListedNamedAnewAndTakenOffTheList) {
   EXPECT_EQ(Post("root", std::string(kPath) + "/remove", name).status, 404);
 }
 
+TEST_F(TeachingTest, StationsAreSetFromHereAndWrongValuesRefused) {
+  const std::string path = "/api/v1/station-settings";
+  json::object setting{{"name", "language"}, {"value", "fr"}, {"scope", "lab2-*"}};
+  RawResponse refused = Post("root", path, setting);
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_NE(refused.body.find("one of en, de, zh"), std::string::npos) << refused.body;
+  setting["value"] = "de";
+  setting["scope"] = "lab*2";
+  EXPECT_EQ(Post("root", path, setting).status, 400);
+  setting["scope"] = "lab2-*";
+  setting["fixed"] = true;
+  EXPECT_EQ(Post("root", path, setting).status, 200);
+  const json::value all = Parsed(Post("root", path, {{"name", "keep-days"}, {"value", "30"}}));
+  ASSERT_EQ(all.at("settings").as_array().size(), 2u);
+  EXPECT_EQ(all.at("settings").at(0).at("scope"), "*");
+  EXPECT_EQ(all.at("settings").at(1).at("value"), "de");
+  EXPECT_EQ(all.at("settings").at(1).at("fixed"), true);
+  EXPECT_EQ(Post("root", path, {{"name", "data"}, {"value", "/tmp"}}).status, 400);
+  EXPECT_EQ(Post("root", path + "/remove", {{"name", "language"}}).status, 404)
+      << "for another scope";
+  const json::object gone{{"name", "language"}, {"scope", "lab2-*"}};
+  EXPECT_EQ(Post("root", path + "/remove", gone).status, 200);
+  EXPECT_EQ(Parsed(By("root").Get(path)).at("settings").as_array().size(), 1u);
+}
+
 TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
   HaveReference();
   const std::pair<json::object, std::string> bads[] = {

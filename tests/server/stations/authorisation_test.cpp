@@ -251,6 +251,28 @@ TEST_F(LinkAuthorisationTest, StationIsToldWhereThePageIs) {
       << refused.error().message();
 }
 
+TEST_F(LinkAuthorisationTest, StationIsGivenTheNarrowestOfEachSetting) {
+  ASSERT_FALSE(station_.Hello().welcome().has_policy());
+  const std::string name = world_.store->stations.StationById(session_.station()->id)->name;
+  const auto put = [&](const char* setting, const std::string& scope, const char* value,
+                       bool fixed) {
+    EXPECT_TRUE(world_.store->settings.PutSetting({setting, scope, value, fixed, 0}, kSystem).ok());
+  };
+  put("language", name, "zh", false);
+  put("language", "*", "de", true);
+  put("keep-days", name.substr(0, 2) + "*", "30", true);
+  put("keep-days", name.substr(0, 1) + "*", "20", false);
+  put("quality", "other-*", "low", true);
+  Reconnect();
+  const wire::Policy policy = station_.Hello().welcome().policy();
+  ASSERT_EQ(policy.settings_size(), 2);
+  EXPECT_EQ(policy.settings(0).name(), "keep-days");
+  EXPECT_EQ(policy.settings(0).value(), "30");
+  EXPECT_TRUE(policy.settings(0).fixed());
+  EXPECT_EQ(policy.settings(1).value(), "zh");
+  EXPECT_FALSE(policy.settings(1).fixed());
+}
+
 TEST_F(LinkAuthorisationTest, WhatAStationRunsIsCutBetweenCharacters) {
   wire::Request hello = RequestOf("hello");
   hello.mutable_hello()->set_software(std::string(199, 'x') + "\u00e9\u00e9");

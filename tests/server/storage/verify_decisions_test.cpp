@@ -279,6 +279,14 @@ TEST_F(VerifyDecisionsTest, ChangedListOfDevicesIsFound) {
                   "device");
 }
 
+TEST_F(VerifyDecisionsTest, ChangedSettingOfStationsIsFound) {
+  ExpectUpdatesFound("station_settings", "1", "language lab2-*", {"value = 'zh'", "fixed = 0"});
+  ExpectEditFound("station_settings", "UPDATE station_settings SET scope = '*'", "decision",
+                  "language *", "this setting");
+  ExpectEditFound("station_settings", "DELETE FROM station_settings", "decision", "language lab2-*",
+                  "setting");
+}
+
 TEST_F(VerifyDecisionsTest, StationThatIsAdmittedAgainIsFound) {
   ASSERT_TRUE(school_.store->stations.RevokeStation(school_.world.station, kSystem).ok());
   ExpectUpdatesFound("stations", "1", school_.world.station.Text(),
