@@ -6,8 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "common/program/settings.h"
-
 namespace enamel::program {
 
 CommandSettings::CommandSettings(CLI::App& app, Where where)
@@ -47,12 +45,39 @@ Status CommandSettings::Apply(CLI::App& command) {
   if (file.empty() && std::filesystem::exists(where_.system_file)) file = where_.system_file;
   std::set<std::string> known = SettingNames(app_);
   if (where_.shared) known.insert(kAnyKey);
+  std::set<std::string> nearer;
   for (CLI::App* one : {&command, &app_}) {
     ENAMEL_RETURN_IF_ERROR(ReadEnvironment(*one, where_.prefix));
+    nearer.merge(GivenSettings(*one));
     if (file.empty()) continue;
     ENAMEL_RETURN_IF_ERROR(ReadSettingsFile(file, *one, known));
   }
-  return SetUpLog(log_);
+  own_ = SettingsIn(file);
+  for (const std::string& name : known) {
+    if (std::getenv(EnvironmentName(name, where_.prefix).c_str()) != nullptr) own_.insert(name);
+  }
+  const std::vector<std::string> wrong = TakePolicy(command, nearer, known);
+  ENAMEL_RETURN_IF_ERROR(SetUpLog(log_));
+  for (const std::string& what : wrong) SayWarning("the server's policy: " + what + "; ignored");
+  return Status::Ok();
+}
+
+std::vector<std::string> CommandSettings::TakePolicy(CLI::App& command,
+                                                     const std::set<std::string>& nearer,
+                                                     const std::set<std::string>& known) {
+  const CLI::Option* data = command.get_option_no_throw("--data");
+  if (!where_.policy || data == nullptr) return {};
+  // Not its results, which are empty while nothing gave it.
+  const std::vector<PolicySetting> policy =
+      where_.policy(data->results().empty() ? data->get_default_str() : data->results().front());
+  std::vector<std::string> wrong;
+  for (CLI::App* one : {&command, &app_}) {
+    for (std::string& what : ApplyPolicy(policy, *one, nearer)) wrong.push_back(std::move(what));
+  }
+  for (const PolicySetting& setting : policy) {
+    if (!known.contains(setting.name)) wrong.push_back("no setting is called " + setting.name);
+  }
+  return wrong;
 }
 
 }  // namespace enamel::program

@@ -31,6 +31,13 @@ std::string NameOf(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
 }
 
+// The option's name of a file's key.
+std::string SettingOf(std::string_view key) {
+  std::string out(key);
+  std::ranges::replace(out, '_', '-');
+  return out;
+}
+
 std::string Where(const std::string& file, const toml::source_region& region) {
   return file + ":" + std::to_string(region.begin.line) + ":" +
          std::to_string(region.begin.column) + ": ";
@@ -196,8 +203,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
                   Where(file, error.source()) + std::string(error.description()));
   }
   for (auto&& [key, node] : table) {
-    std::string name(key.str());
-    std::ranges::replace(name, '_', '-');
+    const std::string name = SettingOf(key.str());
     CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
     if (option == nullptr && (of_others.contains(name) || of_others.contains(kAnyKey))) continue;
     if (option == nullptr) {
@@ -213,6 +219,44 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     }
   }
   return Status::Ok();
+}
+
+std::vector<std::string> ApplyPolicy(const std::vector<PolicySetting>& policy, CLI::App& command,
+                                     const std::set<std::string>& nearer) {
+  std::vector<std::string> wrong;
+  for (const PolicySetting& setting : policy) {
+    CLI::Option* option =
+        IsSetting(setting.name) ? command.get_option_no_throw("--" + setting.name) : nullptr;
+    if (option == nullptr || nearer.contains(setting.name)) continue;
+    const std::vector<std::string> before = option->results();
+    if (setting.fixed) option->clear();
+    if (Status applied = Apply(*option, {setting.value}); !applied.ok()) {
+      wrong.push_back(setting.name + ": " + applied.message());
+      option->clear();
+      (void)Apply(*option, before);
+    }
+  }
+  return wrong;
+}
+
+std::set<std::string> GivenSettings(const CLI::App& command) {
+  std::set<std::string> out;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0) out.insert(NameOf(*option));
+  }
+  return out;
+}
+
+std::set<std::string> SettingsIn(const std::filesystem::path& file) {
+  std::set<std::string> out;
+  auto bytes = ReadFile(file, kMaxFileBytes);
+  if (!bytes.ok() || StrayCharacter(AsText(*bytes)) != std::string_view::npos) return out;
+  try {
+    for (auto&& [key, node] : toml::parse(AsText(*bytes))) out.insert(SettingOf(key.str()));
+  } catch (const toml::parse_error&) {
+    return {};
+  }
+  return out;
 }
 
 std::set<std::string> SettingNames(const CLI::App& app) {

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.h"
 
@@ -37,6 +38,23 @@ Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
 // The same of a file's text; `file` is its name in messages.
 Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command,
                     const std::set<std::string>& of_others = {});
+
+// A setting from elsewhere than this computer, its value as text.
+struct PolicySetting {
+  std::string name, value;
+  bool fixed = false;  // before the settings file
+};
+
+// Gives the options of `command` the values of a policy, after the file was read. One that is fixed goes
+// before the file, any other behind it; none before `nearer`, the settings of command line and
+// environment. Returns what is wrong: a value that its option refuses, which then stays as it was.
+std::vector<std::string> ApplyPolicy(const std::vector<PolicySetting>& policy, CLI::App& command,
+                                     const std::set<std::string>& nearer);
+
+// The settings that the options of `command` were given so far.
+std::set<std::string> GivenSettings(const CLI::App& command);
+// Those of a settings file, as ReadSettingsFile names them. Empty if it cannot be read.
+std::set<std::string> SettingsIn(const std::filesystem::path& file);
 
 // The names of all options of `app` and its commands that a settings file may have.
 std::set<std::string> SettingNames(const CLI::App& app);

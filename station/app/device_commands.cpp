@@ -62,7 +62,7 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher
 }
 
 void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& finish,
-               int* exit_code) {
+               int* exit_code, const std::set<std::string>& own_settings) {
   auto options = std::make_shared<DoctorCommand>();
   options->data = default_data;
   auto* command = app.add_subcommand(
@@ -72,7 +72,10 @@ void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& f
                       "HOST:PORT, if the server has moved since enrolment");
   command->add_flag("!--no-graphics", options->graphics, "For a station without a window");
   command->add_option("--json", options->json, "Write the findings to this file");
-  command->callback([=] { *exit_code = finish(Doctor(*options)); });
+  command->callback([=, &own_settings] {
+    options->own_settings = own_settings;
+    *exit_code = finish(Doctor(*options));
+  });
 }
 
 void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
@@ -113,11 +116,11 @@ void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
 }  // namespace
 
 void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finisher finish,
-                            int* exit_code) {
+                            int* exit_code, const std::set<std::string>& own_settings) {
   // The parser's callbacks choose the command; the exit code outlives them in `main`.
   AddDevices(app, default_data, finish, exit_code);
   AddCalibrate(app, default_data, finish, exit_code);
-  AddDoctor(app, default_data, finish, exit_code);
+  AddDoctor(app, default_data, finish, exit_code, own_settings);
   AddLoopTest(app, finish, exit_code);
 }
 

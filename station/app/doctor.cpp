@@ -22,6 +22,7 @@
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/device_delay.h"
 #include "station/spool/spool.h"
+#include "station/uplink/policy_file.h"
 #include "station/uplink/server_link.h"
 
 namespace enamel::station {
@@ -152,6 +153,25 @@ Finding SpoolState(const fs::path& data) {
   return {"spool", Verdict::kWarn, found, "enamel-station upload"};
 }
 
+// Of the policy that this station keeps. This program may be another one than that which fetched it.
+Finding SettingsFromServer(const fs::path& data, const std::set<std::string>& own) {
+  std::string taken, left, unknown;
+  const protocol::Policy policy = LoadPolicy(data);
+  for (const auto& setting : policy.settings()) {
+    const Status known = protocol::CheckPolicySetting(setting.name(), setting.value());
+    std::string& list = !known.ok()                                        ? unknown
+                        : own.contains(setting.name()) && !setting.fixed() ? left
+                                                                           : taken;
+    list += (list.empty() ? "" : ", ") + setting.name() + " " + setting.value() +
+            (setting.fixed() ? " (fixed)" : "");
+  }
+  std::string found = taken.empty() ? "the server sets none" : "from the server: " + taken;
+  if (!left.empty()) found += "; not taken, as this chair sets its own: " + left;
+  if (unknown.empty()) return {"settings", Verdict::kOk, found, ""};
+  return {"settings", Verdict::kWarn, found + "; not known here, and ignored: " + unknown,
+          "update this station"};
+}
+
 // On a separate thread, so that the program's other threads keep their priority.
 void Realtime(std::vector<Finding>& out) {
   RealtimeGrant grant;
@@ -279,6 +299,7 @@ std::vector<Finding> Examine(const DoctorCommand& options) {
   Server(credentials, out);
   out.push_back(Disk(options.data));
   out.push_back(SpoolState(options.data));
+  out.push_back(SettingsFromServer(options.data, options.own_settings));
   Realtime(out);
   out.push_back(Devices());
   Delays(options.data, out);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct DoctorCommand {
   std::filesystem::path data;
   std::string server;  // HOST:PORT when it has moved since enrolment
   bool graphics = true;
+  std::set<std::string> own_settings;  // that the chair's file or environment gives
   std::filesystem::path json;
 };
 
@@ -21,7 +23,7 @@ using program::Finding;
 using program::Verdict;
 
 // Checks everything an attempt needs: enrolment, server with its certificate and clock, disk,
-// spool, real-time rights, timer, devices and their delay, graphics. Changes nothing, except that
+// spool, settings from the server, real-time rights, timer, devices and their delay, graphics. Changes nothing, except that
 // it writes a file and removes it again. Waits are bounded: for a server that does not answer, by
 // ServerLink::kTimeout to connect, then kSilence.
 std::vector<Finding> Examine(const DoctorCommand& options);

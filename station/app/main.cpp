@@ -9,6 +9,7 @@
 #include "station/app/device_commands.h"
 #include "station/app/lab_command.h"
 #include "station/app/spool_command.h"
+#include "station/uplink/policy_file.h"
 
 // enamel-station: its commands.
 namespace {
@@ -49,6 +50,15 @@ std::string DefaultData() {
   return "enamel-station-data";
 }
 
+std::vector<program::PolicySetting> PolicyIn(const std::filesystem::path& data) {
+  const protocol::Policy policy = LoadPolicy(data);
+  std::vector<program::PolicySetting> out;
+  for (const auto& setting : policy.settings()) {
+    out.push_back({setting.name(), setting.value(), setting.fixed()});
+  }
+  return out;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -61,8 +71,10 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", program::VersionText(kName));
   int exit_code = 0;
-  program::CommandSettings settings(
-      app, {.program = kName, .prefix = kPrefix, .system_file = "/etc/enamel/station.toml"});
+  program::CommandSettings settings(app, {.program = kName,
+                                          .prefix = kPrefix,
+                                          .system_file = "/etc/enamel/station.toml",
+                                          .policy = PolicyIn});
   WorkplaceSettings place;
   place.data = DefaultData();
   const CommandGroup group{app, place, settings, exit_code};
@@ -75,7 +87,7 @@ int main(int argc, char** argv) {
                        DeclareSimulate, DeclareLists}) {
     declare(group);
   }
-  RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
+  RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code, settings.own());
   // After the commands are declared, since a subcommand inherits the footer set at that time.
   app.footer(kFooter);
   settings.Add();

@@ -1,5 +1,6 @@
 #include <cstdlib>
 
+#include "common/protocol/station_policy.h"
 #include "station/app/command_line.h"
 #include "station/desk/desk.h"
 
@@ -10,6 +11,11 @@ struct OpenOptions {
   desk::DeskOptions desk;
   std::string size, language;
 };
+
+CLI::IsMember IsOneOf(std::string_view setting) {
+  const auto& texts = protocol::PolicyRuleOf(setting).texts;
+  return CLI::IsMember(std::vector<std::string>(texts.begin(), texts.end()));
+}
 
 // The requested language, else the computer's.
 language::Language LanguageFor(const std::string& asked) {
@@ -40,10 +46,10 @@ OpenCommand DeclareOpen(CommandGroup group) {
       });
   cmd->add_option("--language", options->language,
                   "en, de or zh: the window's language until somebody chooses another; else LANG")
-      ->check(CLI::IsMember({"en", "de", "zh"}));
+      ->check(IsOneOf("language"));
   cmd->add_option("--quality", o.quality,
                   "best, good, fair or low; else chosen by how long pictures take")
-      ->check(CLI::IsMember({"best", "good", "fair", "low"}));
+      ->check(IsOneOf("quality"));
   cmd->add_option("--idle-minutes", o.idle_minutes,
                   "Time without key or mouse, outside an attempt, before it signs out")
       ->check(CLI::PositiveNumber)

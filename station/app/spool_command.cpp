@@ -18,6 +18,7 @@
 #include "station/spool/spool.h"
 #include "station/spool/verify.h"
 #include "station/uplink/attempt_sender.h"
+#include "station/uplink/policy_file.h"
 
 namespace enamel::station {
 namespace {
@@ -375,6 +376,7 @@ Status UploadSpool(const SpoolCommand& options) {
   AttemptSender sender(link, *spool, bandwidth);
   Status status = link.Connect(credentials);
   if (status.ok()) {
+    KeepPolicy(options.workplace.data, link.policy());
     // First asks what the server has lost: only then is it known what to send.
     auto wanted = sender.Offer();
     status = wanted.ok() ? sender.ReturnTickets() : wanted.status();

@@ -2,10 +2,16 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/protocol/station_policy.h"
+
 namespace enamel::station {
 namespace {
 
-constexpr int64_t kMostKbit = 10'000'000, kMostMib = int64_t{1} << 30;
+// The bounds that a policy has too.
+CLI::Range RangeOf(std::string_view name) {
+  const protocol::PolicyRule& rule = protocol::PolicyRuleOf(name);
+  return {rule.least, rule.most};
+}
 
 }  // namespace
 
@@ -31,19 +37,18 @@ void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings) {
                      "HOST:PORT, if the server has moved since enrolment");
   command
       .add_option("--uplink-kbit", settings.uplink_kbit, "Send no faster than this; 0: no limit")
-      ->check(CLI::Range(int64_t{0}, kMostKbit))
+      ->check(RangeOf("uplink-kbit"))
       ->capture_default_str();
   command
       .add_option("--keep-days", settings.keep_days,
                   "Keep recordings this long after the server has received them")
-      // At least a week: a server's backup that asks for its recordings again may be that old.
-      ->check(CLI::Range(7, 3650))
+      ->check(RangeOf("keep-days"))
       ->capture_default_str();
   command
       .add_option("--keep-mib", settings.keep_mib,
                   "Above this size, recordings that the server has had longest are removed "
                   "earlier; 0: no limit")
-      ->check(CLI::Range(int64_t{0}, kMostMib))
+      ->check(RangeOf("keep-mib"))
       ->capture_default_str();
 }
 

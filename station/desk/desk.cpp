@@ -260,31 +260,13 @@ class Desk {
   Clock::time_point last_ = Clock::now();
 };
 
-// One side of the window; exactly the digits of a possible size.
-bool ReadSide(std::string_view text, int at_least, int& out) {
-  const char* end = text.data() + text.size();
-  auto [stopped, error] = std::from_chars(text.data(), end, out);
-  return error == std::errc() && stopped == end && out >= at_least && out <= 16384;
-}
-
 }  // namespace
 
 Status SetWindowSize(const std::string& text, DeskOptions& options) {
-  constexpr int kLeastWidth = 320, kLeastHeight = 200;
-  const std::string_view all = text;
-  const size_t by = all.find('x');
-  int width = 0, height = 0;
-  if (by == all.npos || !ReadSide(all.substr(0, by), kLeastWidth, width) ||
-      !ReadSide(all.substr(by + 1), kLeastHeight, height)) {
-    return Status(Code::kInvalidInput,
-                  "--window: expected WIDTHxHEIGHT in pixels, from 320x200 to 16384x16384, as "
-                  "1280x720; found '" +
-                      text + "'",
-                  "window");
-  }
+  ENAMEL_ASSIGN_OR_RETURN(const protocol::WindowSize size, protocol::ParseWindowSize(text));
   options.full_screen = false;
-  options.width_px = width;
-  options.height_px = height;
+  options.width_px = size.width_px;
+  options.height_px = size.height_px;
   return Status::Ok();
 }
 

@@ -148,6 +148,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   // People type it elsewhere, so anything but a plain address is ignored.
   const std::string& page_url = reply->welcome().page_url();
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";
+  policy_ = reply->welcome().policy();
   return Status::Ok();
 }
 

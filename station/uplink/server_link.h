@@ -14,6 +14,7 @@
 #include "common/protocol/attempt_facts.h"
 #include "common/protocol/messages.h"
 #include "common/protocol/remark.h"
+#include "common/protocol/station_policy.h"
 #include "station/uplink/blob_cache.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/live_mailbox.h"
@@ -120,6 +121,8 @@ class ServerLink {
   // The page's address, from the server's hello; empty if missing or unsuitable
   // (protocol::IsPageUrl).
   const std::string& page_url() const { return page_url_; }
+  // What the server wants of this station's settings, from its hello.
+  const protocol::Policy& policy() const { return policy_; }
   // How far the server's clock is ahead of this machine's, ms, accurate to half the duration of the
   // hello.
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
@@ -190,6 +193,7 @@ class ServerLink {
   uint32_t last_id_ = 0;
   bool may_begin_ = false;
   std::string page_url_;
+  protocol::Policy policy_;
   int64_t server_ahead_ms_ = 0;
 };
 

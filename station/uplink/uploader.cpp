@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "station/uplink/policy_file.h"
+
 namespace enamel::station {
 namespace {
 
@@ -146,6 +148,7 @@ void Uploader::PruneWhenDue() {
 // Until the connection breaks or Stop; never ok.
 Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
+  KeepPolicy(spool_.file().parent_path(), link_.policy());
   // Reached, so an earlier refusal is over. backoff_ is reset only after an answered request, or a
   // server that accepts and drops would be asked without end.
   refused_backoff_.Reset();

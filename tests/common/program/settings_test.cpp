@@ -161,5 +161,46 @@ TEST_F(SettingsTest, FileOfAnotherProgramTooKeepsItsKeysButMustBeRight) {
   EXPECT_EQ(ReadSettingsFile(file_, command_, {kAnyKey}).code(), Code::kInvalidInput);
 }
 
+TEST_F(SettingsTest, PolicyIsBehindTheFileUnlessItIsFixedAndNeverBeforeTheCommandLine) {
+  const auto after = [&](const std::string& toml, std::vector<std::string> arguments, bool fixed) {
+    command_.clear();
+    threads_ = 2;
+    ::unsetenv("ENAMEL_THREADS");
+    std::ofstream(file_) << toml;
+    command_.parse(arguments);
+    const std::set<std::string> nearer = GivenSettings(command_);
+    EXPECT_TRUE(ReadSettingsFile(file_, command_).ok());
+    EXPECT_TRUE(ApplyPolicy({{"threads", "6", fixed}}, command_, nearer).empty());
+    return threads_;
+  };
+  EXPECT_EQ(after("", {}, false), 6);
+  EXPECT_EQ(after("threads = 3\n", {}, false), 3);
+  EXPECT_EQ(after("threads = 3\n", {}, true), 6);
+  EXPECT_EQ(after("threads = 3\n", {"5", "--threads"}, true), 5);
+}
+
+TEST_F(SettingsTest, WrongValueOfAPolicyIsSaidAndTheFilesStays) {
+  ASSERT_TRUE(Read("threads = 3\n").ok());
+  const auto wrong = ApplyPolicy({{"threads", "9", true},
+                                  {"moon", "1", true},
+                                  {"config", "x", true},
+                                  {"quiet", "true", false}},
+                                 command_, {});
+  ASSERT_EQ(wrong.size(), 1u);
+  EXPECT_NE(wrong[0].find("threads"), std::string::npos) << wrong[0];
+  EXPECT_EQ(threads_, 3);
+  EXPECT_EQ(command_.count("--threads"), 1u);
+  EXPECT_EQ(config_, "") << "no place for settings is itself one";
+  EXPECT_TRUE(quiet_);
+}
+
+TEST_F(SettingsTest, SettingsOfAFileAreNamedAsItsOptionsAre) {
+  std::ofstream(file_) << "keep_days = 30\nlanguage = 'de'\n";
+  EXPECT_EQ(SettingsIn(file_), (std::set<std::string>{"keep-days", "language"}));
+  std::ofstream(file_) << "keep_days = = 30\n";
+  EXPECT_TRUE(SettingsIn(file_).empty());
+  EXPECT_TRUE(SettingsIn("/nowhere").empty());
+}
+
 }  // namespace
 }  // namespace enamel::program

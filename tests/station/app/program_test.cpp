@@ -483,5 +483,49 @@ TEST_F(ProgramTest, CalibrateRefusesWhatHasNoMotorsAndWhatIsNotThere) {
   EXPECT_NE(nothing.text.find("omega3"), std::string::npos) << nothing.text;
 }
 
+// Whether the program's error is JSON tells which log-format it took.
+TEST_F(ProgramTest, SettingsFromTheServerAreKeptTakenAndSaid) {
+  const std::string file = (folder_ / "station.toml").string();
+  const auto is_json = [&](const std::string& more) {
+    const Outcome out = RunProgram("verify nothing" + data() + " --config " + file + more, kErrors);
+    return out.text.starts_with("{");
+  };
+  {
+    FakeServer server(folder_);
+    ASSERT_TRUE(SaveCredentials(folder_ / "data", server.NewStation()).ok());
+    std::ofstream(file) << "";
+    EXPECT_FALSE(is_json(""));
+    server.Set("log-format", "json", false);
+    server.Set("keep-days", "30", true);
+    EXPECT_EQ(RunProgram("upload" + data()).code, 0);
+    // From now on without it.
+  }
+  EXPECT_TRUE(is_json(""));
+  EXPECT_FALSE(is_json(" --log-format text"));
+  std::ofstream(file) << "log-format = 'text'\nkeep-days = 10\n";
+  EXPECT_FALSE(is_json(""));
+  const Outcome doctor = RunProgram("doctor --no-graphics --config " + file + data());
+  for (const char* said : {"from the server: keep-days 30 (fixed)",
+                           "not taken, as this chair sets its own: log-format json"}) {
+    EXPECT_NE(doctor.text.find(said), std::string::npos) << doctor.text;
+  }
+  {
+    FakeServer server(folder_);
+    ASSERT_TRUE(SaveCredentials(folder_ / "data", server.NewStation()).ok());
+    server.Set("log-format", "json", true);
+    server.Set("moon", "1", false);
+    server.Set("keep-days", "3", true);
+    EXPECT_EQ(RunProgram("upload" + data()).code, 0);
+  }
+  EXPECT_TRUE(is_json(""));
+  const Outcome list = RunProgram("upload --log-format text --config " + file + data());
+  for (const char* said : {"no setting is called moon; ignored", "keep-days: "}) {
+    EXPECT_NE(list.text.find(said), std::string::npos) << list.text;
+  }
+  EXPECT_NE(
+      RunProgram("doctor --no-graphics" + data()).text.find("not known here, and ignored: moon 1"),
+      std::string::npos);
+}
+
 }  // namespace
 }  // namespace enamel::station

@@ -146,6 +146,14 @@ class FakeServer {
     std::lock_guard lock(mutex_);
     page_url_ = std::move(url);
   }
+  // The settings that it gives a station.
+  void Set(const std::string& name, const std::string& value, bool fixed) {
+    std::lock_guard lock(mutex_);
+    wire::Setting& setting = *policy_.add_settings();
+    setting.set_name(name);
+    setting.set_value(value);
+    setting.set_fixed(fixed);
+  }
   // Attempts visible to the person who signs in. Not while it answers.
   std::set<Uuid> seen;
 
@@ -206,6 +214,7 @@ class FakeServer {
       {
         std::lock_guard lock(mutex_);
         reply.mutable_welcome()->set_page_url(page_url_);
+        *reply.mutable_welcome()->mutable_policy() = policy_;
       }
     } else if (request.has_open_attempt()) {
       if (refuse) {
@@ -332,6 +341,7 @@ class FakeServer {
   std::set<int> open_;                                // guarded by mutex_
   Uuid first_;                                        // guarded by mutex_
   std::string page_url_;                              // guarded by mutex_
+  wire::Policy policy_;                               // guarded by mutex_
   std::vector<Uuid> returned_;                        // guarded by mutex_
   std::vector<protocol::Remark> remarks_;             // guarded by mutex_
   std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
