@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "common/base/file.h"
+#include "common/base/pin.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
 #include "common/cutting/voxel_limit.h"
@@ -67,7 +68,7 @@ Status EnrolStation(const EnrolOptions& options) {
 }
 
 Status ReserveAttempt(const ReserveCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(options.pin));
+  ENAMEL_RETURN_IF_ERROR(CheckPin(options.pin));
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   ENAMEL_ASSIGN_OR_RETURN(auto person, workplace->SignIn(options.login, options.password));
   ENAMEL_ASSIGN_OR_RETURN(auto prepared,

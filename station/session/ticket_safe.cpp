@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/counted.h"
+#include "common/base/pin.h"
 #include "common/base/unix_time.h"
 
 namespace enamel::station {
@@ -13,7 +14,6 @@ namespace {
 // A PIN of six digits has 20 bits: the work for each guess protects a stolen spool file. Argon2id
 // with 64 MiB and one pass more than libsodium's "interactive" work. At 0.1 s each, all PINs of six
 // digits take a processor a day, and a ticket lasts 12 hours.
-constexpr size_t kMinPin = 6, kMaxPin = 12;
 constexpr unsigned long long kPasses = 3;
 constexpr size_t kMemoryBytes = size_t{64} << 20;
 
@@ -32,12 +32,6 @@ Result<Key> KeyOf(const std::string& pin, const std::array<uint8_t, 16>& salt) {
   return key;
 }
 
-// All steps from one digit to the next are `step`.
-bool Steps(const std::string& pin, int step) {
-  return std::adjacent_find(pin.begin(), pin.end(),
-                            [step](char a, char b) { return b - a != step; }) == pin.end();
-}
-
 Status NoTicket(const Uuid& attempt) {
   return Status(Code::kNotFound,
                 "no ticket for later " + attempt.Text() +
@@ -49,21 +43,6 @@ Status NoTicket(const Uuid& attempt) {
 
 TicketSafe::TicketSafe(Spool& spool, Clock clock)
     : spool_(spool), clock_(clock ? std::move(clock) : [] { return UnixMs(); }) {}
-
-Status TicketSafe::CheckPin(const std::string& pin) {
-  bool digits = std::ranges::all_of(pin, [](char c) { return c >= '0' && c <= '9'; });
-  if (pin.size() < kMinPin || pin.size() > kMaxPin || !digits) {
-    return Status(Code::kInvalidInput, "a PIN has 6 to 12 digits and nothing else", "pin");
-  }
-  // Birthdays are not refused: ten tries are too few to exploit them.
-  if (Steps(pin, 0) || Steps(pin, 1) || Steps(pin, -1)) {
-    return Status(
-        Code::kInvalidInput,
-        "this PIN is easy to guess: choose digits that are not all the same and not in a row",
-        "pin");
-  }
-  return Status::Ok();
-}
 
 Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const std::string& pin) {
   ENAMEL_RETURN_IF_ERROR(CheckPin(pin));

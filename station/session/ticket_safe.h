@@ -34,9 +34,6 @@ class TicketSafe {
 
   explicit TicketSafe(Spool& spool, Clock clock = {});
 
-  // 6 to 12 digits, not all the same, not counting up or down. Errors: kInvalidInput.
-  static Status CheckPin(const std::string& pin);
-
   // `names`: the person and exercise shown in the list. Errors: CheckPin's, the spool's.
   Status Put(const trace::Ticket& ticket, LockedTicket names, const std::string& pin);
   // Tickets that can still be used. Hands back expired ones, or deletes them if their attempt was

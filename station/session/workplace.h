@@ -100,7 +100,7 @@ class Workplace {
 
   // Takes a ticket now and locks it with a PIN, for an attempt within 12 hours with or without the
   // server. The cache holds its documents once it was prepared. Errors also: the PIN's
-  // (TicketSafe::CheckPin); kForbidden for an exam.
+  // (CheckPin); kForbidden for an exam.
   Status Reserve(const PreparedAttempt& prepared, const std::string& pin);
   // Tickets taken in advance whose attempt was not begun (use PrepareReserved), or was interrupted
   // (use PrepareResume with the PIN). Needs no server.

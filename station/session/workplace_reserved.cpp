@@ -1,12 +1,13 @@
 #include <algorithm>
 
+#include "common/base/pin.h"
 #include "common/base/unix_time.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station {
 
 Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
-  ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
+  ENAMEL_RETURN_IF_ERROR(CheckPin(pin));
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   ENAMEL_ASSIGN_OR_RETURN(
