@@ -8,8 +8,8 @@ import { unreachable } from "../base/assert";
 import { draftsOf, eraseDrafts } from "../base/drafts";
 import type { Language } from "../base/language";
 import { loadWords, say, sayWith } from "../base/words";
-import { AccountPage, ForcedPassword } from "../features/account/account_page";
 import { ConfirmPassword } from "../features/account/confirm_password";
+import { ForcedPassword } from "../features/account/forced_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
@@ -244,6 +244,7 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
   );
 }
 
+const Account = part("account_page", () => import("../features/account/account_page"));
 const OneAttempt = part("attempt_page", () => import("../features/attempt/attempt_page"));
 const OneExercise = part("exercise_page", () => import("../features/exercises/exercise_page"));
 const Staff = part("staff", () => import("./staff"));
@@ -285,11 +286,15 @@ function screen(route: Route, person: Person): ComponentChildren {
       );
     case "account":
       return (
-        <AccountPage
-          client={client}
-          person={person}
-          language={session.value.state === "in" ? session.value.language : ""}
-          onLanguage={choose}
+        <Account
+          show={({ AccountPage }) => (
+            <AccountPage
+              client={client}
+              person={person}
+              language={session.value.state === "in" ? session.value.language : ""}
+              onLanguage={choose}
+            />
+          )}
         />
       );
     case "assignments":

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { LanguageChoice, Person, Session } from "../../api/types";
+import type { LanguageChoice, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { kLanguages } from "../../base/language";
 import { say, sayWith } from "../../base/words";
@@ -97,33 +97,5 @@ function OwnSessions({ client }: { readonly client: Client }) {
         {sayWith("account.end_unknown", { this_one: <Badge tone="neutral">{say("sessions.this_one")}</Badge> })}
       </p>
     </Card>
-  );
-}
-
-// All that somebody sees whose password was made up by the server.
-export function ForcedPassword({
-  client,
-  person,
-  onChanged,
-  onSignOut,
-}: {
-  readonly client: Client;
-  readonly person: Person;
-  readonly onChanged: (session: Session) => void;
-  readonly onSignOut: () => void;
-}) {
-  return (
-    <main class="sign-in wide" id="content">
-      <PageTitle document={say("account.choose_password")}>{say("account.choose_own")}</PageTitle>
-      <p>{say("account.welcome", { name: person.display_name })}</p>
-      <div class="card">
-        <PasswordForm client={client} login={person.login} onChanged={onChanged} />
-      </div>
-      <p>
-        <button type="button" class="button quiet" onClick={onSignOut}>
-          {say("account.sign_out_instead")}
-        </button>
-      </p>
-    </main>
   );
 }
