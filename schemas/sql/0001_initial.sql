@@ -25,6 +25,8 @@ CREATE TABLE people (
   password_ms          INTEGER NOT NULL DEFAULT 0,
   -- A language of the page (schemas/words.md); empty: the browser's.
   language             TEXT NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
+  -- argon2id, as the verifier: signs exams at a chair; empty: none was chosen.
+  pin                  TEXT NOT NULL DEFAULT '',
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 ) STRICT, WITHOUT ROWID;
@@ -147,6 +149,7 @@ CREATE TABLE attempts (
   revision        INTEGER NOT NULL DEFAULT 1,
   facts           TEXT NOT NULL DEFAULT '{}',
   hands           INTEGER NOT NULL DEFAULT 4,
+  sign_off        INTEGER NOT NULL DEFAULT 0 CHECK (sign_off IN (0, 1)),
   hand_kind       INTEGER NOT NULL DEFAULT 0,
   hand_device     TEXT NOT NULL DEFAULT '',
   hand_driver     TEXT NOT NULL DEFAULT '',
@@ -160,6 +163,17 @@ CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
 CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
 CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
 CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
+
+-- Who signed an exam attempt at its station: schemas/wire/README.md, "Sign-off".
+CREATE TABLE sign_offs (
+  tenant    INTEGER NOT NULL,
+  attempt   BLOB NOT NULL,
+  stage     TEXT NOT NULL CHECK (stage IN ('end', 'start')),
+  signer    BLOB NOT NULL CHECK (length(signer) = 16),
+  signed_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, attempt, stage),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
 
 CREATE TABLE trace_chunks (
   tenant      INTEGER NOT NULL,
@@ -253,6 +267,7 @@ CREATE TABLE assignments (
   hands         INTEGER NOT NULL DEFAULT 4,
   exercise      BLOB NOT NULL CHECK (length(exercise) = 16),  -- the version
   counting      TEXT NOT NULL DEFAULT 'best' CHECK (counting IN ('best', 'last', 'mean', 'median')),
+  sign_off      INTEGER NOT NULL DEFAULT 0 CHECK (sign_off IN (0, 1)),
   PRIMARY KEY (tenant, id)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);

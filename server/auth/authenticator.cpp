@@ -12,6 +12,7 @@
 
 #include "common/base/hex.h"
 #include "common/base/log_request.h"
+#include "common/base/pin.h"
 #include "common/base/unix_time.h"
 #include "server/auth/address_block.h"
 #include "server/auth/token.h"
@@ -32,6 +33,12 @@ constexpr char kOneTimePassword[] = "one_time_password";
 // One answer for all of it: who guesses does not learn which logins there are.
 Status Refused() {
   return Status(Code::kUnauthenticated, "login or password is wrong, or the account is disabled");
+}
+
+Status RefusedPin() {
+  return Status(Code::kUnauthenticated,
+                "login or PIN is wrong, or this person has chosen no PIN: instructors choose one "
+                "on the page, under their name");
 }
 
 Status Ended() {
@@ -166,38 +173,79 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   return SignInAdmitted(login, request);
 }
 
-Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
-                                               const SignInRequest& request) {
+Result<std::string> Authenticator::VerifierOf(const Uuid& person, Secret secret) {
+  if (secret == Secret::kPassword) return store_.people.PasswordVerifier(person);
+  ENAMEL_ASSIGN_OR_RETURN(auto pin, store_.people.PinVerifier(person));
+  return pin.empty() ? decoy_verifier_ : pin;
+}
+
+Result<Person> Authenticator::PersonAdmitted(const std::string& login, const SignInRequest& request,
+                                             Secret secret) {
+  const bool by_pin = secret == Secret::kPin;
+  const char* const wrong = by_pin ? "pin" : "password";
+  const Status refused = by_pin ? RefusedPin() : Refused();
   // Nobody has such a one, so that the quick answer tells nothing.
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
     ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
-    return TurnAway("password", login, request.address, request.via, Refused());
+    return TurnAway(wrong, login, request.address, request.via, refused);
   }
   auto person = store_.people.PersonByLogin(login);
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
   std::string verifier = decoy_verifier_;
   if (person.ok()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.people.PasswordVerifier(person->id));
-    verifier = stored;
+    ENAMEL_ASSIGN_OR_RETURN(verifier, VerifierOf(person->id, secret));
   }
   // The same work whether or not the person exists.
   bool matches = Verify(request.password, verifier);
-  if (!matches || !person.ok() || person->disabled) {
+  const bool barred = person.ok() && (person->disabled || (by_pin && person->must_change_password));
+  if (!matches || !person.ok() || barred) {
     ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
     const bool disabled = matches && person.ok();
-    return TurnAway(disabled ? "disabled" : "password", login, request.address, request.via,
-                    Refused());
+    return TurnAway(disabled ? "disabled" : wrong, login, request.address, request.via, refused);
   }
   ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, request.address, CountedAt()));
-  if (Status late = CheckOneTimePassword(*person); !late.ok()) {
+  return person;
+}
+
+Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
+                                               const SignInRequest& request) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto person, PersonAdmitted(login, request, Secret::kPassword));
+  if (Status late = CheckOneTimePassword(person); !late.ok()) {
     return TurnAway("one-time", login, request.address, request.via, late);
   }
-  auto signed_in = BeginSession(*person, request.via, request.address, request.device);
+  auto signed_in = BeginSession(person, request.via, request.address, request.device);
   if (!signed_in.ok()) return signed_in;
   ++counts_.signed_in;
   places_.Know(login, AddressBlock(request.address));
   EndEarlier(request);
   return signed_in;
+}
+
+boost::asio::awaitable<Result<Person>> Authenticator::CheckPin(SignInRequest request) {
+  const std::string login = LowerLogin(request.login);
+  Status admitted = co_await Admitted(login, request.address, request.via);
+  if (!admitted.ok()) co_return admitted;
+  co_return co_await InPlace(login, request.address, request.via, *hashing_, [&] {
+    const LogRequest logged(request.log_id);
+    return PersonAdmitted(login, request, Secret::kPin);
+  });
+}
+
+Result<Person> Authenticator::CheckPinHere(const SignInRequest& request) {
+  const std::string login = LowerLogin(request.login);
+  Result<int64_t> hold = throttle_.Admit(login, request.address, CountedAt());
+  if (!hold.ok()) return NotAdmitted(login, request.address, request.via, hold.status());
+  return PersonAdmitted(login, request, Secret::kPin);
+}
+
+boost::asio::awaitable<Status> Authenticator::SetPin(Identity identity, std::string pin,
+                                                     std::string address) {
+  if (Status fit = enamel::CheckPin(pin); !fit.ok()) co_return fit;
+  const Person& person = identity.person;
+  co_return co_await InPlace(person.login, address, kViaPage, *hashing_, [&]() -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto verifier, HashPassword(pin, options_.cost));
+    return store_.people.SetPin(person.id, verifier, Actor{person.id, kViaPage});
+  });
 }
 
 Status Authenticator::CheckOneTimePassword(const Person& person) const {

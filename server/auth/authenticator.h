@@ -61,10 +61,10 @@ inline constexpr char kViaPage[] = "page";
 inline constexpr char kViaStation[] = "station";
 
 struct SignInRequest {
-  std::string login, password;
-  std::string address;   // peer, for throttling
-  std::string via;       // kViaPage or kViaStation
-  std::string device{};  // SessionRow::device
+  std::string login, password;  // for CheckPin, the PIN in place of the password
+  std::string address;          // peer, for throttling
+  std::string via;              // kViaPage or kViaStation
+  std::string device{};         // SessionRow::device
   // The page's cookie that came with the request, 64 hex digits; its session ends when this one
   // begins: the browser forgets it.
   std::string earlier{};
@@ -97,6 +97,14 @@ class Authenticator {
   boost::asio::awaitable<Result<SignedIn>> SignIn(SignInRequest request);
   // The same on this thread, outside the bound and not held: for the command line and tests.
   Result<SignedIn> SignInHere(const SignInRequest& request);
+
+  // Whose PIN this is: checked, throttled and answered as a password, with the same counters, and
+  // no session begins. Nobody has one who still has a one-time password. Errors: as of SignIn.
+  boost::asio::awaitable<Result<Person>> CheckPin(SignInRequest request);
+  Result<Person> CheckPinHere(const SignInRequest& request);
+  // Chooses one's own PIN, which signs exams at a chair. Hashed on the hashing threads. Errors:
+  // enamel::CheckPin's.
+  boost::asio::awaitable<Status> SetPin(Identity identity, std::string pin, std::string address);
 
   // Gives the password of a session once more: it may then do for AuthOptions::confirmed_ms what
   // asks for that. Throttled and hashed as sign-in is. Errors: kForbidden, field "password" (it is
@@ -147,6 +155,11 @@ class Authenticator {
   // Counts and notes why nobody came in.
   Status TurnAway(const char* why, std::string login, const std::string& address,
                   const std::string& via, Status status);
+  enum class Secret : uint8_t { kPassword, kPin };
+  // The verifier of a person's password or PIN; one that nothing fits where there is none.
+  Result<std::string> VerifierOf(const Uuid& person, Secret secret);
+  Result<Person> PersonAdmitted(const std::string& login, const SignInRequest& request,
+                                Secret secret);
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
                           const std::string& address, const std::string& via);

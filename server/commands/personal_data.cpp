@@ -191,7 +191,7 @@ class Exporter {
     return Write(path, *content);
   }
 
-  // Remarks, appeals and reasons about it.
+  // Remarks, signatures and appeals about it.
   Status AddWords(const AttemptRow& row, json::object& facts) {
     ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.remarks.AnnotationsOf(row.id));
     json::array annotations;
@@ -204,6 +204,13 @@ class Exporter {
                              {"created_ms", remark.created_ms}});
     }
     facts["annotations"] = std::move(annotations);
+    ENAMEL_ASSIGN_OR_RETURN(const auto signatures, store_.sign_offs.SignOffsOf(row.id));
+    json::array sign_offs;
+    for (const SignOffRow& each : signatures) {
+      sign_offs.push_back(
+          {{"at", SignedAtName(each.at)}, {"by", each.signer_name}, {"signed_ms", each.signed_ms}});
+    }
+    facts["sign_offs"] = std::move(sign_offs);
     ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.appeals.AppealOf(row.id));
     if (!appeal) return Status::Ok();
     facts["appeal"] = {{"filed_ms", appeal->filed_ms},

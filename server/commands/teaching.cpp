@@ -48,8 +48,10 @@ void Show(const AssignmentRow& row) {
       "{}{}\n",
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
-      row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands),
-      row.retired ? ", exercise retired" : "");
+      row.sign_off ? ", exam signed at the chair"
+      : row.exam   ? ", exam"
+                   : "",
+      stations, HandsAllowedText(row.hands), row.retired ? ", exercise retired" : "");
 }
 
 Result<Uuid> CohortOrEverybody(CohortRows& cohorts, const std::string& name) {
@@ -231,6 +233,7 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   row.exam = assignment.exam;
   row.late_allowed = assignment.late_allowed;
   row.stations = stations;
+  row.sign_off = assignment.sign_off;
   const auto hands = HandsAllowedFromName(assignment.hands);
   if (!hands) {
     return Status(Code::kInvalidInput,
@@ -433,6 +436,8 @@ void DeclareAssignments(CommandGroup admin) {
   assign->add_flag("--late", row.late_allowed, "Let attempts begin after it is due, flagged");
   assign->add_flag("--exam", row.exam,
                    "No score before it is released; begun online, one at a time");
+  assign->add_flag("--sign-off", row.sign_off,
+                   "An exam begins once an instructor has signed at the chair with a PIN");
   assign->add_option("--counts", row.counting, "Which of several attempts is the result")
       ->check(CLI::IsMember({"best", "last", "mean", "median"}))
       ->capture_default_str();

@@ -40,7 +40,7 @@ struct NewAssignment {
   std::string exercise, cohort;  // names; no cohort: everybody
   std::string opens, due;        // TimeFromText; empty: no such bound
   uint32_t attempt_limit = 0;
-  bool exam = false, late_allowed = false;
+  bool exam = false, late_allowed = false, sign_off = false;
   std::vector<std::string> stations;  // names, of an exam
   std::string hands = "listed";       // HandsAllowedName
   std::string counting = "best";      // CountingFromName

@@ -57,6 +57,7 @@ const std::array kRoutes = {
     Route{Method::kDelete, "/api/v1/session", Need::kPerson, Given<&SignOut>()},
     Route{Method::kPost, "/api/v1/session/confirm", Need::kPerson, Given<&ConfirmSession>()},
     Route{Method::kPost, "/api/v1/session/password", Need::kPerson, Given<&ChangePassword>()},
+    Route{Method::kPut, "/api/v1/session/pin", Need::kInstructor, Given<&SetPin>()},
     Route{Method::kPut, "/api/v1/session/language", Need::kPerson, Given<&SetLanguage>()},
     Route{Method::kGet, "/api/v1/sessions", Need::kPerson, Given<&ListSessions>()},
     Route{Method::kDelete, "/api/v1/sessions/{id}", Need::kPerson, Given<&EndSession>()},

@@ -234,6 +234,13 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
       return session_->FinishSignIn(request, signed_in);
     });
   }
+  if (auto who = session_->SignOffWanted(request)) {
+    auto signer = co_await session_->authenticator().CheckPin(std::move(*who));
+    co_return co_await pool_.Run([&] {
+      const LogRequest logged(id_);
+      return session_->FinishSignOff(request, signer);
+    });
+  }
   const auto begin = Clock::now();
   Answer answer = co_await pool_.Run([&] {
     const LogRequest logged(id_);

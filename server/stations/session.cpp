@@ -248,6 +248,21 @@ Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::Si
   return AnswerOf(request, reply, false);
 }
 
+std::optional<auth::SignInRequest> Session::SignOffWanted(const wire::Request& request) const {
+  if (!station_ || !request.has_sign_off()) return std::nullopt;
+  return auth::SignInRequest{request.sign_off().login(), request.sign_off().pin(), peer_address_,
+                             auth::kViaStation,          station_->name,           {}};
+}
+
+Answer Session::FinishSignOff(const wire::Request& request, const Result<Person>& signer) {
+  if (Status admitted = StillAdmitted(); !admitted.ok()) return AnswerOf(request, admitted, true);
+  if (!signer.ok()) return AnswerOf(request, signer.status(), false);
+  about_ = {};
+  Answer out = AnswerOf(request, Do(request.sign_off(), *signer), false);
+  out.attempt = about_;
+  return out;
+}
+
 void Session::End() {
   // A failure leaves a session that nobody holds the token of; it ends by its idle time.
   for (const Sha256& hash : signed_in_) (void)services_.authenticator.SignOut(hash);
@@ -354,6 +369,7 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_attempts_left(terms.attempt_limit - std::min(row.attempts_used, terms.attempt_limit));
   ref.set_exam(terms.exam);
   ref.set_hands(HandsAllowedName(HandsFor(row)));
+  ref.set_sign_off(terms.sign_off);
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
   Status may = MayBegin(row, services_.clock(), station_->id, stations);
   // Listed with the reason, so that a student sees the exercise and why it cannot begin now.

@@ -79,12 +79,15 @@ class Session {
   bool IsQuick(const wire::Request& request) const {
     return (request.has_live_state() || request.has_ping()) && KnownAdmitted();
   }
-  // Everything but sign-in, which waits for the hashing threads:
+  // Everything but sign-in and sign-off, which wait for the hashing threads:
   //   if (auto who = session.SignInWanted(request)) answer = session.FinishSignIn(request, co_await
   //   …);
   Answer Handle(const wire::Request& request);
   std::optional<auth::SignInRequest> SignInWanted(const wire::Request& request) const;
   Answer FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result);
+  // The same of a sign-off, with Authenticator::CheckPin.
+  std::optional<auth::SignInRequest> SignOffWanted(const wire::Request& request) const;
+  Answer FinishSignOff(const wire::Request& request, const Result<Person>& signer);
 
   // Ends the sign-ins made on this connection. Blocks.
   void End();
@@ -104,6 +107,7 @@ class Session {
   Result<wire::Reply> Do(const wire::OfferAttempts& request);
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
   Result<wire::Reply> Do(const wire::Ping& ping);
+  Result<wire::Reply> Do(const wire::SignOff& request, const Person& signer);
   void Take(const wire::LiveState& live);
   // Adds the remarks for the chair of this station's attempt, which has shown those up to `shown`.
   void AddRemarks(const Uuid& attempt, uint64_t shown,

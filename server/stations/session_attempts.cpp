@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/log_request.h"
+#include "common/base/utf8.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "server/live/chunk_moments.h"
@@ -146,6 +147,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   issued.set_due_unix_ms(row.due_ms);
   if (row.assignment) issued.set_assignment(protocol::ToField(row.assignment->view()));
   issued.set_hands(HandsAllowedName(row.hands));
+  issued.set_sign_off(row.sign_off);
   return reply;
 }
 
@@ -381,6 +383,32 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   if (services_.board != nullptr) services_.board->remarks().Remove(attempt);
   wire::Reply reply;
   reply.mutable_sealed()->set_attempt(request.attempt());
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::SignOff& request, const Person& signer) {
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
+  const auto at = SignedAtFromName(request.at());
+  if (!at) {
+    return Status(
+        Code::kInvalidInput,
+        "expected \"start\" or \"end\", found \"" + ShortenedText(request.at(), 16) + "\"", "at");
+  }
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
+  const LogAttempt logged(attempt);
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, services_.store.attempts.AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const bool shares,
+                          services_.store.cohorts.ShareCohort(signer.id, row.person));
+  if (!CanSignOff(signer, row, shares)) {
+    return Status(Code::kForbidden,
+                  "only instructors of this student's cohort and admins can sign this", "signer");
+  }
+  ENAMEL_RETURN_IF_ERROR(services_.store.sign_offs.Sign(
+      attempt, *at, services_.clock(), Actor{signer.id, "station " + station_->name}));
+  spdlog::info("person {} signs the {}", signer.id.Text(), SignedAtName(*at));
+  wire::Reply reply;
+  reply.mutable_signed_off()->set_attempt(request.attempt());
+  reply.mutable_signed_off()->set_display_name(signer.display_name);
   return reply;
 }
 

@@ -27,6 +27,7 @@ Store::Store(std::unique_ptr<StoreEngine> on)
       attempts(engine->rows),
       recordings(engine->rows, *engine->keyring, blobs),
       tickets(engine->rows, engine->gate, *engine->keyring, engine->keys),
+      sign_offs(engine->rows),
       ingest(engine->rows, engine->gate, *engine->keyring, engine->keys, recordings,
              engine->counters),
       seals(engine->rows, engine->gate, *engine->blobs, blobs, *engine->keyring,

@@ -29,6 +29,7 @@
 #include "server/storage/recordings/ingest_rows.h"
 #include "server/storage/recordings/recording_rows.h"
 #include "server/storage/recordings/seal_rows.h"
+#include "server/storage/recordings/sign_off_rows.h"
 #include "server/storage/recordings/stored_blobs.h"
 #include "server/storage/recordings/ticket_rows.h"
 #include "server/storage/teaching/assignment_rows.h"
@@ -84,6 +85,7 @@ struct Store {
   AttemptRows attempts;
   RecordingRows recordings;
   TicketRows tickets;
+  SignOffRows sign_offs;
   IngestRows ingest;
   SealRows seals;
   MotionRows motions;

@@ -43,6 +43,10 @@ bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool shares_cohor
   return Supervises(viewer, shares_cohort);
 }
 
+bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool shares_cohort) {
+  return Supervises(signer, shares_cohort) && !Owns(signer, attempt);
+}
+
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review) {
   // The author alone: a remark is shown under its author's name.
   return can_review && !viewer.disabled && viewer.id == annotation.author;

@@ -17,6 +17,8 @@ bool IsReleasedFirst(const AttemptRow& attempt, bool graded);
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort);
 bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Overriding, annotating, flagging, scoring again, answering an appeal.
+// Whether this person may sign the attempt at the chair as its second person.
+bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool shares_cohort);
 bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Own remarks only; who wrote one and may no longer review cannot.
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review);

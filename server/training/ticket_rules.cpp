@@ -84,6 +84,12 @@ Status CheckTerms(const AssignmentRow& assignment) {
                   "expected stations of an exam only; make it an exam, or name no stations",
                   "station_ids");
   }
+  if (!assignment.exam && assignment.sign_off) {
+    return Status(
+        Code::kInvalidInput,
+        "expected sign-off at the chair of an exam only; make it an exam, or require none",
+        "sign_off");
+  }
   return Status::Ok();
 }
 
@@ -182,6 +188,7 @@ void SetTerms(const std::optional<AssignedRow>& assigned, AttemptRow& row) {
   row.exam = terms.exam;
   row.due_ms = terms.due_ms;
   row.hands = HandsFor(*assigned);
+  row.sign_off = terms.sign_off;
   if (IsLate(terms, row.ticketed_ms)) row.flags |= kLate;
 }
 

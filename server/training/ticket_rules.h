@@ -26,7 +26,8 @@ Result<UnixMs> TimeFromText(const std::string& text);
 // As AssignmentText says it.
 std::string WordsOf(const AssignmentRow& row);
 
-// Terms that contradict themselves. Errors: kInvalidInput, field "due_ms" or "station_ids".
+// Terms that contradict themselves. Errors: kInvalidInput, field "due_ms", "station_ids" or
+// "sign_off".
 Status CheckTerms(const AssignmentRow& assignment);
 
 // Graded work and exams are judged against a reference: a version without one is assigned as

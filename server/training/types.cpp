@@ -105,6 +105,15 @@ std::optional<Counting> CountingFromName(std::string_view name) {
   return std::nullopt;
 }
 
+const char* SignedAtName(SignedAt at) { return at == SignedAt::kStart ? "start" : "end"; }
+
+std::optional<SignedAt> SignedAtFromName(std::string_view name) {
+  for (SignedAt at : {SignedAt::kStart, SignedAt::kEnd}) {
+    if (name == SignedAtName(at)) return at;
+  }
+  return std::nullopt;
+}
+
 const char* AttemptStateName(AttemptState state) {
   switch (state) {
     case AttemptState::kTicketed:

@@ -188,7 +188,8 @@ struct AssignmentRow {
   bool late_allowed = false;                   // attempts may begin after due_ms, and are flagged
   std::vector<Uuid> stations;                  // of an exam: where; none: anywhere
   HandsAllowed hands = HandsAllowed::kListed;  // of graded work and exams: what may hold the tool
-  int32_t revision = 1;                        // counts the changes
+  bool sign_off = false;  // of an exam: a second person signs at the chair (SignOffRow)
+  int32_t revision = 1;   // counts the changes
   UnixMs created_ms = 0;
   Counting counting = Counting::kBest;
   Uuid version_id{};  // the version that is to be done, until somebody moves the assignment
@@ -288,11 +289,25 @@ struct AttemptRow {
   int32_t rate_hz = 0;       // 0: time is not checked
   uint64_t limit_ticks = 0;  // time limit; 0: none
   HandsAllowed hands = HandsAllowed::kAny;
+  bool sign_off = false;
   uint32_t flags = 0;        // of AttemptFlag
   UnixMs last_chunk_ms = 0;  // when the newest chunk arrived
   int32_t revision = 1;      // of the judgement: score, override, release, excuse (revision.h)
   std::string facts = "{}";  // as the station said them last: protocol::FactsJson
   Hand hand{};               // what held the tool, of the header; not told until it is opened
+};
+
+// When a second person signs an attempt at the chair. Stable names: "start", "end".
+enum class SignedAt : uint8_t { kStart = 1, kEnd = 2 };
+const char* SignedAtName(SignedAt at);
+std::optional<SignedAt> SignedAtFromName(std::string_view name);
+
+// A signature at the station that recorded the attempt.
+struct SignOffRow {
+  SignedAt at = SignedAt::kStart;
+  Uuid signer;
+  std::string signer_name;  // joined; empty: erased
+  UnixMs signed_ms = 0;
 };
 
 // A chunk that contradicts the one of its number that is committed.

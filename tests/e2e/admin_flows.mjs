@@ -17,6 +17,7 @@ export const adminFlows = [
   { name: "appeals that wait and trouble of the server are seen in the navigation", run: news },
   { name: "a one-time password has to be changed before anything else", run: forcedPassword },
   { name: "own sessions are listed and ended", run: ownSessions },
+  { name: "an instructor sets a PIN for exams, and a student is asked for none", run: choosePin },
   { name: "an admin finds, edits and disables a person, and a conflict shows both values", run: editPerson },
   { name: "a password is reset after the admin's own was given again, and shown once", run: resetPassword },
   { name: "a person is erased only when the login is repeated", run: erase },
@@ -110,6 +111,23 @@ async function ownSessions(world) {
   await page.getByRole("dialog").waitFor({ state: "detached" });
   await table.getByRole("row").nth(2).waitFor({ state: "detached" });
   await page.getByText("This session").first().waitFor();
+}
+
+async function choosePin(world) {
+  const page = await signedIn(world, "instructor", "/account");
+  const pin = page.getByLabel("New PIN");
+  await pin.fill("111111");
+  await page.getByRole("button", { name: "Set PIN" }).click();
+  await page.getByText("not all the same and not in a row").waitFor();
+  await pin.fill("804217");
+  await page.getByRole("button", { name: "Set PIN" }).click();
+  await page.getByText("Use this PIN from now on.").waitFor();
+  assert.equal(await pin.inputValue(), "", "it stays on no screen");
+  assert.equal(world.mock.people.find(({ role }) => role === "instructor").pin, "804217");
+  await accessible(page, "the form of a PIN");
+  const student = await signedIn(world, "student", "/account");
+  await student.getByLabel("Current password").waitFor();
+  assert.equal(await student.getByLabel("New PIN").count(), 0);
 }
 
 async function editPerson(world) {

@@ -11,7 +11,10 @@ export const gradingFlows = [
   { name: "an assignment is graded by keyboard", run: gradingByKeys },
   { name: "a release by one key is taken back by another, on the next attempt and on the list", run: releaseTakenBack },
   { name: "a motion near another's shows which, with its figures", run: nearAnother },
-  { name: "an exam's attempt shows a reviewer how the hand moved, and the student nothing", run: handInExam },
+  {
+    name: "an exam's attempt shows a reviewer who signed and how the hand moved, and the student nothing",
+    run: handInExam,
+  },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
 ];
 
@@ -254,9 +257,12 @@ async function handInExam(world) {
   assert.match(text, /Of 24 attempts .+ this one is number 2/);
   assert.match(text, /trembled less than/);
   assert.match(text, /Nobody can know from this who held the tool/);
+  const signed = await page.locator(".card", { hasText: "Signed at the chair" }).innerText();
+  assert.match(signed, /At the start\s+Instructor One, .+\s+At the end\s+Not signed at the end/);
   const student = await signedIn(world, "student", `/attempts/${id(105)}`);
   await student.getByText("All measurements").waitFor();
   assert.equal(await student.getByText("How the hand moved").count(), 0);
+  assert.equal(await student.getByText("Signed at the chair").count(), 0);
 }
 
 async function narrow(world) {

@@ -38,6 +38,16 @@ export function attemptView(row, call) {
             size_mm: 1.32,
             worth_a_look: true,
           },
+    sign_off:
+      student || !row.exam
+        ? null
+        : {
+            start: {
+              by: world.people.find(({ role }) => role === "instructor").display_name,
+              at_ms: row.ticketed_ms + 20_000,
+            },
+            end: null,
+          },
     evidence:
       student || !row.exam || row.state !== "scored"
         ? null

@@ -12,7 +12,7 @@ const teaches = ({ role }) => role !== "student";
 const kAdmins =
   /^(\w+ \/(people|roster|audit|health|backups|jobs|builtin-teeth|tooth-imports|enrolment-codes)|(POST|PATCH|DELETE) \/(cohorts|stations|listed-devices|profiles))/;
 const kStaff =
-  /^(\w+ \/(cohorts|stations|listed-devices|live|profile-reports|scoring-metrics|references|annotations|markings|marking-works)|(POST|PUT|DELETE) \/(exercises|assignments|attempts)|GET \/profiles\/.*(versions|reports|calibrations)|GET .*\/(live|insight|rubrics|markings))/;
+  /^(\w+ \/(cohorts|stations|listed-devices|live|profile-reports|scoring-metrics|references|annotations|markings|marking-works)|(POST|PUT|DELETE) \/(exercises|assignments|attempts)|GET \/profiles\/.*(versions|reports|calibrations)|GET .*\/(live|insight|rubrics|markings)|PUT \/session\/pin)/;
 
 export function mayCall({ route }, { role }) {
   if (route === "POST /attempts/{id}/appeal") return true;
@@ -23,6 +23,7 @@ export function mayCall({ route }, { role }) {
 export function confirmed({ operation: { route }, query }) {
   if (route === "POST /roster") return !query.dry_run;
   return [
+    "PUT /session/pin",
     "POST /people",
     "POST /people/{id}/password",
     "POST /people/{id}/erase",
@@ -201,6 +202,11 @@ const peopleRules = {
     world.sessions = world.sessions.filter((other) => other !== session);
   },
   "POST /session/password": changePassword,
+  "PUT /session/pin": ({ person, body }) => {
+    if (/^(\d)\1*$/.test(body.pin)) return invalid("pin", "this PIN is easy to guess");
+    person.pin = body.pin;
+    return undefined;
+  },
   "PUT /session/language": ({ session, person, body }) =>
     sessionOf(Object.assign(session, { person: Object.assign(person, body) })),
   "POST /session/confirm": ({ world, session, person, body }) => {

@@ -194,11 +194,13 @@ export const exerciseRules = {
 // Assignments
 
 function termsOf({ world, body: { cohort_id: cohort, station_ids: stations = [], ...terms } }) {
+  if (terms.sign_off && !terms.exam) return invalid("sign_off", "expected sign-off of an exam only");
   if (terms.due_ms > 0 && terms.due_ms <= terms.opens_ms)
     return invalid("due_ms", "expected due_ms after opens_ms, or 0 for never");
   return {
     hands: "listed",
     counting: "best",
+    sign_off: false,
     ...terms,
     cohort: world.cohorts.find(({ id }) => id === cohort) ?? null,
     stations: world.stations.filter(({ id }) => stations.includes(id)),

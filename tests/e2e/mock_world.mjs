@@ -152,6 +152,7 @@ function makeAssignments({ nowMs, cohorts: [cohort], stations }) {
     attempt_limit: 0,
     exam: false,
     late_allowed: false,
+    sign_off: false,
     hands: "listed",
     counting: "best",
     stations: [],

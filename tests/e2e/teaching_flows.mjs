@@ -105,6 +105,7 @@ async function assignmentLife(world) {
   await dialog.getByLabel("Due").fill("2027-03-09T09:00");
   await dialog.getByText("Choose a time after the assignment opens.").waitFor();
   await dialog.getByRole("checkbox", { name: "Exam" }).check();
+  await dialog.getByRole("checkbox", { name: "An instructor signs at the chair" }).check();
   await dialog.getByRole("checkbox", { name: "Station 3" }).check();
   await accessible(page, "a new assignment");
   await world.picture(page, "assign");
@@ -116,6 +117,14 @@ async function assignmentLife(world) {
   const made = world.mock.assignments.at(-1);
   assert.equal(made.exam, true);
   assert.equal(made.stations.length, 1);
+  assert.equal(made.sign_off, true);
+  // Practice has no signatures.
+  await page.getByRole("checkbox", { name: "Exam" }).uncheck();
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  await eventually(async () => assert.deepEqual([made.exam, made.sign_off], [false, false]));
+  await page.getByRole("checkbox", { name: "Exam" }).check();
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  await eventually(async () => assert.deepEqual([made.exam, made.sign_off], [true, false]));
 
   Object.assign(made, { attempt_limit: 7, revision: made.revision + 1 });
   await page.getByLabel("Attempts per student").fill("2");

@@ -38,6 +38,8 @@ struct Target {
     Answer answer;
     if (auto who = session->SignInWanted(request)) {
       answer = session->FinishSignIn(request, world.authenticator.SignInHere(*who));
+    } else if (auto signer = session->SignOffWanted(request)) {
+      answer = session->FinishSignOff(request, world.authenticator.CheckPinHere(*signer));
     } else {
       answer = session->Handle(request);
     }

@@ -22,6 +22,7 @@ CREATE TABLE people (
   must_change_password BIGINT NOT NULL DEFAULT 0 CHECK (must_change_password IN (0, 1)),
   password_ms          BIGINT NOT NULL DEFAULT 0,
   language             TEXT COLLATE "C" NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
+  pin                  TEXT COLLATE "C" NOT NULL DEFAULT '',
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 );
@@ -147,6 +148,7 @@ CREATE TABLE attempts (
   revision        BIGINT NOT NULL DEFAULT 1,
   facts           TEXT COLLATE "C" NOT NULL DEFAULT '{}',
   hands           BIGINT NOT NULL DEFAULT 4,
+  sign_off        BIGINT NOT NULL DEFAULT 0 CHECK (sign_off IN (0, 1)),
   hand_kind       BIGINT NOT NULL DEFAULT 0,
   hand_device     TEXT COLLATE "C" NOT NULL DEFAULT '',
   hand_driver     TEXT COLLATE "C" NOT NULL DEFAULT '',
@@ -160,6 +162,16 @@ CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
 CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
 CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
 CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
+
+CREATE TABLE sign_offs (
+  tenant    BIGINT NOT NULL,
+  attempt   BYTEA NOT NULL,
+  stage     TEXT COLLATE "C" NOT NULL CHECK (stage IN ('end', 'start')),
+  signer    BYTEA NOT NULL CHECK (length(signer) = 16),
+  signed_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, attempt, stage),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
 
 CREATE TABLE trace_chunks (
   tenant      BIGINT NOT NULL,
@@ -253,6 +265,7 @@ CREATE TABLE assignments (
   hands         BIGINT NOT NULL DEFAULT 4,
   exercise      BYTEA NOT NULL CHECK (length(exercise) = 16),
   counting      TEXT COLLATE "C" NOT NULL DEFAULT 'best' CHECK (counting IN ('best', 'last', 'mean', 'median')),
+  sign_off      BIGINT NOT NULL DEFAULT 0 CHECK (sign_off IN (0, 1)),
   PRIMARY KEY (tenant, id)
 );
 CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);

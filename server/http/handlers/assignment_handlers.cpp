@@ -84,6 +84,7 @@ class AssignmentView {
             {"exam", row.exam},
             {"late_allowed", row.late_allowed},
             {"hands", HandsAllowedName(row.hands)},
+            {"sign_off", row.sign_off},
             {"counting", CountingName(row.counting)},
             {"stations", std::move(stations)},
             {"created_ms", row.created_ms},
@@ -177,6 +178,7 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   row.attempt_limit = static_cast<uint32_t>(body.Integer("attempt_limit", 0, kMaxAttempts, 0));
   row.exam = body.Flag("exam", false);
   row.late_allowed = body.Flag("late_allowed", false);
+  row.sign_off = body.Flag("sign_off", false);
   row.stations = body.Ids("station_ids", kMaxStations);
   const std::string counting =
       body.Has("counting") ? body.Text("counting", 1, kMaxTermName) : CountingName(before.counting);
@@ -194,7 +196,7 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
                   "expected best, last, mean or median, found \"" + counting + "\"", "counting"};
   }
   row.counting = *known;
-  // Of the terms together: due after it opens, and stations with exams only.
+  // Of the terms together: due after it opens; stations and sign-off with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;
 }

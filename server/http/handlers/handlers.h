@@ -17,6 +17,7 @@ boost::asio::awaitable<Response> GetMetrics(Call call);
 boost::asio::awaitable<Response> SignIn(Call call);
 boost::asio::awaitable<Response> ConfirmSession(Call call);
 boost::asio::awaitable<Response> ChangePassword(Call call);
+boost::asio::awaitable<Response> SetPin(Call call);
 Response GetSession(const Call& call);
 Response SetLanguage(const Call& call, PeopleRows& people);
 Response SignOut(const Call& call);

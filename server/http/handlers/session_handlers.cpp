@@ -87,6 +87,19 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   co_return SignedInResponse(*signed_in, call.request);
 }
 
+boost::asio::awaitable<Response> SetPin(Call call) {
+  if (!IsJson(call.request)) co_return NotJson();
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) {
+    co_return ErrorResponse(confirmed);
+  }
+  Result<json::object> body = TextMembers(call.request, {{"pin", kMaxPassword}});
+  if (!body.ok()) co_return ErrorResponse(body.status());
+  std::string pin((*body)["pin"].as_string());
+  Status set = co_await call.authenticator.SetPin(*call.caller, std::move(pin), call.request.peer);
+  if (!set.ok()) co_return ErrorResponse(set);
+  co_return Done();
+}
+
 Response SetLanguage(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);

@@ -303,6 +303,19 @@ Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
                      {"sign_ins", std::move(sign_ins)}};
 }
 
+// Who signed at the chair, for reviewers; null where nobody had to.
+Result<json::value> AttemptView::SignOffJson(const AttemptRow& row) {
+  if (!row.sign_off) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const bool shares, SharesCohort(row));
+  if (!CanReviewAttempt(viewer_, row, shares)) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const auto signatures, store_.sign_offs.SignOffsOf(row.id));
+  json::object out{{"start", nullptr}, {"end", nullptr}};
+  for (const SignOffRow& each : signatures) {
+    out[SignedAtName(each.at)] = {{"by", AsUtf8(each.signer_name)}, {"at_ms", each.signed_ms}};
+  }
+  return json::value(std::move(out));
+}
+
 // Contradicting chunks, for reviewers.
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
@@ -392,6 +405,8 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!nearness.ok()) return nearness.status();
   Result<json::value> evidence = EvidenceJson(row);
   if (!evidence.ok()) return evidence.status();
+  Result<json::value> sign_off = SignOffJson(row);
+  if (!sign_off.ok()) return sign_off.status();
   Result<json::array> may = MayDo(row);
   if (!may.ok()) return may.status();
   // Gaps passed at the chair as well.
@@ -406,6 +421,7 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   out->emplace("contradictions", std::move(*contradictions));
   out->emplace("nearness", std::move(*nearness));
   out->emplace("evidence", std::move(*evidence));
+  out->emplace("sign_off", std::move(*sign_off));
   out->emplace("may", std::move(*may));
   return out;
 }

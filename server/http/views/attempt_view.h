@@ -46,6 +46,7 @@ class AttemptView {
   Result<boost::json::value> AppealJson(const AttemptRow& row);
   Result<boost::json::value> NearnessJson(const AttemptRow& row);
   Result<boost::json::value> EvidenceJson(const AttemptRow& row);
+  Result<boost::json::value> SignOffJson(const AttemptRow& row);
   Result<boost::json::array> SignInsJson(const AttemptRow& row);
   Result<boost::json::array> ContradictionsJson(const AttemptRow& row);
   Result<boost::json::array> MayDo(const AttemptRow& row);

@@ -37,7 +37,8 @@ struct SubjectKind {
 // parts (verify/verify_stage.h).
 std::string AttemptColumns() {
   return "SELECT person, station, exercise, assignment, exam, due_ms, rate_hz, limit_ticks, hands, "
-         "ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN sealed_ms = 0 THEN "
+         "sign_off, ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN "
+         "sealed_ms = 0 THEN "
          "flags - (flags & " +
          Sql(kFasterThanTime | kOverTime) +
          ") ELSE flags END AS flags, override_score, override_reason, override_by, override_ms, "
@@ -56,6 +57,10 @@ const std::vector<SubjectKind>& Kinds() {
         {"appeal",
          "SELECT filed_ms, text, state, answer, answered_by, answered_ms FROM appeals WHERE tenant "
          "= ?1 AND attempt = ?2"},
+        {"sign_off",
+         "SELECT stage, signer, signed_ms FROM sign_offs WHERE tenant = ?1 AND attempt = ?2 ORDER "
+         "BY stage",
+         true},
         {"reference",
          "SELECT id, exercise, version, dentist, consent, created_ms, withdrawn_ms FROM "
          "reference_cuts WHERE tenant = ?1 AND attempt = ?2 ORDER BY id",
@@ -85,8 +90,8 @@ const std::vector<SubjectKind>& Kinds() {
        "SELECT id FROM assignments WHERE tenant = ?1",
        {{"",
          "SELECT exercise_name, exercise, cohort, opens_ms, due_ms, attempt_limit, exam, "
-         "late_allowed, hands, counting, created_ms FROM assignments WHERE tenant = ?1 AND id = "
-         "?2"},
+         "late_allowed, hands, counting, sign_off, created_ms FROM assignments WHERE tenant = ?1 "
+         "AND id = ?2"},
         {"station",
          "SELECT station, 1 AS admitted FROM assignment_stations WHERE tenant = ?1 AND assignment "
          "= ?2 ORDER BY station",
@@ -105,9 +110,8 @@ const std::vector<SubjectKind>& Kinds() {
        Key::kId,
        "SELECT id FROM people WHERE tenant = ?1",
        {{"",
-         "SELECT login, display_name, role, disabled, verifier FROM people WHERE tenant = ?1 AND "
-         "id = "
-         "?2"}}},
+         "SELECT login, display_name, role, disabled, verifier, pin FROM people WHERE tenant = ?1 "
+         "AND id = ?2"}}},
       {"cohort",
        Key::kId,
        "SELECT id FROM cohorts WHERE tenant = ?1",
@@ -140,8 +144,9 @@ const std::vector<SubjectKind>& Kinds() {
 }
 
 // Not repeated: words may be long, and the trail must not name further people.
-constexpr const char* kWords[] = {"override_reason", "text",  "answer",   "dentist",
-                                  "reason",          "login", "verifier", "display_name"};
+constexpr const char* kWords[] = {"override_reason", "text",         "answer",
+                                  "dentist",         "reason",       "login",
+                                  "verifier",        "display_name", "pin"};
 
 std::string ValueOf(const Query& q, int column, const std::string& name) {
   switch (q.TypeOf(column)) {

@@ -164,12 +164,35 @@ Result<Person> PeopleRows::PersonByLogin(const std::string& login) {
   });
 }
 
+namespace {
+
+Result<std::string> VerifierIn(Db& db, const char* sql, const Uuid& person) {
+  Query q(db, sql);
+  if (q.Bind(person).Next()) return q.Text(0);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no person " + person.Text());
+}
+
+}  // namespace
+
 Result<std::string> PeopleRows::PasswordVerifier(const Uuid& person) {
-  return rows_.Read([&](Db& db) -> Result<std::string> {
-    Query q(db, "SELECT verifier FROM people WHERE tenant = ?1 AND id = ?2");
-    if (q.Bind(person).Next()) return q.Text(0);
-    if (!q.status().ok()) return q.status();
-    return Status(Code::kNotFound, "no person " + person.Text());
+  return rows_.Read([&](Db& db) {
+    return VerifierIn(db, "SELECT verifier FROM people WHERE tenant = ?1 AND id = ?2", person);
+  });
+}
+
+Result<std::string> PeopleRows::PinVerifier(const Uuid& person) {
+  return rows_.Read([&](Db& db) {
+    return VerifierIn(db, "SELECT pin FROM people WHERE tenant = ?1 AND id = ?2", person);
+  });
+}
+
+Status PeopleRows::SetPin(const Uuid& person, const std::string& verifier, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE people SET pin = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(verifier).Run());
+    ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
+    return WriteAudit(db, by, "person.pin", person.Text(), "{}", "{}");
   });
 }
 

@@ -27,6 +27,9 @@ class PeopleRows {
   Result<Person> PersonById(const Uuid& id);
   Result<Person> PersonByLogin(const std::string& login);
   Result<std::string> PasswordVerifier(const Uuid& person);
+  // Of the PIN that signs exams at a chair; empty: none was chosen.
+  Result<std::string> PinVerifier(const Uuid& person);
+  Status SetPin(const Uuid& person, const std::string& verifier, const Actor& by);
   // Ends the person's sessions. `for_one_use`: it has to be changed before anything else is done.
   Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
                      const Actor& by);

@@ -10,6 +10,7 @@
 #include "server/storage/engine/row_checks.h"
 #include "server/storage/engine/sql_names.h"
 #include "server/storage/people/device_rows.h"
+#include "server/storage/recordings/sign_off_rows.h"
 #include "server/storage/recordings/trace_rows.h"
 #include "server/storage/teaching/assignment_rows.h"
 
@@ -77,15 +78,15 @@ Status TicketRows::CreateAttempt(const AttemptRow& row, ByteView ticket, const A
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
             "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
-            "assignment, hands) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
+            "assignment, hands, sign_off) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
                 Sql(AttemptState::kTicketed) +
                 ", ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-                "?15, ?16)");
+                "?15, ?16, ?17)");
     q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
     q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
     q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
     q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
-    q.Bind(row.assignment).Bind(static_cast<int64_t>(row.hands));
+    q.Bind(row.assignment).Bind(static_cast<int64_t>(row.hands)).Bind(int64_t{row.sign_off});
     ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
                       JsonOf({{"person", row.person.Text()},
@@ -147,6 +148,9 @@ Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
               " was handed back, so nothing can be recorded with it; ask for a new ticket",
           "ticket");
     }
+    // A ticket that a restore forgot has lost its signatures too; the recording may be the only
+    // copy of an exam.
+    if ((ingest.flags & kReadmitted) == 0) ENAMEL_RETURN_IF_ERROR(StartMustBeSigned(db, attempt));
     {
       Query q(db, "UPDATE attempts SET header = ?3, head_hash = ?4, state = " +
                       Sql(AttemptState::kRecording) +

@@ -31,7 +31,8 @@ class TicketRows {
   // The attempt's ticket was handed back unused: sets kReturned, and the attempt can no longer be
   // opened. Again: nothing changes. Errors: kNotFound, kConflict (it was opened).
   Status ReturnTicket(const Uuid& attempt, const Actor& by);
-  // First or repeated; kConflict when another header is stored, or the ticket was returned. Whether
+  // First or repeated; kConflict when another header is stored, or the ticket was returned;
+  // kForbidden with field "sign_off" when a start that must be signed is not. Whether
   // the ticket inside the header is genuine and in time is for the caller to have checked.
   Status OpenAttempt(const Uuid& attempt, ByteView header);
   // AttemptRow::facts from now on. Errors: kNotFound.

@@ -19,11 +19,11 @@ namespace {
   "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, "         \
   "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "          \
   "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3, " \
-  "a.counting, coalesce(v.graded, 0)"
+  "a.counting, coalesce(v.graded, 0), a.sign_off"
 #define ENAMEL_ASSIGNMENTS                                                                  \
   "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
   "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
-constexpr int kAssignmentColumns = 18;
+constexpr int kAssignmentColumns = 19;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
@@ -45,6 +45,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.retired = q.Int(15) != 0;
   out.counting = CountingFromName(q.Text(16)).value_or(Counting::kBest);
   out.graded = q.Int(17) != 0;
+  out.sign_off = q.Int(18) != 0;
   return out;
 }
 
@@ -92,7 +93,8 @@ std::string TermsJson(const AssignmentRow& row) {
                  {"exam", row.exam ? "yes" : "no"},
                  {"late_allowed", row.late_allowed ? "yes" : "no"},
                  {"stations", stations},
-                 {"hands", HandsAllowedName(row.hands)}});
+                 {"hands", HandsAllowedName(row.hands)},
+                 {"sign_off", row.sign_off ? "yes" : "no"}});
 }
 
 Result<bool> Exists(Query& q) {
@@ -162,18 +164,19 @@ Status InsertAssignment(Db& db, const AssignmentRow& row) {
   {
     Query q(db,
             "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
-            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise, counting) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14) "
+            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise, counting, "
+            "sign_off) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15) "
             "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
             "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
             "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
             "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands, exercise "
-            "= excluded.exercise, counting = excluded.counting");
+            "= excluded.exercise, counting = excluded.counting, sign_off = excluded.sign_off");
     q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
     q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
     q.Bind(int64_t{row.revision}).Bind(row.created_ms).Bind(static_cast<int64_t>(row.hands));
-    ENAMEL_RETURN_IF_ERROR(
-        q.Bind(row.version_id).Bind(std::string(CountingName(row.counting))).Run());
+    q.Bind(row.version_id).Bind(std::string(CountingName(row.counting)));
+    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.sign_off}).Run());
   }
   return PutStations(db, row);
 }

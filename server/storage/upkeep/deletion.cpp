@@ -39,6 +39,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
           "UPDATE attempt_results SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "DELETE FROM reference_cuts WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM attempt_results WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM sign_offs WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM annotations WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM appeals WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM marks WHERE tenant = ?1 AND work IN (SELECT id FROM marking_works WHERE "

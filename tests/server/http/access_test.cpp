@@ -171,6 +171,24 @@ TEST_F(AccessTest, HowTheHandMovedInAnExamIsToldToReviewersAlone) {
   EXPECT_TRUE(Parsed(By("sam").Get(Scored())).at("evidence").is_null());
 }
 
+TEST_F(AccessTest, WhoSignedAtTheChairIsToldToReviewersAlone) {
+  const std::string path = "/api/v1/attempts/" + school_.sams_recording.Text();
+  EXPECT_TRUE(Parsed(By("ada").Get(path)).at("sign_off").is_null()) << "nobody had to";
+  auto& store = *school_.store;
+  ASSERT_TRUE(store.engine->rows
+                  .Write([&](sql::Db& db) {
+                    return Query(db, "UPDATE attempts SET sign_off = 1 WHERE tenant = ?1").Run();
+                  })
+                  .ok());
+  ASSERT_TRUE(
+      store.sign_offs.Sign(school_.sams_recording, SignedAt::kEnd, 17, {school_.ada, "test"}).ok());
+  const boost::json::value told = Parsed(By("root").Get(path)).at("sign_off");
+  EXPECT_TRUE(told.at("start").is_null()) << "not signed";
+  EXPECT_EQ(told.at("end").at("by"), "Person ada");
+  EXPECT_EQ(told.at("end").at("at_ms").to_number<int>(), 17);
+  EXPECT_TRUE(Parsed(By("sam").Get(path)).at("sign_off").is_null());
+}
+
 TEST_F(AccessTest, WhoseMotionIsNearIsToldToWhoReviewsBothAlone) {
   auto near = [&](const Uuid& attempt, const Uuid& other) {
     auto result = *school_.store->results.ResultOf(attempt);

@@ -71,6 +71,7 @@ const Line kLines[] = {
     {"POST /api/v1/session/confirm",            "",               R"({"password":"PASSWORD"})",          "401 204 204 204 204 204 204 204 401 204"},
     {"POST /api/v1/session/password",           "",               R"({"old_password":"PASSWORD","new_password":"quite another one"})",
                                                                                                          "401 200 200 200 200 200 200 200 401 200"},
+    {"PUT /api/v1/session/pin",                 "",               R"({"pin":"804217"})",                 "401 403 403 403 204 204 204 403 401 403"},
     {"PUT /api/v1/session/language",            "",               R"({"language":"de"})",                "401 200 200 200 200 200 200 200 401 200"},
     {"GET /api/v1/sessions",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"DELETE /api/v1/sessions/{id}",            "sams session",   "",                                    "401 204 404 404 404 404 204 204 401 403"},

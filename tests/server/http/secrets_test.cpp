@@ -15,6 +15,8 @@ namespace {
 
 namespace json = boost::json;
 
+constexpr char kJsonType[] = "application/json";
+
 class SecretsTest : public testing::Test {
  protected:
   SecretsTest() : before_(spdlog::default_logger()) {
@@ -33,9 +35,9 @@ class SecretsTest : public testing::Test {
   }
 
   RawResponse Send(Visitor& who, const std::string& target, const std::string& body,
-                   const std::string& type = "application/json") {
+                   const std::string& type = kJsonType, const std::string& method = "POST") {
     RawResponse response = who.Send(
-        "POST", target, "X-Enamel-Csrf: " + who.csrf + "\r\nContent-Type: " + type + "\r\n", body);
+        method, target, "X-Enamel-Csrf: " + who.csrf + "\r\nContent-Type: " + type + "\r\n", body);
     if (response.status >= 400) refusals_ += response.body + "\n";
     return response;
   }
@@ -108,6 +110,12 @@ TEST_F(SecretsTest, AreNotInLogAuditMetricsOrRefusals) {
                json::object{{"old_password", once}, {"new_password", "a chosen one of sam's"}}));
   ASSERT_EQ(changed.status, 200) << changed.body;
   secrets_[changed.headers["set-cookie"].substr(15, 64)] = "next session token of sam";
+  secrets_["804217930516"] = "PIN of root";
+  EXPECT_EQ(Send(root, "/api/v1/session/pin", R"({"pin":"804217930516"})", kJsonType, "PUT").status,
+            204);
+  secrets_["222222222222"] = "PIN that was refused";
+  EXPECT_EQ(Send(root, "/api/v1/session/pin", R"({"pin":"222222222222"})", kJsonType, "PUT").status,
+            400);
   root.Get("/api/v1/no/such/path");
   school_.authenticator->refusals().Settle();
   spdlog::info("the log is read");

@@ -52,6 +52,28 @@ TEST_F(SessionTest, GuessingIsSlowedDownWith429) {
   EXPECT_TRUE(last.headers.contains("retry-after"));
 }
 
+TEST_F(SessionTest, InstructorChoosesAPinThatSigns) {
+  Visitor ada(server_.port(), "ada");
+  auto choose = [&](const std::string& pin) {
+    return ada.Send("PUT", "/api/v1/session/pin", kJson + "X-Enamel-Csrf: " + ada.csrf + "\r\n",
+                    R"({"pin":")" + pin + "\"}");
+  };
+  auto holds = [&](const std::string& pin) {
+    return school_.authenticator->CheckPinHere({"Ada", pin, "127.0.0.1", auth::kViaStation}).ok();
+  };
+  EXPECT_FALSE(holds("")) << "none yet";
+  ASSERT_EQ(choose("804217").status, 204);
+  EXPECT_TRUE(holds("804217"));
+  RawResponse refused = choose("123456");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "pin");
+  EXPECT_TRUE(holds("804217")) << "what was refused changes nothing";
+  ASSERT_EQ(choose("271804").status, 204);
+  EXPECT_TRUE(holds("271804"));
+  EXPECT_FALSE(holds("804217"));
+  EXPECT_EQ(SignIn("ada", "271804").status, 401) << "it does not sign in";
+}
+
 TEST_F(SessionTest, TheLanguageThatSomebodyChoseIsThereAtTheNextSignIn) {
   EXPECT_EQ(Parsed(SignIn("sam", kPassword)).at("language"), "");
   Visitor sam(server_.port(), "sam");

@@ -473,6 +473,21 @@ TEST_F(TeachingTest, AssignmentSaysWhatMayHoldTheTool) {
   EXPECT_EQ(Parsed(again).at("hands"), "any") << "what is not said is not changed";
 }
 
+TEST_F(TeachingTest, ExamCanRequireASecondPersonAtTheChair) {
+  HaveReference();
+  json::object terms = Terms(school_.cohort_a);
+  EXPECT_FALSE(Parsed(Post("ada", "/api/v1/assignments", terms)).at("sign_off").as_bool());
+  terms["exam"] = true;
+  terms["sign_off"] = true;
+  RawResponse made = Post("ada", "/api/v1/assignments", terms);
+  EXPECT_TRUE(Parsed(made).at("sign_off").as_bool()) << made.body;
+  const std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  EXPECT_TRUE(Parsed(By("ada").Get(path)).at("sign_off").as_bool());
+  terms["sign_off"] = false;
+  RawResponse edited = Send("ada", "PUT", path, terms, made.headers["etag"]);
+  EXPECT_FALSE(Parsed(edited).at("sign_off").as_bool()) << edited.body;
+}
+
 TEST_F(TeachingTest, DevicesAreListedNamedAnewAndTakenOffTheList) {
   const char* kPath = "/api/v1/listed-devices";
   EXPECT_TRUE(Parsed(By("ada").Get(kPath)).at("devices").as_array().empty());
@@ -522,6 +537,7 @@ TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
       {{{"attempt_limit", -1}}, "attempt_limit"},
       {{{"attempt_limit", 1.5}}, "attempt_limit"},
       {{{"exam", "yes"}}, "exam"},
+      {{{"sign_off", true}}, "sign_off"},
       {{{"station_ids", json::array{school_.station.Text()}}}, "station_ids"},
       {{{"exam", true}, {"station_ids", json::array{"x"}}}, "station_ids"},
       {{{"exam", true}, {"station_ids", json::array{Uuid::New().Text()}}}, "station_ids"},

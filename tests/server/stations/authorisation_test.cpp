@@ -55,6 +55,8 @@ std::vector<Line> Lines() {
     {"mark_reference", In({     kNo,    kNo,          "forbidden",  "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
     {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"return_ticket",  In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    // Of an attempt that needs no signature; whoever is signed in does not matter (sign_off_test).
+    {"sign_off",       In({     kNo,    "conflict",   "conflict",   "conflict",   "conflict",   "conflict",   "conflict",   kNo})},
     {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"measure",        In({     kNo,    "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", kNo})},
     {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
@@ -77,11 +79,15 @@ class LinkAuthorisationTest : public ::testing::Test {
     Uuid once = world_.store->people.PersonByLogin("once")->id;
     EXPECT_TRUE(world_.store->cohorts.AddToCohort(world_.cohort, once, kSystem).ok());
     EXPECT_TRUE(world_.store->people.SetPassword(once, world_.verifier, true, kSystem).ok());
+    world_.GivePin(world_.instructor);
   }
 
   std::optional<wire::Reply> Carry(const wire::Request& request) {
     if (auto who = session_.SignInWanted(request)) {
       return session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
+    }
+    if (auto who = session_.SignOffWanted(request)) {
+      return session_.FinishSignOff(request, world_.authenticator.CheckPinHere(*who)).reply;
     }
     return session_.Handle(request).reply;
   }
@@ -153,6 +159,12 @@ class LinkAuthorisationTest : public ::testing::Test {
       out.mutable_offer_attempts();
     } else if (message == "return_ticket") {
       out.mutable_return_ticket()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+    } else if (message == "sign_off") {
+      auto& sign = *out.mutable_sign_off();
+      sign.set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+      sign.set_at("start");
+      sign.set_login("instructor");
+      sign.set_pin(kPin);
     } else if (message == "live_state") {
       out.mutable_live_state();
     } else if (message == "measure") {

@@ -20,6 +20,7 @@ using namespace server::testing;
 
 inline constexpr auth::PasswordCost kCheap{1, 8192};
 inline constexpr char kPassword[] = "correct horse battery";
+inline constexpr char kPin[] = "804217";
 
 inline auth::AuthOptions CheapAuth() {
   auth::AuthOptions options;
@@ -41,6 +42,10 @@ struct LinkWorld {
     exercise = *app::PublishClassOne(store->blobs, store->exercises, scene, cohort);
     EXPECT_TRUE(
         store->stations.AddEnrolCode(HashSha256(AsBytes("code")), UnixMs{1} << 60, kSystem).ok());
+  }
+
+  void GivePin(const Uuid& person) {
+    EXPECT_TRUE(store->people.SetPin(person, *auth::HashPassword(kPin, kCheap), kSystem).ok());
   }
 
   Sha256 Profile(const std::string& name) {
@@ -138,6 +143,17 @@ class ScriptedStation {
     body.set_exercise(protocol::ToField(exercise.view()));
     body.set_profile(protocol::ToField(profile.view()));
     body.set_assignment(protocol::ToField(assignment.view()));
+    return Send(request);
+  }
+
+  wire::Reply SignOff(const Uuid& attempt, const std::string& at, const std::string& login,
+                      const std::string& pin) {
+    wire::Request request;
+    wire::SignOff& body = *request.mutable_sign_off();
+    body.set_attempt(protocol::ToField(attempt.view()));
+    body.set_at(at);
+    body.set_login(login);
+    body.set_pin(pin);
     return Send(request);
   }
 
@@ -278,6 +294,9 @@ class StudentAtStation : public ::testing::Test {
   wire::Reply Carry(const wire::Request& request) {
     if (auto who = session_.SignInWanted(request)) {
       return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
+    }
+    if (auto who = session_.SignOffWanted(request)) {
+      return *session_.FinishSignOff(request, world_.authenticator.CheckPinHere(*who)).reply;
     }
     return session_.Handle(request).reply.value_or(wire::Reply());
   }

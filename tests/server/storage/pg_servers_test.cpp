@@ -125,8 +125,12 @@ TEST_F(PgServersTest, AnAttemptIsThereOnceWhereverTheConnectionBreaks) {
       row.exercise = world.exercise.id;
       row.profile_content = world.profile;
       row.ticketed_ms = 5;
+      row.sign_off = true;
+      const Actor signer{world.student, "station"};
       met |= with_cuts(
           [&] { return store->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem); }, cut, skip);
+      met |= with_cuts([&] { return store->sign_offs.Sign(row.id, SignedAt::kStart, 6, signer); },
+                       cut, skip);
       met |= with_cuts([&] { return store->tickets.OpenAttempt(row.id, AsBytes("header")); }, cut,
                        skip);
       const auto chunk = world.Chunk(row.id, 0, World::HeaderHash());
@@ -160,7 +164,9 @@ TEST_F(PgServersTest, AnAttemptIsThereOnceWhereverTheConnectionBreaks) {
   EXPECT_EQ(Count("SELECT count(*) FROM jobs WHERE state = 'done' AND tries = 1"), attempts);
   EXPECT_EQ(Count("SELECT count(*) FROM jobs"), attempts);
   EXPECT_EQ(Count("SELECT count(*) FROM attempt_results"), attempts);
-  for (const char* action : {"attempt.ticket", "attempt.seal", "attempt.score"}) {
+  EXPECT_EQ(Count("SELECT count(*) FROM sign_offs WHERE signed_ms = 6"), attempts);
+  for (const char* action :
+       {"attempt.ticket", "attempt.sign_off", "attempt.seal", "attempt.score"}) {
     EXPECT_EQ(Count(std::string("SELECT count(*) FROM audit WHERE action = '") + action + "'"),
               attempts)
         << action;

@@ -60,6 +60,7 @@ TEST_F(VerifyDecisionsTest, ChangedOverrideReleaseAndTermsOfAnAttemptAreFound) {
                       "rate_hz = 1",
                       "limit_ticks = 1",
                       "hands = 1",
+                      "sign_off = 1",
                       "ticketed_ms = 6",
                       "sealed_ms = 1",
                       "as_reference = 1",
@@ -168,6 +169,24 @@ TEST_F(VerifyDecisionsTest, ChangedAppealIsFound) {
   ExpectEditFound("appeals", "DELETE FROM appeals", "decision", graded_.Text(), "appeal state");
 }
 
+TEST_F(VerifyDecisionsTest, ChangedSignatureAtTheChairIsFound) {
+  Store& store = *school_.store;
+  AttemptRow row = school_.world.AttemptOf(student());
+  row.sign_off = true;
+  ASSERT_TRUE(store.tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+  ASSERT_TRUE(store.sign_offs.Sign(row.id, SignedAt::kStart, 7, {teacher_, "station"}).ok());
+  ExpectWhole("signed");
+  const std::string id = row.id.Text();
+  for (const std::string edit : {"signer = randomblob(16)", "signed_ms = 8"}) {
+    ExpectEditFound("sign_offs", "UPDATE sign_offs SET " + edit, "decision", id,
+                    "sign_off start " + edit.substr(0, edit.find(' ')));
+  }
+  ExpectEditFound("sign_offs", "DELETE FROM sign_offs", "decision", id, "sign_off start");
+  ExpectEditFound("sign_offs",
+                  "INSERT INTO sign_offs SELECT tenant, attempt, 'end', signer, 9 FROM sign_offs",
+                  "decision", id, "sign_off end");
+}
+
 TEST_F(VerifyDecisionsTest, ChangedRemarkIsFound) {
   ExpectUpdatesFound("annotations", "id = " + Id(remark_), remark_.Text(),
                      {"text = 'well done'", "author = " + Id(student()), "tick = 7",
@@ -246,11 +265,12 @@ TEST_F(VerifyDecisionsTest, ChangedOwnerIsFound) {
 
 TEST_F(VerifyDecisionsTest, ChangedTermsOfAnAssignmentAreFound) {
   const std::string id = assignment_.Text();
-  ExpectUpdatesFound("assignments", "id = " + Id(assignment_), id,
-                     {"exercise_name = 'other'", "exercise = " + Id(other_.id),
-                      "cohort = randomblob(16)", "opens_ms = 1", "due_ms = 0",
-                      "due_ms = due_ms + 1", "attempt_limit = 4", "attempt_limit = 0", "exam = 1",
-                      "late_allowed = 1", "hands = 4", "counting = 'last'", "created_ms = 1"});
+  ExpectUpdatesFound(
+      "assignments", "id = " + Id(assignment_), id,
+      {"exercise_name = 'other'", "exercise = " + Id(other_.id), "cohort = randomblob(16)",
+       "opens_ms = 1", "due_ms = 0", "due_ms = due_ms + 1", "attempt_limit = 4",
+       "attempt_limit = 0", "exam = 1", "late_allowed = 1", "hands = 4", "sign_off = 1",
+       "counting = 'last'", "created_ms = 1"});
   ExpectEditFound("assignments", "DELETE FROM assignments WHERE id = " + Id(assignment_),
                   "decision", id, "assignment");
   ExpectEditFound("assignment_stations", "DELETE FROM assignment_stations", "decision", id,
@@ -295,7 +315,8 @@ TEST_F(VerifyDecisionsTest, StationThatIsAdmittedAgainIsFound) {
 
 TEST_F(VerifyDecisionsTest, PersonWhoMayMoreThanWasDecidedIsFound) {
   ExpectUpdatesFound("people", "id = " + Id(student()), student().Text(),
-                     {"role = 3", "disabled = 1", "login = 'x'", "verifier = 'known to me'"});
+                     {"role = 3", "disabled = 1", "login = 'x'", "verifier = 'known to me'",
+                      "pin = 'known to me'"});
   ExpectEditFound("people",
                   "INSERT INTO people (tenant, id, login, display_name, role, created_ms, "
                   "verifier) VALUES (1, x'" +

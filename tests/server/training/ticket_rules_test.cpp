@@ -157,7 +157,11 @@ TEST(TicketRulesTest, TermsThatContradictThemselvesAreRefused) {
   row.due_ms = kNow + 1;
   row.stations = {Id(1)};
   EXPECT_EQ(CheckTerms(row).field(), "station_ids");
+  row.stations = {};
+  row.sign_off = true;
+  EXPECT_EQ(CheckTerms(row).field(), "sign_off");
   row.exam = true;
+  row.stations = {Id(1)};
   EXPECT_TRUE(CheckTerms(row).ok());
 }
 

@@ -65,6 +65,10 @@ export class PeopleApi {
   changePassword(old: string, fresh: string) {
     return this.http.json<Session>("POST", "/session/password", { body: { old_password: old, new_password: fresh } });
   }
+  // It signs exams at a chair.
+  choosePin(pin: string) {
+    return this.http.empty("PUT", "/session/pin", { body: { pin } });
+  }
   // With `trial` nothing is changed: the answer says what would be. A roster with problems is
   // refused as a whole; the report then says what they are.
   async importRoster(text: string, trial: boolean, cohort: string): Promise<ApiResult<RosterOutcome>> {

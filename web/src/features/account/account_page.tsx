@@ -8,6 +8,7 @@ import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widg
 import { SelectField } from "../../widgets/form";
 import { SessionsTable } from "../../widgets/sessions_table";
 import { PasswordForm } from "./password_form";
+import { PinCard } from "./pin_form";
 
 // Who one is here, one's password, and where one is signed in.
 interface Props {
@@ -47,6 +48,7 @@ export function AccountPage({ client, person, language, onLanguage }: Props) {
             </Notice>
           )}
         </Card>
+        {person.role !== "student" && <PinCard client={client} />}
         <LanguageCard language={language} onLanguage={onLanguage} />
         <OwnSessions client={client} />
       </div>

@@ -7,7 +7,7 @@ import { say } from "../../base/words";
 import { ErrorNotice, Loading } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
 import { SelectField } from "../../widgets/form";
-import { type Terms, TermsFields } from "./terms_fields";
+import { fitting, type Terms, TermsFields } from "./terms_fields";
 
 interface Props {
   readonly client: Client;
@@ -22,6 +22,7 @@ const kTerms: Terms = {
   attempt_limit: 0,
   exam: false,
   late_allowed: false,
+  sign_off: false,
   hands: "listed",
   counting: "best",
   station_ids: [],
@@ -71,9 +72,7 @@ function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations 
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() =>
-      client.teaching.assign({ exercise, cohort_id: into, ...terms, station_ids: terms.exam ? terms.station_ids : [] }),
-    );
+    const result = await change.run(() => client.teaching.assign({ exercise, cohort_id: into, ...fitting(terms) }));
     if (result?.ok === true) onMade(result.value);
   };
   const problemOf = (field: string) => (change.error?.field === field ? change.error.message : undefined);

@@ -13,7 +13,7 @@ import { EditNotices } from "../../widgets/edit_notices";
 import { countingText, exerciseTitle, handsText, limitText } from "./assignment_text";
 import { MoveCard } from "./move_card";
 import { PhaseBadge } from "./my_work_page";
-import { type Terms, TermsFields } from "./terms_fields";
+import { fitting, type Terms, TermsFields } from "./terms_fields";
 
 interface Props {
   readonly client: Client;
@@ -135,6 +135,12 @@ const kCompared = [
   },
   {
     get title() {
+      return say("terms.sign_off");
+    },
+    text: (item: Draft) => (item.sign_off ? say("common.yes") : say("common.no")),
+  },
+  {
+    get title() {
       return say("nav.stations");
     },
     text: (item: Draft) => item.stations.map((station) => station.name).join(", "),
@@ -201,20 +207,22 @@ function termsOf({
   attempt_limit,
   exam,
   late_allowed,
+  sign_off,
   hands,
   counting,
   stations,
 }: Assignment): Terms {
-  return {
+  return fitting({
     opens_ms,
     due_ms,
     attempt_limit,
     exam,
     late_allowed,
+    sign_off,
     hands,
     counting,
-    station_ids: exam ? stations.map((station) => station.id) : [],
-  };
+    station_ids: stations.map((station) => station.id),
+  });
 }
 
 function Scores({

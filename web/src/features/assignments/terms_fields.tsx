@@ -5,6 +5,11 @@ import { countingText, dueProblem, kCountings, kHands } from "./assignment_text"
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
+// What only exams have is taken off other work.
+export function fitting(terms: Terms): Terms {
+  return terms.exam ? terms : { ...terms, station_ids: [], sign_off: false };
+}
+
 interface Props {
   readonly terms: Terms;
   readonly onTerms: (part: Partial<Terms>) => void;
@@ -71,6 +76,14 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
         value={terms.exam}
         onValue={(exam) => onTerms({ exam })}
       />
+      {terms.exam && (
+        <CheckField
+          label={say("terms.sign_off")}
+          hint={say("terms.sign_off_hint")}
+          value={terms.sign_off}
+          onValue={(signOff) => onTerms({ sign_off: signOff })}
+        />
+      )}
       {terms.exam && stations.length > 0 && (
         <fieldset class="group">
           <legend>{say("terms.stations")}</legend>

@@ -209,15 +209,14 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
 // The recording, and what else is known of it.
 function Details({ review }: { readonly review: Review }) {
   const { attempt, scored } = review;
-  const { evidence } = attempt;
   return (
     <div class="columns">
       <RecordingPanel attempt={attempt} score={scored} />
       <div class="stack">
         <Contradictions attempt={attempt} />
         <Nearness near={attempt.nearness} />
-        {evidence !== null && (
-          <Closer show={({ EvidencePanel }) => <EvidencePanel attempt={attempt} evidence={evidence} />} />
+        {(attempt.evidence !== null || attempt.sign_off !== null) && (
+          <Closer show={({ EvidencePanel }) => <EvidencePanel attempt={attempt} />} />
         )}
         {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
         {scored?.envelope != null && (

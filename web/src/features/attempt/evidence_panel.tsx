@@ -3,14 +3,48 @@ import { formatDateTime, formatQuantity } from "../../base/format";
 import { say } from "../../base/words";
 import { Card } from "../../widgets/basics";
 
-interface Props {
-  readonly attempt: AttemptDetail;
-  readonly evidence: NonNullable<AttemptDetail["evidence"]>;
+type Evidence = NonNullable<AttemptDetail["evidence"]>;
+type SignOff = NonNullable<AttemptDetail["sign_off"]>;
+
+// What speaks for and against an exam attempt, for the reviewer: who signed at the chair, and how
+// the hand moved. Station and device are in the recording's panel beside it.
+export function EvidencePanel({ attempt }: { readonly attempt: AttemptDetail }) {
+  const { evidence, sign_off: signOff } = attempt;
+  return (
+    <>
+      {signOff !== null && <Signatures signOff={signOff} />}
+      {evidence !== null && <Hand attempt={attempt} evidence={evidence} />}
+    </>
+  );
 }
 
-// How the hand moved in an exam, for the reviewer: figures, and no verdict. Station and device are
-// in the recording's panel beside it.
-export function EvidencePanel({ attempt, evidence }: Props) {
+function Signatures({ signOff }: { readonly signOff: SignOff }) {
+  const text = (signed: SignOff["start"], none: string) =>
+    signed === null ? none : say("evidence.signed", { name: signed.by, when: formatDateTime(signed.at_ms) });
+  return (
+    <Card title={say("evidence.sign_off")}>
+      <dl class="facts stacked">
+        <div>
+          <dt>{say("evidence.start")}</dt>
+          <dd>{text(signOff.start, say("evidence.start_unsigned"))}</dd>
+        </div>
+        <div>
+          <dt>{say("evidence.end")}</dt>
+          <dd>{text(signOff.end, say("evidence.end_unsigned"))}</dd>
+        </div>
+      </dl>
+      <p class="hint">{say("evidence.sign_off_hint")}</p>
+    </Card>
+  );
+}
+
+interface Props {
+  readonly attempt: AttemptDetail;
+  readonly evidence: Evidence;
+}
+
+// Figures, and no verdict.
+function Hand({ attempt, evidence }: Props) {
   const tremor = evidence.tremor_um === null ? say("evidence.no_tremor") : formatQuantity(evidence.tremor_um, "um");
   const near = attempt.nearness;
   const figures: [string, string][] = [
