@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -253,15 +254,16 @@ Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen&
 class Watcher {
  public:
   Watcher(const RunOptions& options, RunningAttempt& attempt, const PreparedAttempt& job,
-          const Tool& tool, Screen& screen)
+          const Tool& tool, Screen& screen, Workplace& workplace)
       : options_(options),
         attempt_(attempt),
         job_(job),
         tool_(tool),
         screen_(screen),
+        workplace_(workplace),
         progress_(options.quiet, options.log_only) {}
 
-  Result<AttemptResult> Run(Spool& spool) {
+  Result<AttemptResult> Run() {
     Watch();
     // Join in every case: the recorder has to write the seal before anything returns.
     auto seal = attempt_.Join();
@@ -273,10 +275,11 @@ class Watcher {
     result.attempt = attempt_.attempt();
     result.ended_early = ended_early_;
     result.done_ratio = tool_.progress();
+    SignEnd();
     AwaitUpload(result);
     progress_.End();
     ENAMEL_RETURN_IF_ERROR(picture);
-    ENAMEL_ASSIGN_OR_RETURN(auto spooled, spool.Get(result.attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto spooled, workplace_.spool().Get(result.attempt));
     result.refused = spooled.refused;
     if (!options_.json.empty()) {
       ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, spooled, last_, result, attempt_.facts()));
@@ -351,9 +354,23 @@ class Watcher {
     return Status::Ok();
   }
 
-  // Waits until the attempt is on the server or refused, the server is away for some time, or
-  // another interrupt comes.
-  void AwaitUpload(AttemptResult& result) {
+  // Not signed is no error: the attempt counts, and its reviewers see it.
+  void SignEnd() {
+    if (!job_.sign_off) return;
+    const uint32_t chunks = attempt_.recording().chunks;
+    // What the server does not have yet cannot be signed there.
+    (void)AwaitServer([&](const Uploader::State& state) { return state.committed >= chunks; });
+    auto signer = workplace_.SignOff(attempt_.attempt(), SignedAt::kEnd, options_.signer,
+                                     options_.signer_pin);
+    if (!signer.ok()) {
+      progress_.Say("the end of this attempt is not signed: " + signer.status().message());
+    }
+    workplace_.HandIn(attempt_.attempt());
+  }
+
+  // Waits until `done`, or the attempt is refused, the server is away for some time, or another
+  // interrupt comes, which returns true.
+  bool AwaitServer(const std::function<bool(const Uploader::State&)>& done) {
     auto interrupted_before = interrupted;
     const auto since = steady_clock::now();
     auto reachable_at = since;
@@ -363,7 +380,7 @@ class Watcher {
       if (state.reachable) reachable_at = now;
       // Further presses of the Ctrl-C that ended the attempt must not end the upload too.
       if (now - since < kSameInterrupt) interrupted_before = interrupted;
-      return !state.sealed && !state.gave_up && interrupted == interrupted_before &&
+      return !done(state) && !state.gave_up && interrupted == interrupted_before &&
              now - reachable_at < kUploadPatience;
     };
     for (; waits(); state = attempt_.upload()) {
@@ -371,11 +388,16 @@ class Watcher {
       std::this_thread::sleep_for(milliseconds(20));
     }
     Show(last_, 1);
+    return interrupted != interrupted_before;
+  }
+
+  void AwaitUpload(AttemptResult& result) {
+    const bool stopped = AwaitServer([](const Uploader::State& state) { return state.sealed; });
+    const Uploader::State state = attempt_.upload();
     result.uploaded = state.sealed;
     if (state.sealed) return;
-    result.not_uploaded_because = interrupted == interrupted_before
-                                      ? state.problem.message()
-                                      : "interrupted while it was being sent";
+    result.not_uploaded_because =
+        stopped ? "interrupted while it was being sent" : state.problem.message();
   }
 
   const RunOptions& options_;
@@ -383,6 +405,7 @@ class Watcher {
   const PreparedAttempt& job_;
   const Tool& tool_;
   Screen& screen_;
+  Workplace& workplace_;
   Progress progress_;
   Snapshot last_;
   bool ended_early_ = false;
@@ -411,6 +434,18 @@ void SayResumed(const RunOptions& options, const PreparedAttempt& job) {
                SpanText(job.gap_ticks / rate).c_str());
 }
 
+// A refused signature hands the ticket back (Workplace), so that it does not count.
+Status SignStart(Workplace& workplace, const RunOptions& options, const PreparedAttempt& job) {
+  if (!options.signer.empty()) {
+    return workplace.SignOff(job.attempt(), SignedAt::kStart, options.signer, options.signer_pin)
+        .status();
+  }
+  return Status(Code::kInvalidInput,
+                "this exam needs the signature of an instructor at the chair: --signer LOGIN, with "
+                "the PIN in ENAMEL_SIGNER_PIN",
+                "signer");
+}
+
 }  // namespace
 
 Result<AttemptResult> RunAttempt(const RunOptions& options) {
@@ -437,6 +472,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   // Last of all that can fail: a ticket counts as an attempt once taken.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
+    if (job.sign_off) ENAMEL_RETURN_IF_ERROR(SignStart(*workplace, options, job));
   }
   if (job.core) {
     SayResumed(options, job);
@@ -447,7 +483,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
       job, *tool.device,
       {options.lockstep, tool.simulated == nullptr, screen.observer(), options.cpu});
   if (!attempt.ok()) return attempt.status();
-  return Watcher(options, **attempt, job, tool, screen).Run(workplace->spool());
+  return Watcher(options, **attempt, job, tool, screen, *workplace).Run();
 }
 
 }  // namespace enamel::station

@@ -23,11 +23,12 @@ struct RunOptions {
   std::filesystem::path screenshot;
   std::filesystem::path json;
   bool as_reference = false;
-  protocol::AttemptFacts facts;  // as chosen; a resumed attempt keeps its own
-  std::string resume;            // an attempt that was cut off, or "last"; else empty
-  std::string reserved;          // an attempt whose ticket was taken before; else empty
-  std::string pin;               // of the reserved ticket
-  bool quiet = false;            // no progress line
+  protocol::AttemptFacts facts;    // as chosen; a resumed attempt keeps its own
+  std::string resume;              // an attempt that was cut off, or "last"; else empty
+  std::string reserved;            // an attempt whose ticket was taken before; else empty
+  std::string pin;                 // of the reserved ticket
+  std::string signer, signer_pin;  // of whoever signs an exam at the chair; empty: nobody
+  bool quiet = false;              // no progress line
   // Standard error carries only the log, for machines: no progress and no advice.
   bool log_only = false;
 };

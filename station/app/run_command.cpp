@@ -47,6 +47,7 @@ Result<std::string> Password(bool from_stdin) {
 
 int Run(RunOptions& options, bool password_stdin) {
   options.pin = Environment("ENAMEL_PIN");
+  options.signer_pin = Environment("ENAMEL_SIGNER_PIN");
   if (Status s = CheckRun(options); !s.ok()) {
     // Reported like a failure, but with exit code 2, as for errors found by the parser.
     (void)Finish(s);
@@ -114,6 +115,9 @@ void DeclareRun(CommandGroup group) {
                   "Use a ticket taken with 'reserve'; PIN in ENAMEL_PIN")
       ->excludes(exercise)
       ->excludes(resume);
+  cmd->add_option("--signer", run.signer,
+                  "Login of the instructor who signs start and end of an exam that requires it; "
+                  "PIN in ENAMEL_SIGNER_PIN");
   cmd->add_flag("--password-stdin", options->password_stdin,
                 "Read the password from standard input (else ENAMEL_PASSWORD)");
   cmd->add_option("--device", run.device.device,

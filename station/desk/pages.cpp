@@ -50,6 +50,7 @@ bool Pages::Draw() {
   }
   if (flow_.dialog() != dialog_before_) {
     // A PIN never outlives its dialog.
+    signer_.clear();
     pin_.clear();
     pin_again_.clear();
     dialog_before_ = flow_.dialog();
@@ -101,6 +102,9 @@ bool Pages::Draw() {
       break;
     case Dialog::kPin:
       AskPin();
+      break;
+    case Dialog::kSignOff:
+      AskSignOff();
       break;
     case Dialog::kCutOff:
       AskCutOff();
@@ -235,7 +239,7 @@ void Pages::Exercise() {
   ui_.Begin("exercise", kWidePage);
   const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(WordedTitle(flow_.words(), ref.title));
-  if (ref.exam) ui_.Note(Say("exercise.exam"));
+  if (ref.exam) ui_.Note(Say(ref.sign_off ? "exercise.exam_signed" : "exercise.exam"));
   ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();

@@ -48,6 +48,7 @@ class Pages {
   void AskCutOff();
   void AskReserve();
   void AskPin();
+  void AskSignOff();
   void Reserved();
   void Devices();
   void ExerciseChoices(bool prepared);
@@ -60,7 +61,7 @@ class Pages {
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, dentist_, anyway_, pin_, pin_again_;
+  std::string login_, password_, dentist_, anyway_, pin_, pin_again_, signer_;
   bool consent_ = false, as_reference_ = false;
   // A message sent to this chair, until the person dismisses it.
   struct Said {

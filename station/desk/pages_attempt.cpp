@@ -159,6 +159,31 @@ void Pages::HandIn() {
   ui_.End();
 }
 
+void Pages::AskSignOff() {
+  const bool end = flow_.signs_end();
+  ui_.BeginDialog("sign-off", Say(end ? "sign_off.end" : "sign_off.start"));
+  ui_.Text(Say(end ? "sign_off.end_text" : "sign_off.start_text"));
+  if (ui_.Field(Say("sign_in.login"), signer_)) ui_.Focus(Say("pin.label"));
+  bool go = ui_.Field(Say("pin.label"), pin_, true);
+  ui_.Problem(flow_.problem());
+  Busy();
+  const bool free = !flow_.busy();
+  go |= ui_.Button(Say("sign_off.sign"), Ui::Look::kMain, free);
+  if (go && free && !signer_.empty() && !pin_.empty()) {
+    flow_.SignOff(signer_, pin_);
+    // Not kept after sending, whatever the server answers.
+    pin_.clear();
+    ui_.Focus(Say("pin.label"));
+  }
+  ui_.SameLine();
+  // Esc, pressed by habit, must not hand in.
+  if (ui_.Button(Say(end ? "sign_off.unsigned" : "exercise.back"), Ui::Look::kPlain, free) ||
+      (free && !end && ui_.escape())) {
+    flow_.LeaveSignOff();
+  }
+  ui_.EndDialog();
+}
+
 void Pages::Score(const scoring::ScoreResult& score) {
   ui_.Score(flow_.words().Decimal(score.score, 0), Say("result.of"));
   if (score.critical_fail) ui_.Problem(Say("result.failed"));

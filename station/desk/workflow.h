@@ -16,7 +16,18 @@
 namespace enamel::station::desk {
 
 enum class Place { kSignIn, kReserved, kExercises, kExercise, kReady, kRunning, kHandIn, kResult };
-enum class Dialog { kNone, kPaused, kFinish, kGiveUp, kReference, kClose, kReserve, kPin, kCutOff };
+enum class Dialog {
+  kNone,
+  kPaused,
+  kFinish,
+  kGiveUp,
+  kReference,
+  kClose,
+  kReserve,
+  kPin,
+  kCutOff,
+  kSignOff
+};
 
 // How an attempt gets its ticket: requested when the device rests; taken in advance and locked with
 // a PIN; or already there, because the attempt was interrupted and continues.
@@ -130,6 +141,12 @@ class Workflow {
   void AskPin(size_t index);
   void OpenReserved(const std::string& pin);
   void GiveBack(const std::string& pin);  // returns the dialog's ticket for good
+  // A second person's signature, for Dialog::kSignOff: of the start before the first tick, or of
+  // the end before it is handed in.
+  void SignOff(const std::string& login, const std::string& pin);
+  // Nobody signs: goes back before the first tick, or hands in without the signature.
+  void LeaveSignOff();
+  bool signs_end() const { return place_ == Place::kHandIn; }
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
   void EndAttempt();       // finished, or given up: sealed as recorded
@@ -167,6 +184,8 @@ class Workflow {
   void TakeTicket();
   void Begin();
   void LookForReserved();
+  void LookForStillness();
+  void HandInUnheld();
   void CheckDevice(Clock::time_point now);
   void WatchRun();
   void WatchUpload();
@@ -200,6 +219,7 @@ class Workflow {
   uint64_t put_downs_ = 0;  // times the handpiece was put down that have been answered
   bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false,
        needs_reason_ = false;
+  bool needs_start_ = false, needs_end_ = false;  // a signature (Dialog::kSignOff)
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};

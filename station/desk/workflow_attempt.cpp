@@ -58,12 +58,18 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   // Reserved and resumed attempts bring their ticket.
   ticketed_ = way_ != Way::kTicket;
   joined_ = recorded_ = marked_ = held_back_ = needs_reason_ = false;
+  needs_start_ = false;
+  needs_end_ = attempt_->prepared().sign_off;
   progress_.reset();
   score_.reset();
-  stillness_.emplace(static_cast<double>(attempt_->prepared().profile.resolution_nm.value) * 1e-9);
-  started_ = Clock::now();
+  LookForStillness();
   Go(Place::kReady);
   notice_ = assumed;
+}
+
+void Workflow::LookForStillness() {
+  stillness_.emplace(static_cast<double>(attempt_->prepared().profile.resolution_nm.value) * 1e-9);
+  started_ = Clock::now();
 }
 
 void Workflow::TakeTicket() {
@@ -74,15 +80,51 @@ void Workflow::TakeTicket() {
         return [this, taken] {
           // No ticket, no attempt: returns to the exercise, with the server's reason.
           ticketed_ = taken.ok();
-          if (!ticketed_) LeaveAttemptFor(taken);
+          if (!ticketed_) return LeaveAttemptFor(taken);
+          needs_start_ = needs_end_ = attempt_->prepared().sign_off;
+          if (needs_start_) Open(Dialog::kSignOff);
         };
       });
+}
+
+void Workflow::SignOff(const std::string& login, const std::string& pin) {
+  if (busy() || dialog_ != Dialog::kSignOff) return;
+  problem_.clear();
+  const SignedAt at = signs_end() ? SignedAt::kEnd : SignedAt::kStart;
+  task_.Start(
+      "task.sign_off",
+      [this, login, pin, at, id = attempt_->prepared().attempt()]() -> BackgroundTask::After {
+        auto signer = workplace_.SignOff(id, at, login, pin);
+        return [this, at, s = signer.status()] {
+          // Not Fail: whoever makes the attempt stays signed in, or is asked again later.
+          if (!s.ok()) {
+            problem_ = s.message();
+            return;
+          }
+          CloseDialog();
+          if (at == SignedAt::kEnd) return HandInUnheld();
+          needs_start_ = false;
+          // Two people were at the chair: the device has to rest once more.
+          LookForStillness();
+        };
+      });
+}
+
+void Workflow::LeaveSignOff() {
+  if (busy()) return;
+  CloseDialog();
+  signs_end() ? HandInUnheld() : Back();
+}
+
+void Workflow::HandInUnheld() {
+  needs_end_ = false;
+  workplace_.HandIn(attempt_->prepared().attempt());
 }
 
 // The ticket is taken last: the server waits for the attempt from then on. A simulated hand is not
 // sampled, because that would advance its time.
 void Workflow::CheckDevice(Clock::time_point now) {
-  if (!attempt_ || busy()) return;
+  if (!attempt_ || busy() || needs_start_) return;
   // A hand on the handpiece at the first tick would be pulled: force comes on only after stillness,
   // and saying so before the ticket is taken costs nobody a try.
   if (!attempt_->simulated() && !stillness_->passed()) {
@@ -146,6 +188,9 @@ void Workflow::GiveUpRecording() {
 }
 
 void Workflow::WatchUpload() {
+  // What is not whole on this disk has no end to sign.
+  if (joined_ && needs_end_ && !recorded_) HandInUnheld();
+  if (joined_ && needs_end_ && dialog_ == Dialog::kNone) Open(Dialog::kSignOff);
   // The upload may be ahead of the recorder's outcome, which must be shown first.
   if (!joined_ || !upload().sealed) return;
   if (offline_) return SignOut(words_.Say("signed_out.handed_in"));

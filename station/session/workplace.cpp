@@ -271,9 +271,41 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   // ticket's expiry frees it.
   prepared.header.ticket = issued.ticket;
   prepared.hands = issued.hands;
+  prepared.sign_off = issued.sign_off;
   MutexLock lock(mutex_);
   unused_ = issued.ticket.attempt;
   return Status::Ok();
+}
+
+// Neither login nor PIN is logged: either may be a password in the wrong field.
+Result<std::string> Workplace::SignOff(const Uuid& attempt, SignedAt at, const std::string& login,
+                                       const std::string& pin) {
+  auto signer = SignOffAtServer(attempt, at, login, pin);
+  const char* what = at == SignedAt::kStart ? "start" : "end";
+  if (signer.ok()) {
+    spdlog::info("the {} of attempt {} is signed", what, attempt.Text());
+  } else if (!IsStopped(signer.status())) {
+    spdlog::warn("the {} of attempt {} was not signed: {}", what, attempt.Text(),
+                 signer.status().message());
+  }
+  return signer;
+}
+
+Result<std::string> Workplace::SignOffAtServer(const Uuid& attempt, SignedAt at,
+                                               const std::string& login, const std::string& pin) {
+  auto link = UseLink();
+  // A lost connection took the sign-in with it. A signature needs none.
+  auto connect = [&]() -> Status {
+    (void)SignedIn(*link);
+    return ConnectForPeople(*link);
+  };
+  const bool kept = link->connected();
+  if (!kept) ENAMEL_RETURN_IF_ERROR(connect());
+  auto signer = link->SignOff(attempt, at, login, pin);
+  // That it was lost may show only now. The same signature twice is one.
+  if (!kept || signer.ok() || link->connected()) return signer;
+  ENAMEL_RETURN_IF_ERROR(connect());
+  return link->SignOff(attempt, at, login, pin);
 }
 
 Status Workplace::TellReturned(ServerLink& link) {
@@ -317,6 +349,7 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
     ENAMEL_RETURN_IF_ERROR(spool_->BeginAttempt(prepared.header, prepared.exercise.name,
                                                 prepared.profile.name, prepared.facts));
   }
+  if (prepared.sign_off) uploader_.HoldSeal(prepared.attempt());
   {
     MutexLock lock(mutex_);
     if (unused_ == prepared.attempt()) unused_ = {};

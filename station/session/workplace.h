@@ -92,6 +92,16 @@ class Workplace {
   // spool's.
   Result<std::unique_ptr<RunningAttempt>> Begin(PreparedAttempt& prepared, Device& device,
                                                 const AttemptOptions& options);
+  // An attempt that needs signatures (PreparedAttempt::sign_off): a second person signs its start,
+  // between TakeTicket and Begin, and its end. The server checks login and PIN, and nothing of them
+  // is kept here; needs nobody signed in. Returns the name of whoever signed. Errors:
+  // ServerLink::SignOff's.
+  Result<std::string> SignOff(const Uuid& attempt, SignedAt at, const std::string& login,
+                              const std::string& pin);
+  // The end of such an attempt is signed, or will not be: until then Begin holds its seal back, and
+  // it is not handed in. Again, or for another attempt: nothing changes. A program that ends before
+  // leaves it to the next one, which hands it in.
+  void HandIn(const Uuid& attempt) { uploader_.ReleaseSeal(attempt); }
   // For a person who turns back after TakeTicket, without Begin: the uploader returns the ticket,
   // so that it does not count. Does not wait for the server. Without such a ticket it does nothing.
   void HandBackUnused();
@@ -166,6 +176,8 @@ class Workplace {
   void ForgetPerson(const char* how) ENAMEL_REQUIRES(mutex_);
   // The person on this connection. Errors: kUnauthenticated.
   Result<Person> SignedIn(const ServerLink& link);
+  Result<std::string> SignOffAtServer(const Uuid& attempt, SignedAt at, const std::string& login,
+                                      const std::string& pin);
   Status TellReturned(ServerLink& link);
   Result<HandedBack> HandBackNow(const Uuid& attempt);
   Status AskForTicket(PreparedAttempt& prepared, bool as_reference);

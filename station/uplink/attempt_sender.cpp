@@ -131,6 +131,7 @@ Status AttemptSender::SendOnce(const Uuid& attempt, const std::function<bool()>&
   if (!stored.seal || stored.sealed_at_server || stored.committed < stored.seal->chunks) {
     return Status::Ok();
   }
+  if (held_ && held_(attempt)) return Status::Ok();
   ENAMEL_RETURN_IF_ERROR(link_.Seal(*stored.seal));
   next_.erase(attempt);
   return spool_.MarkSealedAtServer(attempt);

@@ -37,14 +37,16 @@ class AttemptSender {
 
   // All must outlive it. `link` is connected; after a transient error that is not IsOfOneRecording,
   // this object is no longer usable. `remarks` receives messages to the chair; null: nobody is
-  // there.
+  // there. `held`: whether an attempt's seal waits (Uploader::HoldSeal); none: no seal does.
+  using Held = std::function<bool(const Uuid& attempt)>;
   AttemptSender(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {},
-                RemarkBox* remarks = nullptr)
+                RemarkBox* remarks = nullptr, Held held = {})
       : link_(link),
         spool_(spool),
         bandwidth_(bandwidth),
         meanwhile_(std::move(meanwhile)),
-        remarks_(remarks) {}
+        remarks_(remarks),
+        held_(std::move(held)) {}
 
   // Asks which attempts the server once had and has lost (it was restored from an older backup):
   // they wait in the spool again. Also asks which tickets for later are revoked: they are deleted.
@@ -86,6 +88,7 @@ class AttemptSender {
   Bandwidth& bandwidth_;
   const Meanwhile meanwhile_;
   RemarkBox* const remarks_;
+  const Held held_;
   std::map<Uuid, uint32_t> next_;  // attempts opened on this connection, and their next chunk
   size_t waiting_ = 0;             // chunks without acknowledgement
   size_t unmarked_ = 0;            // chunks whose commit the spool does not have yet

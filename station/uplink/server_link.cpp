@@ -184,6 +184,7 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
                              e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
+    out.exercises.back().sign_off = e.sign_off();
     if (e.has_best_score()) out.exercises.back().best_score = e.best_score();
   }
   for (const auto& p : reply.exercises().profiles()) {
@@ -248,7 +249,21 @@ Result<IssuedTicket> ServerLink::RequestTicket(const Credentials& credentials, c
                   "the server issued a ticket for something else, or one it did not "
                   "sign: no attempt was begun; tell its admin");
   }
-  return IssuedTicket{*ticket, HandsIn(reply.ticket_issued().hands())};
+  return IssuedTicket{*ticket, HandsIn(reply.ticket_issued().hands()),
+                      reply.ticket_issued().sign_off()};
+}
+
+Result<std::string> ServerLink::SignOff(const Uuid& attempt, SignedAt at, const std::string& login,
+                                        const std::string& pin) {
+  wire::Request request;
+  auto* sign = request.mutable_sign_off();
+  sign->set_attempt(protocol::ToField(attempt.view()));
+  sign->set_at(at == SignedAt::kStart ? "start" : "end");
+  sign->set_login(login);
+  sign->set_pin(pin);
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_signed_off()) return Unexpected("SignedOff");
+  return reply.signed_off().display_name();
 }
 
 Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uuid& attempt) {

@@ -53,6 +53,7 @@ struct Catalogue {
     std::string refusal;                    // why an attempt cannot be begun now; empty: it can
     std::optional<double> best_score = {};  // of this person's that may be seen, 0..100
     std::optional<Facts> facts = {};        // none: not read (Workplace::Describe)
+    bool sign_off = false;                  // a second person signs at the chair (SignOff)
   };
   struct Profile {
     std::string name, title;
@@ -73,7 +74,11 @@ struct TicketRequest {
 struct IssuedTicket {
   trace::Ticket ticket;
   HandsAllowed hands = HandsAllowed::kAny;  // hands it admits; all if the server gave none
+  bool sign_off = false;                    // the start must be signed (SignOff)
 };
+
+// When a second person signs an exam attempt at this chair.
+enum class SignedAt { kStart, kEnd };
 
 struct HeldAttempt {
   Uuid attempt;
@@ -134,6 +139,12 @@ class ServerLink {
   // Checks signature, station, exercise and profile.
   Result<IssuedTicket> RequestTicket(const Credentials& credentials, const Person& person,
                                      const TicketRequest& wanted);
+
+  // Signs an attempt of this station by a second person's login and PIN, which only the server
+  // checks. Returns the person's name. Errors: kUnauthenticated, kForbidden (may not sign this),
+  // kConflict (too late, signed by somebody else); kUnavailable also while tries are slowed down.
+  Result<std::string> SignOff(const Uuid& attempt, SignedAt at, const std::string& login,
+                              const std::string& pin);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);

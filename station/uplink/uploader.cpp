@@ -65,6 +65,23 @@ Uploader::Link Uploader::link() const {
   return about_link_;
 }
 
+void Uploader::HoldSeal(const Uuid& attempt) {
+  MutexLock lock(mutex_);
+  held_.insert(attempt);
+}
+
+void Uploader::ReleaseSeal(const Uuid& attempt) {
+  MutexLock lock(mutex_);
+  if (held_.erase(attempt) == 0) return;
+  wake_ = true;
+  changed_.notify_all();
+}
+
+bool Uploader::IsHeld(const Uuid& attempt) const {
+  MutexLock lock(mutex_);
+  return held_.contains(attempt);
+}
+
 void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience) {
   MutexLock lock(mutex_);
   auto gone_since = Clock::now();
@@ -156,7 +173,8 @@ Status Uploader::RunConnection() {
   // Meanwhile uses the sender that calls it, so this is set once the sender exists.
   AttemptSender* self = nullptr;
   AttemptSender sender(
-      link_, spool_, bandwidth_, [&] { return Meanwhile(*self); }, &remarks_);
+      link_, spool_, bandwidth_, [&] { return Meanwhile(*self); }, &remarks_,
+      [this](const Uuid& attempt) { return IsHeld(attempt); });
   self = &sender;
   {
     MutexLock lock(mutex_);

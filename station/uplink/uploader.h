@@ -76,6 +76,10 @@ class Uploader {
   // From now on sends this attempt before all others, and opens it again if it was open before
   // (resumed). `live` may be null.
   void Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live);
+  // Sends this attempt's chunks and not its seal, until ReleaseSeal: a second person may still sign
+  // its end. In memory only.
+  void HoldSeal(const Uuid& attempt);
+  void ReleaseSeal(const Uuid& attempt);
   // The spool has new data.
   void Wake();
   // Tries again at once, even after a refusal of the station.
@@ -103,6 +107,7 @@ class Uploader {
   Status Ping();
   bool stopping() const;
   bool PreferredWaits();
+  bool IsHeld(const Uuid& attempt) const;
 
   const Credentials credentials_;
   Spool& spool_;
@@ -124,6 +129,7 @@ class Uploader {
   std::optional<Uuid> preferred_ ENAMEL_GUARDED_BY(mutex_);
   std::shared_ptr<LiveMailbox> live_ ENAMEL_GUARDED_BY(mutex_);
   bool reopen_ ENAMEL_GUARDED_BY(mutex_) = false;
+  std::set<Uuid> held_ ENAMEL_GUARDED_BY(mutex_);  // whose seals wait
   bool wake_ ENAMEL_GUARDED_BY(mutex_) = true;
   bool retry_ ENAMEL_GUARDED_BY(mutex_) = false;
   bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;

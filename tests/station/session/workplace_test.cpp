@@ -167,6 +167,41 @@ TEST_F(WorkplaceTest, SignInsAndOutsAreLoggedByIdAndWithoutWhatWasTyped) {
   EXPECT_EQ(count("ada-"), 0u) << said;
 }
 
+TEST_F(WorkplaceTest, SecondPersonSignsWithoutASignInAndLeavesNothingHere) {
+  LogLines log;
+  const Uuid attempt = Uuid::New();
+  auto signer = workplace_->SignOff(attempt, SignedAt::kStart, "ines-login", kPin);
+  ASSERT_TRUE(signer.ok()) << signer.status().message();
+  EXPECT_EQ(*signer, "Ada");
+  ASSERT_EQ(server_->sign_offs().size(), 1u);
+  const wire::SignOff first = server_->sign_offs()[0];
+  EXPECT_EQ(first.attempt(), protocol::ToField(attempt.view()));
+  EXPECT_EQ(first.at(), "start");
+  EXPECT_EQ(first.login(), "ines-login");
+  EXPECT_EQ(first.pin(), kPin);
+  server_->refuse_sign_offs = Status(Code::kUnauthenticated, "login or PIN is wrong");
+  EXPECT_EQ(workplace_->SignOff(attempt, SignedAt::kEnd, "ines-login", "271804").status().code(),
+            Code::kUnauthenticated);
+  EXPECT_EQ(server_->sign_offs()[1].at(), "end");
+  const std::string said = log.text();
+  for (const char* secret : {"ines-login", kPin, "271804"}) {
+    EXPECT_EQ(said.find(secret), std::string::npos) << said;
+  }
+  EXPECT_NE(said.find(attempt.Text()), std::string::npos) << said;
+}
+
+TEST_F(WorkplaceTest, SignatureOverALostConnectionIsTriedOnceMoreOnANewOne) {
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  uint16_t port = server_->endpoint().port;
+  server_.reset();
+  const auto away = workplace_->SignOff(Uuid::New(), SignedAt::kEnd, "ines", kPin).status();
+  EXPECT_EQ(away.code(), Code::kUnavailable);
+  EXPECT_NE(away.message().find("the server is away"), std::string::npos) << away.message();
+  EXPECT_FALSE(workplace_->person().has_value()) << "the sign-in went with its connection";
+  server_.emplace(folder_, port);
+  EXPECT_TRUE(workplace_->SignOff(Uuid::New(), SignedAt::kEnd, "ines", kPin).ok());
+}
+
 TEST_F(WorkplaceTest, SigningOutEndsAStepThatWaitsForAServerThatHangs) {
   ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
   server_->silent = true;

@@ -142,6 +142,12 @@ class FakeServer {
     std::lock_guard lock(mutex_);
     return returned_;
   }
+  // Signatures that came, and what they are refused with; set it before they come.
+  std::vector<wire::SignOff> sign_offs() const {
+    std::lock_guard lock(mutex_);
+    return sign_offs_;
+  }
+  std::optional<Status> refuse_sign_offs;
   void SetPageUrl(std::string url) {
     std::lock_guard lock(mutex_);
     page_url_ = std::move(url);
@@ -260,6 +266,14 @@ class FakeServer {
       } else {
         *reply.mutable_ticket_returned() = {};
       }
+    } else if (request.has_sign_off()) {
+      std::lock_guard lock(mutex_);
+      sign_offs_.push_back(request.sign_off());
+      if (refuse_sign_offs) {
+        *reply.mutable_error() = protocol::ToError(*refuse_sign_offs);
+      } else {
+        reply.mutable_signed_off()->set_display_name("Ada");
+      }
     } else if (request.has_live_state()) {
       ++live_;
       last_live_tick_ = request.live_state().tick();
@@ -343,6 +357,7 @@ class FakeServer {
   std::string page_url_;                              // guarded by mutex_
   wire::Policy policy_;                               // guarded by mutex_
   std::vector<Uuid> returned_;                        // guarded by mutex_
+  std::vector<wire::SignOff> sign_offs_;              // guarded by mutex_
   std::vector<protocol::Remark> remarks_;             // guarded by mutex_
   std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
 };

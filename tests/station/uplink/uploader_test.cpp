@@ -98,6 +98,30 @@ TEST_F(UploaderTest, UnsealedAttemptIsSentAndLeftOpen) {
   EXPECT_FALSE(server.sealed());
 }
 
+TEST_F(UploaderTest, SealThatIsHeldBackFollowsOnceItIsReleased) {
+  Record(3);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  trace::Header later = HeaderOf(Uuid::New());
+  ASSERT_TRUE(spool_->BeginAttempt(later, "class-1", "pointer").ok());
+  trace::Seal seal;
+  seal.attempt = later.ticket.attempt;
+  ASSERT_TRUE(spool_->PutSeal(seal).ok());
+  FakeServer server(folder_);
+  Uploader uploader(server.NewStation(), *spool_);
+  uploader.HoldSeal(id());
+  uploader.Prefer(id(), nullptr);
+  // The preferred one goes first, so its turn is over once the other is sealed.
+  uploader.WaitUntilDone(seal.attempt, std::chrono::seconds(20));
+  EXPECT_TRUE(uploader.state(seal.attempt).sealed);
+  EXPECT_EQ(uploader.state(id()).committed, 3u);
+  EXPECT_FALSE(uploader.state(id()).sealed) << "somebody may still sign its end";
+  uploader.ReleaseSeal(Uuid::New());  // another attempt's
+  uploader.ReleaseSeal(id());
+  uploader.WaitUntilDone(id(), std::chrono::seconds(20));
+  EXPECT_TRUE(uploader.state(id()).sealed);
+  EXPECT_TRUE(spool_->Get(id())->complete());
+}
+
 TEST_F(UploaderTest, ConnectionThatBreaksAgainAndAgainLosesAndDoublesNothing) {
   Record(30);
   ASSERT_TRUE(recorder_->Finish().ok());

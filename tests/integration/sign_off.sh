@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# An exam that a second person signs at the chair: without a signature it does not begin and its ticket counts for nothing;
+# signed at start and end. At the window: a wrong PIN, then the right one; an end that is signed, and one that nobody signs and
+# that is stored all the same. ENAMEL_PICTURES=FOLDER keeps the pictures.
+. "$(dirname "$0")/support.sh"
+pictures=${ENAMEL_PICTURES:-$work/pictures}
+mkdir -p "$pictures"
+station="$work/station" data="$work/server"
+export LC_ALL=C.UTF-8  # it reads English
+
+"$bin/enamel-server" init --data "$data" >/dev/null
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
+exercise=$(json_of "$work/seed" exercise)
+port=$(free_ports)
+start_server "$data" "$port"
+"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
+  --code "$("$bin/enamel-server" admin enrol-code --data "$data")" >/dev/null
+ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$station" --exercise "$exercise" --quiet \
+  --profile phantom_desktop --user instructor --operator dentist --lockstep --as-reference --json "$work/reference" >/dev/null
+reference=$(json_of "$work/reference" attempt_id)
+"$bin/enamel-server" report --data "$data" --attempt "$reference" --wait $((120 * patience)) >/dev/null
+"$bin/enamel-server" admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
+"$bin/enamel-server" admin assign-exercise --data "$data" --exercise "$exercise" --cohort "Demo cohort" --attempts 1 \
+  --exam --sign-off --hands any >"$work/exam.txt"
+grep -q "exam signed at the chair" "$work/exam.txt" || fail "it was not assigned with a sign-off"
+by_page() { node "$root/tests/integration/sign_off.mjs" "$port" instructor enamel-demo-instructor "$@"; }
+by_page pin 804217
+
+echo "== without a window"
+export ENAMEL_PASSWORD=enamel-demo-student1
+exam=("$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise"
+  --assignment "$(cut -d ' ' -f 1 "$work/exam.txt")" --user student1 --operator student)
+expect_failure "nobody signs" "needs the signature of an instructor at the chair" "${exam[@]}"
+expect_failure "a wrong PIN" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804218 "${exam[@]}" --signer instructor
+expect_failure "the student's own" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer student1
+# One attempt is allowed: the tickets above were given back.
+ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer instructor --json "$work/signed.json"
+[ "$(by_page signatures "$(json_of "$work/signed.json" attempt_id)")" = "Demo instructor, Demo instructor" ] ||
+  fail "signed by $(by_page signatures "$(json_of "$work/signed.json" attempt_id)")"
+expect_failure "a second attempt" "1 is used" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer instructor
+echo "ok: begins only when it is signed, and is signed at its end"
+
+echo "== at the window"
+start_display
+# exam_of LOGIN PASSWORD: plays the script on standard input; `attempt` is the one that was made.
+exam_of() {
+  cat - <(echo quit) | sed "s|LOGIN|$1|; s|PASSWORD|$2|; s|PICTURES|$pictures|" >"$work/$1.txt"
+  timeout $((600 * patience)) "$bin/enamel-station" open --data "$station" --window 1280x720 --no-sound --simulated \
+    --script "$work/$1.txt" || { tail -n 20 "$work/server.log"; fail "the script of $1 did not get through"; }
+  attempt=$("$bin/enamel-station" spool list --data "$station" | tail -n 1 | cut -d' ' -f1)
+}
+begins='page sign-in
+type LOGIN
+key Tab
+type PASSWORD
+key Enter
+page exercises
+key Enter
+page exercise
+see An instructor signs at this chair
+see Bur:
+click Start
+page sign-off
+see An instructor signs the start
+frames 3
+picture PICTURES/sign-off-start.png
+type instructor
+key Enter
+type 804218
+key Enter
+see or PIN is wrong
+frames 3
+picture PICTURES/sign-off-wrong.png
+type 804217
+key Enter
+page running
+frames 10
+key F
+page finish
+click Hand in
+page sign-off
+see Your recording is safe
+frames 3
+picture PICTURES/sign-off-end.png'
+exam_of student2 enamel-demo-student2 <<EOF
+$begins
+type instructor
+key Enter
+type 804217
+key Enter
+page result
+see Handed in
+EOF
+[ "$(by_page signatures "$attempt")" = "Demo instructor, Demo instructor" ] || fail "signed by $(by_page signatures "$attempt")"
+
+add_students "$data" 1
+exam_of chair1 "$ENAMEL_PASSWORD" <<EOF
+$begins
+# Esc, pressed by habit, hands nothing in.
+key Escape
+frames 3
+see Your recording is safe
+click Hand in unsigned
+page result
+see Handed in
+EOF
+[ "$(by_page signatures "$attempt")" = "Demo instructor, -" ] || fail "signed by $(by_page signatures "$attempt")"
+stop_server
+echo "ok: signed at the end, and not signed and stored all the same"
