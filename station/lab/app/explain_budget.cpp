@@ -2,9 +2,12 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "common/import/scene_folder.h"
 #include "common/scene/plan.h"
+#include "common/scene/rate.h"
 #include "station/lab/app/explain_steps.h"
 #include "station/lab/cutting/force_error.h"
 #include "station/lab/report/report.h"
@@ -15,8 +18,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;  // as `qualify --suite front`
-
 class Budget {
  public:
   Budget(const ExplainCommand& options, const Explained& subject, const StepCost& base)
@@ -24,17 +25,17 @@ class Budget {
 
   Status Decide(json::object& out) {
     out["budget_us"] = budget_us_;
-    if (s_.exercise.graded) return DecideGraded(out);
     ENAMEL_RETURN_IF_ERROR(MeasureFront());
     EndProgress();
     Print(out);
-    return Pick(out);
+    Status practice = Pick(out);
+    return s_.exercise.graded ? DecideGraded(out) : practice;
   }
 
  private:
-  // A graded exercise fixes everything: the only question is whether this machine can run it.
+  // A graded exercise fixes everything: the question is whether this machine can run it, and what is picked is for
+  // practice of it.
   Status DecideGraded(json::object& out) {
-    EndProgress();
     double period_us = 1e6 / s_.exercise.rate_hz;
     // By p99, not the mean: the hand feels a tick that is occasionally late.
     bool fits = base_.p99_us <= std::min(budget_us_, period_us);
@@ -48,9 +49,8 @@ class Budget {
                   base_.p99_us, std::min(budget_us_, period_us));
     if (!fits) {
       return Status(Code::kUnavailable,
-                    std::string(text) +
-                        ": this machine cannot carry it. Use a faster one, or practise on a "
-                        "coarser scene",
+                    std::string(text) + ": this machine cannot carry it. Use a faster one" +
+                        (out.at("picked").is_null() ? "" : ", or practise with what is picked"),
                     "budget_us");
     }
     std::printf("%s: it fits.\n", text);
@@ -59,9 +59,10 @@ class Budget {
 
   // The scene at each voxel, coarse to fine, as long as it has room and its ticks are not hopeless.
   std::vector<std::pair<int32_t, std::shared_ptr<cutting::Volume>>> Volumes() {
-    std::vector<int32_t> sizes = {s_.built.scene.voxel_nm};
+    std::set<int32_t, std::greater<>> sizes = {s_.built.scene.voxel_nm};
     // An imported scene has one size; a built-in one can be made in any.
-    if (options_.scene.starts_with(import::kBuiltin)) sizes = {200'000, 100'000, 50'000, 25'000};
+    if (options_.scene.starts_with(import::kBuiltin))
+      sizes.insert({200'000, 100'000, 50'000, 25'000});
     std::vector<std::pair<int32_t, std::shared_ptr<cutting::Volume>>> out;
     for (int32_t nm : sizes) {
       ShowProgress("voxels of " + std::to_string(nm / 1000) + " um");
@@ -76,34 +77,44 @@ class Budget {
     return out;
   }
 
-  Status MeasureFront() {
-    JointAxes axes;
-    ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(s_.profile));
-    const auto volumes = Volumes();
-    for (int32_t rate : {1'000, 2'000, 4'000}) {
-      // The profile's rate is the device's own: nothing reads it faster.
-      if (rate > s_.profile.rate_hz.value) continue;
-      scene::Exercise e = s_.exercise;
-      e.law = haptics::kDefaultLaw;
-      e.rate_hz = rate;
-      auto params = scene::CompilePlan(s_.built.scene, e, s_.profile);
-      if (!params.ok()) continue;
-      DeviceModel at = AtRate(model, rate, false);
-      at.kc_n_per_m = params->kc_mn_per_mm;
-      axes.at_rates.push_back(at);
-      auto way = std::make_shared<CutWay>(MakeCutWay(*params, e.target, kTicks));
-      for (const auto& [nm, volume] : volumes)
-        axes.ticks.push_back({nm, at.rate_hz, {[p = *params, volume = volume, way] {
-                                const StepCost c = MeasureSteps(p, *volume, *way, kRunsOfRound);
-                                return Spread{c.mean_us, c.p99_us};
-                              }}});
+  // The exercise with the default law on this device at another rate; none where the plan refuses it.
+  std::optional<core::CoreParams> ParamsAt(double rate_hz) const {
+    scene::Exercise e = s_.exercise;
+    e.law = haptics::kDefaultLaw;
+    e.rate_hz = static_cast<int32_t>(rate_hz);
+    scene::DeviceProfile profile = s_.profile;
+    if (e.rate_hz > profile.rate_hz.value) {
+      auto faster = scene::AtRate(profile, e.rate_hz);
+      if (!faster.ok()) return {};
+      profile = *faster;
     }
+    auto params = scene::CompilePlan(s_.built.scene, e, profile);
+    if (!params.ok()) return {};
+    return *params;
+  }
+
+  TimedCase TicksOf(std::shared_ptr<cutting::Volume> volume, const DeviceModel& at) const {
+    const std::optional<core::CoreParams> params = ParamsAt(at.rate_hz);
+    if (!params) return {};
+    auto way = std::make_shared<CutWay>(MakeCutWay(*params, s_.exercise.target, kTicks));
+    return {[p = *params, volume = std::move(volume), way] {
+      const StepCost c = MeasureSteps(p, *volume, *way, kRunsOfRound);
+      return Spread{c.mean_us, c.p99_us};
+    }};
+  }
+
+  Status MeasureFront() {
+    ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(s_.profile));
+    // The core leaves the estimator to the law.
+    JointAxes axes = FrontAxes(model, {1'000, 2'000, 4'000}, {});
     const cutting::Bur bur = core::BurOf(s_.params);
-    for (const auto& volume : volumes)
-      axes.force_errors.emplace_back(volume.first, MeasureForceError(bur, volume.first));
-    axes.laws = LawChoices({});  // the core leaves the estimator to the law
-    axes.default_voxel_nm = s_.built.scene.voxel_nm;
-    axes.ways_m = {WanderingMotion(kHuman_m_per_s, kDuration_s, 1).way_m};
+    for (auto& [nm, volume] : Volumes())
+      axes.voxels.push_back(
+          {nm, MeasureForceError(bur, nm),
+           [this, volume = volume](const DeviceModel& at) { return TicksOf(volume, at); }});
+    axes.planned_voxel_nm = s_.built.scene.voxel_nm;
+    axes.planned_rate_hz = s_.exercise.rate_hz;
+    axes.planned_law = s_.exercise.law;
     points_ = MeasureJointFront(axes, [](const char* what, size_t done, size_t all) {
       if (done == all) ShowProgress(what);
     });
@@ -118,15 +129,18 @@ class Budget {
     for (const JointPoint& p : points_) {
       all.push_back(JointPointJson(p));
       if (p.is_default) planned = &p;
-      if (!p.on_front && !p.is_default) continue;
+      // Beyond the device's own loop: what it would buy is said below.
+      if (!p.is_default && !(p.on_front && p.runs)) continue;
       std::printf("%8.0f %8.0f  %-20s %12.1f %12.1f %17.2f%s\n", p.voxel_nm * 1e-3, p.rate_hz,
                   p.law.Name().c_str(), p.tick.mean_us.value, p.tick.p99_us.value,
                   100 * p.felt_error, p.is_default ? "  as planned" : "");
     }
     std::printf(
-        "%zu combinations, the front of those with a proof shown. Felt: a hand of 1 N/mm that "
-        "works\n"
-        "a surface, B 6.5 N s/mm, against an ideal tool (qualify --suite front).\n",
+        "%zu combinations; shown: of the front of those with a proof what this device's loop "
+        "carries.\n"
+        "Felt: a hand of 1 N/mm that works a surface, B 6.5 N s/mm, against an ideal tool, as "
+        "'qualify\n"
+        "--suite front' measures it.\n",
         points_.size());
     if (planned != nullptr) std::printf("%s\n", NextHalvings(points_, *planned).c_str());
     out["points"] = std::move(all);
@@ -135,18 +149,16 @@ class Budget {
   Status Pick(json::object& out) const {
     const JointPoint* best = BestWithin(points_, budget_us_);
     if (best != nullptr) {
-      std::printf(
-          "\nfor practice within %.1f us: voxels of %.0f um, law %s, %.0f Hz: of what fits with "
-          "its\n"
-          "slowest hundredth of ticks and has a proof, it is felt best (%.2f %% off).\n",
-          budget_us_, best->voxel_nm * 1e-3, best->law.Name().c_str(), best->rate_hz,
-          100 * best->felt_error);
+      std::printf("\nfor practice within %.1f us: %s\n", budget_us_,
+                  WhyBest(points_, *best, budget_us_).c_str());
+      if (!best->is_default) std::printf("%s\n", NextHalvings(points_, *best).c_str());
       out["picked"] = JointPointJson(*best);
       return Status::Ok();
     }
     out["picked"] = nullptr;
     double least = 1e12;
-    for (const JointPoint& p : points_) least = std::min(least, p.tick.p99_us.value);
+    for (const JointPoint& p : points_)
+      if (p.proved && p.runs) least = std::min(least, p.tick.p99_us.value);
     return Status(Code::kUnavailable,
                   "no voxel size, law and rate fits a tick of " + std::to_string(budget_us_) +
                       " us on this machine: the least measured is " + std::to_string(least) + " us",

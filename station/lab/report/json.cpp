@@ -133,11 +133,15 @@ json::object SecondsJson(const SecondsRow& r) {
           {"within", r.within}};
 }
 
-json::value JointJson(const std::string& device, const JointPoint& p) {
-  json::object out = JointPointJson(p);
-  out["suite"] = "joint-front";
-  out["device"] = device;
-  return out;
+void AppendFront(const JointFront& front, json::array& rows) {
+  const JointPoint* best = BestWithin(front.points, kNoBudget_us);
+  for (const JointPoint& p : front.points) {
+    json::object out = JointPointJson(p);
+    out["suite"] = "joint-front";
+    out["device"] = front.device;
+    out["recommended"] = &p == best;
+    rows.push_back(std::move(out));
+  }
 }
 
 json::object CurveJson(const FeelCurve& c) {
@@ -170,6 +174,7 @@ json::object JointPointJson(const JointPoint& p) {
           {"felt_error", Number(p.felt_error)},
           {"felt_error_rms", Number(p.felt_error_rms_n)},
           {"passive", p.proved},
+          {"runs", p.runs},
           {"on_front", p.on_front},
           {"default", p.is_default}};
 }
@@ -192,8 +197,7 @@ std::string JsonOf(const Findings& f) {
   for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
-  for (const JointFront& front : f.fronts)
-    for (const JointPoint& p : front.points) rows.push_back(JointJson(front.device, p));
+  for (const JointFront& front : f.fronts) AppendFront(front, rows);
   for (const BudgetRow& r : f.budgets) rows.push_back(BudgetJson(r));
   for (const SecondsRow& r : f.seconds_felt) rows.push_back(SecondsJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));

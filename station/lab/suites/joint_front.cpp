@@ -4,11 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "common/fidelity/felt.h"
 #include "common/fidelity/series.h"
 #include "common/haptics/uniform_material.h"
+#include "station/lab/laws/motions.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
@@ -16,6 +17,8 @@ namespace {
 
 constexpr double kCut_m_per_s = 0.43e-3;  // the paper's
 constexpr int kCouplingTicks = 4000;
+constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;  // of the hand that works a surface
+constexpr uint64_t kWays = 2;
 
 bool NeedsSpeed(haptics::LawKind law) {
   return !ProvedLaw(law) && law != haptics::LawKind::kVirtualCoupling;
@@ -102,6 +105,56 @@ void Feel(const JointAxes& axes, const std::vector<fidelity::Series>& tools, Fel
   }
 }
 
+// The profile's loop carries the rate, and its coupling is passive there as it is.
+bool RunsOn(const DeviceModel& at) {
+  const scene::DeviceProfile& own = at.profile;
+  return at.rate_hz <= static_cast<double>(own.rate_hz.value) &&
+         at.kc_n_per_m > (1 - 1e-9) * static_cast<double>(own.coupling_mn_per_mm.value);
+}
+
+bool Fits(const JointPoint& p, double budget_us) {
+  return p.proved && p.runs && p.tick.p99_us.high <= std::min(budget_us, 1e6 / p.rate_hz);
+}
+
+// "0.50 points of felt error".
+std::string Points(double share) {
+  const double points = 100 * std::fabs(share);
+  return (points < 0.01 ? "less than 0.01" : F(points, "%.2f")) + " points of felt error";
+}
+std::string Buys(const JointPoint& from, const JointPoint& to) {
+  const double less = from.felt_error - to.felt_error;
+  if (less > -1e-4) return Points(less);
+  return "nothing: " + F(-100 * less, "%.2f") + " more points of felt error";
+}
+
+std::string VoxelText(const JointPoint& from, const JointPoint& to) {
+  const Interval more = to.tick.mean_us - from.tick.mean_us;
+  const bool finer = to.voxel_nm < from.voxel_nm;
+  std::string text = "voxels of " + F(to.voxel_nm * 1e-3, "%g") + " um ";
+  if (!more.apart())
+    text += "cost as much, within noise,";
+  else
+    text += (more.value > 0 ? "cost " : "save ") + F(std::fabs(more.value), "%.1f") + " us " +
+            (more.value > 0 ? "more " : "") + "a tick (" + F(to.tick.mean_us.value, "%.1f") +
+            ", 95 % " + F(to.tick.mean_us.low, "%.1f") + " to " + F(to.tick.mean_us.high, "%.1f") +
+            ")";
+  return text + (finer ? " and buy " + Buys(from, to)
+                       : " and lose " + Points(to.felt_error - from.felt_error));
+}
+
+std::string RateText(const JointPoint& from, const JointPoint& to) {
+  const double per_us = 1e-4;  // of a core in percent, at 1 Hz
+  const Interval &a = from.tick.mean_us, &b = to.tick.mean_us;
+  auto Load = [&](const Interval& us, double hz) {
+    return Interval{us.value * hz * per_us, us.low * hz * per_us, us.high * hz * per_us};
+  };
+  const Interval more = Load(b, to.rate_hz) - Load(a, from.rate_hz);
+  std::string text = F(to.rate_hz, "%g") + " Hz" + (to.runs ? "" : ", beyond this profile's loop,");
+  text += more.apart() ? " cost " + F(more.value, "%.1f") + " % more of a core"
+                       : " cost as much, within noise,";
+  return text + " and buy " + Buys(from, to);
+}
+
 }  // namespace
 
 Interval IntervalOf(std::vector<double> v) {
@@ -113,6 +166,10 @@ Interval operator+(const Interval& a, const Interval& b) {
   const double value = a.value + b.value;
   return {value, value - std::hypot(a.value - a.low, b.value - b.low),
           value + std::hypot(a.high - a.value, b.high - b.value)};
+}
+
+Interval operator-(const Interval& a, const Interval& b) {
+  return a + Interval{-b.value, -b.high, -b.low};
 }
 
 std::vector<TickTime> TimeInTurns(const std::vector<TimedCase>& cases,
@@ -159,6 +216,18 @@ std::vector<LawChoice> LawChoices(const std::vector<haptics::EstimatorKind>& est
   return out;
 }
 
+JointAxes FrontAxes(const DeviceModel& device, const std::vector<double>& rates_hz,
+                    const std::vector<haptics::EstimatorKind>& estimators) {
+  JointAxes axes;
+  std::set<double> rates(rates_hz.begin(), rates_hz.end());
+  rates.insert(device.rate_hz);
+  for (double rate : rates) axes.at_rates.push_back(AtRate(device, rate, rate > device.rate_hz));
+  axes.laws = LawChoices(estimators);
+  for (uint64_t seed = 1; seed <= kWays; ++seed)
+    axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);
+  return axes;
+}
+
 std::vector<JointPoint> MeasureJointFront(
     const JointAxes& axes, const std::function<void(const char*, size_t, size_t)>& progress) {
   auto Says = [&](const char* what) {
@@ -166,8 +235,19 @@ std::vector<JointPoint> MeasureJointFront(
       if (progress) progress(what, done, all);
     };
   };
+  struct At {
+    const FrontVoxel* voxel;
+    size_t rate;
+  };
+  std::vector<At> at;
   std::vector<TimedCase> ticks;
-  for (const VoxelCase& v : axes.ticks) ticks.push_back(v.tick);
+  for (const FrontVoxel& voxel : axes.voxels)
+    for (size_t r = 0; r < axes.at_rates.size(); ++r) {
+      TimedCase tick = voxel.tick(axes.at_rates[r]);
+      if (!tick.run) continue;
+      at.push_back({&voxel, r});
+      ticks.push_back(std::move(tick));
+    }
   const std::vector<TickTime> times = TimeInTurns(ticks, Says("front: ticks"));
   std::vector<std::vector<Interval>> laws_more;
   for (const DeviceModel& m : axes.at_rates) {
@@ -190,23 +270,22 @@ std::vector<JointPoint> MeasureJointFront(
   std::vector<JointPoint> out;
   for (const Felt& f : felt) {
     const DeviceModel& m = axes.at_rates[f.rate];
-    for (size_t t = 0; t < axes.ticks.size(); ++t) {
-      if (axes.ticks[t].rate_hz != m.rate_hz) continue;
+    for (size_t t = 0; t < at.size(); ++t) {
+      if (at[t].rate != f.rate) continue;
+      const FrontVoxel& voxel = *at[t].voxel;
       const Interval& more = laws_more[f.rate][f.law + 1];
-      JointPoint p{axes.ticks[t].voxel_nm,
+      JointPoint p{voxel.voxel_nm,
                    m.rate_hz,
                    axes.laws[f.law],
                    {times[t].mean_us + more, times[t].p99_us + more}};
       // Where the grid lies and what the hand does are independent, so the errors add in squares.
-      double of_voxel = 0;
-      for (const auto& [voxel_nm, off] : axes.force_errors)
-        if (voxel_nm == p.voxel_nm) of_voxel = off;
-      p.felt_error = std::hypot(std::sqrt(f.error2 / f.tool2), of_voxel);
+      p.felt_error = std::hypot(std::sqrt(f.error2 / f.tool2), voxel.force_error);
       p.felt_error_rms_n =
           p.felt_error * std::sqrt(f.tool2 / static_cast<double>(axes.ways_m.size()));
       p.proved = Proved(SpecOf(m, p.law.law, axes.b_n_s_per_m, kCut_m_per_s));
-      p.is_default =
-          p.voxel_nm == axes.default_voxel_nm && p.law.law == haptics::kDefaultLaw && f.rate == 0;
+      p.runs = RunsOn(m);
+      p.is_default = p.voxel_nm == axes.planned_voxel_nm && p.rate_hz == axes.planned_rate_hz &&
+                     p.law.law == axes.planned_law;
       out.push_back(p);
     }
   }
@@ -232,7 +311,7 @@ void MarkJointFront(std::vector<JointPoint>* points) {
 const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budget_us) {
   const JointPoint* best = nullptr;
   for (const JointPoint& p : points) {
-    if (!p.proved || p.tick.p99_us.high > std::min(budget_us, 1e6 / p.rate_hz)) continue;
+    if (!Fits(p, budget_us)) continue;
     if (best == nullptr || p.felt_error < best->felt_error ||
         (p.felt_error == best->felt_error && p.tick.mean_us.value < best->tick.mean_us.value))
       best = &p;
@@ -240,38 +319,47 @@ const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budge
   return best;
 }
 
+std::string WhyBest(const std::vector<JointPoint>& points, const JointPoint& best,
+                    double budget_us) {
+  const JointPoint* planned = nullptr;
+  for (const JointPoint& p : points)
+    if (p.is_default) planned = &p;
+  const auto fit = std::count_if(points.begin(), points.end(),
+                                 [&](const JointPoint& p) { return Fits(p, budget_us); });
+  std::string text = "Voxels of " + F(best.voxel_nm * 1e-3, "%g") + " um, law " + best.law.Name() +
+                     ", " + F(best.rate_hz, "%g") + " Hz: of " + std::to_string(fit) +
+                     " combinations that have a proof, that the device's loop carries and whose "
+                     "slowest hundredth of ticks fits, this one is felt best, " +
+                     F(100 * best.felt_error, "%.2f") + " % off";
+  if (planned == &best) return text + ". It is what is planned.";
+  if (planned != nullptr) text += " (as planned " + F(100 * planned->felt_error, "%.2f") + " %)";
+  return text + ".";
+}
+
 std::string NextHalvings(const std::vector<JointPoint>& points, const JointPoint& from) {
-  const JointPoint *finer = nullptr, *faster = nullptr;
+  const JointPoint *finer = nullptr, *coarser = nullptr, *faster = nullptr;
   for (const JointPoint& p : points) {
     if (p.law.law != from.law.law || p.law.estimator != from.law.estimator) continue;
     if (p.rate_hz == from.rate_hz && p.voxel_nm < from.voxel_nm &&
         (finer == nullptr || p.voxel_nm > finer->voxel_nm))
       finer = &p;
+    if (p.rate_hz == from.rate_hz && p.voxel_nm > from.voxel_nm &&
+        (coarser == nullptr || p.voxel_nm < coarser->voxel_nm))
+      coarser = &p;
     if (p.voxel_nm == from.voxel_nm && p.rate_hz > from.rate_hz &&
         (faster == nullptr || p.rate_hz < faster->rate_hz))
       faster = &p;
   }
-  auto Buys = [&](const JointPoint& p) {
-    const double points_less = 100 * (from.felt_error - p.felt_error);
-    const std::string what = " points of felt error";
-    if (std::fabs(points_less) < 0.01) return "less than 0.01" + what;
-    return points_less > 0 ? F(points_less, "%.2f") + what
-                           : "nothing: " + F(-points_less, "%.2f") + " more" + what;
-  };
   std::string text = "From voxels of " + F(from.voxel_nm * 1e-3, "%g") + " um at " +
                      F(from.rate_hz, "%g") + " Hz, felt " + F(100 * from.felt_error, "%.1f") +
                      " % off: ";
   if (finer != nullptr)
-    text += "voxels of " + F(finer->voxel_nm * 1e-3, "%g") + " um cost " +
-            F(finer->tick.mean_us.value - from.tick.mean_us.value, "%.1f") + " us more a tick (" +
-            F(finer->tick.mean_us.value, "%.1f") + ", 95 % " + F(finer->tick.mean_us.low, "%.1f") +
-            " to " + F(finer->tick.mean_us.high, "%.1f") + ") and buy " + Buys(*finer);
+    text += VoxelText(from, *finer);
+  else if (coarser != nullptr)
+    text += "no finer voxel was measured; " + VoxelText(from, *coarser);
   else
-    text += "no finer voxel was measured";
-  if (faster != nullptr)
-    text += "; " + F(faster->rate_hz, "%g") + " Hz cost " +
-            F(100 * (faster->load() - from.load()), "%.1f") + " % more of a core and buy " +
-            Buys(*faster);
+    text += "no other voxel was measured";
+  if (faster != nullptr) text += "; " + RateText(from, *faster);
   return text + ".";
 }
 

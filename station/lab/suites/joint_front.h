@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,9 @@
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/motions.h"
 
-// One front over all that a practice may choose: voxel, loop rate, law and estimator. What a choice costs is the
-// whole tick; what it is worth is the force in the hand of somebody who works a surface, against an ideal tool in
+// One front over all that a practice may choose: voxel, loop rate, law and estimator. `qualify --suite front` and
+// `explain` measure it by the same functions and pick by the same ranking (BestWithin); they differ in what is cut
+// alone. What a choice costs is the whole tick; what it is worth is the force in the hand of somebody who works a surface, against an ideal tool in
 // the same hand (fidelity/felt.h), and with it, in squares, what the voxel makes of the bur's force: where the grid
 // lies and what the hand does are independent. A hand that gives would hide most of the second.
 //
@@ -29,6 +31,7 @@ struct Interval {
 // Median, second, last but one. Requires: kRounds values.
 Interval IntervalOf(std::vector<double> rounds);
 Interval operator+(const Interval& a, const Interval& b);  // of independent figures
+Interval operator-(const Interval& a, const Interval& b);
 
 struct TickTime {
   Interval mean_us, p99_us;  // over a run's ticks
@@ -59,26 +62,34 @@ struct JointPoint {
   double load() const { return tick.mean_us.value * 1e-6 * rate_hz; }  // share of a core
   double felt_error = 0, felt_error_rms_n = 0;  // share of the tool's force, and newtons
   bool proved = false;                          // the theorem covers law and Kc
-  bool is_default = false;
+  bool runs = false;        // the device's own loop carries the rate, with its own Kc
+  bool is_default = false;  // as planned
   bool on_front = false;
 };
 
-// Cost of the default law's tick at one voxel and rate.
-struct VoxelCase {
+// What is cut, at one voxel.
+struct FrontVoxel {
   int32_t voxel_nm = 0;
-  double rate_hz = 0;
-  TimedCase tick;
+  double force_error = 0;  // what the voxel makes of the bur's force, a share (voxel_limit.h)
+  // The default law's tick on a device at a rate; without a `run`: not measured there.
+  std::function<TimedCase(const DeviceModel& at)> tick;
 };
 struct JointAxes {
   std::vector<DeviceModel> at_rates;  // the device at each rate, with its Kc there
-  std::vector<VoxelCase> ticks;       // every voxel at every rate of `at_rates`
-  std::vector<std::pair<int32_t, double>> force_errors;  // of each voxel, a share (cutting_error.h)
   std::vector<LawChoice> laws;
-  int32_t default_voxel_nm = 50'000;
-  double b_n_s_per_m = 6500, grip_n_per_m = 1000;
   std::vector<std::vector<dvec3>> ways_m;  // of the hand
+  std::vector<FrontVoxel> voxels;
+  // What is planned without a front: JointPoint::is_default.
+  int32_t planned_voxel_nm = 50'000;
+  double planned_rate_hz = 1000;
+  haptics::LawKind planned_law = haptics::kDefaultLaw;
+  double b_n_s_per_m = 6500, grip_n_per_m = 1000;
   int threads = 2;
 };
+// The axes of any front of this device but what is cut: its own rate and `rates_hz`, every law, a generated hand's
+// ways. A rate under its own keeps Kc where that is passive; one over it has a Kc as close to the limit.
+JointAxes FrontAxes(const DeviceModel& device, const std::vector<double>& rates_hz,
+                    const std::vector<haptics::EstimatorKind>& estimators);
 // Every combination, marked. The tick of a law is the default law's plus the difference of the two, measured apart
 // from the cut, on which it does not depend.
 std::vector<JointPoint> MeasureJointFront(
@@ -87,11 +98,17 @@ std::vector<JointPoint> MeasureJointFront(
 // On the front: no other proved point has no larger error, tick and load, and one of them smaller. A law without
 // proof is on no front.
 void MarkJointFront(std::vector<JointPoint>* points);
-// The proved point of the smallest felt error whose 99 % of ticks fit `budget_us` and its own period, by the upper
-// ends of their intervals; of equal errors the cheaper. Null: none fits.
+// The proved point that runs on the device, of the smallest felt error, whose 99 % of ticks fit `budget_us` and its
+// own period, by the upper ends of their intervals; of equal errors the cheaper. Null: none fits.
+inline constexpr double kNoBudget_us = std::numeric_limits<double>::infinity();
 const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budget_us);
+// "Of 24 combinations that fit 200 us, …: voxels of 25 um, law lead-maxwell at 1000 Hz, felt 6.9 % off (as planned
+// 7.2 %)." Requires: `best` is one of `points`.
+std::string WhyBest(const std::vector<JointPoint>& points, const JointPoint& best,
+                    double budget_us);
 // "Voxels of 25 um in place of 50 cost 12.1 us a tick (11.2 to 13.4) and buy 0.3 points of felt error; …": the next
-// halving of the voxel and the next doubling of the rate from `from`.
+// halving of the voxel, or where none was measured what a coarser one saves and loses, and the next faster rate. A
+// difference with 0 in its interval is not printed.
 std::string NextHalvings(const std::vector<JointPoint>& points, const JointPoint& from);
 
 }  // namespace enamel::station::lab

@@ -10,7 +10,6 @@
 namespace enamel::station::lab {
 namespace {
 
-constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;
 constexpr size_t kTicks = 400;
 // In a round. Of each tick the shorter counts, or another program's turn would be in it.
 constexpr int kRuns = 2;
@@ -38,24 +37,19 @@ CutCase CaseAt(int32_t voxel_nm, double rate_hz) {
 }
 
 JointAxes AxesOf(SuiteContext& c, const DeviceModel& m) {
-  JointAxes axes;
-  for (double rate : c.options.quick ? std::vector<double>{1000, 4000}
-                                     : std::vector<double>{1000, 2000, 4000, 8000})
-    axes.at_rates.push_back(AtRate(m, rate, true));
-  const std::vector<int32_t> voxels = Voxels(c.options.quick);
-  for (int32_t voxel : voxels)
-    for (const DeviceModel& at : axes.at_rates) {
-      auto path = std::make_shared<CutPath>(MakeCutPath(CaseAt(voxel, at.rate_hz), kTicks));
-      axes.ticks.push_back({voxel, at.rate_hz, {[path] {
-                              const TickCost cost = TimeTicks(*path, kRuns);
-                              return Spread{cost.mean_us, cost.p99_us};
-                            }}});
-    }
-  for (int32_t voxel : voxels)
-    axes.force_errors.emplace_back(voxel, MeasureForceError(BurCases()[0].bur, voxel));
-  axes.laws = LawChoices(Estimators(c.options.quick));
-  for (uint64_t seed = 1; seed <= (c.options.quick ? 1 : 2); ++seed)
-    axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);
+  JointAxes axes = FrontAxes(m,
+                             c.options.quick ? std::vector<double>{1000, 4000}
+                                             : std::vector<double>{1000, 2000, 4000, 8000},
+                             Estimators(c.options.quick));
+  for (int32_t nm : Voxels(c.options.quick))
+    axes.voxels.push_back(
+        {nm, MeasureForceError(BurCases()[0].bur, nm), [nm](const DeviceModel& at) {
+           auto path = std::make_shared<CutPath>(MakeCutPath(CaseAt(nm, at.rate_hz), kTicks));
+           return TimedCase{[path] {
+             const TickCost cost = TimeTicks(*path, kRuns);
+             return Spread{cost.mean_us, cost.p99_us};
+           }};
+         }});
   axes.threads = c.options.threads;
   return axes;
 }
@@ -91,7 +85,9 @@ Table FrontTable(const std::vector<JointPoint>& points, const DeviceModel& m) {
                       !p->is_default ? ""
                       : p->on_front  ? "default"
                                      : "default, dominated"});
+  const JointPoint* best = BestWithin(points, kNoBudget_us);
   t.note =
+      (best != nullptr ? WhyBest(points, *best, kNoBudget_us) + " " : std::string()) +
       (chosen != nullptr ? NextHalvings(points, *chosen) + " " : std::string()) +
       std::to_string(points.size()) + " combinations, " + std::to_string(shown.size()) +
       " shown: the front of felt error, tick and share of a core among laws with a proof, and "

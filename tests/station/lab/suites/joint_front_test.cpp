@@ -15,6 +15,7 @@ JointPoint Point(int32_t voxel_nm, double rate_hz, double us, double felt, bool 
   p.tick.p99_us = {2 * us, 1.8 * us, 2.2 * us};
   p.felt_error = felt;
   p.proved = proved;
+  p.runs = true;
   return p;
 }
 
@@ -76,6 +77,39 @@ TEST(JointFrontTest, TheBestFitsWithItsSlowTicksAndItsOwnPeriod) {
   EXPECT_EQ(BestWithin(points, 1), nullptr);
 }
 
+TEST(JointFrontTest, WhatTheDevicesLoopDoesNotCarryIsNotPicked) {
+  std::vector<JointPoint> points = {Point(50'000, 1000, 10, 0.08), Point(50'000, 2000, 8, 0.06)};
+  points[0].is_default = true;
+  points[1].runs = false;
+  EXPECT_EQ(BestWithin(points, 200), &points[0]);
+  EXPECT_EQ(WhyBest(points, points[0], 200),
+            "Voxels of 50 um, law eq17-lead, 1000 Hz: of 1 combinations that have a proof, that "
+            "the device's loop carries and whose slowest hundredth of ticks fits, this one is felt "
+            "best, 8.00 % off. It is what is planned.");
+  const std::string text = NextHalvings(points, points[0]);
+  EXPECT_NE(text.find("2000 Hz, beyond this profile's loop, cost"), std::string::npos) << text;
+  // A device's own rate, and what is slower with the same Kc.
+  const DeviceModel omega = *ModelOf(QualifyProfiles()[0]);
+  const JointAxes axes = FrontAxes(omega, {500, 4000}, {});
+  ASSERT_EQ(axes.at_rates.size(), 3u);
+  EXPECT_LE(axes.at_rates[0].kc_n_per_m, omega.kc_n_per_m);
+  EXPECT_EQ(axes.at_rates[1].kc_n_per_m, omega.kc_n_per_m);
+  EXPECT_GT(axes.at_rates[2].kc_n_per_m, omega.kc_n_per_m);
+}
+
+TEST(JointFrontTest, DifferencesWithinNoiseAreNotPrinted) {
+  const std::vector<JointPoint> points = {Point(50'000, 1000, 10, 0.08),
+                                          Point(25'000, 1000, 10.5, 0.075)};
+  const std::string finer = NextHalvings(points, points[0]);
+  EXPECT_NE(finer.find("25 um cost as much, within noise, and buy 0.50 points"), std::string::npos)
+      << finer;
+  const std::string coarser = NextHalvings(points, points[1]);
+  EXPECT_NE(coarser.find("no finer voxel was measured; voxels of 50 um cost as much, within noise, "
+                         "and lose 0.50 points"),
+            std::string::npos)
+      << coarser;
+}
+
 TEST(JointFrontTest, SaysWhatTheNextHalvingCostsAndBuys) {
   const std::vector<JointPoint> points = {
       Point(50'000, 1000, 10, 0.08), Point(25'000, 1000, 22, 0.075), Point(50'000, 2000, 8, 0.06)};
@@ -99,8 +133,9 @@ TEST(JointFrontTest, AWrongVoxelIsFelt) {
   JointAxes axes;
   axes.at_rates = {omega};
   for (int32_t nm : {200'000, 50'000})
-    axes.ticks.push_back({nm, omega.rate_hz, {[nm] { return Spread{1e6 / nm, 2e6 / nm}; }}});
-  axes.force_errors = {{200'000, 0.5}, {50'000, 0.01}};
+    axes.voxels.push_back({nm, nm == 200'000 ? 0.5 : 0.01, [nm](const DeviceModel&) {
+                             return TimedCase{[nm] { return Spread{1e6 / nm, 2e6 / nm}; }};
+                           }});
   axes.laws = {{haptics::LawKind::kLeadMaxwell}, {haptics::LawKind::kPaperLimited}};
   axes.ways_m = {WanderingMotion(0.2e-3, 4, 1).way_m};
   const std::vector<JointPoint> points = MeasureJointFront(axes);
