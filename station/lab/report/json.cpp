@@ -171,6 +171,8 @@ json::object JointPointJson(const JointPoint& p) {
           {"p99_us", Number(p.tick.p99_us.value)},
           {"p99_us_95", json::array{p.tick.p99_us.low, p.tick.p99_us.high}},
           {"load", Number(p.load())},
+          {"hand_error", Number(p.hand_error)},
+          {"voxel_error", Number(p.voxel_error)},
           {"felt_error", Number(p.felt_error)},
           {"felt_error_rms", Number(p.felt_error_rms_n)},
           {"passive", p.proved},

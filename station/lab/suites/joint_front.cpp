@@ -18,7 +18,6 @@ namespace {
 constexpr double kCut_m_per_s = 0.43e-3;  // the paper's
 constexpr int kCouplingTicks = 4000;
 constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;  // of the hand that works a surface
-constexpr uint64_t kWays = 2;
 
 bool NeedsSpeed(haptics::LawKind law) {
   return !ProvedLaw(law) && law != haptics::LawKind::kVirtualCoupling;
@@ -105,7 +104,7 @@ void Feel(const JointAxes& axes, const std::vector<fidelity::Series>& tools, Fel
   }
 }
 
-// The profile's loop carries the rate, and its coupling is passive there as it is.
+// The profile's loop carries the rate, and its Kc is passive at it.
 bool RunsOn(const DeviceModel& at) {
   const scene::DeviceProfile& own = at.profile;
   return at.rate_hz <= static_cast<double>(own.rate_hz.value) &&
@@ -223,8 +222,7 @@ JointAxes FrontAxes(const DeviceModel& device, const std::vector<double>& rates_
   rates.insert(device.rate_hz);
   for (double rate : rates) axes.at_rates.push_back(AtRate(device, rate, rate > device.rate_hz));
   axes.laws = LawChoices(estimators);
-  for (uint64_t seed = 1; seed <= kWays; ++seed)
-    axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);
+  axes.ways_m = {WanderingMotion(kHuman_m_per_s, kDuration_s, 1).way_m};
   return axes;
 }
 
@@ -279,7 +277,9 @@ std::vector<JointPoint> MeasureJointFront(
                    axes.laws[f.law],
                    {times[t].mean_us + more, times[t].p99_us + more}};
       // Where the grid lies and what the hand does are independent, so the errors add in squares.
-      p.felt_error = std::hypot(std::sqrt(f.error2 / f.tool2), voxel.force_error);
+      p.hand_error = std::sqrt(f.error2 / f.tool2);
+      p.voxel_error = voxel.force_error;
+      p.felt_error = std::hypot(p.hand_error, p.voxel_error);
       p.felt_error_rms_n =
           p.felt_error * std::sqrt(f.tool2 / static_cast<double>(axes.ways_m.size()));
       p.proved = Proved(SpecOf(m, p.law.law, axes.b_n_s_per_m, kCut_m_per_s));
@@ -309,12 +309,13 @@ void MarkJointFront(std::vector<JointPoint>* points) {
 }
 
 const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budget_us) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const JointPoint& p : points)
+    if (Fits(p, budget_us)) least = std::min(least, p.felt_error);
   const JointPoint* best = nullptr;
   for (const JointPoint& p : points) {
-    if (!Fits(p, budget_us)) continue;
-    if (best == nullptr || p.felt_error < best->felt_error ||
-        (p.felt_error == best->felt_error && p.tick.mean_us.value < best->tick.mean_us.value))
-      best = &p;
+    if (!Fits(p, budget_us) || p.felt_error > least + kSameError) continue;
+    if (best == nullptr || p.tick.mean_us.value < best->tick.mean_us.value) best = &p;
   }
   return best;
 }
@@ -329,7 +330,7 @@ std::string WhyBest(const std::vector<JointPoint>& points, const JointPoint& bes
   std::string text = "Voxels of " + F(best.voxel_nm * 1e-3, "%g") + " um, law " + best.law.Name() +
                      ", " + F(best.rate_hz, "%g") + " Hz: of " + std::to_string(fit) +
                      " combinations that have a proof, that the device's loop carries and whose "
-                     "slowest hundredth of ticks fits, this one is felt best, " +
+                     "slowest hundredth of ticks fits, the cheapest of those felt best, " +
                      F(100 * best.felt_error, "%.2f") + " % off";
   if (planned == &best) return text + ". It is what is planned.";
   if (planned != nullptr) text += " (as planned " + F(100 * planned->felt_error, "%.2f") + " %)";

@@ -60,8 +60,10 @@ struct JointPoint {
   LawChoice law;
   TickTime tick;
   double load() const { return tick.mean_us.value * 1e-6 * rate_hz; }  // share of a core
-  double felt_error = 0, felt_error_rms_n = 0;  // share of the tool's force, and newtons
-  bool proved = false;                          // the theorem covers law and Kc
+  // Shares of the tool's force: the error in the hand of law and device, the error of the bur's force by the voxel,
+  // and both in squares; the last in newtons too.
+  double hand_error = 0, voxel_error = 0, felt_error = 0, felt_error_rms_n = 0;
+  bool proved = false;      // the theorem covers law and Kc
   bool runs = false;        // the device's own loop carries the rate, with its own Kc
   bool is_default = false;  // as planned
   bool on_front = false;
@@ -98,8 +100,11 @@ std::vector<JointPoint> MeasureJointFront(
 // On the front: no other proved point has no larger error, tick and load, and one of them smaller. A law without
 // proof is on no front.
 void MarkJointFront(std::vector<JointPoint>* points);
-// The proved point that runs on the device, of the smallest felt error, whose 99 % of ticks fit `budget_us` and its
-// own period, by the upper ends of their intervals; of equal errors the cheaper. Null: none fits.
+// Felt errors that differ by less are the same. Chosen: a seventieth of the force that a hand tells apart
+// (fidelity::kForceShare), so that no tick is doubled for what nobody feels.
+inline constexpr double kSameError = 0.001;
+// Of the proved points that run on the device and whose 99 % of ticks fit `budget_us` and their own period, by the
+// upper ends of their intervals: the cheapest of those whose felt error is the smallest. Null: none fits.
 inline constexpr double kNoBudget_us = std::numeric_limits<double>::infinity();
 const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budget_us);
 // "Of 24 combinations that fit 200 us, …: voxels of 25 um, law lead-maxwell at 1000 Hz, felt 6.9 % off (as planned

@@ -77,15 +77,23 @@ TEST(JointFrontTest, TheBestFitsWithItsSlowTicksAndItsOwnPeriod) {
   EXPECT_EQ(BestWithin(points, 1), nullptr);
 }
 
+TEST(JointFrontTest, OfErrorsThatAreTheSameTheCheapestIsPicked) {
+  std::vector<JointPoint> points = {Point(100'000, 1000, 5, 0.0812),
+                                    Point(50'000, 1000, 10, 0.0805), Point(25'000, 1000, 20, 0.08)};
+  EXPECT_EQ(BestWithin(points, 200), &points[1]);
+  points[0].felt_error = 0.0809;
+  EXPECT_EQ(BestWithin(points, 200), &points[0]);
+}
+
 TEST(JointFrontTest, WhatTheDevicesLoopDoesNotCarryIsNotPicked) {
   std::vector<JointPoint> points = {Point(50'000, 1000, 10, 0.08), Point(50'000, 2000, 8, 0.06)};
   points[0].is_default = true;
   points[1].runs = false;
   EXPECT_EQ(BestWithin(points, 200), &points[0]);
   EXPECT_EQ(WhyBest(points, points[0], 200),
-            "Voxels of 50 um, law eq17-lead, 1000 Hz: of 1 combinations that have a proof, that "
-            "the device's loop carries and whose slowest hundredth of ticks fits, this one is felt "
-            "best, 8.00 % off. It is what is planned.");
+            "Voxels of 50 um, law lead-maxwell, 1000 Hz: of 1 combinations that have a proof, that "
+            "the device's loop carries and whose slowest hundredth of ticks fits, the cheapest of "
+            "those felt best, 8.00 % off. It is what is planned.");
   const std::string text = NextHalvings(points, points[0]);
   EXPECT_NE(text.find("2000 Hz, beyond this profile's loop, cost"), std::string::npos) << text;
   // A device's own rate, and what is slower with the same Kc.
