@@ -50,7 +50,7 @@ Result<Explained> Prepare(const ExplainCommand& options) {
 // "+240 to +300", "in noise", "-".
 std::string NsText(const Worth& worth) {
   if (!worth.ns_per_tick) return "-";
-  if (worth.within_noise()) return "in noise";
+  if (worth.within_noise) return "in noise";
   char text[64];
   std::snprintf(text, sizeof text, "%+.0f to %+.0f", worth.ns_per_tick->low,
                 worth.ns_per_tick->high);
@@ -71,9 +71,9 @@ json::value IntervalJson(const Interval& i) {
 
 json::object PartJson(const Part& part, const Worth& worth) {
   json::object out{{"part", part.name}, {"kept", part.kept}, {"why", part.why}};
-  out["ns_per_tick"] = worth.ns_per_tick && !worth.within_noise() ? IntervalJson(*worth.ns_per_tick)
-                                                                  : json::value(nullptr);
-  out["within_noise"] = worth.within_noise();
+  out["ns_per_tick"] = worth.ns_per_tick && !worth.within_noise ? IntervalJson(*worth.ns_per_tick)
+                                                                : json::value(nullptr);
+  out["within_noise"] = worth.within_noise;
   out["mb"] = worth.mb ? json::value(*worth.mb) : json::value(nullptr);
   out["measured"] = worth.note;
   return out;
@@ -133,9 +133,9 @@ Status ExplainScene(const ExplainCommand& options) {
       "over %zu ticks, bur engaged in %.0f %%.\n"
       "ns a tick and MB: the cost of a kept part, or of a left out part if it were kept. Runs "
       "with\n"
-      "and without take turns, %d each; 96 %% interval of the median. In noise: 0 is in it. The "
-      "plan\n"
-      "against itself: %+.0f to %+.0f ns.\n\n",
+      "and without take turns, %d each; 96 %% interval of the median. In noise: it meets the "
+      "plan's\n"
+      "own difference from itself, %+.0f to %+.0f ns.\n\n",
       base.mean_us, base.p99_us, found.volume_mb, kReplays, kTicks, 100 * base.engaged_share,
       kRounds, found.noise_ns.low, found.noise_ns.high);
   std::printf("part            plan                 ns/tick        MB  why; how measured\n");

@@ -40,8 +40,7 @@ struct Worth {
   std::optional<Interval> ns_per_tick;
   std::optional<double> mb;
   std::string note;
-  // Nobody can tell the cost from none here: its interval has 0 in it.
-  bool within_noise() const { return ns_per_tick && !ns_per_tick->apart(); }
+  bool within_noise = false;  // nobody can tell the cost from the plan's difference from itself
 };
 
 // Every part with its worth (explain_parts.cpp).
