@@ -68,7 +68,7 @@ const std::map<std::string, Names>& Allowed() {
          {"common/scoring", "station/devices", "station/loop", "station/lab/laws"}},
         {"station/lab/sheet", {"station/lab/grades", "station/words", "common/language"}},
         {"station/lab/laws", {"common/fidelity"}},
-        {"station/lab/suites", {"station/lab/cutting", "station/lab/laws"}},
+        {"station/lab/suites", {"station/lab/cutting", "station/lab/grades", "station/lab/laws"}},
         {"station/lab/report", {"station/lab/suites", "common/program"}},
         {"station/lab/tissue", {"station/lab/report", "common/program"}},
         {"station/lab/bench",

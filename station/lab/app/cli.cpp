@@ -155,10 +155,11 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
   command->add_flag("--window", explain->window, "For an attempt with a window");
   command->add_flag("--replay", explain->replay, "For re-running a recording");
   command
-      ->add_option("--budget-us", explain->budget_us,
-                   "Of a tick: practice picks the voxel, law and rate that fit and are felt best "
-                   "(the joint front of 'qualify --suite front'); a graded exercise is "
-                   "checked against it")
+      ->add_option(
+          "--budget-us", explain->budget_us,
+          "Of a tick: picks the voxel, law and rate that fit and are felt best in practice "
+          "(the joint front of 'qualify --suite front'); a graded exercise is "
+          "checked against it")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", explain->json, "Write the facts to this file");
   // The command prints a refusal itself: unlike a suite it has no caller that could.
@@ -186,7 +187,9 @@ void RegisterError(CLI::App& app, int* exit_code) {
       "The same as 'qualify --suite cutting'. Every bur and voxel size, beside what a tick of it\n"
       "costs here: removed volume, surface and force against closed forms, in a groove and in a\n"
       "plunge, on eight grids that lie differently; the order in which each error falls with the\n"
-      "voxel, or its floor; and the score of one hand at every voxel size.\n"
+      "voxel, or its floor, also of scores, meshes, pictures and simulated devices; and the score "
+      "of\n"
+      "one hand at every voxel size.\n"
       "Examples:\n"
       "  enamel-lab error --quick\n"
       "  enamel-lab error --report cutting.html\n"

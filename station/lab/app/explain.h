@@ -20,10 +20,11 @@ struct ExplainCommand {
 };
 
 // Prints every part of an attempt's plan: kept or left out, why, and what it costs or saves on this
-// machine, measured now: with it and without it take turns, and what an interval cannot tell from nothing is
-// called noise (suites/joint_front.h). Then how far off the bur's force is at this voxel
-// (common/cutting/voxel_limit.h). With a budget also: for practice, the voxel size, law and rate that fit it and
-// are felt best, from the joint front measured now; for a graded exercise, whether this machine can
+// machine, measured now: with it and without it take turns, and a difference as small as the plan's from
+// itself is called noise. Then how far off the bur's force is at this voxel
+// (common/cutting/voxel_limit.h). With a budget also: the voxel size, law and rate that fit it and
+// are felt best, for practice, from the joint front of suites/joint_front.h measured now, why, and what the next halving
+// costs and buys; for a graded exercise, whether this machine can
 // run its fixed settings. Errors: those of the scene; kUnavailable when a graded exercise does not
 // fit, or nothing does; kInvalidInput ("voxel_um") when a graded exercise's voxel is too coarse for its bur.
 Status ExplainScene(const ExplainCommand& options);

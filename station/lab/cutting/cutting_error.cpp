@@ -15,14 +15,6 @@ constexpr int kSettleTicks = 100;
 
 double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
 
-// The grids of a plan: places in a voxel that fill it evenly, and no two of which share a
-// coordinate (Kronecker sequence of the plastic number; Roberts, 2018).
-dvec3 GridAt(size_t i) {
-  auto n = static_cast<double>(i);
-  dvec3 at(0.8191725133961645 * n, 0.6710436067037893 * n, 0.5497004779019703 * n);
-  return at - dvec3(std::floor(at.x), std::floor(at.y), std::floor(at.z));
-}
-
 void MeasureSurface(const CutPath& path, const SweptBody& body, const cutting::Volume& volume,
                     CutErrors& out) {
   BlockFrame frame(path.turn);
@@ -76,6 +68,12 @@ CutErrors RunOnce(const CutPath& path) {
 }
 
 }  // namespace
+
+dvec3 GridAt(size_t i) {
+  auto n = static_cast<double>(i);
+  dvec3 at(0.8191725133961645 * n, 0.6710436067037893 * n, 0.5497004779019703 * n);
+  return at - dvec3(std::floor(at.x), std::floor(at.y), std::floor(at.z));
+}
 
 CuttingPlan DefaultCuttingPlan(bool quick) {
   CuttingPlan plan;

@@ -23,6 +23,10 @@ struct CuttingPlan {
 // the block so that no face is along voxels; `quick`: two burs, one speed, two sizes, the groove.
 CuttingPlan DefaultCuttingPlan(bool quick);
 
+// The grids of a plan: places in a voxel that fill it evenly, and no two of which share a
+// coordinate (Kronecker sequence of the plastic number; Roberts, 2018). Shares of a voxel; the first is 0.
+dvec3 GridAt(size_t i);
+
 // What a cut differs by from the body that its bur swept (swept_body.h), with the grid at one place.
 struct CutErrors {
   double removed_mm3 = 0, analytic_mm3 = 0;

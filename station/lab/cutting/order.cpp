@@ -18,23 +18,29 @@ double Rms(std::span<const double> errors) {
   return std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
-ObservedOrder OrderOf(std::span<const double> coarse, std::span<const double> fine) {
+ObservedOrder OrderOf(std::span<const double> coarse, std::span<const double> fine, bool paired) {
   ObservedOrder out;
   out.order = std::log2(Rms(coarse) / Rms(fine));
   std::mt19937_64 draw(1);
   // Not std::uniform_int_distribution, which differs between libraries.
-  auto sample = [&](std::span<const double> from) {
+  auto sample = [](std::span<const double> from, std::mt19937_64& places) {
     double sum = 0;
     for (size_t i = 0; i < from.size(); ++i) {
-      double e = from[draw() % from.size()];
+      double e = from[places() % from.size()];
       sum += e * e;
     }
     return std::sqrt(sum / static_cast<double>(from.size()));
   };
   std::vector<double> orders;
   for (size_t i = 0; i < kSamples; ++i) {
-    double a = sample(coarse), b = sample(fine);
-    orders.push_back(std::log2(a / b));
+    std::mt19937_64 same = draw;
+    double a = sample(coarse, draw), b = sample(fine, paired ? same : draw);
+    // Errors of 0 have no order, and may be drawn alone.
+    if (a > 0 && b > 0) orders.push_back(std::log2(a / b));
+  }
+  if (orders.size() < kSamples) {
+    out.low = out.high = std::numeric_limits<double>::quiet_NaN();
+    return out;
   }
   std::sort(orders.begin(), orders.end());
   out.low = orders[kSamples * 25 / 1000];

@@ -16,7 +16,9 @@ struct ObservedOrder {
 double Rms(std::span<const double> errors);
 // Errors at voxels that differ by a factor of two, one for each grid. The same sample every time.
 // Requires: neither is empty.
-ObservedOrder OrderOf(std::span<const double> coarse, std::span<const double> fine);
+// `paired`: sample i is the same case in both, and is drawn in both or in neither.
+ObservedOrder OrderOf(std::span<const double> coarse, std::span<const double> fine,
+                      bool paired = false);
 
 // Where an error of this order still counts as falling. A smaller order is a floor.
 inline constexpr double kFalls = 0.9;

@@ -12,19 +12,6 @@ namespace {
 
 namespace json = boost::json;
 
-// A second of a bur moved with 1 N: meets a rubric's demands on the hand, and gives no other
-// information.
-scoring::ProcessRecorder CalmRecording(const core::CoreParams& params) {
-  scoring::ProcessRecorder recorder(params);
-  for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
-    trace::Tick tick;
-    tick.witness.anchor_10nm[0] = 100 * i;  // 1 mm/s
-    tick.witness.force_sent_100un[2] = 10'000;
-    recorder.AddRecorded(tick);
-  }
-  return recorder;
-}
-
 bool IsAskedFor(const GradesOptions& options, const std::string& name) {
   return options.exercises.empty() ||
          std::any_of(options.exercises.begin(), options.exercises.end(),
@@ -49,6 +36,17 @@ Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
 }
 
 }  // namespace
+
+scoring::ProcessRecorder CalmRecording(const core::CoreParams& params) {
+  scoring::ProcessRecorder recorder(params);
+  for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
+    trace::Tick tick;
+    tick.witness.anchor_10nm[0] = 100 * i;  // 1 mm/s
+    tick.witness.force_sent_100un[2] = 10'000;
+    recorder.AddRecorded(tick);
+  }
+  return recorder;
+}
 
 bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
 

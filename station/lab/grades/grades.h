@@ -40,6 +40,10 @@ struct GradeRow {
   bool CostsTooMuch() const;
 };
 
+// A second of a bur moved with 1 N: meets a rubric's demands on the hand, and gives no other
+// information.
+scoring::ProcessRecorder CalmRecording(const core::CoreParams& params);
+
 // One tooth and exercise with its task, ready to grade attempts at it.
 class GradedExercise {
  public:

@@ -233,6 +233,7 @@ class TrialRun {
     if (spec_.hand != HandKind::kVelocity) m_.error_max_n = m_.anchor_error_n;
     m_.energy_min_j = balance_.lowest;
     m_.energy_floor_j = 0;  // every trial starts unloaded: V_0 = 0
+    m_.handed_j = balance_.handed;
     m_.extracted_j = balance_.taken;
     m_.violation = balance_.lowest < -1e-12;
     double count = spec_.law.kc_n_per_m * spec_.plant.resolution_m;

@@ -76,6 +76,7 @@ struct Measurement {
   double kick_n = 0;  // largest force against the hand's return after the stop
   double energy_min_j = 0,
          energy_floor_j = 0;  // sum of R dx + b/T dx^2 + c |dx|, and its proved floor
+  double handed_j = 0;        // sum of R dx: what the operator put in and the motors took
   double extracted_j = 0;     // most energy the operator got out: -(lowest sum of R dx) alone
   bool violation = false;     // energy under the floor by more than rounding
   bool cycle = false;

@@ -17,7 +17,7 @@ std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> ByBur(const 
   for (const CuttingRow& row : f.cutting) {
     // One speed: three would make three lines a bur, too similar to distinguish.
     if (row.figures.c.speed_m_s != speed || row.figures.c.plunge) continue;
-    std::string name = BurText(row.figures.c.bur);
+    std::string name = cutting::BurText(row.figures.c.bur);
     if (out.empty() || out.back().first != name) out.push_back({name, {}});
     out.back().second.push_back(&row);
   }
@@ -65,14 +65,14 @@ Plot OrderPlot(const Findings& f, const char* quantity, const char* what) {
   p.log_x = p.log_y = true;
   size_t i = 0;
   for (const OrderRow& row : f.orders) {
-    if (row.quantity != quantity || row.c.plunge || row.c.speed_m_s != CutCase().speed_m_s)
+    if (row.quantity != quantity || !row.cut || row.cut->plunge ||
+        row.cut->speed_m_s != CutCase().speed_m_s)
       continue;
     p.y_label = std::string(what) + ", RMS over grids, " + row.unit;
     char order[48];
     std::snprintf(order, sizeof order, ", order %.1f", row.observed.order);
-    Series line{BurText(row.c.bur) + order, ColourOf(i++), Style::kLine, {}};
-    for (size_t v = 0; v < row.rms.size(); ++v)
-      line.points.push_back({row.voxels_mm[v], row.rms[v]});
+    Series line{cutting::BurText(row.cut->bur) + order, ColourOf(i++), Style::kLine, {}};
+    for (size_t v = 0; v < row.rms.size(); ++v) line.points.push_back({row.steps[v], row.rms[v]});
     p.series.push_back(std::move(line));
   }
   return p;
@@ -89,7 +89,7 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
     const CuttingFigures& c = row.figures;
     const CutErrors& first = c.grids[0];
     rows.push_back(boost::json::object{{"suite", "cutting"},
-                                       {"bur", BurText(c.c.bur)},
+                                       {"bur", cutting::BurText(c.c.bur)},
                                        {"way", c.c.plunge ? "plunge" : "groove"},
                                        {"voxel_mm", c.c.voxel_mm()},
                                        {"speed_mm_s", c.c.speed_m_s * 1e3},
@@ -110,18 +110,25 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
                                        {"pareto", row.pareto}});
   }
   for (const OrderRow& o : f.orders) {
-    rows.push_back(boost::json::object{
+    boost::json::object row{
         {"suite", "order"},
-        {"bur", BurText(o.c.bur)},
-        {"way", o.c.plunge ? "plunge" : "groove"},
-        {"speed_mm_s", o.c.speed_m_s * 1e3},
+        {"method", o.method},
+        {"what", o.what},
         {"quantity", o.quantity},
         {"unit", o.unit},
-        {"voxels_mm", boost::json::value_from(o.voxels_mm)},
+        {"steps", boost::json::value_from(o.steps)},
+        {"step_unit", o.step_unit},
         {"rms", boost::json::value_from(o.rms)},
         {"order", Number(o.observed.order)},
         {"interval", boost::json::array{Number(o.observed.low), Number(o.observed.high)}},
-        {"floor", Number(o.floor)}});
+        {"floor", Number(o.floor)},
+        {"converged_from", Number(o.converged_from)}};
+    if (o.cut) {
+      row["bur"] = cutting::BurText(o.cut->bur);
+      row["way"] = o.cut->plunge ? "plunge" : "groove";
+      row["speed_mm_s"] = o.cut->speed_m_s * 1e3;
+    }
+    rows.push_back(std::move(row));
   }
   for (const ScoreFigures& s : f.scores) {
     for (const CriterionFigures& criterion : s.criteria) {

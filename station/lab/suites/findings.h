@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -178,13 +179,18 @@ struct CuttingRow {
   }
 };
 
-// How one figure of one bur's cuts falls with the voxel.
+// How one figure falls with its step: the voxel, or the time step.
 struct OrderRow {
-  CutCase c;                           // its voxel and grid are not used
-  std::string quantity, unit;          // volume, surface_p95, force
-  std::vector<double> voxels_mm, rms;  // coarse to fine, over the grids
-  ObservedOrder observed;              // of the last halving
-  double floor = kNotApplicable;       // the RMS at the finest voxel, where it no longer falls
+  std::string method;              // cutting, scores, meshes, pictures, plants (orders.h)
+  std::string what;                // "cylinder r 0.6 x 4 mm, groove, 5 mm/s"
+  std::optional<CutCase> cut;      // of cutting: its voxel and grid are not used
+  std::string quantity, unit;      // volume, surface_p95, force, …
+  std::string step_unit;           // mm: a voxel; us: a time
+  std::vector<double> steps, rms;  // coarse to fine, RMS over grids that lie differently, or hands
+  ObservedOrder observed;          // of the last halving
+  double floor = kNotApplicable;   // the RMS at the finest step, where it no longer falls
+  double converged_from =
+      kNotApplicable;  // of the energy of a closed loop: within 2 % from this step on
 };
 
 // Of one device (joint_front.h).

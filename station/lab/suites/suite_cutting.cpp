@@ -3,6 +3,7 @@
 
 #include "common/cutting/voxel_limit.h"
 #include "station/lab/cutting/force_error.h"
+#include "station/lab/suites/orders.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
@@ -47,7 +48,7 @@ Table CuttingTable(const Findings& f) {
       "of this bur, way and speed is both cheaper and closer to the body (p95).";
   for (const CuttingRow& row : f.cutting) {
     const CuttingFigures& c = row.figures;
-    t.rows.push_back({BurText(c.c.bur), WayOf(c.c), F(c.c.voxel_mm(), "%.3g"),
+    t.rows.push_back({cutting::BurText(c.c.bur), WayOf(c.c), F(c.c.voxel_mm(), "%.3g"),
                       F(c.c.speed_m_s * 1e3, "%g"), F(c.grids[0].removed_mm3),
                       F(100 * row.RmsOf(&CutErrors::volume), "%.3f"),
                       F(row.RmsOf(&CutErrors::surface_p95_um), "%.2f"), F(c.grids[0].force_mean_n),
@@ -81,40 +82,65 @@ std::vector<OrderRow> OrdersOf(const std::vector<CuttingRow>& rows) {
     if (to - from < 2) continue;
     for (const Quantity& q : kQuantities) {
       OrderRow row;
-      row.c = rows[from].figures.c;
+      row.method = "cutting";
+      row.cut = rows[from].figures.c;
+      row.what = cutting::BurText(row.cut->bur) + ", " + WayOf(*row.cut) + ", " +
+                 F(row.cut->speed_m_s * 1e3, "%g") + " mm/s";
       row.quantity = q.name;
       row.unit = q.unit;
-      for (size_t i = from; i < to; ++i) {
-        row.voxels_mm.push_back(rows[i].figures.c.voxel_mm());
-        row.rms.push_back(Rms(ErrorsOf(rows[i], q)));
-      }
-      row.observed = OrderOf(ErrorsOf(rows[to - 2], q), ErrorsOf(rows[to - 1], q));
-      if (row.observed.order < kFalls) row.floor = row.rms.back();
-      out.push_back(std::move(row));
+      row.step_unit = "mm";
+      std::vector<StepErrors> errors;
+      for (size_t i = from; i < to; ++i)
+        errors.push_back({rows[i].figures.c.voxel_mm(), ErrorsOf(rows[i], q)});
+      out.push_back(OrderRowOf(std::move(row), errors));
     }
   }
   return out;
 }
 
-Table OrderTable(const std::vector<OrderRow>& orders) {
+// Of what is cut, or of all else.
+Table OrderTable(const std::vector<OrderRow>& orders, bool cutting) {
   Table t;
-  t.title = "Cutting: how errors fall with the voxel";
+  t.title = cutting
+                ? "Cutting: how errors fall with the voxel"
+                : "Order: how the errors of scores, meshes, pictures and simulated devices fall";
   t.note =
-      "RMS over grids that lie differently, coarse to fine. Order: log2 of the ratio of the last "
-      "two, with the 95 % interval of a bootstrap over the grids. Where it is below 0.9 the error "
-      "has a floor, at most the last RMS. Causes: volume and surface, poses that are passed over "
-      "(common/cutting/sweep.h), and of a sharp edge that moves along its own slope "
-      "(common/cutting/cutter.h). The reference follows the bur's tip as the core reports it: how "
-      "far the tip is from the hand is not in these errors. Force: no grid "
-      "changes how the few points of a bur lie to the way (common/cutting/voxel_limit.h).";
-  t.head = {"bur", "way", "mm/s", "quantity", "RMS", "order", "interval", "floor"};
+      cutting
+          ? "RMS over grids that lie differently at each voxel, coarse to fine. Order: log2 of "
+            "what "
+            "the last halving leaves, with 95 % of bootstrap samples of the grids. Floor: the RMS "
+            "at "
+            "the finest voxel, where the order is below 0.9. Causes: volume and surface, poses "
+            "that are passed over "
+            "(common/cutting/sweep.h), and a sharp edge that moves along its own slope "
+            "(common/cutting/cutter.h). Force: no grid changes how the few points of a bur lie to "
+            "the way "
+            "(common/cutting/voxel_limit.h)."
+          : "Against closed forms, as the voxel or the time step is halved; RMS over eight grids "
+            "that lie differently, hands, or starts in a cell. Scores: walls and a floor are "
+            "planes, "
+            "which distances of 16 bits meet to 1/8192 voxel. Pictures: the outline of the mesh "
+            "that "
+            "they draw; a picture's own pixel comes on top. Loops have no closed form and are "
+            "compared with a step eight times finer than the finest; 'converged from' is the step "
+            "from which on they are within 2 % of it. Steps that are too long take energy away: "
+            "what "
+            "a loop gives back is then too little.";
+  t.head = {"of", "quantity", "error at each step", "order", "95 %", "floor"};
+  if (!cutting) t.head.push_back("converged from");
   for (const OrderRow& o : orders) {
+    if (cutting != o.cut.has_value()) continue;
     std::string rms;
     for (double e : o.rms) rms += (rms.empty() ? "" : " / ") + F(e, "%.3g");
-    t.rows.push_back({BurText(o.c.bur), WayOf(o.c), F(o.c.speed_m_s * 1e3, "%g"), o.quantity,
-                      rms + " " + o.unit, F(o.observed.order, "%.2f"),
+    const std::string steps = " (" + F(o.steps.front(), "%.3g") + " to " +
+                              F(o.steps.back(), "%.3g") + " " + o.step_unit + ")";
+    t.rows.push_back({cutting ? o.what : o.method + ": " + o.what, o.quantity,
+                      rms + " " + o.unit + steps, F(o.observed.order, "%.2f"),
                       F(o.observed.low, "%.2f") + " to " + F(o.observed.high, "%.2f"),
                       std::isnan(o.floor) ? "" : F(o.floor, "%.3g") + " " + o.unit});
+    if (!cutting)
+      t.rows.back().push_back(
+          std::isnan(o.converged_from) ? "" : F(o.converged_from, "%.3g") + " " + o.step_unit);
   }
   return t;
 }
@@ -129,7 +155,7 @@ Table LimitTable() {
       "(common/cutting/voxel_limit.h).";
   t.head = {"bur", "0.2 mm", "0.1 mm", "0.05 mm", "largest voxel, mm"};
   for (const CutCase& c : BurCases()) {
-    std::vector<std::string> row = {BurText(c.bur)};
+    std::vector<std::string> row = {cutting::BurText(c.bur)};
     for (int32_t voxel_nm : {200'000, 100'000, 50'000}) {
       const double bound = cutting::VoxelForceError(c.bur, voxel_nm);
       row.push_back(F(100 * MeasureForceError(c.bur, voxel_nm), "%.1f") + " / " +
@@ -175,7 +201,33 @@ Table ScoreTable(const std::vector<ScoreFigures>& scores) {
   return t;
 }
 
+void AddOrders(SuiteContext& c) {
+  auto Add = [&](std::vector<OrderRow> rows) {
+    for (OrderRow& row : rows) c.findings.orders.push_back(std::move(row));
+  };
+  c.progress("meshes", 0, 1);
+  Add(MeshOrders(c.options.quick));
+  c.progress("scores on grids", 0, 1);
+  Add(ScoreOrders(c.options.quick, c.options.threads));
+  for (const DeviceModel& m : c.findings.models) {
+    c.progress("simulated devices", 0, 1);
+    Add(PlantOrders(m));
+  }
+  c.progress("orders", 1, 1);
+}
+
 }  // namespace
+
+OrderRow OrderRowOf(OrderRow row, const std::vector<StepErrors>& coarse_to_fine, bool paired) {
+  for (const StepErrors& at : coarse_to_fine) {
+    row.steps.push_back(at.step);
+    row.rms.push_back(Rms(at.errors));
+  }
+  const size_t last = coarse_to_fine.size() - 1;
+  row.observed = OrderOf(coarse_to_fine[last - 1].errors, coarse_to_fine[last].errors, paired);
+  if (!(row.observed.order >= kFalls)) row.floor = row.rms.back();
+  return row;
+}
 
 void RunCuttingSuite(SuiteContext& c) {
   auto progress = [&](const std::string& what, size_t done, size_t all) {
@@ -189,7 +241,9 @@ void RunCuttingSuite(SuiteContext& c) {
   MarkFront(c.findings.cutting);
   c.findings.orders = OrdersOf(c.findings.cutting);
   c.findings.tables.push_back(CuttingTable(c.findings));
-  c.findings.tables.push_back(OrderTable(c.findings.orders));
+  c.findings.tables.push_back(OrderTable(c.findings.orders, true));
+  AddOrders(c);
+  c.findings.tables.push_back(OrderTable(c.findings.orders, false));
   c.findings.tables.push_back(LimitTable());
   // Scores are of a molar at each voxel size: too long for --quick.
   if (c.options.quick) return;
