@@ -222,7 +222,8 @@ JointAxes FrontAxes(const DeviceModel& device, const std::vector<double>& rates_
   rates.insert(device.rate_hz);
   for (double rate : rates) axes.at_rates.push_back(AtRate(device, rate, rate > device.rate_hz));
   axes.laws = LawChoices(estimators);
-  axes.ways_m = {WanderingMotion(kHuman_m_per_s, kDuration_s, 1).way_m};
+  for (uint64_t seed : {1, 2})
+    axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);
   return axes;
 }
 
