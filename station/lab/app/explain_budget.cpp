@@ -105,8 +105,9 @@ class Budget {
 
   Status MeasureFront() {
     ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(s_.profile));
-    // The core leaves the estimator to the law.
-    JointAxes axes = FrontAxes(model, {1'000, 2'000, 4'000}, {});
+    // Beyond the device's own loop nothing can be picked: one faster rate says what it would buy. The core leaves the
+    // estimator to the law.
+    JointAxes axes = FrontAxes(model, {1.0 * s_.exercise.rate_hz, 2 * model.rate_hz}, {});
     const cutting::Bur bur = core::BurOf(s_.params);
     for (auto& [nm, volume] : Volumes())
       axes.voxels.push_back(
