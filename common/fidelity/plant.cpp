@@ -60,11 +60,12 @@ void Plant::Advance() {
   device_ = {};
   resisted_ = -sent_;
   for (int i = 0; i < spec_.substeps; ++i) {
-    Grip grip = hand_.At(time_s_ + (i + 1) * dt);
-    if (spec_.mode_hz > 0)
-      FlexibleSubstep(grip, dt);
-    else
-      RigidSubstep(grip, dt);
+    Substep(i, dt, [this](const Grip& grip, double step_s) {
+      if (spec_.mode_hz > 0)
+        FlexibleStep(grip, step_s);
+      else
+        RigidStep(grip, step_s);
+    });
   }
   time_s_ += last_tick_s_;
   DrawNoise();
@@ -77,12 +78,36 @@ dvec3 Plant::StepDamped(const Sym3& b, double peak_n) {
   const double dt = last_tick_s_ / spec_.substeps;
   device_ = {};
   resisted_ = dvec3(0);
-  for (int i = 0; i < spec_.substeps; ++i)
-    resisted_ += DampedSubstep(hand_.At(time_s_ + (i + 1) * dt), b, peak_n, dt);
+  for (int i = 0; i < spec_.substeps; ++i) {
+    Substep(i, dt, [&](const Grip& grip, double step_s) {
+      resisted_ += DampedStep(grip, b, peak_n, step_s);
+    });
+  }
   resisted_ /= static_cast<double>(spec_.substeps);
   time_s_ += last_tick_s_;
   DrawNoise();
   return resisted_;
+}
+
+template <typename Euler>
+void Plant::Substep(int i, double dt, Euler&& step) {
+  const double from_s = time_s_ + i * dt;
+  Grip grip = hand_.At(from_s + 0.5 * dt);
+  if (grip.prescribed) return step(hand_.At(from_s + dt), dt);
+  const dvec3 tip = tip_, tip_speed = tip_speed_, motor = motor_, motor_speed = motor_speed_;
+  step(grip, 0.5 * dt);
+  tip_ = 2.0 * tip_ - tip;
+  tip_speed_ = 2.0 * tip_speed_ - tip_speed;
+  motor_ = 2.0 * motor_ - motor;
+  motor_speed_ = 2.0 * motor_speed_ - motor_speed;
+  if (spec_.friction_n == 0) return;
+  // Friction acts on the motors' side, which is the tip of a rigid device.
+  dvec3& speed = spec_.mode_hz > 0 ? motor_speed_ : tip_speed_;
+  const dvec3& before = spec_.mode_hz > 0 ? motor_speed : tip_speed;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double middle = 0.5 * (speed[axis] + before[axis]);
+    if (speed[axis] * middle <= 0) speed[axis] = 0;
+  }
 }
 
 void Plant::Account(const dvec3& friction, const dvec3& damping, const dvec3& inertia) {
@@ -118,7 +143,7 @@ Plant::Push Plant::PushOf(const Grip& grip, double dt) const {
   return out;
 }
 
-void Plant::RigidSubstep(const Grip& grip, double dt) {
+void Plant::RigidStep(const Grip& grip, double dt) {
   const dvec3 was = tip_speed_;
   dvec3 friction;
   if (grip.prescribed) {
@@ -138,7 +163,7 @@ void Plant::RigidSubstep(const Grip& grip, double dt) {
           (tip_speed_ - was) * (spec_.mass_kg / dt));
 }
 
-dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double dt) {
+dvec3 Plant::DampedStep(const Grip& grip, const Sym3& b, double peak, double dt) {
   auto Within = [peak](dvec3 force) {
     const double length = glm::length(force);
     return length > peak ? force * (peak / length) : force;
@@ -167,7 +192,7 @@ dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double 
 
 // Motor mass with b and c, spring and damper of the mode, tip mass with the hand: 2 x 2 implicit
 // solve.
-void Plant::FlexibleSubstep(const Grip& grip, double dt) {
+void Plant::FlexibleStep(const Grip& grip, double dt) {
   double tip_mass = spec_.mass_kg * spec_.mode_tip_share, motor_mass = spec_.mass_kg - tip_mass;
   double reduced = tip_mass * motor_mass / spec_.mass_kg, w = 2 * M_PI * spec_.mode_hz;
   double ks = reduced * w * w, ds = 2 * spec_.mode_damping_ratio * reduced * w;

@@ -17,9 +17,11 @@
 // ticks, saturate, answer after whole ticks of delay; ticks can be late (jitter) or lost (the force
 // is held on).
 //
-// Integration: sub-stepped, linearly implicit in b, the hand's stiffness and the hand's damping,
-// with friction as the impulse that can at most stop an axis. First order in the step;
-// IntegrationError in trial.h reports it against a finer step.
+// Integration: sub-stepped by the implicit midpoint rule: half a step of implicit Euler, linearly implicit in b, the
+// hand's stiffness and the hand's damping, carried on to the whole step. Second order, and it neither adds energy to
+// a spring nor takes any (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, IV.2), so that what a loop
+// gives back is not lost in the simulation. Friction is the impulse that can at most stop an axis, first order where
+// an axis stops. IntegrationError in trial.h reports the error against a finer step.
 //
 // Signs and frames: common/haptics/README.md, "Conventions", has the drawing.
 namespace enamel::fidelity {
@@ -130,9 +132,13 @@ class Plant {
   void Account(const dvec3& friction_n, const dvec3& damping_n, const dvec3& inertia_n);
   // The friction of a prescribed tip.
   dvec3 PrescribedFriction(const dvec3& speed, const dvec3& resisted_n) const;
-  void RigidSubstep(const Grip& grip, double dt);
-  dvec3 DampedSubstep(const Grip& grip, const Sym3& b, double peak_n, double dt);
-  void FlexibleSubstep(const Grip& grip, double dt);
+  // Sub-step number i of the tick: half of it by `step(grip, step_s)`, one of the following.
+  template <typename Euler>
+  void Substep(int i, double dt, Euler&& step);
+  // Implicit Euler.
+  void RigidStep(const Grip& grip, double dt);
+  dvec3 DampedStep(const Grip& grip, const Sym3& b, double peak_n, double dt);
+  void FlexibleStep(const Grip& grip, double dt);
 
   PlantSpec spec_;
   Hand& hand_;

@@ -123,9 +123,9 @@ Table OrderTable(const std::vector<OrderRow>& orders, bool cutting) {
             "that "
             "they draw; a picture's own pixel comes on top. Loops have no closed form and are "
             "compared with a step eight times finer than the finest; 'converged from' is the step "
-            "from which on they are within 2 % of it. Steps that are too long take energy away: "
-            "what "
-            "a loop gives back is then too little.";
+            "from which on they are within 2 % of it. What a light hand gets back depends on where "
+            "in a "
+            "cell it begins more than on the step.";
   t.head = {"of", "quantity", "error at each step", "order", "95 %", "floor"};
   if (!cutting) t.head.push_back("converged from");
   for (const OrderRow& o : orders) {
