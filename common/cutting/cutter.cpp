@@ -85,12 +85,7 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
   const GridSpec& spec = volume.spec();
   // Eight are read at a time.
   min_phi_.resize(static_cast<size_t>(spec.brick_count()) + 7, kPhiLimit);
-  BrickPhi room;
-  for (int b = 0; b < spec.brick_count(); ++b) {
-    const int16_t* phi = volume.Samples(b, room);
-    min_phi_[static_cast<size_t>(b)] =
-        volume.IsStored(b) ? *std::min_element(phi, phi + kBrickVoxels) : *phi;
-  }
+  for (int b = 0; b < spec.brick_count(); ++b) min_phi_[static_cast<size_t>(b)] = volume.Lowest(b);
   // The most bricks that a cut's box meets, for any orientation: the box is no longer than the
   // diagonal of the body plus the band, and a length of L brick sides meets at most floor(L) + 2
   // bricks.

@@ -270,7 +270,8 @@ void TakeLabels(BitReader& in, BrickLabels& labels) noexcept {
 
 void PackedBricks::Append(const BrickPhi& phi, const BrickLabels* labels, Tissue tissue) {
   if (!bytes_.empty()) bytes_.resize(bytes_.size() - kPadding);
-  bricks_.push_back({static_cast<uint32_t>(bytes_.size()), tissue, labels != nullptr});
+  bricks_.push_back({static_cast<uint32_t>(bytes_.size()), *std::ranges::min_element(phi.phi),
+                     tissue, labels != nullptr});
   BitWriter out(bytes_);
   const uint32_t corner = CornerOf(phi);
   for (int axis = 0; axis < 3; ++axis) out.Put(corner >> (3 * axis) & 1, 1);

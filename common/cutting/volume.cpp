@@ -112,10 +112,10 @@ Volume Volume::Unpacked() const {
   return out;
 }
 
-const int16_t* Volume::Samples(int brick, BrickPhi& room) const noexcept {
-  if (!IsPacked(brick)) return Samples(brick);
-  packed_->Unpack(PackedIndex(slot_[static_cast<size_t>(brick)]), room, nullptr);
-  return room.phi.data();
+int16_t Volume::Lowest(int brick) const noexcept {
+  if (IsPacked(brick)) return packed_->lowest(PackedIndex(slot_[static_cast<size_t>(brick)]));
+  const int16_t* phi = Samples(brick);
+  return IsStored(brick) ? *std::min_element(phi, phi + kBrickVoxels) : *phi;
 }
 
 // Four rows grow together; none may allocate in a tick.

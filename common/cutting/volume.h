@@ -54,7 +54,7 @@ extern const UniformPhi kUniformPhi;
 //
 // A volume may hold its bricks packed (Packed), a seventh as large: what a bur comes near is unpacked first
 // (UnpackAround) and stays so. It is the same tooth: a cut cannot tell the two apart. To read all of a
-// volume that may be packed, take Unpacked(), or a brick at a time into room of your own.
+// volume that may be packed, take Unpacked().
 // Thread safety: const methods from any thread while nobody writes. Real-time: all methods below
 // "real-time" are safe once Reserve was called; the rest allocate.
 class Volume {
@@ -78,8 +78,8 @@ class Volume {
   // The same tooth with all of its bricks packed, or none. Copies of a packed volume share what is packed.
   Volume Packed() const;
   Volume Unpacked() const;
-  // A brick's samples, also of a packed one, which is unpacked into `room`.
-  const int16_t* Samples(int brick, BrickPhi& room) const noexcept;
+  // The lowest sample of a brick, packed or not.
+  int16_t Lowest(int brick) const noexcept;
 
   // --- real-time ---
   // Packed or not.
@@ -138,8 +138,7 @@ class Volume {
     labels_.Warm(kWarmLabels, 1);
     if (asked_count_ > 0) UnpackAsked();
   }
-  // 5 us each: a sixteenth of a tick at 1 kHz, half of one at 8. A bur that comes to a wall sideways at 20 mm/s needs
-  // some 150 within 20 ticks.
+  // 5 us each: a sixteenth of a tick at 1 kHz, half of one at 8. PackedToothTest notices where they are too few.
   static constexpr int kUnpackedAhead = 12;
 
   // Distance at a voxel in fixed point; +kPhiLimit outside the grid.
