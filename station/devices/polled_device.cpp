@@ -92,7 +92,7 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
   poses_.Write(m);
 }
 
-// False: the device is gone. Makes `asked_ns` earlier if the answer is to an earlier question.
+// False: the device no longer answers. Makes `asked_ns` earlier if the answer is to an earlier question.
 bool PolledDevice::Hear(PolledBus::Pose& pose, int64_t& asked_ns) {
   PolledBus::Pose read;
   const PolledBus::Heard heard = bus_->Read(read);

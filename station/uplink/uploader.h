@@ -42,7 +42,6 @@ struct UploaderOptions {
 // sent 60 times a second. The latest wins, and none is sent when bandwidth or acknowledgements are
 // short, so that chunks never wait for more than the one being written. Thread safety: all methods
 // from any thread; the live mailbox has one writer.
-// thread; the live mailbox has one writer.
 class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};

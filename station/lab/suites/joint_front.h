@@ -12,9 +12,9 @@
 
 // One front over all that a practice may choose: voxel, loop rate, law and estimator. `qualify --suite front` and
 // `explain` measure it by the same functions and pick by the same ranking (BestWithin); they differ in what is cut
-// alone. What a choice costs is the whole tick; what it is worth is the force in the hand of somebody who works a surface, against an ideal tool in
-// the same hand (fidelity/felt.h), and with it, in squares, what the voxel makes of the bur's force: where the grid
-// lies and what the hand does are independent. A hand that gives would hide most of the second.
+// alone. A choice costs the whole tick. Its error is that of the force in the hand of somebody who works a surface,
+// against an ideal tool in the same hand (fidelity/felt.h). The voxel's error of the bur's force is added in squares:
+// where the grid lies and what the hand does are independent. A hand that gives would hide most of the second.
 //
 // Costs are measured when called, and repeated in turns: every case once, then every case again. What else the
 // computer does meanwhile is spread over all of them. A figure is the median of kRounds, its interval from the second
