@@ -34,7 +34,7 @@ struct S3Limits {
   int tries = 5;
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2'000};
-  // As a file of the folder may have (common/base/file.h); S3 itself takes 5 GB in one PUT.
+  // Of a Put, as a file of the folder may have (common/base/file.h); S3 itself takes 5 GB.
   size_t object_bytes = size_t{1} << 31;
 };
 
@@ -83,8 +83,9 @@ class S3Client {
 
   // The store compares what it got with the hash that is signed. An object of that key is replaced.
   Status Put(const std::string& key, ByteView body);
-  // Bytes that do not match the hash are requested once more, then kStorage.
-  Result<Bytes> Get(const std::string& key, const Sha256& hash);
+  // `bytes`: the object's size; what is larger is kStorage, and not taken into memory. Bytes that do
+  // not match the hash are requested once more, then kStorage.
+  Result<Bytes> Get(const std::string& key, const Sha256& hash, size_t bytes);
   Status Head(const std::string& key);
   // Whether the store answers for the bucket within this time; the object need not exist.
   Status Look(const std::string& key, std::chrono::milliseconds within);

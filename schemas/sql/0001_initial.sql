@@ -587,6 +587,7 @@ CREATE TABLE audit_heads (
 CREATE TABLE blobs (
   tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
   hash       BLOB NOT NULL CHECK (length(hash) = 32),  -- SHA-256 of the bytes: the blob's name
+  bytes      INTEGER NOT NULL CHECK (bytes >= 0),        -- its size: no more is read
   generation INTEGER NOT NULL CHECK (generation > 0),    -- at random; the object is <hash>-<generation>
   put_ms     INTEGER NOT NULL,                           -- the last time that somebody put or named it
   PRIMARY KEY (tenant, hash)

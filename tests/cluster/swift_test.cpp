@@ -42,23 +42,23 @@ const Bytes kBody = {1, 2, 3, 4};
 const Sha256 kHash = HashSha256(kBody);
 
 TEST_F(SwiftTest, WhatIsPutIsGotUntilItIsDeleted) {
-  EXPECT_EQ(client_->Get("a/b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client_->Get("a/b", kHash, kBody.size()).status().code(), Code::kNotFound);
   EXPECT_EQ(client_->Head("a/b").code(), Code::kNotFound);
   const Status put = client_->Put("a/b", kBody);
   ASSERT_TRUE(put.ok()) << put.message();
   EXPECT_TRUE(client_->Head("a/b").ok());
-  const auto got = client_->Get("a/b", kHash);
+  const auto got = client_->Get("a/b", kHash, kBody.size());
   ASSERT_TRUE(got.ok()) << got.status().message();
   EXPECT_EQ(*got, kBody);
   const Status deleted = client_->Delete("a/b");
   EXPECT_TRUE(deleted.ok()) << deleted.message();
   EXPECT_TRUE(client_->Delete("a/b").ok()) << "absent: nothing to do";
-  EXPECT_EQ(client_->Get("a/b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client_->Get("a/b", kHash, kBody.size()).status().code(), Code::kNotFound);
 }
 
 TEST_F(SwiftTest, OtherBytesThanTheNameAreTold) {
   ASSERT_TRUE(client_->Put("other", kBody).ok());
-  EXPECT_EQ(client_->Get("other", HashSha256({})).status().code(), Code::kStorage);
+  EXPECT_EQ(client_->Get("other", HashSha256({}), kBody.size()).status().code(), Code::kStorage);
   EXPECT_TRUE(client_->Delete("other").ok());
 }
 
@@ -68,7 +68,7 @@ TEST_F(SwiftTest, LargeAndEmptyObjectsGoThroughBothWays) {
   for (const Bytes& each : {body, Bytes()}) {
     const Status put = client_->Put("sized", each);
     ASSERT_TRUE(put.ok()) << put.message();
-    const auto got = client_->Get("sized", HashSha256(each));
+    const auto got = client_->Get("sized", HashSha256(each), each.size());
     ASSERT_TRUE(got.ok()) << got.status().message();
     EXPECT_TRUE(*got == each);
   }
@@ -80,7 +80,7 @@ TEST_F(SwiftTest, KeysMayHaveAnySigns) {
        {std::string("s/a b+c%20&d=e"), std::string("s/\u00fc\u1234~'()*")}) {
     const Status put = client_->Put(key, kBody);
     ASSERT_TRUE(put.ok()) << put.message();
-    EXPECT_EQ(*client_->Get(key, kHash), kBody);
+    EXPECT_EQ(*client_->Get(key, kHash, kBody.size()), kBody);
     const auto page = client_->List(key);
     ASSERT_TRUE(page.ok()) << page.status().message();
     ASSERT_EQ(page->objects.size(), 1u);
@@ -123,7 +123,7 @@ TEST_F(SwiftTest, WrongSecretAndMissingBucketAreTold) {
   EXPECT_EQ(secret.code(), Code::kStorage);
   EXPECT_NE(secret.message().find("SignatureDoesNotMatch"), std::string::npos) << secret.message();
   const Status bucket =
-      Make("absent", Environment("AWS_SECRET_ACCESS_KEY"))->Get("a", kHash).status();
+      Make("absent", Environment("AWS_SECRET_ACCESS_KEY"))->Get("a", kHash, kBody.size()).status();
   EXPECT_EQ(bucket.code(), Code::kStorage);
   EXPECT_NE(bucket.message().find("NoSuchBucket"), std::string::npos) << bucket.message();
 }

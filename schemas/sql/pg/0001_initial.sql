@@ -576,6 +576,7 @@ CREATE TABLE audit_heads (
 CREATE TABLE blobs (
   tenant     BIGINT NOT NULL REFERENCES tenants (tenant),
   hash       BYTEA NOT NULL CHECK (length(hash) = 32),
+  bytes      BIGINT NOT NULL CHECK (bytes >= 0),
   generation BIGINT NOT NULL CHECK (generation > 0),
   put_ms     BIGINT NOT NULL,
   PRIMARY KEY (tenant, hash)

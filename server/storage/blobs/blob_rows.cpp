@@ -9,9 +9,9 @@
 namespace enamel::server {
 namespace {
 
-constexpr char kFind[] = "SELECT hash, generation, put_ms FROM blobs WHERE tenant = ?1";
+constexpr char kFind[] = "SELECT hash, bytes, generation, put_ms FROM blobs WHERE tenant = ?1";
 
-BlobRow RowOf(const Query& q) { return {q.Hash(0), q.Int(1), q.Int(2)}; }
+BlobRow RowOf(const Query& q) { return {q.Hash(0), q.Int(1), q.Int(2), q.Int(3)}; }
 
 Status Set(sql::Db& db, const BlobRow& row) {
   Query q(db, "UPDATE blobs SET generation = ?3, put_ms = ?4 WHERE tenant = ?1 AND hash = ?2");
@@ -54,19 +54,21 @@ Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int
   return row;
 }
 
-Result<BlobRow> ClaimBlobRow(sql::Db& db, const Sha256& hash, int64_t generation, int64_t lost,
-                             int64_t now_ms) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto there, FindToChange(db, hash));
+Result<BlobRow> ClaimBlobRow(sql::Db& db, const BlobRow& put, int64_t lost) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto there, FindToChange(db, put.hash));
   if (there) {
     BlobRow row = *there;
-    row.put_ms = std::max(row.put_ms, now_ms);
-    if (row.generation == lost) row.generation = generation;
+    row.put_ms = std::max(row.put_ms, put.put_ms);
+    if (row.generation == lost) row.generation = put.generation;
     ENAMEL_RETURN_IF_ERROR(Set(db, row));
     return row;
   }
-  Query q(db, "INSERT INTO blobs (tenant, hash, generation, put_ms) VALUES (?1, ?2, ?3, ?4)");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(hash).Bind(generation).Bind(now_ms).Run());
-  return BlobRow{hash, generation, now_ms};
+  Query q(
+      db,
+      "INSERT INTO blobs (tenant, hash, bytes, generation, put_ms) VALUES (?1, ?2, ?3, ?4, ?5)");
+  ENAMEL_RETURN_IF_ERROR(
+      q.Bind(put.hash).Bind(put.bytes).Bind(put.generation).Bind(put.put_ms).Run());
+  return put;
 }
 
 Result<std::vector<BlobRow>> DeleteUnnamedBlobRows(sql::Db& db, const std::set<Sha256>& hashes,

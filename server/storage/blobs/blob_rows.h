@@ -15,6 +15,7 @@ namespace enamel::server {
 
 struct BlobRow {
   Sha256 hash;
+  int64_t bytes = 0;
   int64_t generation = 0;
   int64_t put_ms = 0;
 };
@@ -25,11 +26,10 @@ Result<std::vector<BlobRow>> AllBlobRows(sql::Db& db);
 // the row in any case, so that a transaction that deletes it conflicts with this one. Returns the
 // row afterwards; none: there is none.
 Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int64_t now_ms);
-// Records that the object of this generation exists. Returns the row afterwards: of another
+// Records that the object of `put`'s generation exists. Returns the row afterwards: of another
 // generation if another server was faster. Replaces a row of the generation `lost`, whose object is
 // missing.
-Result<BlobRow> ClaimBlobRow(sql::Db& db, const Sha256& hash, int64_t generation, int64_t lost,
-                             int64_t now_ms);
+Result<BlobRow> ClaimBlobRow(sql::Db& db, const BlobRow& put, int64_t lost);
 // Deletes the rows of those of `hashes` that no row names and that were put before `before_ms`.
 // Those that are deleted. Of a transaction of Isolation::kSerial.
 Result<std::vector<BlobRow>> DeleteUnnamedBlobRows(sql::Db& db, const std::set<Sha256>& hashes,

@@ -95,7 +95,8 @@ Result<Sha256> S3Blobs::Put(ByteView data) {
       return Status(Code::kUnavailable,
                     "writing a blob took more than an hour; check the store, and try again");
     }
-    auto claimed = ClaimBlobRow(db, hash, generation, there ? there->generation : 0, now_ms);
+    auto claimed = ClaimBlobRow(db, {hash, static_cast<int64_t>(data.size()), generation, now_ms},
+                                there ? there->generation : 0);
     if (claimed.ok()) row = *claimed;
     return claimed.status();
   }));
@@ -119,7 +120,7 @@ Result<Bytes> S3Blobs::Get(const Sha256& hash) const {
                                                       "; restore it from a backup"));
     }
     tried = row->generation;
-    auto body = client_->Get(KeyOf(hash, tried), hash);
+    auto body = client_->Get(KeyOf(hash, tried), hash, static_cast<size_t>(row->bytes));
     if (body.ok()) {
       (void)trouble_.Told(Status::Ok());
       return body;

@@ -206,7 +206,7 @@ Status TryS3Place(const S3Place& place) {
   const std::string key = place.prefix + "tried-" + Uuid::New().Text();
   const Bytes body = {'e', 'n', 'a', 'm', 'e', 'l'};
   ENAMEL_RETURN_IF_ERROR(client->Put(key, body));
-  ENAMEL_RETURN_IF_ERROR(client->Get(key, HashSha256(body)).status());
+  ENAMEL_RETURN_IF_ERROR(client->Get(key, HashSha256(body), body.size()).status());
   ENAMEL_RETURN_IF_ERROR(client->List(place.prefix).status());
   return client->Delete(key);
 }

@@ -32,7 +32,7 @@ Bytes MasterKey::Wrap(const Uuid& person, const DataKey& key) const {
 
 Result<DataKey> MasterKey::Unwrap(const Uuid& person, ByteView wrapped) const {
   const auto head = HeadOfEnvelope(wrapped, kWrappedMagic);
-  if (!head || wrapped.size() != kEnvelopeBytes + DataKey::kBytes) {
+  if (!head || wrapped.size() != kWrappedBytes) {
     return Status(Code::kStorage, "expected the wrapped key of person " + person.Text() +
                                       ", found " + std::to_string(wrapped.size()) +
                                       " bytes of something else; restore it from a backup");

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "server/storage/folder/disk.h"
+#include "server/storage/keys/envelope.h"
 #include "server/storage/keys/keyring.h"
 
 namespace enamel::server {
@@ -12,6 +13,8 @@ namespace enamel::server {
 // servers of a school. Thread safety: const after construction.
 class MasterKey {
  public:
+  static constexpr size_t kWrappedBytes = kEnvelopeBytes + DataKey::kBytes;
+
   explicit MasterKey(const DataKey& key) : key_(key) {}
 
   // A fresh nonce each time: the same key gives other bytes.

@@ -89,7 +89,7 @@ std::optional<DataKey> S3Keyring::FindHeld(const KeyRow& row) {
 Result<DataKey> S3Keyring::Get(const KeyRow& row) {
   if (const auto held = FindHeld(row)) return *held;
   const std::string object = KeyOf(row.person, row.generation);
-  auto wrapped = client_->Get(object, row.hash);
+  auto wrapped = client_->Get(object, row.hash, MasterKey::kWrappedBytes);
   if (wrapped.status().code() == Code::kNotFound) {
     // An erasure that is under way: its row goes last.
     ENAMEL_ASSIGN_OR_RETURN(const bool gone, IsGone(row.person));

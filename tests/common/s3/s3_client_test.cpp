@@ -51,23 +51,23 @@ const Sha256 kHash = HashSha256(kBody);
 
 TEST_F(S3ClientTest, WhatIsPutIsGotUntilItIsDeleted) {
   auto client = Make();
-  EXPECT_EQ(client->Get("a/b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client->Get("a/b", kHash, kBody.size()).status().code(), Code::kNotFound);
   EXPECT_EQ(client->Head("a/b").code(), Code::kNotFound);
   ASSERT_TRUE(client->Put("a/b", kBody).ok());
   EXPECT_TRUE(client->Head("a/b").ok());
-  EXPECT_EQ(*client->Get("a/b", kHash), kBody);
+  EXPECT_EQ(*client->Get("a/b", kHash, kBody.size()), kBody);
   EXPECT_TRUE(client->Put("empty", {}).ok());
-  EXPECT_EQ(*client->Get("empty", HashSha256({})), Bytes{});
+  EXPECT_EQ(*client->Get("empty", HashSha256({}), 0), Bytes{});
   EXPECT_TRUE(client->Delete("a/b").ok());
   EXPECT_TRUE(client->Delete("a/b").ok()) << "absent: nothing to do";
-  EXPECT_EQ(client->Get("a/b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client->Get("a/b", kHash, kBody.size()).status().code(), Code::kNotFound);
   EXPECT_EQ(store_.connections(), 1) << "one after the other";
 }
 
 TEST_F(S3ClientTest, CountsRequestsAndCallsThatFailed) {
   auto client = Make();
   ASSERT_TRUE(client->Put("a", kBody).ok());
-  EXPECT_EQ(client->Get("b", kHash).status().code(), Code::kNotFound);
+  EXPECT_EQ(client->Get("b", kHash, kBody.size()).status().code(), Code::kNotFound);
   EXPECT_EQ(client->figures().requests, 2u);
   EXPECT_EQ(client->figures().failed, 0u) << "a missing object is an answer";
   store_.FailNext(Fault::kSlowDown, 2);
@@ -108,7 +108,7 @@ TEST_F(S3ClientTest, KeysMayHaveAnySigns) {
                                  std::string("\u00fc\u1234~'()*")}) {
     ASSERT_TRUE(client->Put(key, kBody).ok()) << key;
     EXPECT_TRUE(store_.objects().contains(key)) << key;
-    EXPECT_EQ(*client->Get(key, kHash), kBody);
+    EXPECT_EQ(*client->Get(key, kHash, kBody.size()), kBody);
     EXPECT_EQ(client->List(key)->objects.at(0).key, key);
   }
 }
@@ -118,7 +118,7 @@ TEST_F(S3ClientTest, LargeObjectsGoThroughBothWays) {
   for (size_t i = 0; i < body.size(); ++i) body[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
   auto client = Make();
   ASSERT_TRUE(client->Put("large", body).ok());
-  const auto got = client->Get("large", HashSha256(body));
+  const auto got = client->Get("large", HashSha256(body), body.size());
   ASSERT_TRUE(got.ok()) << got.status().message();
   EXPECT_TRUE(*got == body);
 }
@@ -172,7 +172,7 @@ TEST_F(S3ClientTest, ProxysPageOfNotFoundDoesNotProveThatAnObjectIsGone) {
   store_.FailNext(Fault::kProxyNotFound, -1);
   ExpectTold(client->Delete("a"), Code::kUnavailable, "something other than an S3 store");
   EXPECT_EQ(client->Head("a").code(), Code::kUnavailable);
-  EXPECT_EQ(client->Get("a", kHash).status().code(), Code::kUnavailable);
+  EXPECT_EQ(client->Get("a", kHash, kBody.size()).status().code(), Code::kUnavailable);
   store_.FailNext(Fault::kProxyNotFound, 2);
   EXPECT_TRUE(client->Delete("a").ok());
   EXPECT_TRUE(store_.objects().empty());
@@ -196,7 +196,7 @@ TEST_P(WhatPasses, IsTriedAgainWithLongerPausesAndSurvived) {
       const Status put = client->Put("a", kBody);
       EXPECT_TRUE(put.ok()) << put.message();
     } else {
-      const auto got = client->Get("a", kHash);
+      const auto got = client->Get("a", kHash, kBody.size());
       EXPECT_TRUE(got.ok() && *got == kBody) << got.status().message();
     }
     EXPECT_EQ(store_.requests() - before, 4);
@@ -215,7 +215,8 @@ TEST_P(WhatPasses, IsToldWhenItDoesNotPass) {
   store_.FailNext(GetParam().fault, -1);
   ExpectTold(client->Put("a", kBody), Code::kUnavailable, "PUT a at http://127.0.0.1");
   EXPECT_EQ(store_.requests(), 5);
-  ExpectTold(client->Get("a", kHash).status(), Code::kUnavailable, "GET a at http://127.0.0.1");
+  ExpectTold(client->Get("a", kHash, kBody.size()).status(), Code::kUnavailable,
+             "GET a at http://127.0.0.1");
   ExpectTold(client->List("").status(), Code::kUnavailable, "bucket blobs");
   ExpectTold(client->Delete("a"), Code::kUnavailable, "DELETE a");
   EXPECT_EQ(client->Head("a").code(), Code::kUnavailable);
@@ -235,7 +236,7 @@ TEST_F(S3ClientTest, RefusalIsToldAtOnce) {
   auto client = Make();
   store_.FailNext(Fault::kForbidden, -1);
   ExpectTold(client->Put("a", kBody), Code::kStorage, "403 AccessDenied");
-  ExpectTold(client->Get("a", kHash).status(), Code::kStorage, "the access key may");
+  ExpectTold(client->Get("a", kHash, kBody.size()).status(), Code::kStorage, "the access key may");
   EXPECT_EQ(store_.requests(), 2);
   EXPECT_TRUE(pauses_.empty());
 }
@@ -254,10 +255,10 @@ TEST_F(S3ClientTest, WrongBytesAreAskedForOnceMore) {
   auto client = Make();
   ASSERT_TRUE(client->Put("a", kBody).ok());
   store_.FailNext(Fault::kWrongBytes, 1, "GET");
-  EXPECT_EQ(*client->Get("a", kHash), kBody);
+  EXPECT_EQ(*client->Get("a", kHash, kBody.size()), kBody);
   EXPECT_EQ(store_.requests("GET"), 2);
   store_.FailNext(Fault::kWrongBytes, -1, "GET");
-  ExpectTold(client->Get("a", kHash).status(), Code::kStorage, kHash.Hex());
+  ExpectTold(client->Get("a", kHash, kBody.size()).status(), Code::kStorage, kHash.Hex());
   EXPECT_EQ(store_.requests("GET"), 4);
 }
 
@@ -266,10 +267,11 @@ TEST_F(S3ClientTest, LargerObjectThanAdmittedIsNotTakenIntoMemory) {
   options.limits.object_bytes = 1000;
   auto client = Make(options);
   store_.SetObject("large", Bytes(1 << 20));
-  EXPECT_EQ(client->Get("large", kHash).status().code(), Code::kTooLarge);
+  const Sha256 hash = HashSha256(Bytes(1 << 20));
+  ExpectTold(client->Get("large", hash, 1000).status(), Code::kStorage, "at most 1000 bytes");
+  EXPECT_TRUE(client->Get("large", hash, 1 << 20).ok());
   EXPECT_EQ(client->Put("large", Bytes(1001)).code(), Code::kTooLarge);
   EXPECT_TRUE(client->Put("just", Bytes(1000)).ok());
-  EXPECT_TRUE(client->Get("just", HashSha256(Bytes(1000))).ok());
 }
 
 TEST_F(S3ClientTest, OutageIsToldAndItsEndIsFound) {
@@ -277,10 +279,11 @@ TEST_F(S3ClientTest, OutageIsToldAndItsEndIsFound) {
   ASSERT_TRUE(client->Put("a", kBody).ok());
   store_.Stop();
   ExpectTold(client->Put("b", kBody), Code::kUnavailable, "check that the store runs");
-  ExpectTold(client->Get("a", kHash).status(), Code::kUnavailable, "check that the store runs");
+  ExpectTold(client->Get("a", kHash, kBody.size()).status(), Code::kUnavailable,
+             "check that the store runs");
   EXPECT_EQ(pauses_.size(), 8u);
   store_.Start();
-  EXPECT_EQ(*client->Get("a", kHash), kBody);
+  EXPECT_EQ(*client->Get("a", kHash, kBody.size()), kBody);
   EXPECT_TRUE(client->Put("b", kBody).ok());
 }
 
@@ -326,7 +329,7 @@ TEST_F(S3ClientTest, ManyThreadsAskAtOnce) {
         const Bytes body(100 + n, static_cast<uint8_t>(i));
         const std::string key = std::to_string(i) + "-" + std::to_string(n);
         EXPECT_TRUE(client->Put(key, body).ok());
-        EXPECT_EQ(*client->Get(key, HashSha256(body)), body);
+        EXPECT_EQ(*client->Get(key, HashSha256(body), body.size()), body);
       }
     });
   }
@@ -352,7 +355,7 @@ TEST_F(S3ClientTest, MissingBucketIsNoMissingObject) {
   S3Options options = Options();
   options.bucket = "other";
   auto client = Make(options);
-  ExpectTold(client->Get("a", kHash).status(), Code::kStorage, "no bucket");
+  ExpectTold(client->Get("a", kHash, kBody.size()).status(), Code::kStorage, "no bucket");
   ExpectTold(client->List("").status(), Code::kStorage, "no bucket");
 }
 

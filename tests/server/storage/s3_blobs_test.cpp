@@ -247,6 +247,16 @@ TEST_F(S3BlobsTest, WrongBytesAreNeverHandedOut) {
   EXPECT_EQ(*one_->Get(hash_), body_);
 }
 
+TEST_F(S3BlobsTest, ObjectThatGrewIsNotTaken) {
+  ASSERT_TRUE(one_->Put(body_).ok());
+  const std::string key = s3_.objects().begin()->first;
+  s3_.SetObject(key, Bytes(1 << 20));
+  EXPECT_EQ(two_->Get(hash_).status().code(), Code::kStorage);
+  EXPECT_NE(two_->Problem().message().find("at most " + std::to_string(body_.size()) + " bytes"),
+            std::string::npos)
+      << two_->Problem().message();
+}
+
 TEST_F(S3BlobsTest, ErasureIsNotKeptUpByAStoreThatIsAway) {
   ASSERT_TRUE(one_->Put(body_).ok());
   s3_.Stop();
