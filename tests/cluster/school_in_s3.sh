@@ -13,6 +13,18 @@ AWS_SECRET_ACCESS_KEY=wrong expect_failure "wrong secret" "SignatureDoesNotMatch
   --database "$ENAMEL_POSTGRES" "${s3[@]}"
 [ ! -e "$work/none" ] || fail "a folder was made for a store that cannot be used"
 
+by_key=("$bin/enamel-server" init --database "$ENAMEL_POSTGRES" --schema by_key "${s3[@]}" --s3-access-key "$AWS_ACCESS_KEY_ID")
+expect_failure "no secret" "expected the secret" "${by_key[@]}" --data "$work/none"
+expect_failure "wrong secret" "SignatureDoesNotMatch" bash -c 'echo wrong | "$@"' - "${by_key[@]}" --data "$work/none"
+[ ! -e "$work/none" ] || fail "a folder was made for a key that cannot be used"
+(
+  secret=$AWS_SECRET_ACCESS_KEY
+  unset AWS_SECRET_ACCESS_KEY
+  "${by_key[@]}" --data "$work/by_key" <<<"$secret" >/dev/null
+  "$bin/enamel-server" admin list-exercises --data "$work/by_key" >/dev/null
+)
+[ "$(stat -c %a "$work/by_key/s3.json")" = 600 ] || fail "others may read the access key"
+
 "$bin/enamel-server" init --data "$data" --database "$ENAMEL_POSTGRES" --schema school "${s3[@]}" >/dev/null
 ! grep -rq "$AWS_SECRET_ACCESS_KEY" "$data" || fail "the secret is in the data folder"
 "$bin/enamel-server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null

@@ -245,6 +245,14 @@ Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& fi
   return Status::Ok();
 }
 
+Status WriteCredentials(const std::filesystem::path& path, const s3::Credentials& key, Disk& disk) {
+  ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(path.parent_path()));
+  const json::object document = {{"version", kDatabaseVersion},
+                                 {"access_key", key.access_key},
+                                 {"secret_key", key.secret_key}};
+  return disk.Replace(path, AsBytes(json::serialize(document)));
+}
+
 Status WriteDatabaseFile(const std::filesystem::path& folder, const DatabaseFile& file,
                          Disk& disk) {
   ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(folder, file));

@@ -59,6 +59,9 @@ Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::stri
 // enamel.db or in another database, or blobs or keys elsewhere), and those of ReadDatabaseFile.
 Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& file);
 
+// Writes an S3 store's access key into a file that ReadS3Place reads as its credentials_file.
+Status WriteCredentials(const std::filesystem::path& path, const s3::Credentials& key, Disk& disk);
+
 // Errors: those of MayKeepRowsIn, kStorage.
 Status WriteDatabaseFile(const std::filesystem::path& folder, const DatabaseFile& file, Disk& disk);
 
