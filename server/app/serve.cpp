@@ -270,6 +270,10 @@ struct OpenOther {
                                     page.store_threads, page.max_in_flight, page.deadlines.work);
     out.api->Show(out.school->live());
     out.api->Show(out.school->stations());
+    BackupRun::Place backups = page.backups;
+    backups.within = SchoolFolder({}, row.name);
+    if (!backups.keyring.empty()) backups.keyring = SchoolFolder(backups.keyring, row.name);
+    out.api->BackUpInto(std::move(backups));
     out.api->Enrol(its.identity.fingerprint.Hex());
     out.api->StationsListenAt(link_port);
     // The figures live as long as the school, and the Api as long as it, or a little less.

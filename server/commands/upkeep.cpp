@@ -195,6 +195,36 @@ Status Backup(const BackupCommand& command) {
           "may have what is missing");
 }
 
+Status BackUpSchools(const BackupCommand& command) {
+  std::error_code error;
+  // Not made: where a disk is not mounted, the backups would fill the one below.
+  if (!std::filesystem::is_directory(command.into, error)) {
+    return Status(Code::kNotFound,
+                  "expected a folder for backups at " + command.into.string() +
+                      ", found none; mount its disk, or make the folder",
+                  "into");
+  }
+  const std::string name = BackupName();
+  BackupCommand own = command;
+  own.target = command.into / name;
+  Status all = Backup(own);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto schools, store->schools.Schools());
+  for (const SchoolRow& row : schools) {
+    if (row.state != SchoolState::kServed && row.state != SchoolState::kSuspended) continue;
+    BackupCommand other = command;
+    other.data = SchoolFolder(command.data, row.name);
+    other.target = SchoolFolder(command.into, row.name) / name;
+    if (!command.keyring.empty()) other.keyring = SchoolFolder(command.keyring, row.name);
+    Status made = EnsureSchoolFolder(command.data, row, SchoolData::kExpect).status();
+    if (made.ok()) made = Backup(other);
+    if (made.ok()) continue;
+    Say("school {}: {}\n", row.name, made.message());
+    if (all.ok()) all = Status(made.code(), "school " + row.name + ": " + made.message());
+  }
+  return all;
+}
+
 namespace {
 
 // A backup of an installation has the list of its other schools, and none of their data.
@@ -306,15 +336,26 @@ Status Retention(const RetentionCommand& command) {
 
 void DeclareBackup(CommandGroup root) {
   auto [backup, b] = Declare<BackupCommand>(
-      root, "backup", "Copy the data folder; the server may be running", Backup);
-  backup->add_option("TARGET", b.target, "Folder to make; absent or empty")->required();
+      root, "backup", "Copy the data folder; the server may be running",
+      [](const BackupCommand& command) {
+        if (!command.into.empty()) return BackUpSchools(command);
+        if (!command.target.empty()) return Backup(command);
+        return Status(Code::kInvalidInput, "expected TARGET or --into FOLDER, found neither");
+      });
+  auto* target = backup->add_option("TARGET", b.target, "Folder to make; absent or empty");
+  auto* json = backup->add_option("--json", b.json, "Write the outcome to this file");
+  backup
+      ->add_option("--into", b.into,
+                   "Instead of TARGET: make a folder in this one, named by the time, and one in "
+                   "schools/NAME of it for each other school of the installation")
+      ->excludes(target)
+      ->excludes(json);
   AddData(backup, b.data);
   backup->add_option(
       "--keyring", b.keyring,
       "Keep keys and erasures in this folder instead of inside the backup. Use the same folder "
       "every time, and do not copy it: erasures would not reach the copy");
   backup->add_flag("--copy", b.copy, "Copy every file, even where a hard link would do");
-  backup->add_option("--json", b.json, "Write the outcome to this file");
   backup->add_flag("--report", b.report)->group("");
   backup->footer(
       "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"

@@ -14,6 +14,7 @@ namespace enamel::server::app {
 struct BackupCommand {
   std::filesystem::path data, target, keyring, json;
   bool copy = false;
+  std::filesystem::path into{};  // instead of `target`: a folder in this one, named by the time
   // For the server that started it (jobs/backup_run.h), which notes in the audit trail how it ends:
   // prints one JSON object a line, {"phase", "done", "all"} on its way, {"files", "bytes",
   // "missing"} or {"problem"} last. Ends with the server.
@@ -23,6 +24,9 @@ struct BackupCommand {
 // (storage/backup/backup.h); kStorage also when blobs were missing or damaged and all else was
 // backed up.
 Status Backup(const BackupCommand& command);
+// The installation's school into INTO/TIME, each other into INTO/schools/NAME/TIME. A school whose
+// backup fails does not keep the next from theirs. Errors: the first that failed.
+Status BackUpSchools(const BackupCommand& command);
 
 struct RestoreCommand {
   std::filesystem::path backup, data, json;

@@ -39,15 +39,6 @@ constexpr std::chrono::milliseconds kLook{50};
 constexpr std::chrono::seconds kDies{2};
 constexpr size_t kMostRows = 20;  // of the audit trail's kind "store.", all of them rare
 
-// As enamel-backup.service names them.
-std::string NameNow() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(WallClock());
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  std::array<char, 32> text;
-  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H%M%S", &utc)};
-}
-
 uint64_t Number(const json::object& line, const char* name) {
   const json::value* value = line.if_contains(name);
   boost::system::error_code error;
@@ -153,6 +144,14 @@ std::string HungText(const std::optional<BackupRun::Running>& at, std::chrono::m
 
 }  // namespace
 
+std::string BackupName() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(WallClock());
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  std::array<char, 32> text;
+  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H%M%S", &utc)};
+}
+
 Status BackupRun::MustBeFree() const {
   const auto refuse = [](const std::string& why) { return Status(Code::kConflict, why); };
   if (place_.folder.empty()) {
@@ -174,7 +173,7 @@ Status BackupRun::Start(const Actor& by) {
   MutexLock lock(mutex_);
   if (running_) return Status(Code::kConflict, "a backup is running; wait until it is done");
   ENAMEL_RETURN_IF_ERROR(MustBeFree());
-  const fs::path target = fs::absolute(place_.folder) / NameNow();
+  const fs::path target = fs::absolute(place_.folder) / place_.within / BackupName();
   ENAMEL_RETURN_IF_ERROR(store_.audit.NoteAudit(by, kBackupStarted, target.string(), "{}"));
   // Not in place: clang 14 takes it for something that cannot be made so.
   running_.emplace(Running{enamel::UnixMs()});
@@ -190,7 +189,7 @@ std::optional<BackupRun::Running> BackupRun::running() const {
 
 Result<BackupRun::State> BackupRun::Look() const {
   State out;
-  out.folder = place_.folder;
+  out.folder = place_.folder / place_.within;
   // First: when this one ends, its row is there already.
   out.running = running();
   if (out.running) return out;

@@ -21,7 +21,10 @@ namespace enamel::server {
 inline constexpr char kBackupMade[] = "store.backup";
 inline constexpr char kBackupStarted[] = "store.backup_start";
 inline constexpr char kBackupFailed[] = "store.backup_failed";  // after: {"problem"}
-inline constexpr char kRestored[] = "store.restore";            // by `enamel-server restore`
+
+// The folder in which a backup that begins now goes, by its second: 2026-09-01T030000 (UTC).
+std::string BackupName();
+inline constexpr char kRestored[] = "store.restore";  // by `enamel-server restore`
 
 // Makes backups of the running server's school, one at a time: starts `enamel-server backup
 // --report` (server/commands/upkeep.h), follows it and notes its end in the audit trail. In a
@@ -33,7 +36,8 @@ inline constexpr char kRestored[] = "store.restore";            // by `enamel-se
 class BackupRun {
  public:
   struct Place {
-    std::filesystem::path folder;   // a folder in it for each backup; empty: none can be made
+    std::filesystem::path folder;   // must exist; empty: no backup can be made
+    std::filesystem::path within;   // in it, a folder for each backup; empty: in it itself
     std::filesystem::path keyring;  // as `backup --keyring`; empty: the keys go into the backup
     std::filesystem::path program;  // empty: enamel-server beside the running program
     // A process that says nothing for so long hangs. The longest honest silence is a sync of what

@@ -147,6 +147,19 @@ if [ -z "${ENAMEL_POSTGRES:-}" ]; then
   grep -q 'north is listed and suspended' "$work/restored-out" || { cat "$work/restored-out"; fail "a restore says nothing of the other schools"; }
   cli school list --data "$work/whole" | grep -q 'suspended' || fail "a restored installation would serve a school without its data"
   echo "ok: a school whose data is not there is not made anew"
+  # What the timer runs: every school, each into a folder of its own.
+  expect_failure "no folder for backups" "mount its disk" "$bin/enamel-server" backup --into "$work/backups" --data "$data"
+  mkdir "$work/backups"
+  cli backup --into "$work/backups" --data "$data" >/dev/null
+  cli verify "$work"/backups/schools/north/20* >/dev/null || fail "the timer's backup of another school does not verify"
+  cli verify "$work"/backups/20* >/dev/null || fail "the timer's backup of the installation does not verify"
+  # One that fails is said, and keeps no other from its own.
+  mv "$north" "$work/away"
+  rm -rf "$work"/backups/*
+  expect_failure "a school without its data" "school north" "$bin/enamel-server" backup --into "$work/backups" --data "$data"
+  mv "$work/away" "$north"
+  cli verify "$work"/backups/20* >/dev/null || fail "a school that is away keeps the installation from its backup"
+  echo "ok: every school has its backup"
 fi
 # A stream that is open ends with its school.
 sign_in_as_instructor north.test
