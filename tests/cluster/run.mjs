@@ -37,6 +37,7 @@ const scoreOf = async (data, id) => {
   await enamel("report", "--data", data, "--attempt", id, "--wait", "900", "--json", `${work}/report.json`);
   return jsonOf(`${work}/report.json`).score;
 };
+const logBytes = async () => Number(await ask("SELECT pg_current_wal_insert_lsn() - '0/0'"));
 const wants = (part) => parts.split(",").includes(part);
 const scores = new Map();
 if (wants("jobs")) {
@@ -64,16 +65,28 @@ if (wants("load")) {
   const stream = load("load-cluster", `${work}/one`, stationsAt, sizes, clusterPids());
   await stream.streams;
   // In the middle of it: not what begins and ends it.
+  const logFrom = await logBytes();
   const cpu = () => Object.fromEntries(Object.entries(partsOf()).map(([part, pids]) => [part, cpuOf(pids)]));
   const from = cpu(), fromS = now();
   await new Promise((done) => setTimeout(done, sizes.minutes * 60_000 - 2000));
+  const streamed = (await logBytes()) - logFrom;
   const to = cpu(), mticks = (sizes.stations * (now() - fromS)) / 1000;
   const byPart = Object.fromEntries(Object.keys(to).map((part) => [part, (to[part] - from[part]) / mticks]));
   const cluster = await stream.facts;
+  const log = [streamed / 1e6 / mticks, ((await logBytes()) - logFrom) / cluster.ticks_sent];
+  // A page that was written before a checkpoint is logged whole when its chunks are deleted.
+  const meets = load("load-checkpoint", `${work}/one`, stationsAt, { stations: sizes.stations, minutes: 0.1 }, []);
+  await meets.streams;
+  const meetsFrom = await logBytes();
+  await new Promise((done) => setTimeout(done, 5000));
+  await ask("CHECKPOINT");
+  const met = await meets.facts;
+  log.push(((await logBytes()) - meetsFrom) / met.ticks_sent);
   say(`  ${cluster.stations} stations for ${cluster.seconds} s: commit p99 ${shown(cluster.commit_p99_ms)} ms, ${shown(cluster.server_cpu_s_per_mtick)} CPU s per million ticks, every process but the stations'`);
   facts.load = { sqlite: alone, cluster, commit_p99_ratio: cluster.commit_p99_ms / alone.commit_p99_ms,
-    cpu_ratio: cluster.server_cpu_s_per_mtick / alone.server_cpu_s_per_mtick, cpu_s_per_mtick_by_part: byPart };
+    cpu_ratio: cluster.server_cpu_s_per_mtick / alone.server_cpu_s_per_mtick, cpu_s_per_mtick_by_part: byPart, log_bytes_per_tick: { streaming: log[0], sealed: log[1], checkpointed: log[2] } };
   say(`  of which ${Object.entries(byPart).map(([part, cpu]) => `${part} ${shown(cpu)}`).join(", ")}`);
+  say(`  PostgreSQL's log: ${shown(log[0])} bytes a tick while stations stream, ${shown(log[1])} until they are sealed, ${shown(log[2])} where a checkpoint comes before the seal`);
   tell("ticks lost", cluster.ticks_lost, 0);
   tell("ticks doubled", cluster.ticks_doubled, 0);
   tell("commit p99, times SQLite's", facts.load.commit_p99_ratio, goals.commit_p99_ratio);
