@@ -29,7 +29,9 @@ WorkerOptions LoggedJobs(const trace::KeyPair& key, int threads) {
   out.threads = threads;
   out.timelines = true;
   out.on_done = [](const JobRow& job, const Status& status) {
-    if (status.ok()) {
+    if (job.kind.empty()) {
+      spdlog::warn("jobs: {}", status.message());
+    } else if (status.ok()) {
       spdlog::info("job {} of attempt {} done", job.kind, job.attempt.Text());
     } else {
       spdlog::warn("job {} of attempt {}: {}", job.kind, job.attempt.Text(), status.message());

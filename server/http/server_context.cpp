@@ -47,7 +47,8 @@ std::string IdOf(const Request& request, bool from_proxy) {
 }  // namespace
 
 void ServerContext::NoteRefusal(const std::string& peer, const std::string& reason) {
-  refusals.Note({"a peer at " + peer, reason.substr(0, reason.find(' ')), reason});
+  refusals.Note(peer + " " + reason.substr(0, reason.find(' ')),
+                "page: refused a peer at " + peer + ": " + reason);
 }
 
 asio::awaitable<Response> ServerContext::Answer(Request request) {

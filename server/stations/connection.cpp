@@ -29,7 +29,7 @@ bool IsOurFault(const wire::Error& error) {
 
 Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
                        const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
-                       StorePool& pool, ops::RefusalLog& refusals)
+                       StorePool& pool, RepeatLog& refusals)
     : strand_(std::move(strand)),
       deadlines_(deadlines),
       pool_(pool),
@@ -292,8 +292,8 @@ void Connection::NoteRefusal(wire::Error& error, const Uuid& attempt) {
   const LogRequest logged(id_);
   const LogAttempt of(attempt);
   // Each recording's own: one that is only counted with another could not be found.
-  refusals_.Note({who, error.code() + "\n" + error.field() + "\n" + attempt.Text(),
-                  error.code() + ": " + error.message()});
+  refusals_.Note(who + "\n" + error.code() + "\n" + error.field() + "\n" + attempt.Text(),
+                 "station link: refused " + who + ": " + error.code() + ": " + error.message());
   if (IsOurFault(error)) {
     error.set_message("the server could not do this; its log says why; what was sent is not lost");
     error.clear_field();

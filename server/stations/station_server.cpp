@@ -70,7 +70,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   OtherSchools* const others;
   StorePool& pool;
   std::shared_ptr<SSL_CTX> tls;  // constant after Start
-  ops::RefusalLog refusals{"station link"};
+  RepeatLog refusals;
   Listener listener;
 
   // Owned by the strand: looking for revoked stations.
@@ -88,8 +88,9 @@ std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socke
 }
 
 void StationServer::State::NoteTurnedAway(const tcp::socket& socket, size_t open) {
-  refusals.Note(
-      {"a peer at " + PeerAddress(socket), "full", std::to_string(open) + " connections are open"});
+  const std::string peer = PeerAddress(socket);
+  refusals.Note(peer + " full", "station link: refused a peer at " + peer + ": " +
+                                    std::to_string(open) + " connections are open");
 }
 
 // A station that asks for nothing would never learn that it was revoked.

@@ -75,6 +75,10 @@ wait "$cutting" || { cat "$work/run.log"; fail "the station ended with an error"
 [ "$(status /readyz)" = 200 ] || fail "not ready: $(cat "$work/answer")"
 # As who promotes does: what connects from here on would take it for the primary.
 postgres_end "$pg/one"
+# The same words come once a minute, however often somebody asks.
+said=$(sed -n 's/.*\[warning\] database: //p' "$work/server.log")
+[ "$(sort <<<"$said" | uniq -c | sort -rn | awk 'NR == 1 {print $1}')" -le 3 ] || fail "the log repeats itself: $(sort <<<"$said" | uniq -c | sort -rn | head -3)"
+echo "ok: $(wc -l <<<"$said") lines of the log on the database"
 id=$(json_of "$work/cut.json" attempt_id)
 "$bin/enamel-server" report --data "$data" --attempt "$id" --wait 600 --json "$work/report.json" >/dev/null
 [ "$(json_of "$work/report.json" ticks)" = "$(json_of "$work/cut.json" ticks)" ] || fail "expected $(json_of "$work/cut.json" ticks) ticks, found $(json_of "$work/report.json" ticks)"

@@ -1,9 +1,9 @@
 #include "server/storage/engine/database.h"
 
-#include <spdlog/spdlog.h>
-
 #include <string_view>
 #include <utility>
+
+#include "server/storage/engine/database_log.h"
 
 namespace enamel::server {
 namespace {
@@ -76,7 +76,7 @@ Status Tell(const sql::SqliteFailure& failure) {
   if (failure.opening) return InFull(failure);
   // A name that is taken is everyday life.
   if (failure.kind != Kind::kTaken) {
-    spdlog::warn("database: {} (SQLite {})", InFull(failure).message(), failure.code);
+    WarnOfDatabase(InFull(failure).message() + " (SQLite " + std::to_string(failure.code) + ")");
   }
   return WithoutDetail(failure.kind);
 }

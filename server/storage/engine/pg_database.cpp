@@ -1,11 +1,10 @@
 #include "server/storage/engine/pg_database.h"
 
-#include <spdlog/spdlog.h>
-
 #include <utility>
 
 #include "common/postgres/pg_db.h"
 #include "common/sql/query.h"
+#include "server/storage/engine/database_log.h"
 
 namespace enamel::server {
 namespace {
@@ -53,8 +52,8 @@ Status TellPg(const sql::PgFailure& failure) {
   if (failure.opening) return Status(code, failure.words + ": " + PgAdvice(failure.kind));
   // A name that is taken, and transactions that meet, are everyday life.
   if (failure.kind != PgKind::kTaken && failure.kind != PgKind::kRepeat) {
-    spdlog::warn("database: {} (PostgreSQL {})", failure.words,
-                 failure.state.empty() ? "connection" : failure.state);
+    WarnOfDatabase(failure.words + " (PostgreSQL " +
+                   (failure.state.empty() ? "connection" : failure.state) + ")");
   }
   return Status(code, PgAdvice(failure.kind));
 }

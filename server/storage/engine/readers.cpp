@@ -1,6 +1,6 @@
 #include "server/storage/engine/readers.h"
 
-#include <spdlog/spdlog.h>
+#include "server/storage/engine/database_log.h"
 
 namespace enamel::server {
 
@@ -25,7 +25,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
     --open_;
     returned_.notify_one();
   }
-  spdlog::warn("database: {}", db.status().message());
+  WarnOfDatabase(db.status().message());
   return Status(db.status().code(), "the database cannot be read; the log says why");
 }
 
