@@ -1,13 +1,114 @@
 #include "station/sdk/answering.h"
 
+#include <algorithm>
 #include <cmath>
 
-namespace enamel::station::sdk {
+#include "station/devices/limited.h"
 
-Status SaysNothing(const std::string& name) {
+namespace enamel::station::sdk {
+namespace {
+
+using namespace std::chrono;
+
+// An answer that did not come within this time is lost. While opening, the driver waits so long for each.
+constexpr milliseconds kLost{50};
+constexpr seconds kSilence{1};
+// Exchanges that are timed then, and how many of them may be late before it is not now and then.
+constexpr int kTimedAnswers = 100, kFewLate = 10, kManyLate = kTimedAnswers / 2;
+
+}  // namespace
+
+PolledBus::Heard AnsweringBus::Read(Pose& out) {
+  switch (Next(patience_)) {
+    case Got::kClosed:
+      return Heard::kGone;
+    case Got::kNothing:
+      return Heard::kNothing;
+    case Got::kAnswer:
+      break;
+  }
+  out.asked_ns = nanoseconds(answered_.time_since_epoch()).count();
+  return Understand(out);
+}
+
+bool AnsweringBus::Send(const dvec3& force_n) {
+  if (!DropLate()) return false;
+  owed_.push_back(Clock::now());
+  return Ask(Limited(force_n, peak_n_));
+}
+
+Status AnsweringBus::Open() {
+  patience_ = kLost;
+  ENAMEL_RETURN_IF_ERROR(AwaitReady());
+  return ChoosePatience();
+}
+
+AnsweringBus::Got AnsweringBus::Next(microseconds patience) {
+  const Got got = Await(patience);
+  if (got != Got::kAnswer || owed_.empty()) return got;
+  answered_ = owed_.front();
+  owed_.pop_front();
+  is_unsure_ = !owed_.empty();
+  if (is_unsure_ && !unsure_since_) unsure_since_ = Clock::now();
+  return got;
+}
+
+// An answer that came too late answers nothing any more: kept, each later answer would be one exchange
+// old. Where an answer came while several were owed, this waits for the others. False: the device is
+// detached.
+bool AnsweringBus::DropLate() {
+  const auto until = Clock::now() + (is_unsure_ ? patience_ : milliseconds(0));
+  Got got = Got::kAnswer;
+  while (got == Got::kAnswer) {
+    const auto left = owed_.empty() ? Clock::duration(0) : until - Clock::now();
+    got = Next(std::max(microseconds(0), duration_cast<microseconds>(left)));
+  }
+  ForgetLost();
+  is_unsure_ = false;
+  return got != Got::kClosed;
+}
+
+void AnsweringBus::ForgetLost() {
+  const auto since = Clock::now() - kLost;
+  while (!owed_.empty() && owed_.front() < since) owed_.pop_front();
+  // Each later answer takes the place of a lost one, so that the first of them is never old.
+  if (unsure_since_ && *unsure_since_ < since) owed_.clear();
+  if (owed_.empty()) unsure_since_.reset();
+}
+
+Status AnsweringBus::AwaitReady() {
+  const auto until = Clock::now() + kSilence;
+  while (Clock::now() < until) {
+    Pose pose;
+    if (!Send(dvec3(0))) break;
+    const Heard heard = Read(pose);
+    if (heard == Heard::kGone) break;
+    if (heard == Heard::kNothing) continue;
+    ENAMEL_ASSIGN_OR_RETURN(const bool is_ready, IsReady(heard, pose));
+    if (is_ready) return Status::Ok();
+  }
   return Status(Code::kUnavailable,
-                name + " sends no pose within a second: switch it on, and plug it in again",
+                Name() + " sends no pose within a second: switch it on, and plug it in again",
                 "device");
+}
+
+Status AnsweringBus::ChoosePatience() {
+  int late = 0, too_late = 0;
+  for (int i = 0; i < kTimedAnswers && too_late <= kManyLate; ++i) {
+    Pose pose;
+    const auto begin = Clock::now();
+    if (!Send(dvec3(0)) || Read(pose) == Heard::kGone) break;  // as the next exchange finds
+    late += Clock::now() - begin > kAnswerPatience;
+    too_late += Clock::now() - begin > kLongestPatience;
+  }
+  if (too_late > kManyLate) {
+    return Status(Code::kUnavailable,
+                  Name() + " takes more than " + std::to_string(kLongestPatience.count()) +
+                      " ms for half of its answers: close other programs, and " + faster_,
+                  "device");
+  }
+  patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
+  return Status::Ok();
 }
 
 Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,

@@ -1,13 +1,9 @@
-#include <algorithm>
 #include <array>
 #include <boost/json.hpp>
 #include <cmath>
-#include <deque>
 #include <numbers>
-#include <optional>
 #include <vector>
 
-#include "station/devices/limited.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/web_socket.h"
@@ -18,17 +14,11 @@ namespace enamel::station::sdk {
 namespace {
 
 namespace json = boost::json;
-using Clock = std::chrono::steady_clock;
 
 constexpr const char* kHost = "localhost";
 constexpr const char* kPort = "10001";
 constexpr const char* kProfile = "inverse3";
 constexpr std::chrono::seconds kInventoryPatience{1};
-// An answer that did not come within this time is lost. While opening, the driver waits so long for each.
-constexpr std::chrono::milliseconds kLost{50};
-constexpr std::chrono::seconds kSilence{1};
-// Exchanges that are timed then, and how many of them may be late before it is not now and then.
-constexpr int kTimedAnswers = 100, kFewLate = 10, kHalf = kTimedAnswers / 2;
 // Answers without a position to a force in one form, before the other form is tried.
 constexpr int kQuestionsOfAForm = 20;
 // The service's documentation names a force's member in the first way, public clients in the second.
@@ -105,36 +95,42 @@ Result<json::value> ReadInventory(WebSocket& socket) {
   return out;
 }
 
-class Inverse3 final : public PolledBus {
+class Inverse3 final : public AnsweringBus {
  public:
   Inverse3(const BusChoice& choice, std::unique_ptr<WebSocket> socket)
-      : peak_n_(choice.peak_n), socket_(std::move(socket)) {}
+      : AnsweringBus(choice.peak_n, "run its service on this computer"),
+        socket_(std::move(socket)) {}
   // Closed at once, the connection could take the last force with it.
-  ~Inverse3() override { (void)socket_->Read(text_, patience_); }
+  ~Inverse3() override { (void)Await(patience()); }
 
   std::string Name() const override { return NameOf(id_); }
   std::string Driver() const override { return "inverse3"; }
   std::string Unit() const override { return UnitNamed(id_); }
-  bool answers() const override { return true; }
 
-  Heard Read(Pose& out) override {
-    switch (Next(patience_)) {
-      case WebSocket::Got::kClosed:
-        return Heard::kGone;
-      case WebSocket::Got::kNothing:
-        return Heard::kNothing;
+  // Reads what is attached, and then opens it. Errors: as Open; kNotFound, with what to do.
+  Status Begin() {
+    ENAMEL_RETURN_IF_ERROR(TakeInventory());
+    return Open();
+  }
+
+ private:
+  Got Await(std::chrono::microseconds patience) override {
+    switch (socket_->Read(text_, patience)) {
       case WebSocket::Got::kMessage:
+        return Got::kAnswer;
+      case WebSocket::Got::kNothing:
+        return Got::kNothing;
+      case WebSocket::Got::kClosed:
         break;
     }
-    out.asked_ns = std::chrono::nanoseconds(answered_.time_since_epoch()).count();
+    return Got::kClosed;
+  }
+  Heard Understand(Pose& out) override {
     boost::system::error_code error;
     const json::value message = json::parse(text_, error);
     return error ? Heard::kRefused : Take(message, out);
   }
-  bool Send(const dvec3& force_n) override {
-    if (!DropLate()) return false;
-    owed_.push_back(Clock::now());
-    const dvec3 f = Limited(force_n, peak_n_);
+  bool Ask(const dvec3& f) override {
     const json::value newtons{{"x", f.x}, {"y", f.y}, {"z", f.z}};
     const json::object force{{kForms[form_], newtons}};
     const json::object commands{{"set_cursor_force", force}};
@@ -143,51 +139,17 @@ class Inverse3 final : public PolledBus {
     return socket_->Write(json::serialize(message));
   }
 
-  // Reads what is attached and finds the form of a force that the service takes. Errors:
-  // kUnavailable, kNotFound, with what to do.
-  Status Begin() {
-    ENAMEL_RETURN_IF_ERROR(TakeInventory());
-    for (form_ = 0; form_ < kForms.size(); ++form_) {
-      if (HasPosition()) return ChoosePatience();
-      if (!has_answered_) return SaysNothing(Name());
-    }
+  // The service gives a position only to a client whose force it understood. Only answers count
+  // against a form: one that is merely late must not leave the other form chosen, without a force.
+  Result<bool> IsReady(Heard heard, const Pose&) override {
+    if (heard == Heard::kPose) return true;
+    if (++without_position_ < kQuestionsOfAForm) return false;
+    without_position_ = 0;
+    if (++form_ < kForms.size()) return false;
     return Status(Code::kUnavailable,
                   Name() + ": its service gives no position in answer to a force, named " +
                       kForms[0] + " or " + kForms[1] + ": update the service",
                   "device");
-  }
-
- private:
-  WebSocket::Got Next(std::chrono::microseconds patience) {
-    const auto got = socket_->Read(text_, patience);
-    if (got != WebSocket::Got::kMessage || owed_.empty()) return got;
-    answered_ = owed_.front();
-    owed_.pop_front();
-    is_unsure_ = !owed_.empty();
-    if (is_unsure_ && !unsure_since_) unsure_since_ = Clock::now();
-    return got;
-  }
-  // An answer that came too late answers nothing any more: kept, each later answer would be one
-  // exchange old. Where an answer came while several were owed, this waits for the others. False: the
-  // connection is closed.
-  bool DropLate() {
-    const auto until = Clock::now() + (is_unsure_ ? patience_ : std::chrono::milliseconds(0));
-    auto got = WebSocket::Got::kMessage;
-    while (got == WebSocket::Got::kMessage) {
-      const auto left = owed_.empty() ? Clock::duration(0) : until - Clock::now();
-      got = Next(std::max(std::chrono::microseconds(0),
-                          std::chrono::duration_cast<std::chrono::microseconds>(left)));
-    }
-    ForgetLost();
-    is_unsure_ = false;
-    return got != WebSocket::Got::kClosed;
-  }
-  void ForgetLost() {
-    const auto since = Clock::now() - kLost;
-    while (!owed_.empty() && owed_.front() < since) owed_.pop_front();
-    // Each later answer takes the place of a lost one, so that the first of them is never old.
-    if (unsure_since_ && *unsure_since_ < since) owed_.clear();
-    if (owed_.empty()) unsure_since_.reset();
   }
   Status TakeInventory() {
     ENAMEL_ASSIGN_OR_RETURN(const json::value message, ReadInventory(*socket_));
@@ -202,44 +164,6 @@ class Inverse3 final : public PolledBus {
     if (problem.empty()) return Status::Ok();
     return Status(Code::kUnavailable, Name() + ": " + problem, "device");
   }
-  // The service gives a position only to a client whose force it understood. Only answers count
-  // against a form: one that is merely late must not leave the other form chosen, without a force.
-  bool HasPosition() {
-    int without_position = 0;
-    const auto until = Clock::now() + kSilence;
-    while (Clock::now() < until && without_position < kQuestionsOfAForm) {
-      Pose pose;
-      if (!Send(dvec3(0))) return false;
-      const Heard heard = Read(pose);
-      if (heard == Heard::kPose) return true;
-      if (heard == Heard::kGone) return false;
-      without_position += heard == Heard::kRefused;
-    }
-    has_answered_ = without_position == kQuestionsOfAForm;
-    return false;
-  }
-
-  Status ChoosePatience() {
-    int late = 0, too_late = 0;
-    for (int i = 0; i < kTimedAnswers && too_late <= kHalf; ++i) {
-      Pose pose;
-      const auto begin = Clock::now();
-      if (!Send(dvec3(0)) || Read(pose) == Heard::kGone) break;  // as the next exchange finds
-      late += Clock::now() - begin > kAnswerPatience;
-      too_late += Clock::now() - begin > kLongestPatience;
-    }
-    if (too_late > kHalf) {
-      return Status(Code::kUnavailable,
-                    Name() + ": its service takes more than " +
-                        std::to_string(kLongestPatience.count()) +
-                        " ms for half of its answers: close other programs, and run the service on "
-                        "this computer",
-                    "device");
-    }
-    patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
-    return Status::Ok();
-  }
-
   Heard Take(const json::value& message, Pose& out) const {
     // A service that restarted has another session; the device's settings and calibration are lost.
     const std::string session = Text(Member(&message, "session_id"));
@@ -274,16 +198,10 @@ class Inverse3 final : public PolledBus {
                 IsTrue(Member(buttons, "button_1"));
   }
 
-  const double peak_n_;
   const std::unique_ptr<WebSocket> socket_;
-  std::chrono::milliseconds patience_ = kLost;
   std::string text_, id_, session_;
   size_t form_ = 0;
-  std::deque<Clock::time_point> owed_;  // when each question without an answer was asked
-  Clock::time_point answered_;          // when the question to the newest answer was
-  bool is_unsure_ = false;              // the newest answer came while others were owed
-  std::optional<Clock::time_point> unsure_since_;
-  bool has_answered_ = false;
+  int without_position_ = 0;
 };
 
 struct Place {

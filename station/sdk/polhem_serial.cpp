@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "station/devices/limited.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/device_file.h"
@@ -25,9 +24,6 @@ namespace enamel::station::sdk {
 namespace {
 
 constexpr size_t kSerialLine = 64;
-// Two answers may be lost before the loop has missed five ticks and latches a fault.
-constexpr std::chrono::milliseconds kAnswerPatience{2};
-constexpr int kTries = 500;                    // a second
 constexpr std::string_view kTeensy = "16c0:";  // Teensy boards; their builds differ in the product
 // The counters of an arm that is held at home, a to f (v3, since 2020-10-27).
 constexpr std::array<int, 6> kSerialHome = {8298, -10771, 19756, 0, 30, 0};
@@ -72,43 +68,59 @@ Quat About(const dvec3& axis, double rad) {
   return {v.x, v.y, v.z, std::cos(rad / 2)};
 }
 
-class PolhemSerial final : public PolledBus {
+class PolhemSerial final : public AnsweringBus {
  public:
   PolhemSerial(const BusChoice& choice, std::unique_ptr<Fd> port, std::string unit)
-      : peak_n_(choice.peak_n), unit_(std::move(unit)), port_(std::move(port)) {}
+      : AnsweringBus(choice.peak_n, "plug it into this computer without a hub"),
+        reach_m_(choice.reach_m),
+        unit_(std::move(unit)),
+        port_(std::move(port)) {
+    SetUp();
+  }
 
   std::string Name() const override { return "Polhem v3"; }
   std::string Driver() const override { return "polhem_serial"; }
   std::string Unit() const override { return unit_; }
-  bool answers() const override { return true; }
 
-  Heard Read(Pose& out) override {
-    // A line may come in pieces.
-    const auto until = std::chrono::steady_clock::now() + kAnswerPatience;
-    Heard heard = Heard::kNothing;
-    for (auto left = kAnswerPatience; heard == Heard::kNothing && left.count() > 0;
-         left = std::chrono::ceil<std::chrono::milliseconds>(until -
-                                                             std::chrono::steady_clock::now())) {
+ private:
+  // A line may come in pieces.
+  Got Await(std::chrono::microseconds patience) override {
+    const auto until = Clock::now() + patience;
+    while (!TakeLine()) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
       pollfd ready{port_->get(), POLLIN, 0};
-      if (::poll(&ready, 1, static_cast<int>(left.count())) == 0) break;
-      if (!Fill()) return Heard::kGone;
-      heard = TakeLines(out);
+      if (::poll(&ready, 1, static_cast<int>(std::max<int64_t>(left.count(), 0))) == 0) {
+        return Got::kNothing;
+      }
+      if (!Fill()) return Got::kClosed;
     }
-    return heard;
+    return Got::kAnswer;
   }
-  bool Send(const dvec3& force_n) override {
-    // An answer that came too late answers nothing any more: kept, each later answer would be one
-    // exchange old.
-    if (!Fill()) return false;
-    text_.clear();
-    const dvec3 mn = ToUserward(Limited(force_n, peak_n_)) * 1e3;
+  Heard Understand(Pose& out) override {
+    if (!answer_) return Heard::kRefused;
+    Take(*answer_, out);
+    return Heard::kPose;
+  }
+  // An arm whose button was pressed before the session gets its counters.
+  bool Ask(const dvec3& force_n) override {
+    if (!is_ready_ && asks_for_home_) {
+      return Write({kSerialHome[3], kSerialHome[4], kSerialHome[5], kSetCounters, kSerialHome[0],
+                    kSerialHome[1], kSerialHome[2]});
+    }
+    const dvec3 mn = ToUserward(force_n) * 1e3;
     return Write({static_cast<int>(std::lround(mn.x)), static_cast<int>(std::lround(mn.y)),
                   static_cast<int>(std::lround(mn.z)), kForce, 0, 0, 0});
   }
+  Result<bool> IsReady(Heard heard, const Pose& pose) override {
+    if (heard != Heard::kPose || asks_for_home_) return false;
+    ENAMEL_RETURN_IF_ERROR(
+        CheckHome(Name(), pose.tip_m, reach_m_,
+                  "hold its arm at the home pose and press its calibration button"));
+    is_ready_ = true;
+    return true;
+  }
 
-  // Sets the line up and awaits the first pose. An arm whose button was pressed gets its counters.
-  // Errors: kUnavailable.
-  Status Begin(double reach_m) {
+  void SetUp() {
     termios line{};
     if (::tcgetattr(port_->get(), &line) == 0) {
       ::cfmakeraw(&line);
@@ -121,19 +133,7 @@ class PolhemSerial final : public PolledBus {
       serial.flags |= ASYNC_LOW_LATENCY;
       ::ioctl(port_->get(), TIOCSSERIAL, &serial);
     }
-    for (int i = 0; i < kFirstQuestions; ++i) {
-      Pose pose;
-      if (!(asks_for_home_ ? SendHome() : Send(dvec3(0)))) break;
-      const Heard heard = Read(pose);
-      if (heard == Heard::kGone) break;
-      if (heard != Heard::kPose || asks_for_home_) continue;
-      return CheckHome(Name(), pose.tip_m, reach_m,
-                       "hold its arm at the home pose and press its calibration button");
-    }
-    return SaysNothing(Name());
   }
-
- private:
   // All that is there. False: the port is gone.
   bool Fill() {
     std::array<char, 256> piece;
@@ -150,17 +150,16 @@ class PolhemSerial final : public PolledBus {
       }
     }
   }
-  // The newest answer counts. A line without a word is what older firmware sends in between.
-  Heard TakeLines(Pose& out) {
-    Heard heard = Heard::kNothing;
-    for (size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1)) {
-      const std::string_view line(text_.data(), end);
+  // The next line with a word: one without is what older firmware sends in between. False: none.
+  bool TakeLine() {
+    for (size_t end; (end = text_.find('\n')) != std::string::npos;) {
+      const std::string line = text_.substr(0, end);
+      text_.erase(0, end + 1);
       if (line.find_first_not_of(" \r") == line.npos) continue;
-      const auto answer = Parse(line);
-      heard = answer ? Heard::kPose : Heard::kRefused;
-      if (answer) Take(*answer, out);
+      answer_ = Parse(line);
+      return true;
     }
-    return heard;
+    return false;
   }
   bool Write(const std::array<int, 7>& words) {
     std::array<char, kSerialLine + 1> line;
@@ -174,10 +173,6 @@ class PolhemSerial final : public PolledBus {
     return ::write(port_->get(), line.data(), kSerialLine) >= 0 || errno == EAGAIN ||
            errno == EINTR;
   }
-  bool SendHome() {
-    return Write({kSerialHome[3], kSerialHome[4], kSerialHome[5], kSetCounters, kSerialHome[0],
-                  kSerialHome[1], kSerialHome[2]});
-  }
   void Take(const Answer& answer, Pose& out) {
     asks_for_home_ = answer.info == 1;
     out.tip_m = FromUserward({answer.tip_mm[0], answer.tip_mm[1], answer.tip_mm[2]}) * 1e-3;
@@ -189,11 +184,12 @@ class PolhemSerial final : public PolledBus {
     out.orientation = {axis.x, axis.y, axis.z, q.w};
   }
 
-  const double peak_n_;
+  const double reach_m_;
   const std::string unit_;
   const std::unique_ptr<Fd> port_;
-  std::string text_;
-  bool asks_for_home_ = false;
+  std::string text_;  // what has come after the last whole line
+  std::optional<Answer> answer_;
+  bool asks_for_home_ = false, is_ready_ = false;
 };
 
 std::string UnitOf(const std::string& path) {
@@ -228,7 +224,7 @@ Result<std::unique_ptr<PolledBus>> OpenPolhemSerial(const BusChoice& choice) {
   }
   ENAMEL_ASSIGN_OR_RETURN(auto port, OpenAlone(path));
   auto bus = std::make_unique<PolhemSerial>(choice, std::move(port), UnitOf(path));
-  ENAMEL_RETURN_IF_ERROR(bus->Begin(choice.reach_m));
+  ENAMEL_RETURN_IF_ERROR(bus->Open());
   return std::unique_ptr<PolledBus>(std::move(bus));
 }
 

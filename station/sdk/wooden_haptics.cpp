@@ -1,8 +1,9 @@
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
-#include "station/devices/limited.h"
 #include "station/hid/hid_reader.h"
 #include "station/hid/open_device.h"
 #include "station/sdk/answering.h"
@@ -161,12 +162,13 @@ class Arm {
   dvec3 angle_{0};
 };
 
-class WoodenHaptics final : public PolledBus {
+class WoodenHaptics final : public AnsweringBus {
  public:
   WoodenHaptics(const Model& model, const BusChoice& choice, std::unique_ptr<Fd> claim,
                 std::unique_ptr<hid::HidPort> port, std::string unit)
-      : model_(model),
-        peak_n_(choice.peak_n),
+      : AnsweringBus(choice.peak_n, "plug it into this computer without a hub"),
+        model_(model),
+        reach_m_(choice.reach_m),
         unit_(std::move(unit)),
         claim_(std::move(claim)),
         port_(std::move(port)),
@@ -175,49 +177,36 @@ class WoodenHaptics final : public PolledBus {
   std::string Name() const override { return std::string(model_.name); }
   std::string Driver() const override { return std::string(model_.driver); }
   std::string Unit() const override { return unit_; }
-  bool answers() const override { return true; }
 
-  Heard Read(Pose& out) override {
-    std::array<uint8_t, 64> report;
-    int got = port_->Read(report, static_cast<int>(kAnswerPatience.count()));
-    if (got < 0) return Heard::kGone;
-    if (got == 0) return Heard::kNothing;
-    report_bytes_ = static_cast<size_t>(got);
+ private:
+  Got Await(std::chrono::microseconds patience) override {
+    const auto patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience);
+    const int got = port_->Read(report_, static_cast<int>(patience_ms.count()));
+    report_bytes_ = static_cast<size_t>(std::max(got, 0));
+    return got < 0 ? Got::kClosed : got == 0 ? Got::kNothing : Got::kAnswer;
+  }
+  Heard Understand(Pose& out) override {
     if (report_bytes_ != model_.report_bytes) return Heard::kRefused;
-    if (!arm_.Take(ByteView(report.data(), report_bytes_))) return Heard::kGone;
+    if (!arm_.Take(ByteView(report_.data(), report_bytes_))) return Heard::kGone;
     out.tip_m = FromUserward(arm_.Tip());
     const Quat q = arm_.Turned();
     const dvec3 axis = FromUserward({q.x, q.y, q.z});
     out.orientation = {axis.x, axis.y, axis.z, q.w};
     return Heard::kPose;
   }
-  bool Send(const dvec3& force_n) override {
-    // An answer that came too late answers nothing any more: kept, each later answer would be one
-    // exchange old.
-    std::array<uint8_t, 64> late;
-    int got;
-    while ((got = port_->Read(late, 0)) > 0) {
-    }
-    if (got < 0) return false;
-    const auto ma = arm_.Currents_ma(ToUserward(Limited(force_n, peak_n_)));
+  // An arm whose button was pressed before the session gets its counters.
+  bool Ask(const dvec3& force_n) override {
+    if (!is_ready_ && arm_.asks_for_home()) return SendHome();
+    const auto ma = arm_.Currents_ma(ToUserward(force_n));
     return Write({ma[0], ma[1], ma[2], 0, 0, 0, 0});
   }
-
-  // Awaits the first pose. An arm whose button was pressed gets its counters. Errors: kUnavailable.
-  Status Begin(double reach_m) {
-    for (int i = 0; i < kFirstQuestions; ++i) {
-      Pose pose;
-      if (!(arm_.asks_for_home() ? SendHome() : Send(dvec3(0)))) break;
-      const Heard heard = Read(pose);
-      if (heard == Heard::kGone) break;
-      if (heard == Heard::kRefused) return OtherReports();
-      if (heard != Heard::kPose || arm_.asks_for_home()) continue;
-      return CheckHome(Name(), pose.tip_m, reach_m, model_.how_to_home);
-    }
-    return SaysNothing(Name());
+  Result<bool> IsReady(Heard heard, const Pose& pose) override {
+    if (heard == Heard::kRefused) return OtherReports();
+    if (arm_.asks_for_home()) return false;
+    ENAMEL_RETURN_IF_ERROR(CheckHome(Name(), pose.tip_m, reach_m_, model_.how_to_home));
+    is_ready_ = true;
+    return true;
   }
-
- private:
   // Seven words; the arm with the shorter report takes the first four.
   bool Write(const std::array<int16_t, 7>& words) {
     Bytes report(1 + model_.report_bytes);  // a leading 0: its reports have no ids
@@ -242,12 +231,14 @@ class WoodenHaptics final : public PolledBus {
   }
 
   const Model& model_;
-  const double peak_n_;
+  const double reach_m_;
   const std::string unit_;
   const std::unique_ptr<Fd> claim_;
   const std::unique_ptr<hid::HidPort> port_;
   Arm arm_;
+  std::array<uint8_t, 64> report_{};
   size_t report_bytes_ = 0;
+  bool is_ready_ = false;
 };
 
 std::string UnitOf(const Model& model, const hid::HidInfo& info) {
@@ -268,7 +259,7 @@ Result<std::unique_ptr<PolledBus>> Open(const Model& model, const BusChoice& cho
   ENAMEL_ASSIGN_OR_RETURN(auto port, hid::HidPort::Open(info.path));
   auto bus = std::make_unique<WoodenHaptics>(model, choice, std::move(claim), std::move(port),
                                              UnitOf(model, info));
-  ENAMEL_RETURN_IF_ERROR(bus->Begin(choice.reach_m));
+  ENAMEL_RETURN_IF_ERROR(bus->Open());
   return std::unique_ptr<PolledBus>(std::move(bus));
 }
 

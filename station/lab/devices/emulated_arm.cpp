@@ -12,6 +12,18 @@ void EmulatedArm::CutAfter(size_t bytes) {
   left_ = bytes;
 }
 
+void EmulatedArm::Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter) {
+  std::lock_guard lock(mutex_);
+  delay_ = delay;
+  jitter_ = jitter;
+}
+
+std::chrono::microseconds EmulatedArm::Wait() {
+  std::lock_guard lock(mutex_);
+  return delay_ + std::chrono::microseconds(
+                      std::uniform_int_distribution<int64_t>(0, jitter_.count())(random_));
+}
+
 Bytes EmulatedArm::Through(Bytes answer) {
   if (mute_) return {};
   if (answer.size() > left_) {

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <mutex>
+#include <random>
 #include <string>
 
 #include "common/base/bytes.h"
@@ -26,6 +28,9 @@ class EmulatedArm {
 
   // The requests from now on have no answer.
   void Mute(bool mute) { mute_ = mute; }
+  // Requests are taken so long after they came, one at a time, evenly spread from `delay` to `delay` +
+  // `jitter`.
+  void Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter);
   // After so many more bytes of answers no more come.
   void CutAfter(size_t bytes);
   bool is_cut() const { return cut_; }
@@ -35,6 +40,8 @@ class EmulatedArm {
  protected:
   // The part of an answer that still gets through; to be called under mutex_.
   Bytes Through(Bytes answer);
+  // How long the next request waits; not to be called under mutex_.
+  std::chrono::microseconds Wait();
 
   mutable std::mutex mutex_;
   std::array<int, 3> told_{};
@@ -43,6 +50,8 @@ class EmulatedArm {
  private:
   std::atomic<bool> mute_{false}, cut_{false};
   size_t left_ = SIZE_MAX;  // bytes until the cut
+  std::chrono::microseconds delay_{0}, jitter_{0};
+  std::mt19937 random_{39};
 };
 
 }  // namespace enamel::station::lab

@@ -8,9 +8,9 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <boost/json.hpp>
+#include <chrono>
 #include <cmath>
 #include <map>
-#include <random>
 #include <set>
 #include <thread>
 
@@ -87,16 +87,11 @@ struct EmulatedInverse3::Service {
         Answer(*session, message);
         Read(session);
       };
-      const std::chrono::microseconds late = Late();
+      const std::chrono::microseconds late = arm.Wait();
       if (late.count() == 0) return answer({});
       session->due.expires_after(late);
       session->due.async_wait(answer);
     });
-  }
-  std::chrono::microseconds Late() {
-    std::lock_guard lock(arm.mutex_);
-    return delay + std::chrono::microseconds(
-                       std::uniform_int_distribution<int64_t>(0, jitter.count())(random));
   }
   // As on the wire: bytes that the peer no longer takes are lost.
   static void Send(Session& session, const Bytes& bytes) {
@@ -170,8 +165,6 @@ struct EmulatedInverse3::Service {
   std::string form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
   double damping = 0;
-  std::chrono::microseconds delay{0}, jitter{0};
-  std::mt19937 random{39};
 };
 
 EmulatedInverse3::EmulatedInverse3() : service_(std::make_unique<Service>(*this)) {
@@ -210,12 +203,6 @@ void EmulatedInverse3::Take(const std::string& form) {
 void EmulatedInverse3::Status(const std::string& member, bool value) {
   std::lock_guard lock(mutex_);
   service_->status[member] = value;
-}
-
-void EmulatedInverse3::Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter) {
-  std::lock_guard lock(mutex_);
-  service_->delay = delay;
-  service_->jitter = jitter;
 }
 
 void EmulatedInverse3::Damp(double scalar) {

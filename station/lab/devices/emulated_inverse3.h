@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -34,8 +33,6 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Take(const std::string& form);
   // What the status says of `member` ("calibrated", "power_supply", "ready") from now on.
   void Status(const std::string& member, bool value);
-  // Answers come so long after their request, evenly spread from `delay` to `delay` + `jitter`.
-  void Delay(std::chrono::microseconds delay, std::chrono::microseconds jitter);
   // The service's filters.damping.scalar.
   void Damp(double scalar);
   // From now on messages are of another session, as after a restart.

@@ -38,13 +38,39 @@ EmulatedHidArm::EmulatedHidArm(bool polhem)
   device.path = path_;
   device.vendor = 0x1234;
   device.product = 0x0006;
-  device.answer = [this](ByteView report) { return Answer(report); };
+  device.answer = [this](ByteView report) {
+    std::lock_guard lock(inbox_mutex_);
+    inbox_.emplace_back(report.begin(), report.end());
+    written_.notify_one();
+    return Bytes{};
+  };
   HidBus::Get().Plug(device);
+  thread_ = std::thread([this] { Run(); });
 }
 
 EmulatedHidArm::~EmulatedHidArm() {
   HidBus::Get().Unplug(path_);
+  {
+    std::lock_guard lock(inbox_mutex_);
+    stop_ = true;
+    written_.notify_one();
+  }
+  thread_.join();
   std::filesystem::remove(path_);
+}
+
+void EmulatedHidArm::Run() {
+  std::unique_lock lock(inbox_mutex_);
+  while (true) {
+    written_.wait(lock, [&] { return stop_ || !inbox_.empty(); });
+    if (stop_) return;
+    const Bytes report = std::move(inbox_.front());
+    inbox_.pop_front();
+    lock.unlock();
+    if (const auto wait = Wait(); wait.count() > 0) std::this_thread::sleep_for(wait);
+    if (const Bytes answer = Answer(report); !answer.empty()) HidBus::Get().Send(path_, answer);
+    lock.lock();
+  }
 }
 
 void EmulatedHidArm::Unplug() { HidBus::Get().Unplug(path_); }
@@ -144,6 +170,7 @@ void EmulatedSerialArm::Run() {
 }
 
 void EmulatedSerialArm::Take(const std::string& line) {
+  if (const auto wait = Wait(); wait.count() > 0) std::this_thread::sleep_for(wait);
   std::lock_guard lock(mutex_);
   ++requests_;
   int w[7] = {};

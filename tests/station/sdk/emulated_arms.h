@@ -2,6 +2,8 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -38,6 +40,7 @@ class EmulatedHidArm final : public EmulatedArm {
   const std::string& path() const { return path_; }
 
  private:
+  void Run();
   Bytes Answer(ByteView report);
 
   const bool polhem_;
@@ -45,6 +48,12 @@ class EmulatedHidArm final : public EmulatedArm {
   std::array<int, 6> counters_;
   int info_ = 0;
   std::atomic<bool> homed_{false};
+  // What the firmware has not read yet.
+  std::mutex inbox_mutex_;
+  std::condition_variable written_;
+  std::deque<Bytes> inbox_;
+  bool stop_ = false;
+  std::thread thread_;
 };
 
 // Polhem v3 on a pseudo terminal.
