@@ -66,7 +66,7 @@ boost::json::object Show(const HidInfo& info, const std::filesystem::path& data)
 void ShowSdk(boost::json::array& listed, const std::filesystem::path& data) {
   std::printf("\nDrivers for devices that can be bought:\n");
   const auto attached = sdk::ListSdkDevices();
-  for (const std::string& choice : sdk::BuiltIn()) {
+  for (const std::string& choice : sdk::Drivers()) {
     if (std::ranges::find(attached, choice, &sdk::SdkDevice::choice) == attached.end()) {
       std::printf("%-28s finds no device\n", choice.c_str());
     }

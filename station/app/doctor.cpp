@@ -251,6 +251,7 @@ void Delays(const fs::path& data, std::vector<Finding>& out) {
     out.push_back(DelayFinding(delay, DelayText(delay, hid::DeviceNameOf(info))));
   }
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
+    if (found.profile.empty()) continue;  // without its library nothing is known of it
     out.push_back(DelayOf(data, found));
     const std::string asked = sdk::AskedForText(found);
     if (!asked.empty()) out.push_back({"profile", Verdict::kWarn, asked, ""});

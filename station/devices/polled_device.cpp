@@ -83,6 +83,7 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
   }
   m.sample.orientation = ToQuantised(pose.orientation);
   m.sample.attached = attached;
+  m.sample.driven = pose.driven;
   if (attached && pose.pedal) {
     m.sample.buttons = kPedal;
     m.sample.bur_speed_krpm = kTurbineSpeed_krpm;

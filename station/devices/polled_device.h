@@ -27,6 +27,7 @@ class PolledBus {
     dvec3 tip_m{0};    // scene axes
     Quat orientation;  // scene from tool
     bool pedal = false;
+    bool driven = true;  // as DeviceSample::driven
     // Of a device that answers, on the steady clock: when this was asked for, if that may have been in an
     // earlier exchange; else 0.
     int64_t asked_ns = 0;

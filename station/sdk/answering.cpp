@@ -87,9 +87,7 @@ Status AnsweringBus::AwaitReady() {
     ENAMEL_ASSIGN_OR_RETURN(const bool is_ready, IsReady(heard, pose));
     if (is_ready) return Status::Ok();
   }
-  return Status(Code::kUnavailable,
-                Name() + " sends no pose within a second: switch it on, and plug it in again",
-                "device");
+  return SaysNothing(Name());
 }
 
 Status AnsweringBus::ChoosePatience() {
@@ -109,6 +107,12 @@ Status AnsweringBus::ChoosePatience() {
   }
   patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
   return Status::Ok();
+}
+
+Status SaysNothing(const std::string& name) {
+  return Status(Code::kUnavailable,
+                name + " sends no pose within a second: switch it on, and plug it in again",
+                "device");
 }
 
 Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,

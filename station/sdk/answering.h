@@ -63,6 +63,9 @@ class AnsweringBus : public PolledBus {
   std::optional<Clock::time_point> unsure_since_;
 };
 
+// Of a device that gives no first pose.
+Status SaysNothing(const std::string& name);
+
 // Whether a first pose, m from the middle of the workspace, is within the arm's reach. One whose encoders
 // lost their home is not, or by chance. Errors: kUnavailable, with `how_to_home`.
 Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,

@@ -18,7 +18,7 @@ struct BusChoice {
   double reach_m = 0;   // of the tip from the middle of its workspace
 };
 
-// Defined where the maker's library was found.
+// Through the maker's library. Address: the library's file, if the system's loader does not find it.
 Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice);
 std::vector<SdkDevice> FindForceDimension();
 Result<std::unique_ptr<PolledBus>> OpenOpenHaptics(const BusChoice& choice);

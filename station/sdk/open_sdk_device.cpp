@@ -15,29 +15,20 @@ namespace {
 using OpenBus = Result<std::unique_ptr<PolledBus>> (*)(const BusChoice&);
 using FindDevices = std::vector<SdkDevice> (*)();
 
-// The functions are null if this program was built without the maker's library.
 struct Driver {
-  std::string_view choice, what;
+  std::string_view choice;
   OpenBus open;
   FindDevices find;
   bool answers = false;  // as PolledBus::answers
 };
 
 constexpr std::array kDrivers = {
-#ifdef ENAMEL_WITH_DHD
-    Driver{"dhd", "Force Dimension's SDK", OpenForceDimension, FindForceDimension},
-#else
-    Driver{"dhd", "Force Dimension's SDK", nullptr, nullptr},
-#endif
-#ifdef ENAMEL_WITH_OPENHAPTICS
-    Driver{"openhaptics", "OpenHaptics", OpenOpenHaptics, FindOpenHaptics},
-#else
-    Driver{"openhaptics", "OpenHaptics", nullptr, nullptr},
-#endif
-    Driver{"woodenhaptics", "", OpenWoodenHaptics, FindWoodenHaptics, true},
-    Driver{"polhem", "", OpenPolhem, FindPolhem, true},
-    Driver{"polhem_serial", "", OpenPolhemSerial, FindPolhemSerial, true},
-    Driver{"inverse3", "", OpenInverse3, FindInverse3, true},
+    Driver{"dhd", OpenForceDimension, FindForceDimension},
+    Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics},
+    Driver{"woodenhaptics", OpenWoodenHaptics, FindWoodenHaptics, true},
+    Driver{"polhem", OpenPolhem, FindPolhem, true},
+    Driver{"polhem_serial", OpenPolhemSerial, FindPolhemSerial, true},
+    Driver{"inverse3", OpenInverse3, FindInverse3, true},
 };
 
 std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }
@@ -49,13 +40,6 @@ const Driver* Find(std::string_view choice) {
 
 Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoice& choice,
                                      const scene::DeviceProfile& profile) {
-  if (driver.open == nullptr) {
-    return Status(Code::kUnavailable,
-                  "this program was built without " + std::string(driver.what) + ", which '" +
-                      std::string(driver.choice) +
-                      "' needs: install the maker's SDK and build again (station/sdk/README.md)",
-                  "device");
-  }
   BusChoice wanted;
   if (choice.device.size() > driver.choice.size())
     wanted.address = choice.device.substr(driver.choice.size() + 1);
@@ -73,7 +57,6 @@ Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoi
 std::vector<SdkDevice> ListSdkDevices() {
   std::vector<SdkDevice> out;
   for (const Driver& driver : kDrivers) {
-    if (driver.find == nullptr) continue;
     for (SdkDevice& found : driver.find()) {
       found.choice = driver.choice;
       found.answers = driver.answers;
@@ -96,11 +79,9 @@ std::string AskedForText(const SdkDevice& device) {
          " --out FILE' measures what can be measured";
 }
 
-std::vector<std::string> BuiltIn() {
+std::vector<std::string> Drivers() {
   std::vector<std::string> out;
-  for (const Driver& driver : kDrivers) {
-    if (driver.open != nullptr) out.emplace_back(driver.choice);
-  }
+  for (const Driver& driver : kDrivers) out.emplace_back(driver.choice);
   return out;
 }
 

@@ -24,7 +24,7 @@ struct SdkDevice {
   bool answers = false;  // to forces, and only so: no maker's library switches its motors on
 };
 
-// Attached devices of the drivers built in, in the table's order. Opens those of makers' libraries briefly
+// Attached devices, in the table's order. Opens those of makers' libraries briefly
 // without switching motors on: not while one is in use. Two drivers may both list a device whose ids are
 // the same: its profile tells which. Thread safety: one at a time.
 std::vector<SdkDevice> ListSdkDevices();
@@ -33,8 +33,8 @@ std::vector<SdkDevice> ListSdkDevices();
 // if it knows all, or no such profile is built in.
 std::string AskedForText(const SdkDevice& device);
 
-// The drivers this program was built with, by choice.
-std::vector<std::string> BuiltIn();
+// By choice.
+std::vector<std::string> Drivers();
 
 // Profile name of a model: its letters and digits in lower case, words joined by _. "omega.3" is
 // omega3, "PHANTOM Desktop" is phantom_desktop.
@@ -45,7 +45,7 @@ bool IsSdkDevice(std::string_view choice);
 
 // Opens the chosen device for an attempt, through a driver of the table or hid::OpenDevice, with the
 // foot pedal if one was named. A choice of the table may be followed by ":ADDRESS" (buses.h). Errors: as
-// hid::OpenDevice; kUnavailable when this program was built without that SDK, the device is not found, is
+// hid::OpenDevice; kUnavailable when the maker's library is missing or too old, the device is not found, is
 // used by another program, or is not calibrated.
 Result<std::unique_ptr<Device>> OpenChosenDevice(const hid::DeviceChoice& choice,
                                                  const scene::DeviceProfile& profile,

@@ -16,7 +16,7 @@
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/device_file.h"
-#include "station/sdk/userward.h"
+#include "station/sdk/frames.h"
 
 // Polhem v3 on a serial port: a line of text with a force out, one with the tip in. The lines are those of
 // forsslund/haptikfabrikenapi (uhaptikfabriken.h).

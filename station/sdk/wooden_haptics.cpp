@@ -9,7 +9,7 @@
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/device_file.h"
-#include "station/sdk/userward.h"
+#include "station/sdk/frames.h"
 
 // WoodenHaptics and Polhem over HID: encoder counts in, motor currents out. The bytes and the arms'
 // dimensions are those of WoodenHaptics/woody-experimental (mbed-code/WoodenHapticsHID) and

@@ -22,7 +22,7 @@ class EmulatedArm {
   // Puts the tip about 40 um times `steps` below where it began.
   virtual void Lower(int steps) = 0;
   // What the motors were told last, in the protocol's own unit and axes.
-  std::array<int, 3> told() const;
+  virtual std::array<int, 3> told() const;
   uint64_t requests() const { return requests_; }
   virtual size_t answer_bytes() const = 0;
 

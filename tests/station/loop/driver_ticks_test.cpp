@@ -19,8 +19,8 @@
 #include "station/sdk/open_sdk_device.h"
 #include "station/uplink/live_mailbox.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/station/sdk/doubled_arm.h"
 #include "tests/station/sdk/emulated_arms.h"
-#include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
 
 // Prohibited actions of a tick, checked with every driver, and with a stalled consumer.
@@ -28,7 +28,6 @@ namespace enamel::station {
 namespace {
 
 using enamel::testing_support::TickGuard;
-using testing_support::FakeSdk;
 using testing_support::HidBus;
 using testing_support::ScriptedHid;
 
@@ -153,20 +152,7 @@ Rig Simulated(const World& w) {
   return {std::move(*device)};
 }
 
-Rig Sdk(const World& w, const char* choice, FakeSdk& sdk) {
-  sdk.With([](FakeSdk::State& s) { s.there = true; });
-  hid::DeviceChoice chosen;
-  chosen.device = choice;
-  auto device = sdk::OpenChosenDevice(chosen, w.profile, 1e-3);
-  ENAMEL_CHECK(device.ok());
-  Device* raw = device->get();
-  return {std::move(*device), [raw](int) {
-            uint64_t before = raw->counters().samples;
-            Await([&] { return raw->counters().samples > before; });
-          }};
-}
-
-// A device that only answers: its emulator has a pose for each force.
+// A device that one can buy: its emulator, or its double behind the maker's library, always has a pose.
 Rig Arm(std::shared_ptr<testing_support::EmulatedArm> arm) {
   hid::DeviceChoice chosen;
   chosen.device = arm->choice();
@@ -184,11 +170,10 @@ Rig MakeRig(const std::string& driver, const World& w) {
   if (driver == "mouse") return MouseWithPedal(w);
   if (driver == "pointer") return Pointer(w);
   if (driver == "simulated") return Simulated(w);
-  if (driver == "dhd") return Sdk(w, "dhd", FakeSdk::ForceDimension());
   if (driver == "polhem") return Arm(std::make_shared<testing_support::EmulatedHidArm>(true));
   if (driver == "polhem_serial") return Arm(std::make_shared<testing_support::EmulatedSerialArm>());
   if (driver == "inverse3") return Arm(std::make_shared<lab::EmulatedInverse3>());
-  return Sdk(w, "openhaptics", FakeSdk::OpenHaptics());
+  return Arm(std::make_shared<testing_support::DoubledArm>(driver));
 }
 
 // Passes a driver's calls on and monitors them.
@@ -227,11 +212,7 @@ class DriverTicksTest : public testing::TestWithParam<std::string> {
     rig_.device.reset();
     Reset();
   }
-  static void Reset() {
-    HidBus::Get().Reset();
-    FakeSdk::ForceDimension().Reset();
-    FakeSdk::OpenHaptics().Reset();
-  }
+  static void Reset() { HidBus::Get().Reset(); }
 
   World world_ = MakeWorld();
   Rig rig_;

@@ -15,15 +15,18 @@
 #include "station/sdk/buses.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/station/sdk/doubled_arm.h"
 #include "tests/station/sdk/emulated_arms.h"
 #include "tests/support/await_sample.h"
 
-// Devices of published protocols against emulators of their bytes.
+// Devices of published protocols against emulators of their bytes, and those of makers' libraries against
+// doubles of the libraries.
 namespace enamel::station::sdk {
 namespace {
 
 using lab::EmulatedArm;
 using lab::EmulatedInverse3;
+using testing_support::DoubledArm;
 using testing_support::EmulatedHidArm;
 using testing_support::EmulatedSerialArm;
 using testing_support::HidBus;
@@ -55,6 +58,7 @@ std::unique_ptr<Device> MustOpen(const EmulatedArm& arm) {
 std::unique_ptr<EmulatedArm> Make(const std::string& name) {
   if (name == "polhem_serial") return std::make_unique<EmulatedSerialArm>();
   if (name == "inverse3") return std::make_unique<EmulatedInverse3>();
+  if (name == "dhd" || name == "openhaptics") return std::make_unique<DoubledArm>(name);
   return std::make_unique<EmulatedHidArm>(name == "polhem");
 }
 
@@ -85,6 +89,8 @@ class ArmsTest : public testing::TestWithParam<const char*> {
  protected:
   ArmsTest() { HidBus::Get().Reset(); }
 };
+// Those that say where they are only in answer to a force.
+using AnsweringArmsTest = ArmsTest;
 
 TEST_P(ArmsTest, ItIsAskedAtForceZeroWhileTheLoopIsSilent) {
   auto arm = Make(GetParam());
@@ -249,10 +255,10 @@ TEST_P(ArmsTest, LostAnswersCostNoFault) {
   EXPECT_EQ(session.fault(), Fault::kNone);
 }
 
-// 1000 sessions with ENAMEL_FULL=1. Ticks are counted from the last whole answer, or from the tick in
-// which the driver's thread knows that the port is closed.
+// 1000 sessions with ENAMEL_FULL=1. Cut at any byte, or any call of a maker's library. Ticks are counted from
+// the last whole answer, or from the tick in which the driver's thread knows that the port is closed.
 TEST_P(ArmsTest, CutAtAnyByteTheForceIsZeroAndTheFaultLatchedInTime) {
-  const int sessions = std::getenv("ENAMEL_FULL") != nullptr ? 1000 : 60;
+  const int sessions = std::getenv("ENAMEL_FULL") != nullptr ? 1000 : 40;
   const Plan plan = PlanFor(Make(GetParam())->profile());
   std::mt19937 random(39);
   int most_silent = 0, most_closed = 0;
@@ -290,7 +296,7 @@ TEST_P(ArmsTest, CutAtAnyByteTheForceIsZeroAndTheFaultLatchedInTime) {
 }
 
 // An answer is to the last question if the device was last told that question's force.
-TEST_P(ArmsTest, AnAnswerThatIsTooLateIsNotTakenForTheNextOnesFromThenOn) {
+TEST_P(AnsweringArmsTest, AnAnswerThatIsTooLateIsNotTakenForTheNextOnesFromThenOn) {
   auto arm = Make(GetParam());
   auto bus = OpenBus(*arm);
   ASSERT_NE(bus, nullptr);
@@ -320,12 +326,12 @@ TEST_P(ArmsTest, AnAnswerThatIsTooLateIsNotTakenForTheNextOnesFromThenOn) {
     own += arm->told() == told[static_cast<size_t>(i % kForces)];
     EXPECT_GE(now_ns() - pose.asked_ns, std::chrono::nanoseconds(delay).count());
   }
-  // All but the first, and those that are late on a busy computer.
-  EXPECT_GT(own, 20);
+  // All but the first, and those that are late on a busy computer. None, where one late answer shifts the rest.
+  EXPECT_GT(own, heard / 4);
   std::printf("%s: %d of %d answers to their own question\n", GetParam(), own, heard);
 }
 
-TEST_P(ArmsTest, SlowAnswersAreWaitedForAndThoseThatWouldBeAFaultAreRefused) {
+TEST_P(AnsweringArmsTest, SlowAnswersAreWaitedForAndThoseThatWouldBeAFaultAreRefused) {
   auto arm = Make(GetParam());
   arm->Delay(std::chrono::microseconds(2200), {});
   // On a busy computer half of them can take twice as long.
@@ -343,9 +349,11 @@ TEST_P(ArmsTest, SlowAnswersAreWaitedForAndThoseThatWouldBeAFaultAreRefused) {
       << refused.message();
 }
 
-INSTANTIATE_TEST_SUITE_P(Arms, ArmsTest,
-                         testing::Values("woodenhaptics", "polhem", "polhem_serial", "inverse3"),
-                         [](const auto& param) { return std::string(param.param); });
+constexpr auto kAnswering = {"woodenhaptics", "polhem", "polhem_serial", "inverse3"};
+const auto kNamed = [](const auto& param) { return std::string(param.param); };
+INSTANTIATE_TEST_SUITE_P(Answering, AnsweringArmsTest, testing::ValuesIn(kAnswering), kNamed);
+INSTANTIATE_TEST_SUITE_P(Answering, ArmsTest, testing::ValuesIn(kAnswering), kNamed);
+INSTANTIATE_TEST_SUITE_P(Makers, ArmsTest, testing::Values("dhd", "openhaptics"), kNamed);
 
 // Dimensions of an arm, from devices.md's list; worked out here apart from the driver.
 struct Drawn {

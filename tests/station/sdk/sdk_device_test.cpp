@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -8,15 +10,18 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/cell.h"
 #include "station/desk/device_offers.h"
+#include "station/sdk/makers_library.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
-#include "tests/station/sdk/fake_sdk.h"
+#include "tests/station/sdk/doubled_arm.h"
 #include "tests/support/await_sample.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station::sdk {
 namespace {
 
-using testing_support::FakeSdk;
+using testing_support::DoubledArm;
+using State = DoubledArm::State;
 using testing_support::HidBus;
 using testing_support::ScriptedHid;
 
@@ -27,16 +32,11 @@ class SdkDeviceTest : public testing::Test {
     device_.reset();
     Reset();
   }
-  static void Reset() {
-    HidBus::Get().Reset();
-    FakeSdk::ForceDimension().Reset();
-    FakeSdk::OpenHaptics().Reset();
-  }
-  static void Attach(FakeSdk& sdk, const char* name) {
-    sdk.With([&](FakeSdk::State& s) {
-      s.there = true;
-      s.name = name;
-    });
+  static void Reset() { HidBus::Get().Reset(); }
+  // Attaches a device.
+  DoubledArm& Attach(const char* driver, const char* name) {
+    arms_.push_back(std::make_unique<DoubledArm>(driver, name));
+    return *arms_.back();
   }
   void Open(const char* choice, const char* pedal = "") {
     hid::DeviceChoice chosen;
@@ -51,9 +51,9 @@ class SdkDeviceTest : public testing::Test {
     return test::AwaitSample(*device_, wanted);
   }
   using Force = std::array<double, 3>;
-  // Sends `force` as the loop does, until the library has heard `wanted`. What it heard last: where this thread has to
+  // Sends `force` as the loop does, until the device has heard `wanted`. What it heard last: where this thread has to
   // wait for its turn, the device lets a force that is old fade, and the next is whole again.
-  Force Heard(FakeSdk& sdk, const dvec3& force, const Force& wanted) {
+  Force Heard(DoubledArm& sdk, const dvec3& force, const Force& wanted) {
     Force heard{};
     for (int i = 0; i < 10'000 && heard != wanted; ++i) {
       device_->SendForce(force);
@@ -63,6 +63,7 @@ class SdkDeviceTest : public testing::Test {
     return heard;
   }
 
+  std::vector<std::unique_ptr<DoubledArm>> arms_;
   std::unique_ptr<Device> device_;
 };
 
@@ -78,22 +79,22 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
 }
 
 TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
-  EXPECT_EQ(BuiltIn(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
+  EXPECT_EQ(Drivers(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
                                                  "polhem_serial", "inverse3"}));
   EXPECT_TRUE(ListSdkDevices().empty());
-  Attach(FakeSdk::ForceDimension(), "omega.3");
+  DoubledArm& sdk = Attach("dhd", "omega.3");
   auto found = ListSdkDevices();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].choice, "dhd");
   EXPECT_EQ(found[0].name, "omega.3");
   EXPECT_EQ(found[0].profile, "omega3");
-  EXPECT_EQ(FakeSdk::ForceDimension().Get().open, 0);
-  EXPECT_FALSE(FakeSdk::ForceDimension().Get().motors);
+  EXPECT_EQ(sdk.Get().open, 0);
+  EXPECT_FALSE(sdk.Get().motors);
 }
 
 TEST_F(SdkDeviceTest, TheWindowOffersThemBetweenBoardsAndMice) {
-  Attach(FakeSdk::ForceDimension(), "omega.3");
-  Attach(FakeSdk::OpenHaptics(), "PHANTOM Desktop");
+  Attach("dhd", "omega.3");
+  Attach("openhaptics", "PHANTOM Desktop");
   auto offers = desk::DeviceOffers(language::Words(language::Language::kEnglish), false, {});
   ASSERT_EQ(offers.size(), 3u);
   EXPECT_EQ(offers[0].title, "omega.3");
@@ -107,13 +108,12 @@ TEST_F(SdkDeviceTest, TheWindowOffersThemBetweenBoardsAndMice) {
 }
 
 TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
-  FakeSdk& sdk = FakeSdk::ForceDimension();
-  Attach(sdk, "omega.3");
+  DoubledArm& sdk = Attach("dhd", "omega.3");
   Open("dhd");
   EXPECT_EQ(device_->Name(), "omega.3");
   const double count = scene::CountNm(scene::BuiltinProfiles()[0]) * 1e-9;
   // Toward the user 100 counts, right 200, up 300.
-  sdk.With([&](FakeSdk::State& s) { s.position = {100 * count, 200 * count, 300 * count}; });
+  sdk.With([&](State& s) { s.position = {100 * count, 200 * count, 300 * count}; });
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 300; });
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{200, -100, 300}));
   // Right 1 N, away 2, up 3 of the scene: toward the user -2, right 1, up 3.
@@ -123,12 +123,11 @@ TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
 
 // A driven wrist: its frame and its torque are turned like positions and forces.
 TEST_F(SdkDeviceTest, ForceDimensionsWristIsReadAndDriven) {
-  FakeSdk& sdk = FakeSdk::ForceDimension();
-  Attach(sdk, "sigma.7");
+  DoubledArm& sdk = Attach("dhd", "sigma.7");
   EXPECT_EQ(ProfileNameOf("sigma.7"), scene::BuiltinProfiles().back().name);
   // Turned by 90 degrees about its y, to the right: z goes toward the user (x). In the scene that is
   // about x, and z goes to -y.
-  sdk.With([](FakeSdk::State& s) {
+  sdk.With([](State& s) {
     s.wrist = true;
     s.frame = {{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}};
   });
@@ -151,12 +150,11 @@ TEST_F(SdkDeviceTest, ForceDimensionsWristIsReadAndDriven) {
 }
 
 TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
-  FakeSdk& sdk = FakeSdk::OpenHaptics();
-  Attach(sdk, "PHANTOM Desktop");
+  DoubledArm& sdk = Attach("openhaptics", "PHANTOM Desktop");
   Open("openhaptics");
   const double count_mm = scene::CountNm(scene::BuiltinProfiles()[0]) * 1e-6;
   // Right 100 counts, up 200, toward the user 300.
-  sdk.With([&](FakeSdk::State& s) {
+  sdk.With([&](State& s) {
     s.position = {100 * count_mm, 200 * count_mm, 300 * count_mm};
     s.button = true;
   });
@@ -168,11 +166,10 @@ TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
 }
 
 TEST_F(SdkDeviceTest, UnpluggedIsSeenAndTheMotorsAreSwitchedOffAtTheEnd) {
-  FakeSdk& sdk = FakeSdk::ForceDimension();
-  Attach(sdk, "omega.3");
+  DoubledArm& sdk = Attach("dhd", "omega.3");
   Open("dhd");
   EXPECT_TRUE(sdk.Get().motors);
-  sdk.With([](FakeSdk::State& s) { s.there = false; });
+  sdk.With([](State& s) { s.there = false; });
   EXPECT_FALSE(Until([](const DeviceSample& s) { return !s.attached; }).fresh);
   device_.reset();
   EXPECT_FALSE(sdk.Get().motors);
@@ -181,10 +178,9 @@ TEST_F(SdkDeviceTest, UnpluggedIsSeenAndTheMotorsAreSwitchedOffAtTheEnd) {
 }
 
 TEST_F(SdkDeviceTest, APoseThatIsNoNumberIsSilenceAndNotAPlace) {
-  FakeSdk& sdk = FakeSdk::ForceDimension();
-  Attach(sdk, "omega.3");
+  DoubledArm& sdk = Attach("dhd", "omega.3");
   Open("dhd");
-  sdk.With([](FakeSdk::State& s) { s.position[1] = std::numeric_limits<double>::quiet_NaN(); });
+  sdk.With([](State& s) { s.position[1] = std::numeric_limits<double>::quiet_NaN(); });
   for (int i = 0; i < 10'000 && device_->counters().refused < 10; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -201,13 +197,133 @@ TEST_F(SdkDeviceTest, AFootPedalGoesWithAMakersDevice) {
   vec.vendor = 0x05f3;
   vec.product = 0x00ff;
   HidBus::Get().Plug(vec);
-  Attach(FakeSdk::ForceDimension(), "omega.3");
+  Attach("dhd", "omega.3");
   Open("dhd", "05f3:00ff");
   ASSERT_TRUE(HidBus::Get().Await([](HidBus& b) { return b.handle_count() == 1; }));
   const uint8_t down[] = {0x01, 0x00};
   HidBus::Get().Send(vec.path, down);
   EXPECT_EQ(Until([](const DeviceSample& s) { return s.buttons == kPedal; }).bur_speed_krpm,
             kTurbineSpeed_krpm);
+}
+
+TEST_F(SdkDeviceTest, OpenHapticsStylusIsTurnedToTheScene) {
+  DoubledArm& sdk = Attach("openhaptics", "Touch");
+  Open("openhaptics");
+  const auto bur = [](const DeviceSample& s) {
+    return FromQuantised(s.orientation).Matrix() * dvec3(0, 0, -1);
+  };
+  EXPECT_NEAR(bur(device_->ReadSample()).z, -1, 1e-3);
+  // Its frame is the library's: -z is away from the user, and x to the right.
+  sdk.With([](State& s) { s.frame = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}; });
+  const DeviceSample ahead = Until([&](const DeviceSample& s) { return bur(s).y > 0.999; });
+  EXPECT_NEAR((FromQuantised(ahead.orientation).Matrix() * dvec3(1, 0, 0)).x, 1, 1e-3);
+}
+
+TEST_F(SdkDeviceTest, AGrippersClosingRunsTheBur) {
+  DoubledArm& sdk = Attach("dhd", "omega.7");
+  sdk.With([](State& s) { s.gripper = true; });
+  Open("dhd");
+  EXPECT_TRUE(sdk.Get().button_by_gripper);
+  sdk.With([](State& s) { s.button = true; });
+  Until([](const DeviceSample& s) { return s.buttons == kPedal; });
+}
+
+TEST_F(SdkDeviceTest, OneThatIsNotCalibratedIsRefusedAndListedWithWhatToDo) {
+  for (const auto& [driver, name, expected] :
+       {std::array{"dhd", "omega.3", "calibration pit"}, {"openhaptics", "Touch", "inkwell"}}) {
+    DoubledArm& sdk = Attach(driver, name);
+    sdk.With([](State& s) { s.calibrated = false; });
+    hid::DeviceChoice choice;
+    choice.device = driver;
+    const Status refused = OpenChosenDevice(choice, scene::BuiltinProfiles()[0], 1e-3).status();
+    EXPECT_EQ(refused.code(), Code::kUnavailable);
+    EXPECT_NE(refused.message().find(expected), std::string::npos) << refused.message();
+    EXPECT_FALSE(sdk.Get().motors);
+    EXPECT_EQ(sdk.Get().open, 0);
+    const auto found = ListSdkDevices();
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NE(found[0].problem.find(expected), std::string::npos) << found[0].problem;
+    arms_.clear();
+  }
+}
+
+// The device's own reasons: it was too fast, or it heard nothing; and somebody's, its button.
+TEST_F(SdkDeviceTest, MotorsThatTheDeviceSwitchesOffAreAFaultAndComeBackAtForceZero) {
+  constexpr int kButton = 1, kVelocity = 2;
+  DoubledArm& sdk = Attach("dhd", "omega.3");
+  Open("dhd");
+  const auto off = [&](int cause) {
+    sdk.With([&](State& s) {
+      s.motors = false;
+      s.off_cause = cause;
+    });
+  };
+  for (int i = 0; i < 3; ++i) {  // as long as the loop pushes they stay off
+    off(kVelocity);
+    const unsigned before = sdk.Get().reads;
+    while (sdk.Get().reads < before + 200) device_->SendForce(dvec3(0, 0, 1));
+    EXPECT_FALSE(sdk.Get().motors);
+    EXPECT_FALSE(device_->ReadSample().driven);
+    device_->SendForce(dvec3(0));
+    Until([](const DeviceSample& s) { return s.driven; });
+    EXPECT_TRUE(sdk.Get().motors);
+  }
+  off(kButton);
+  Until([](const DeviceSample& s) { return !s.driven; });
+  const unsigned before = sdk.Get().reads;
+  while (sdk.Get().reads < before + 200) device_->SendForce(dvec3(0));
+  EXPECT_FALSE(sdk.Get().motors);
+}
+
+TEST_F(SdkDeviceTest, ALibraryThatSwitchesTheForceOffIsAFault) {
+  DoubledArm& sdk = Attach("openhaptics", "Touch");
+  Open("openhaptics");
+  sdk.With([](State& s) { s.motors = false; });
+  EXPECT_TRUE(Until([](const DeviceSample& s) { return !s.driven; }).attached);
+}
+
+TEST_F(SdkDeviceTest, TheFirmwaresWatchdogIsSetWhereItHasOne) {
+  DoubledArm& sdk = Attach("dhd", "omega.3");
+  Open("dhd");
+  EXPECT_EQ(sdk.Get().watchdog_us, 20'000);
+}
+
+TEST_F(SdkDeviceTest, ALibraryThatIsMissingTooOldOrLacksAFunctionIsNamed) {
+  Attach("dhd", "omega.3");
+  const std::string folder = ENAMEL_MAKERS_DOUBLES;
+  for (const auto& [file, expected] :
+       {std::pair{std::string("/nowhere/libdhd.so.3"), "/nowhere/libdhd.so.3: cannot open"},
+        {folder + "/libdhd_double_old.so", "version 3.2.0, expected 3.3.2 or newer"},
+        {folder + "/libdhd_double_lacking.so", "has no function dhdSetWatchdog"},
+        {folder + "/libHD.so.3.4", "has no function dhdGetSDKVersion"}}) {
+    hid::DeviceChoice choice;
+    choice.device = "dhd:" + file;
+    const Status refused = OpenChosenDevice(choice, scene::BuiltinProfiles()[0], 1e-3).status();
+    EXPECT_EQ(refused.code(), Code::kUnavailable);
+    EXPECT_NE(refused.message().find(expected), std::string::npos) << refused.message();
+    EXPECT_NE(refused.message().find("Force Dimension's SDK"), std::string::npos)
+        << refused.message();
+  }
+}
+
+// What `doctor` says where the maker's device is plugged in, and its library is not there.
+TEST_F(SdkDeviceTest, ADeviceWithoutItsLibraryIsListedWithWhatIsMissing) {
+  const test::TempFolder usb;
+  const auto plug = [&](const char* place, const char* vendor, const char* product) {
+    std::filesystem::create_directory(usb.path() / place);
+    std::ofstream(usb.path() / place / "idVendor") << vendor << "\n";
+    std::ofstream(usb.path() / place / "idProduct") << product << "\n";
+  };
+  plug("1-1", "1451", "0402");
+  plug("1-2", "0403", "6001");
+  plug("1-3", "0403", "cb48");
+  constexpr MakersLibrary::Names kNames{
+      "Maker", "dhd", {"libx.so", ""}, {"1451:", "0403:cb48"}, "it"};
+  const auto found = WithoutLibrary(kNames, Status(Code::kUnavailable, "no library"), usb.path());
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].ids, "0403:cb48");
+  EXPECT_EQ(found[1].ids, "1451:0402");
+  EXPECT_EQ(found[1].problem, "no library");
 }
 
 TEST_F(SdkDeviceTest, WithoutADeviceTheLibraryIsQuotedWithWhatToDo) {
