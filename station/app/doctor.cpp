@@ -205,7 +205,7 @@ void Realtime(std::vector<Finding>& out) {
 }
 
 Finding Devices() {
-  std::string there, refused;
+  std::string there, refused, problems;
   for (const hid::HidInfo& info : hid::ListHid()) {
     if (hid::Recognise(info) == hid::HidKind::kOther) continue;
     std::string name = hid::DeviceNameOf(info) + " (" + info.name + ")";
@@ -215,12 +215,13 @@ Finding Devices() {
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
     there += (there.empty() ? "" : ", ") + (found.ids.empty() ? "" : found.ids + ": ") +
              found.name + ", driver " + found.choice;
-    if (!found.problem.empty()) refused += " " + found.problem;
+    if (!found.problem.empty()) problems += "; " + found.name + ": " + found.problem;
   }
   if (!refused.empty()) {
-    return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused,
+    return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused + problems,
             "install station/ops/60-enamel.rules and plug in again"};
   }
+  if (!problems.empty()) return {"devices", Verdict::kFail, there + problems, ""};
   if (there.empty()) {
     return {"devices", Verdict::kWarn, "none attached: mouse and simulated device are there", ""};
   }

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr MakersLibrary::Names kNames{"Force Dimension's library",
+constexpr MakersLibrary::Names kNames{"Force Dimension",
                                       "dhd",
                                       {"libdhd.so.3", "libdhd.so"},
                                       {"1451:", "0403:cb48"},

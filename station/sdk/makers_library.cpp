@@ -31,9 +31,9 @@ Result<MakersLibrary> MakersLibrary::Load(const Names& names, const std::string&
     if (!file.empty()) break;
   }
   return Status(Code::kUnavailable,
-                std::string(names.what) + " cannot be loaded (" + why + "): install " +
-                    names.install + ", or name the library's file (" + names.driver + ":/FOLDER/" +
-                    names.files[0] + ")",
+                std::string("the library of ") + names.maker + " cannot be loaded (" + why +
+                    "): install " + names.install + ", or name the library's file (" +
+                    names.driver + ":/FOLDER/" + names.files[0] + ")",
                 "device");
 }
 
@@ -46,15 +46,16 @@ void* MakersLibrary::Symbol(const char* name) {
 Status MakersLibrary::Check() const {
   if (missing_.empty()) return Status::Ok();
   return Status(Code::kUnavailable,
-                std::string(names_->what) + " (" + file_ + ") has no function " + missing_ +
-                    ": install a newer version of " + names_->install,
+                std::string("the library of ") + names_->maker + " (" + file_ +
+                    ") has no function " + missing_ + ": install a newer version of " +
+                    names_->install,
                 "device");
 }
 
 Status MakersLibrary::TooOld(const std::string& version, const char* expected) const {
   return Status(Code::kUnavailable,
-                std::string(names_->what) + " (" + file_ + ") is version " + version +
-                    ", expected " + expected + " or newer: install a newer version of " +
+                std::string("the library of ") + names_->maker + " (" + file_ + ") is version " +
+                    version + ", expected " + expected + " or newer: install a newer version of " +
                     names_->install,
                 "device");
 }
@@ -66,10 +67,10 @@ std::vector<SdkDevice> WithoutLibrary(const MakersLibrary::Names& names, const S
   for (const auto& device : fs::directory_iterator(usb, error)) {
     const std::string ids =
         Word(device.path() / "idVendor") + ":" + Word(device.path() / "idProduct");
-    const bool fits = std::ranges::any_of(names.vendors, [&](std::string_view vendor) {
-      return !vendor.empty() && ids.starts_with(vendor);
+    const bool fits = std::ranges::any_of(names.usb_ids, [&](std::string_view begin) {
+      return !begin.empty() && ids.starts_with(begin);
     });
-    if (fits) out.push_back({"", names.what, "", ids, "", why.message()});
+    if (fits) out.push_back({"", std::string(names.maker) + " device", "", ids, "", why.message()});
   }
   std::ranges::sort(out, {}, &SdkDevice::ids);
   return out;

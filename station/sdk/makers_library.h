@@ -16,11 +16,12 @@ namespace enamel::station::sdk {
 class MakersLibrary {
  public:
   struct Names {
-    const char* what;                  // "Force Dimension's library"
-    const char* driver;                // as a command line names it
-    std::array<const char*, 2> files;  // as the system's loader finds them, the preferred one first
-    std::array<const char*, 2>
-        vendors;          // USB ids of the maker's devices: "1451", "0403:cb48"; or ""
+    const char* maker;   // "Force Dimension"
+    const char* driver;  // as a command line names it
+    // As the system's loader finds them, the preferred one first.
+    std::array<const char*, 2> files;
+    // What the maker's USB ids begin with: "1451:", "0403:cb48"; or "".
+    std::array<const char*, 2> usb_ids;
     const char* install;  // what to install
   };
   // `file` names the library's file; empty: the first of `names.files` that there is. Errors:

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr MakersLibrary::Names kNames{"3D Systems' OpenHaptics",
+constexpr MakersLibrary::Names kNames{"3D Systems",
                                       "openhaptics",
                                       {"libHD.so.3.4", "libHD.so"},
                                       {"2988:", ""},
