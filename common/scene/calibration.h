@@ -35,6 +35,8 @@ struct Calibration {
   std::optional<Measured> damping_mn_s_per_m;  // b, viscous
   std::optional<Measured> mass_g;              // effective, at the tip
   std::optional<Measured> bus_delay_ticks;     // whole ticks between pose and force
+  std::optional<Measured> answer_us;           // median, of a device that answers to forces
+  std::optional<Measured> answer_jitter_us;    // to the 99th of 100 answers
   std::optional<Measured> structural_mode_hz;  // f1, the lowest resonance; none: none was found
 
   bool operator==(const Calibration&) const = default;

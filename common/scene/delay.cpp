@@ -36,6 +36,9 @@ DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calib
                           int64_t rate_hz, const std::optional<AnswerTime>& answers) {
   DelayUsed out = DelayKnown(profile, calibration, rate_hz);
   out.answers = answers;
+  if (calibration != nullptr && calibration->answer_jitter_us) {
+    out.calibrated_jitter_us = calibration->answer_jitter_us->value;
+  }
   if (!answers) return out;
   const int64_t behind = out.from == DelayUsed::From::kAssumed ? out.ticks - 1 : 0;
   const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMostDelay_ticks);

@@ -23,6 +23,10 @@ inline constexpr int64_t kMostDelay_ticks = 100;
 // 100. What is above the half is jitter.
 struct AnswerTime {
   int64_t median_us = 0, p99_us = 0, answers = 0;
+  // Half the width of each one's 95 % interval.
+  int64_t median_half_us = 0, p99_half_us = 0;
+
+  int64_t jitter_us() const { return p99_us - median_us; }
 
   bool operator==(const AnswerTime&) const = default;
 };
@@ -40,6 +44,8 @@ struct DelayUsed {
   int64_t ticks = 0;
   From from = From::kAssumed;
   std::optional<AnswerTime> answers;  // of a device that was timed
+  // Of its answers, when this unit was calibrated.
+  std::optional<int64_t> calibrated_jitter_us = {};
 
   bool operator==(const DelayUsed&) const = default;
 };

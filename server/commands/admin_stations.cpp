@@ -233,11 +233,12 @@ Status ListCalibrations(const std::filesystem::path& data, const std::string& pr
   for (const CalibrationRow& row : rows) {
     ENAMEL_ASSIGN_OR_RETURN(auto calibration, scene::CalibrationFromJson(row.document));
     Say("{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
-        "delay {} ticks\n",
+        "delay {} ticks, answers {} us, jitter {} us\n",
         UtcText(row.measured_ms), row.device, MeasuredText(calibration.resolution_nm),
         MeasuredText(calibration.noise_nm), MeasuredText(calibration.friction_mn),
         MeasuredText(calibration.damping_mn_s_per_m), MeasuredText(calibration.mass_g),
-        MeasuredText(calibration.bus_delay_ticks));
+        MeasuredText(calibration.bus_delay_ticks), MeasuredText(calibration.answer_us),
+        MeasuredText(calibration.answer_jitter_us));
   }
   if (rows.empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
   return Status::Ok();

@@ -277,6 +277,13 @@ void RaiseToAnswers(Estimate& delay_ticks, const scene::AnswerTime& answers, int
     delay_ticks = {static_cast<double>(ticks), 0, answers.answers};
 }
 
+void NoteAnswers(scene::Calibration& document, const scene::AnswerTime& answers) {
+  const int64_t samples = std::max<int64_t>(answers.answers, 1);
+  document.answer_us = scene::Measured{answers.median_us, answers.median_half_us, samples};
+  document.answer_jitter_us =
+      scene::Measured{answers.jitter_us(), answers.median_half_us + answers.p99_half_us, samples};
+}
+
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes) {
   AxisFigures out = axes[0];
   auto take = [&](Estimate AxisFigures::*member, bool largest) {
@@ -416,7 +423,8 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto axes, Measure(*subject, options));
   AxisFigures worst = WorstOf(axes);
   std::string answers;
-  if (const auto time = subject->device->answer_time()) {
+  const auto time = subject->device->answer_time();
+  if (time) {
     RaiseToAnswers(worst.delay_ticks, *time, options.rate_hz);
     answers = "; " + AnswersText(*time);
   }
@@ -426,7 +434,7 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
                                  "measured " + Today() + " on " + subject->address);
   scene::Calibration document = CalibrationOf(worst, options.rate_hz);
-  document.method += answers;
+  if (time) NoteAnswers(document, *time);
   document.device = subject->address;
   document.profile = subject->profile.name;
   if (auto station = LoadCredentials(options.data); station.ok()) document.station = station->name;

@@ -36,6 +36,8 @@ Status CalibrateDevice(const CalibrateCommand& options);
 // For each quantity, the worst of three axes.
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
 
+// Keeps a device's answer time in the document.
+void NoteAnswers(scene::Calibration& document, const scene::AnswerTime& answers);
 // A device whose answers take longer than its pushes showed has that delay now and then.
 void RaiseToAnswers(Estimate& delay_ticks, const scene::AnswerTime& answers, int rate_hz);
 

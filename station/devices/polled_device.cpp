@@ -23,6 +23,22 @@ int64_t Now_us() { return Now_ns() / 1000; }
 
 }  // namespace
 
+scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept {
+  const auto us = [&](double share) {
+    return std::lround(std::ceil(answers_ns.Quantile_ns(share) * 1e-3));
+  };
+  const auto count = static_cast<int64_t>(answers_ns.count());
+  // How many of n answers are within a quantile is binomial: its 95 % interval is between the quantiles of
+  // p -+ 1.96 sqrt(p (1 - p)/n). Each of those is known to half a bucket.
+  const auto half_us = [&](double p) {
+    const double n = static_cast<double>(std::max<int64_t>(count, 1));
+    const double off = 1.96 * std::sqrt(p * (1 - p) / n);
+    const int64_t width = us(std::min(p + off, 1.0)) - us(std::max(p - off, 0.0));
+    return (width + us(p) / DurationHistogram::kSplit + 1) / 2;
+  };
+  return {us(0.5), us(0.99), count, half_us(0.5), half_us(0.99)};
+}
+
 PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
                            std::function<void()> thread_setup)
     : bus_(std::move(bus)),
@@ -67,10 +83,7 @@ DeviceCounters PolledDevice::counters() const noexcept {
 
 std::optional<scene::AnswerTime> PolledDevice::answer_time() const noexcept {
   if (!answers_) return std::nullopt;
-  const auto us = [&](double share) {
-    return std::lround(std::ceil(answers_ns_.Quantile_ns(share) * 1e-3));
-  };
-  return scene::AnswerTime{us(0.5), us(0.99), static_cast<int64_t>(answers_ns_.count())};
+  return AnswerTimeOf(answers_ns_);
 }
 
 void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {

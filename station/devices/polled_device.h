@@ -49,6 +49,9 @@ class PolledBus {
   }
 };
 
+// Of the times between questions and whole answers.
+scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept;
+
 // Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
 // values with the tick. A device that only answers has one exchange for each tick in which the loop has
 // seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not renewed falls to 0 (ForceKeeper).

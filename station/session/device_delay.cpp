@@ -87,16 +87,27 @@ std::optional<scene::AnswerTime> AwaitAnswerTime(const Device& device) {
 
 std::string AnswersText(const scene::AnswerTime& answers) {
   char text[120];
-  std::snprintf(text, sizeof text, "99 of 100 answers within %.2f ms, half within %.2f",
-                static_cast<double>(answers.p99_us) * 1e-3,
-                static_cast<double>(answers.median_us) * 1e-3);
+  std::snprintf(
+      text, sizeof text, "99 of 100 answers within %.2f ms, half within %.2f: jitter %.2f ms",
+      static_cast<double>(answers.p99_us) * 1e-3, static_cast<double>(answers.median_us) * 1e-3,
+      static_cast<double>(answers.jitter_us()) * 1e-3);
   return text;
 }
 
 std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
   const std::string ticks =
       std::to_string(used.ticks) + (used.ticks == 1 ? " tick" : " ticks") + " of delay";
-  const std::string answers = used.answers ? " (" + AnswersText(*used.answers) + ")" : "";
+  std::string answers;
+  if (used.answers) {
+    answers = " (" + AnswersText(*used.answers);
+    if (used.calibrated_jitter_us) {
+      char then[60];
+      std::snprintf(then, sizeof then, ", %.2f ms when it was calibrated",
+                    static_cast<double>(*used.calibrated_jitter_us) * 1e-3);
+      answers += then;
+    }
+    answers += ")";
+  }
   if (used.from != scene::DelayUsed::From::kAssumed) {
     return device + ": " + ticks + ", " + FromText(used.from) + answers;
   }

@@ -35,7 +35,7 @@ scene::DelayUsed DelayKnownHere(const std::filesystem::path& data, const std::st
                                 const scene::DeviceProfile& profile = SilentProfile(),
                                 const std::optional<scene::AnswerTime>& answers = {});
 
-// "99 of 100 answers within 0.09 ms, half within 0.05".
+// "99 of 100 answers within 0.09 ms, half within 0.05: jitter 0.04 ms".
 std::string AnswersText(const scene::AnswerTime& answers);
 // One sentence for doctor, devices, the log and the operator. If Kc was lowered: by how much and
 // why, and what to do if nobody measured the delay. If it was measured: its value and source.

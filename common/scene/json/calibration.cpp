@@ -22,13 +22,15 @@ struct Quantity {
 };
 
 // The order is that of the canonical document.
-constexpr std::array<Quantity, 7> kQuantities = {{
+constexpr std::array<Quantity, 9> kQuantities = {{
     {"resolution_nm", &Calibration::resolution_nm},
     {"noise_nm", &Calibration::noise_nm},
     {"friction_mn", &Calibration::friction_mn},
     {"damping_mn_s_per_m", &Calibration::damping_mn_s_per_m},
     {"mass_g", &Calibration::mass_g},
     {"bus_delay_ticks", &Calibration::bus_delay_ticks},
+    {"answer_us", &Calibration::answer_us},
+    {"answer_jitter_us", &Calibration::answer_jitter_us},
     {"structural_mode_hz", &Calibration::structural_mode_hz},
 }};
 

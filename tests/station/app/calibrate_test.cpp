@@ -97,6 +97,14 @@ TEST(CalibrateTest, AnswersThatTakeLongerThanThePushesShowedAreTheDelay) {
   }
 }
 
+TEST(CalibrateTest, AnAnswerTimeIsKeptInTheDocumentWithItsJitter) {
+  scene::Calibration document = CalibrationOf(Axis(20, 0.05, 2, 1.2), 1000);
+  EXPECT_FALSE(document.answer_us || document.answer_jitter_us);
+  NoteAnswers(document, {90, 520, 5000, 3, 40});
+  EXPECT_EQ(document.answer_us, (scene::Measured{90, 3, 5000}));
+  EXPECT_EQ(document.answer_jitter_us, (scene::Measured{430, 43, 5000}));
+}
+
 // 2 b f/(d + 1)^2 at 8 kHz and a tick is 7200; c/S is 4500.
 TEST(CalibrateTest, ABoardsSpringIsProposedWhereTheMeasuredFiguresCarryIt) {
   scene::DeviceProfile base = scene::BuiltinProfiles()[0];

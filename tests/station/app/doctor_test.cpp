@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "common/base/file.h"
 #include "station/lab/devices/emulated_inverse3.h"
+#include "station/session/device_delay.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station {
@@ -21,12 +25,27 @@ TEST(DoctorTest, TheDelayOfAnInverse3sAnswersIsSaidBesideItsProfiles) {
     EXPECT_NE(finding.found.find(said), std::string::npos) << finding.found;
   }
   EXPECT_NE(finding.advice.find("calibrate"), std::string::npos) << finding.advice;
+  EXPECT_EQ(finding.found.find("calibrated"), std::string::npos) << finding.found;
+  // Beside the jitter of its calibration, if there is one.
+  scene::Calibration calibration;
+  calibration.device = calibration.software = calibration.method = "test";
+  calibration.profile = "inverse3";
+  calibration.answer_jitter_us = scene::Measured{430, 40, 5000};
+  std::filesystem::create_directories(CalibrationsFolder(folder.path()));
+  ASSERT_TRUE(WriteFileDurably(CalibrationFile(folder.path(), device.unit),
+                               AsBytes(scene::ToJson(calibration)))
+                  .ok());
+  lab::EmulatedInverse3 another;  // the first may take a moment to see that it was closed
+  device.choice = another.choice();
+  finding = DelayOf(folder.path(), device);
+  EXPECT_NE(finding.found.find("0.43 ms when it was calibrated"), std::string::npos)
+      << finding.found;
   // One in use is not opened.
   device.problem = "it is in use";
-  const uint64_t asked = service.requests();
+  const uint64_t asked = another.requests();
   finding = DelayOf(folder.path(), device);
   EXPECT_EQ(finding.found.find("answers within"), std::string::npos) << finding.found;
-  EXPECT_EQ(service.requests(), asked);
+  EXPECT_EQ(another.requests(), asked);
 }
 
 }  // namespace

@@ -88,6 +88,26 @@ class PolledDeviceTest : public testing::Test {
   std::unique_ptr<PolledDevice> device_;
 };
 
+// Evenly spread over 10 ms, n answers: half of 1.96 standard errors to each side, sqrt(p (1 - p)/n)/density,
+// and the histogram's bucket, 1/32 of the value.
+TEST(AnswerTimeTest, ItsIntervalsAreThoseOfQuantiles) {
+  for (const int64_t n : {100, 10'000}) {
+    DurationHistogram times;
+    for (int64_t i = 0; i < n; ++i) times.Add((10'000'000 * i + 5'000'000) / n);
+    const scene::AnswerTime found = AnswerTimeOf(times);
+    const double root = std::sqrt(static_cast<double>(n));
+    const auto near = [](int64_t us, double expected_us, double bucket_us) {
+      EXPECT_NEAR(static_cast<double>(us), expected_us, bucket_us);
+    };
+    near(found.median_us, 5000, 200);
+    near(found.p99_us, 9900, 350);
+    near(found.median_half_us, 1.96 * 5000 / root + 80, 150);
+    // Above the largest there is nothing: only the lower side counts in full for few answers.
+    near(found.p99_half_us, 1.96 * 995 / root + 155, n == 100 ? 200 : 150);
+    EXPECT_EQ(found.answers, n);
+  }
+}
+
 TEST_F(PolledDeviceTest, CountsFromTheFirstPoseOn) {
   Until([](const DeviceSample& s) { return s.fresh; });
   script_->Let({0.1001, 0.2, 0.29995}, true);

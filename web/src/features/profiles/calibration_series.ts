@@ -12,6 +12,8 @@ interface Quantity {
     | "damping_mn_s_per_m"
     | "mass_g"
     | "bus_delay_ticks"
+    | "answer_us"
+    | "answer_jitter_us"
     | "structural_mode_hz"; // in the document
   readonly unit: string;
   readonly factor: number; // from the document's unit to `unit`
@@ -32,6 +34,8 @@ const kQuantities: readonly Quantity[] = [
     factor: 1,
     profile: "bus_delay",
   },
+  { name: "answer_us", unit: "µs", factor: 1, profile: undefined },
+  { name: "answer_jitter_us", unit: "µs", factor: 1, profile: undefined },
   { name: "structural_mode_hz", unit: "Hz", factor: 1, profile: "structural_mode" },
 ];
 
