@@ -33,8 +33,8 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
                                      size_t max_bytes = kDefaultSceneBytes);
 
 // The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3;
-// pointer, for what has no motors (mouse, 6-DoF mouse); woodenhaptics_v2015, polhem_v1, polhem_v3 and
-// inverse3, which ask for what nobody published (AskedFor); and last sigma7, which drives six axes.
+// pointer, for what has no motors (mouse, 6-DoF mouse); woodenhaptics_v2015, polhem_v1, polhem_v3,
+// inverse3 and touch, which ask for what nobody published (AskedFor); and last sigma7, which drives six axes.
 std::vector<DeviceProfile> BuiltinProfiles();
 
 // Class I occlusal cavity on any scene with an "occlusal_centre" landmark.

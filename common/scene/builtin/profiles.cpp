@@ -166,6 +166,28 @@ DeviceProfile PolhemV3() {
                    2'000, 32, 150'000);
 }
 
+DeviceProfile Touch() {
+  constexpr const char* kList = "CHAI3D's device list (Touch: 3.3 N, 400 N/m, 75 mm)";
+  DeviceProfile p;
+  p.name = "touch";
+  p.title = "3D Systems Touch";
+  p.resolution_nm = {55'000, kSheetSource};
+  p.max_stiffness_mn_per_mm = {400, kList};
+  p.coupling_mn_per_mm = {100, kPassiveSource};
+  p.damping_mn_s_per_m = {200, kAskedDamping};
+  p.friction_mn = {10, kAskedFriction};
+  p.mass_g = {45, kSheetSource};
+  p.peak_force_mn = {3'300, kList};
+  p.continuous_force_mn = {880, kSheetSource};
+  p.rate_hz = {1'000, "its library: a servo frame a millisecond"};
+  p.bus_delay_ticks = {1,
+                       "asked for: the force that answers one servo frame's pose goes out in the "
+                       "next; the line was not measured, until calibrate measures a unit"};
+  p.workspace_radius_um = {75'000, kList};
+  p.cell = JointCells(500);
+  return p;
+}
+
 // Through a service and its USB line, so a tick more of delay than the arms above.
 DeviceProfile Inverse3() {
   DeviceProfile p;
@@ -217,7 +239,7 @@ DeviceProfile Pointer() {
 
 std::vector<DeviceProfile> BuiltinProfiles() {
   return {Omega3(),   PhantomDesktop(), Bhhd3(),    Pointer(), WoodenHapticsV2015(),
-          PolhemV1(), PolhemV3(),       Inverse3(), Sigma7()};
+          PolhemV1(), PolhemV3(),       Inverse3(), Touch(),   Sigma7()};
 }
 
 }  // namespace enamel::scene

@@ -9,6 +9,7 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/cell.h"
+#include "common/scene/find_profile.h"
 #include "station/desk/device_offers.h"
 #include "station/sdk/makers_library.h"
 #include "station/sdk/open_sdk_device.h"
@@ -76,6 +77,7 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
   auto profiles = scene::BuiltinProfiles();
   EXPECT_EQ(profiles[0].name, ProfileNameOf("omega.3"));
   EXPECT_EQ(profiles[1].name, ProfileNameOf("Phantom Desktop"));
+  EXPECT_TRUE(scene::FindProfile(ProfileNameOf("Touch")).ok());
 }
 
 TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
