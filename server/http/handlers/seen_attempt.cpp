@@ -15,6 +15,14 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   if (!CanSeeAttempt(viewer, *row, *shares)) return none;
   // Whether it counts is the exercise version's to say that the attempt was made of.
   Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
+  if (viewer.role != Role::kStudent) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(viewer.id));
+    const auto found = hidden.find(attempt);
+    if (found != hidden.end() && found->second == MarkingRows::Hidden::kAll) {
+      return Status{Code::kForbidden,
+                    "you mark this attempt blind: its page opens once all your marks are in"};
+    }
+  }
   if (!exercise.ok()) return exercise.status();
   return SeenAttempt{std::move(*row), *shares, exercise->graded};
 }

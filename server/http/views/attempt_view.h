@@ -3,7 +3,6 @@
 #include <boost/json/object.hpp>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -56,7 +55,7 @@ class AttemptView {
   std::map<Uuid, Exercise> exercises_;
   std::map<Uuid, bool> shares_cohort_;
   std::optional<std::map<Uuid, std::string>> stations_;
-  std::optional<std::set<Uuid>> hidden_;  // what the viewer marks blind
+  std::optional<std::map<Uuid, MarkingRows::Hidden>> hidden_;  // what the viewer marks blind
   std::map<Sha256, std::pair<std::string, std::string>> profiles_;
 };
 

@@ -1,6 +1,6 @@
 #include "server/http/views/grade_view.h"
 
-#include <set>
+#include <map>
 
 #include "server/training/access.h"
 
@@ -41,7 +41,7 @@ Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
 Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
                                                           const std::optional<Uuid>& person) {
   std::map<Uuid, std::vector<GradedAttempt>> attempts;
-  std::set<Uuid> hidden;
+  std::map<Uuid, MarkingRows::Hidden> hidden;
   if (viewer_.role != Role::kStudent) {
     ENAMEL_ASSIGN_OR_RETURN(hidden, store_.markings.HiddenFrom(viewer_.id));
   }

@@ -47,6 +47,16 @@ Result<std::vector<Uuid>> IdsOfMarkings(Db& db, const Uuid& assignment) {
   return out;
 }
 
+Result<std::vector<MarkingWork>> FindWorks(Db& db, const Uuid& marking) {
+  Query q(db,
+          "SELECT id, marking, attempt FROM marking_works WHERE tenant = ?1 AND marking = ?2 "
+          "ORDER BY id");
+  std::vector<MarkingWork> out;
+  for (q.Bind(marking); q.Next();) out.push_back({q.Id(0), q.Id(1), q.Id(2)});
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 Status MustNotBeReleased(Db& db, const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
   if (!row.released) return Status::Ok();
@@ -114,15 +124,7 @@ Result<MarkingRow> MarkingRows::MarkingById(const Uuid& id) {
 }
 
 Result<std::vector<MarkingWork>> MarkingRows::WorksOf(const Uuid& marking) {
-  return rows_.Read([&](Db& db) -> Result<std::vector<MarkingWork>> {
-    Query q(db,
-            "SELECT id, marking, attempt FROM marking_works WHERE tenant = ?1 AND marking = ?2 "
-            "ORDER BY id");
-    std::vector<MarkingWork> out;
-    for (q.Bind(marking); q.Next();) out.push_back({q.Id(0), q.Id(1), q.Id(2)});
-    if (!q.status().ok()) return q.status();
-    return out;
-  });
+  return rows_.Read([&](Db& db) { return FindWorks(db, marking); });
 }
 
 Result<MarkingWork> MarkingRows::WorkById(const Uuid& work) {
@@ -206,20 +208,27 @@ Status MarkingRows::EndMarking(const Uuid& id, const Actor& by) {
   });
 }
 
-Result<std::set<Uuid>> MarkingRows::HiddenFrom(const Uuid& person) {
-  return rows_.Read([&](Db& db) -> Result<std::set<Uuid>> {
-    Query q(
-        db,
-        "SELECT w.attempt FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id "
-        "= p.marking JOIN marking_works w ON w.tenant = m.tenant AND w.marking = m.id WHERE "
-        "p.tenant = ?1 AND p.person = ?2 AND m.ended_ms = 0 AND (SELECT count(*) FROM marks k "
-        "JOIN marking_works x ON x.tenant = k.tenant AND x.id = k.work WHERE k.tenant = ?1 AND "
-        "x.marking = m.id) < (SELECT count(*) FROM marking_works x WHERE x.tenant = ?1 AND "
-        "x.marking = m.id) * (SELECT count(*) FROM marking_people o WHERE o.tenant = ?1 AND "
-        "o.marking = m.id)");
-    std::set<Uuid> out;
-    for (q.Bind(person); q.Next();) out.insert(q.Id(0));
-    if (!q.status().ok()) return q.status();
+Result<std::map<Uuid, MarkingRows::Hidden>> MarkingRows::HiddenFrom(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::map<Uuid, Hidden>> {
+    std::vector<Uuid> markings;
+    {
+      Query q(db,
+              "SELECT m.id FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id = "
+              "p.marking WHERE p.tenant = ?1 AND p.person = ?2 AND m.ended_ms = 0");
+      for (q.Bind(person); q.Next();) markings.push_back(q.Id(0));
+      if (!q.status().ok()) return q.status();
+    }
+    std::map<Uuid, Hidden> out;
+    for (const Uuid& id : markings) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));
+      if (row.done()) continue;
+      const auto own = std::ranges::find(row.markers, person, &MarkingRow::Marker::person);
+      const Hidden what = own->marked < row.works ? Hidden::kAll : Hidden::kScore;
+      ENAMEL_ASSIGN_OR_RETURN(const auto works, FindWorks(db, id));
+      for (const MarkingWork& work : works) {
+        out[work.attempt] = std::max(out[work.attempt], what);
+      }
+    }
     return out;
   });
 }

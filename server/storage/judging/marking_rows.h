@@ -1,6 +1,6 @@
 #pragma once
 
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,9 +33,9 @@ class MarkingRows {
   Result<std::vector<std::string>> CriteriaBy(const Uuid& marker);
   // Gives up what is under way; its marks stay. Errors: kConflict (done, or given up before).
   Status EndMarking(const Uuid& id, const Actor& by);
-  // The attempts whose scores this person may not see: those of markings under way that it is a
-  // marker of.
-  Result<std::set<Uuid>> HiddenFrom(const Uuid& person);
+  // What a marker may not see of the attempts of markings under way.
+  enum class Hidden { kScore, kAll };  // kAll: until this marker's own marks are complete
+  Result<std::map<Uuid, Hidden>> HiddenFrom(const Uuid& person);
 
  private:
   Transactions& rows_;

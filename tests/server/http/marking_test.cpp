@@ -68,15 +68,15 @@ class MarkingTest : public testing::Test {
         {"rating", rating},
         {"criteria", {{"wall_mesial_mm", {{"points", points}, {"comment", comment}}}}}});
   }
-  // All of it, by both.
-  void MarkAll(const std::string& marking) {
-    for (const char* login : {"ada", "ben"}) {
-      const auto works = WorksOf("ada", marking);
-      for (size_t i = 0; i < works.size(); ++i) {
-        const int rating = 1 + static_cast<int>(i % 5);
-        EXPECT_EQ(Mark(login, works[i], Body(rating, 3.0 * rating, "wall out")).status, 204);
-      }
+  void MarkAllBy(const std::string& login, const std::string& marking) {
+    const auto works = WorksOf("ada", marking);
+    for (size_t i = 0; i < works.size(); ++i) {
+      const int rating = 1 + static_cast<int>(i % 5);
+      EXPECT_EQ(Mark(login, works[i], Body(rating, 3.0 * rating, "wall out")).status, 204);
     }
+  }
+  void MarkAll(const std::string& marking) {
+    for (const char* login : {"ada", "ben"}) MarkAllBy(login, marking);
   }
 
   inline static const Actor kBy{{}, "test"};
@@ -115,18 +115,37 @@ TEST_F(MarkingTest, AMarkersOtherPagesHideTheScoresUntilAllAreDone) {
   const std::string attempt = "/api/v1/attempts/" + attempts_[0].Text();
   EXPECT_FALSE(Parsed(By("ada").Get(attempt)).at("score").is_null());
   const std::string marking = Begin();
-  EXPECT_TRUE(Parsed(By("ada").Get(attempt)).at("score").is_null());
-  for (const char* part : {"/score", "/surface", "/series", "/results"}) {
-    EXPECT_EQ(By("ada").Get(attempt + part).status, 403) << part;
-  }
   EXPECT_EQ(By("ada").Get(OfAssignment("/insight")).status, 403);
   const RawResponse grades =
       By("ada").Get("/api/v1/cohorts/" + school_.cohort_a.Text() + "/grades");
   EXPECT_EQ(grades.body.find("91.25"), std::string::npos) << grades.body;
   EXPECT_FALSE(Parsed(By("root").Get(attempt)).at("score").is_null()) << "who marks nothing";
-  MarkAll(marking);
+  MarkAllBy("ada", marking);
+  EXPECT_TRUE(Parsed(By("ada").Get(attempt)).at("score").is_null());
+  for (const char* part : {"/score", "/surface", "/series", "/results"}) {
+    EXPECT_EQ(By("ada").Get(attempt + part).status, 403) << part;
+  }
+  MarkAllBy("ben", marking);
   EXPECT_FALSE(Parsed(By("ada").Get(attempt)).at("score").is_null());
   EXPECT_EQ(By("ada").Get(attempt + "/score").status, 200);
+}
+
+// Whoever teaches the class could look up whose tooth it is.
+TEST_F(MarkingTest, AMarkerOpensNoAttemptByNameUntilTheOwnMarksAreIn) {
+  const std::string attempt = "/api/v1/attempts/" + attempts_[0].Text();
+  EXPECT_NE(By("ada").Get(attempt + "/timeline").status, 403);
+  const std::string marking = Begin();
+  for (const char* part : {"", "/timeline", "/ticks", "/annotations", "/score", "/surface"}) {
+    const RawResponse answer = By("ada").Get(attempt + part);
+    EXPECT_EQ(answer.status, 403) << part;
+    EXPECT_NE(answer.body.find("you mark this attempt blind"), std::string::npos) << answer.body;
+  }
+  EXPECT_EQ(By("sam").Get(attempt).status, 200) << "whose it is";
+  EXPECT_EQ(By("root").Get(attempt).status, 200) << "who marks nothing";
+  MarkAllBy("ben", marking);
+  EXPECT_EQ(By("ada").Get(attempt).status, 403) << "whose own marks are missing";
+  MarkAllBy("ada", marking);
+  EXPECT_EQ(By("ada").Get(attempt).status, 200);
 }
 
 TEST_F(MarkingTest, AfterTheLastMarkEverybodysMarksAreBesideTheProgramsPoints) {
