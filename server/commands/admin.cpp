@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/base/counted.h"
 #include "common/base/csv.h"
 #include "common/base/hex.h"
 #include "common/base/unix_time.h"
@@ -283,8 +284,8 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
     }
   }
   if (row.version > 1) {
-    Say("points come from this cut from now on. Existing scores stay; rescore computes them "
-        "again\n");
+    Say("attempts that earn most against this cut are judged by it from now on. Existing scores "
+        "stay; rescore computes them again\n");
   }
   return Status::Ok();
 }
@@ -294,13 +295,13 @@ Status ListReferences(const std::filesystem::path& data, const std::string& exer
   ENAMEL_ASSIGN_OR_RETURN(const auto versions, VersionsOf(store->exercises, exercise));
   size_t shown = 0;
   for (const ExerciseRow& version : versions) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto counts, store->references.ReferenceFor(version.id));
+    ENAMEL_ASSIGN_OR_RETURN(const auto counting, store->references.Counting(version.id));
     ENAMEL_ASSIGN_OR_RETURN(const auto rows, store->references.References(version.id));
     for (const ReferenceRow& row : rows) {
-      const bool newest = counts && counts->id == row.id;
+      const bool counts = std::ranges::find(counting, row.id, &ReferenceRow::id) != counting.end();
       Say("{}  {} version {}, reference {}  {:<9} attempt {}  {}{}  {}\n", row.id.Text(),
           version.name, version.version, row.version,
-          row.withdrawn_ms != 0 ? "withdrawn" : (newest ? "newest" : "earlier"), row.attempt.Text(),
+          row.withdrawn_ms != 0 ? "withdrawn" : (counts ? "counts" : "earlier"), row.attempt.Text(),
           row.dentist, row.consent ? "" : " (not to be named)", TimeText(row.created_ms));
     }
     shown += rows.size();
@@ -319,13 +320,14 @@ Status WithdrawReference(const std::filesystem::path& data, const std::string& r
     return Status::Ok();
   }
   ENAMEL_RETURN_IF_ERROR(store->references.WithdrawReference(row.id, kCommandLine));
-  ENAMEL_ASSIGN_OR_RETURN(const auto left, store->references.ReferenceFor(row.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto left, store->references.Counting(row.exercise));
   Say("reference version {} by {} is withdrawn; scores made with it stay, rescore computes them "
       "again\n",
       row.version, row.dentist);
-  Say("{}\n", left ? fmt::format("points come from reference version {} now", left->version)
-                   : std::string("the exercise has no reference now: what is cut is compared with "
-                                 "itself until there is one"));
+  Say("{}\n", left.empty()
+                  ? "the exercise has no reference now: what is cut is compared with itself "
+                    "until there is one"
+                  : Counted(left.size(), "reference counts", "references count") + " now");
   return Status::Ok();
 }
 

@@ -79,7 +79,7 @@ void ShowPreview(const RubricPreview& preview) {
     Say("{}  {} {}  {:+6.1f}  {}{}\n", a.row.id.Text(), ScoreText(a.before, a.failed_before),
         ScoreText(a.after, a.failed_after), a.change(), a.row.person_name,
         std::string(a.row.overridden ? " (a person's score counts instead)" : "") +
-            (a.earlier_reference ? " (against an earlier reference)" : ""));
+            (a.other_references ? " (against other references)" : ""));
   }
   const size_t told = preview.attempts.size() - preview.problems;
   if (told > 0) ShowHistogram(preview);
@@ -88,10 +88,10 @@ void ShowPreview(const RubricPreview& preview) {
       told - preview.raised - preview.lowered, preview.mean_before, preview.mean_after);
   if (preview.problems > 0) Say("; {} cannot be compared", preview.problems);
   Say(".\n");
-  if (preview.earlier_references > 0) {
-    Say("{} measured against a reference that has been replaced since. Scoring again measures "
-        "against the newest one, so the change may be larger.\n",
-        Counted(preview.earlier_references, "of them was", "of them were"));
+  if (preview.other_references > 0) {
+    Say("{} measured against other references than those that count now. Scoring again measures "
+        "against these, so the change may be larger.\n",
+        Counted(preview.other_references, "of them was", "of them were"));
   }
   if (preview.withdrawn > 0) {
     Say("{} released: after scoring again it must be released again.\n",
@@ -148,8 +148,8 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
   if (correction.preview) {
     AttemptFilter which;
     which.exercise = row.id;
-    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->references.ReferenceFor(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
+    ENAMEL_ASSIGN_OR_RETURN(const auto counting, store->references.Counting(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, counting));
     ShowPreview(preview);
     return Status::Ok();
   }
@@ -182,8 +182,8 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
     AttemptFilter which;
     which.cohort = cohort;
     which.exercise = exercise;
-    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->references.ReferenceFor(exercise));
-    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
+    ENAMEL_ASSIGN_OR_RETURN(const auto counting, store->references.Counting(exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, counting));
     Say("{} version {}, rubric version {}:\n\n", row.name, row.version, rubric.version);
     ShowPreview(preview);
   }

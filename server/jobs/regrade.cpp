@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "common/scene/json/json.h"
 #include "common/scoring/fine_bands.h"
@@ -15,15 +16,23 @@ namespace {
 constexpr uint32_t kPage = 200;
 constexpr double kRounding = 1e-9;  // a score document's numbers have twelve digits
 
+// The cuts that an attempt was measured against.
+std::set<std::string> ReferencesOf(const scoring::ScoreResult& score) {
+  if (!score.envelope) return {score.reference_attempt};
+  std::set<std::string> out;
+  for (const scoring::EnvelopeOverlap& member : score.envelope->members) out.insert(member.attempt);
+  return out;
+}
+
 RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRow& row,
-                        const scene::Rubric& rubric, const std::optional<ReferenceRow>& newest) {
+                        const scene::Rubric& rubric, const std::set<std::string>& counting) {
   RegradedAttempt out{row, row.score.value_or(0), 0, row.critical_fail, false, "", false};
   Result<scoring::ScoreResult> before = StoredScore(blobs, results, row.id);
   if (!before.ok()) {
     out.problem = before.status().message();
     return out;
   }
-  out.earlier_reference = newest && before->reference_attempt != newest->attempt.Text();
+  out.other_references = !counting.empty() && ReferencesOf(*before) != counting;
   // A rubric judges numbers. Those of another version may mean something else under the same name.
   if (before->scoring_version != scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
@@ -104,14 +113,16 @@ std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercis
 
 Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
                                     const scene::Rubric& rubric,
-                                    const std::optional<ReferenceRow>& newest) {
+                                    const std::vector<ReferenceRow>& counting) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
+  std::set<std::string> references;
+  for (const ReferenceRow& row : counting) references.insert(row.attempt.Text());
   ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts, which));
   RubricPreview out;
   for (const AttemptRow& row : rows) {
-    out.attempts.push_back(Regrade(store.blobs, store.results, row, rubric, newest));
+    out.attempts.push_back(Regrade(store.blobs, store.results, row, rubric, references));
     const RegradedAttempt& a = out.attempts.back();
-    out.earlier_references += a.earlier_reference ? 1 : 0;
+    out.other_references += a.other_references ? 1 : 0;
     if (!a.problem.empty()) {
       ++out.problems;
       continue;

@@ -35,9 +35,9 @@ struct RegradedAttempt {
   double before = 0, after = 0;  // computed scores, 0..100; what people set instead is in `row`
   bool failed_before = false, failed_after = false;  // critically
   std::string problem;                               // why there is no `after`; empty: there is one
-  // It was measured against a reference that is not the newest any more: scored again, it is
-  // measured against that, and may change by more than the rubric.
-  bool earlier_reference = false;
+  // It was measured against other references than those that count now: scored again, it is
+  // measured against these, and may change by more than the rubric.
+  bool other_references = false;
   // 0 for what is not shown: scores have one decimal, and a document's numbers twelve digits.
   double change() const { return std::abs(after - before) < 0.05 ? 0 : after - before; }
 };
@@ -49,7 +49,7 @@ struct RubricPreview {
   std::vector<RegradedAttempt> attempts;  // by the size of the change, the largest first
   ScoreHistogram before{}, after{};       // of those without a problem
   uint32_t raised = 0, lowered = 0, problems = 0;
-  uint32_t earlier_references = 0;
+  uint32_t other_references = 0;
   // Released, and with other points: scored again, their release is withdrawn.
   uint32_t withdrawn = 0;
   double mean_before = 0, mean_after = 0;
@@ -68,11 +68,11 @@ inline constexpr size_t kMaxPreviewed = 2000;
 // kMaxPreviewed.
 Result<std::vector<AttemptRow>> ScoredAttempts(AttemptRows& attempts, AttemptFilter which);
 
-// `rubric` on the metrics of those attempts, which are of one exercise version; `newest`: its
-// reference row that counts, if any. Errors: those of scoring::ValidateRubric.
+// `rubric` on the metrics of those attempts, which are of one exercise version; `counting`: its
+// references that do (ReferenceRows::Counting). Errors: those of scoring::ValidateRubric.
 Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
                                     const scene::Rubric& rubric,
-                                    const std::optional<ReferenceRow>& newest);
+                                    const std::vector<ReferenceRow>& counting);
 
 // Checks and stores `rubric` as the next version of the one that counts; its own version is not
 // read. `seen`: the version that was corrected. `anyway`: why, although Objections (rubric_check.h)

@@ -27,6 +27,8 @@ namespace {
 // The newest of those before it: bounds what comparing costs.
 constexpr uint32_t kMostMotions = 500;
 
+static_assert(ReferenceRows::kMostCounting == scoring::kMaxEnvelopeMembers);
+
 // Shares of a job's time, for its progress.
 constexpr double kReplayFrom = 0.05, kReplayTo = 0.7, kMeasureTo = 0.95;
 
@@ -58,7 +60,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(LoadTrace());
     ENAMEL_RETURN_IF_ERROR(CheckChain());
     ENAMEL_RETURN_IF_ERROR(LoadDocuments());
-    ENAMEL_RETURN_IF_ERROR(LoadReference());
+    ENAMEL_RETURN_IF_ERROR(LoadReferences());
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayFrom));
     core::Core core(header_.params, initial_);
     scoring::ProcessRecorder process(header_.params);
@@ -150,9 +152,9 @@ class ScoreJob {
         initial_, [&](const Sha256& hash) { return store_.blobs.GetBlob(hash); }, exercise_.target);
   }
 
-  Status LoadReference() {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.references.ReferenceFor(row_.exercise));
-    if (!row) {
+  Status LoadReferences() {
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.references.Counting(row_.exercise));
+    if (rows.empty()) {
       // Then the tooth that the target names is what an attempt is compared with.
       if (row_.as_reference || exercise_.target.prepared_tooth) return Status::Ok();
       return Status(Code::kNotFound,
@@ -160,20 +162,27 @@ class ScoreJob {
                         "\" has no reference cut to compare with; the attempt is scored once an "
                         "instructor adds one");
     }
-    reference_attempt_ = row->attempt;
-    if (*reference_attempt_ == attempt_) return Status::Ok();
-    auto cut = cache_.Get(store_, *reference_attempt_);
+    for (const ReferenceRow& row : rows) {
+      is_reference_ = is_reference_ || row.attempt == attempt_;
+      ENAMEL_RETURN_IF_ERROR(row.attempt == attempt_ ? Status::Ok() : LoadReference(row.attempt));
+    }
+    return Status::Ok();
+  }
+
+  // One that cannot be read may be the one that this attempt follows, so nothing is scored without.
+  Status LoadReference(const Uuid& attempt) {
+    auto cut = cache_.Get(store_, attempt);
     if (!cut.ok()) {
-      return Status(cut.status().code(), "the reference (attempt " + reference_attempt_->Text() +
+      return Status(cut.status().code(), "the reference (attempt " + attempt.Text() +
                                              ") cannot be read: " + cut.status().message());
     }
-    reference_ = *cut;
     // What differs would be the teeth and not the cuts.
-    if (reference_->initial_volume != header_.volume) {
+    if ((*cut)->initial_volume != header_.volume) {
       return Status(Code::kConflict, "the reference was cut from another volume (" +
-                                         reference_->initial_volume.Hex() + ") than the attempt (" +
+                                         (*cut)->initial_volume.Hex() + ") than the attempt (" +
                                          header_.volume.Hex() + ")");
     }
+    references_.push_back({attempt, *cut});
     return Status::Ok();
   }
 
@@ -223,32 +232,22 @@ class ScoreJob {
     scoring::AttemptData attempt{&initial_, &final_volume, &mesh, &process};
     // A reference cut is compared with itself: deviation 0, so that its own figures can be looked
     // at.
-    scoring::AttemptData reference = attempt;
+    scoring::AttemptData itself = attempt;
     surface::Mesh wanted_mesh;
-    if (const auto& wanted = exercise_.target.prepared_tooth; wanted && !reference_attempt_) {
+    if (const auto& wanted = exercise_.target.prepared_tooth;
+        wanted && !is_reference_ && references_.empty()) {
       wanted_mesh = surface::ExtractSurface(wanted->volume);
-      reference = {&initial_, &wanted->volume, &wanted_mesh, nullptr};
+      itself = {&initial_, &wanted->volume, &wanted_mesh, nullptr};
     }
-    if (reference_) {
-      reference = {&initial_, &reference_->final_volume, &reference_->surface,
-                   &reference_->process};
-    }
-    std::vector<float> deviation = scoring::DeviationPerVertex(
-        mesh, initial_, final_volume, *reference.final_volume, *reference.final_surface);
-    attempt.deviation_m = &deviation;
-    bool stopped = false;
-    auto metrics = scoring::ComputeMetrics(
-        scene_, exercise_, attempt, reference,
-        [&](double done) {
-          stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * done).ok();
-        },
-        scoring::MetricPlan::For(exercise_.rubric));
-    if (stopped) return Stopped();
-    if (!metrics.ok()) return metrics.status();
-    ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
+    ENAMEL_ASSIGN_OR_RETURN(Judged judged, Judge(attempt, itself));
+    attempt.deviation_m = &judged.deviation_m;
+    scoring::ScoreResult& score = judged.score;
+    if (is_reference_) reference_attempt_ = attempt_;
+    if (judged.reference) reference_attempt_ = judged.reference->attempt;
+    if (judged.reference) reference_ = judged.reference->cut;
     FillStation(process, score);
-    FillDeductions(attempt, reference, *metrics, score);
-    ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, reference, *metrics, score));
+    FillDeductions(attempt, judged.compared, judged.metrics, score);
+    ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, judged.compared, judged.metrics, score));
 
     AttemptResult result;
     result.score = score.score;
@@ -258,7 +257,8 @@ class ScoreJob {
     std::string score_json = scoring::ToJson(score), series_json = SeriesText(series);
     // Blobs first, then one transaction that names them all: a crash in between leaves unnamed
     // blobs, which the next try writes again under the same names.
-    const Bytes tooth = scene::EncodeVolume(final_volume), surface = EncodeSurface(mesh, deviation);
+    const Bytes tooth = scene::EncodeVolume(final_volume),
+                surface = EncodeSurface(mesh, judged.deviation_m);
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(tooth, result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(surface, result.surface));
@@ -280,6 +280,56 @@ class ScoreJob {
     return store_.results.FinishAttempt(attempt_, result, lease_);
   }
 
+  // Of several references, the one under which the attempt earns the most judges it: a student may
+  // follow any of the dentists (schemas/score.md, "Envelope").
+  struct Reference {
+    Uuid attempt;
+    std::shared_ptr<const ReferenceCut> cut;
+  };
+  struct Judged {
+    const Reference* reference = nullptr;  // null: `compared` is none of them
+    scoring::AttemptData compared;
+    std::vector<float> deviation_m;
+    scoring::MetricSet metrics;
+    scoring::ScoreResult score;
+  };
+  Result<Judged> Judge(const scoring::AttemptData& attempt, const scoring::AttemptData& itself) {
+    if (is_reference_ || references_.empty()) return JudgedBy(attempt, itself, nullptr, 0, 1);
+    std::optional<Judged> best;
+    for (size_t i = 0; i < references_.size(); ++i) {
+      const ReferenceCut& cut = *references_[i].cut;
+      ENAMEL_ASSIGN_OR_RETURN(
+          Judged judged,
+          JudgedBy(attempt, {&initial_, &cut.final_volume, &cut.surface, &cut.process},
+                   &references_[i], i, references_.size()));
+      // After a critical error the score is 0 and the points are not. Equal: the newest.
+      auto earned = [](const Judged& j) { return std::pair(j.score.score, j.score.points); };
+      if (!best || earned(judged) > earned(*best)) best = std::move(judged);
+    }
+    return *std::move(best);
+  }
+  // `part` of `parts`: how far the measuring is.
+  Result<Judged> JudgedBy(scoring::AttemptData attempt, const scoring::AttemptData& compared,
+                          const Reference* reference, size_t part, size_t parts) {
+    Judged out{reference, compared, {}, {}, {}};
+    out.deviation_m =
+        scoring::DeviationPerVertex(*attempt.final_surface, initial_, *attempt.final_volume,
+                                    *compared.final_volume, *compared.final_surface);
+    attempt.deviation_m = &out.deviation_m;
+    bool stopped = false;
+    auto metrics = scoring::ComputeMetrics(
+        scene_, exercise_, attempt, compared,
+        [&](double done) {
+          const double all = (static_cast<double>(part) + done) / static_cast<double>(parts);
+          stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * all).ok();
+        },
+        scoring::MetricPlan::For(exercise_.rubric));
+    if (stopped) return Stopped();
+    ENAMEL_ASSIGN_OR_RETURN(out.metrics, std::move(metrics));
+    ENAMEL_ASSIGN_OR_RETURN(out.score, scoring::ApplyRubric(exercise_.rubric, out.metrics));
+    return out;
+  }
+
   // The motion, and where it lies among those before it at the same exercise and the reference's.
   // One that cannot be read any more is left out.
   Status FillMotion(const scoring::ProcessRecorder& process, AttemptResult& result) {
@@ -294,12 +344,15 @@ class ScoreJob {
       whose.push_back(attempt);
       others.push_back(other);
     };
-    // From the reference's samples, which are in memory already.
-    if (reference_) {
-      if (auto of = scoring::MotionOf(reference_->process.samples())) add(*reference_attempt_, *of);
+    // From the references' samples, which are in memory already.
+    for (const Reference& reference : references_) {
+      if (auto of = scoring::MotionOf(reference.cut->process.samples()))
+        add(reference.attempt, *of);
     }
     for (const MotionRow& row : rows) {
-      if (reference_attempt_ && row.attempt == *reference_attempt_) continue;
+      if (std::ranges::find(references_, row.attempt, &Reference::attempt) != references_.end()) {
+        continue;
+      }
       if (auto of = cache_.MotionIn(store_.blobs, row.content); of.ok()) add(row.attempt, *of);
     }
     const auto near = scoring::NearnessTo(*motion, others);
@@ -388,35 +441,23 @@ class ScoreJob {
         score);
   }
 
-  // Where there is more than one reference. What cannot be read any more is left out: it says
-  // nothing about this attempt, which has its points from the newest.
-  Status FillEnvelope(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
+  // Where there is more than one reference.
+  Status FillEnvelope(const scoring::AttemptData& attempt, const scoring::AttemptData& compared,
                       const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.references.References(row_.exercise));
-    std::erase_if(rows, [](const ReferenceRow& row) { return row.withdrawn_ms != 0; });
-    if (rows.size() < 2) return Status::Ok();
-    rows.resize(std::min(rows.size(), scoring::kMaxEnvelopeMembers));
-    std::vector<std::shared_ptr<const ReferenceCut>> cuts;  // for as long as the members name them
+    if (references_.size() + (is_reference_ ? 1 : 0) < 2) return Status::Ok();
     std::vector<scoring::EnvelopeMember> members;
-    for (const ReferenceRow& row : rows) {
-      if (row.attempt == attempt_) {
-        members.push_back({attempt_.Text(), attempt.final_volume, metrics});
-        continue;
-      }
-      auto cut = cache_.Get(store_, row.attempt);
-      if (!cut.ok() || (*cut)->initial_volume != header_.volume) continue;
+    if (is_reference_) members.push_back({attempt_.Text(), attempt.final_volume, metrics});
+    for (const Reference& reference : references_) {
       ENAMEL_RETURN_IF_ERROR(Tell(kMeasureTo));
-      ENAMEL_ASSIGN_OR_RETURN(auto own, MetricsOf(row.attempt, **cut, reference));
-      members.push_back({row.attempt.Text(), &(*cut)->final_volume, std::move(own)});
-      cuts.push_back(*cut);
+      ENAMEL_ASSIGN_OR_RETURN(auto own, MetricsOf(reference.attempt, *reference.cut, compared));
+      members.push_back({reference.attempt.Text(), &reference.cut->final_volume, std::move(own)});
     }
-    if (members.size() < 2) return Status::Ok();
     ENAMEL_ASSIGN_OR_RETURN(score.envelope, scoring::PlaceInEnvelope(
                                                 initial_, *attempt.final_volume, metrics, members));
     return Status::Ok();
   }
 
-  // A reference measured as attempts are: against the newest one, for the same rubric.
+  // A reference measured as the attempt was: against the one that judged it, for the same rubric.
   Result<scoring::MetricSet> MetricsOf(const Uuid& member, const ReferenceCut& cut,
                                        const scoring::AttemptData& reference) const {
     const std::string key = member.Text() + " " + reference_attempt_->Text() + " " +
@@ -455,8 +496,10 @@ class ScoreJob {
   scene::Scene scene_;
   scene::Exercise exercise_;
   cutting::Volume initial_;
-  std::optional<Uuid> reference_attempt_;          // none: against itself, as there is no reference
-  std::shared_ptr<const ReferenceCut> reference_;  // null: against itself
+  std::vector<Reference> references_;  // those that count and are not this attempt, newest first
+  bool is_reference_ = false;          // one that counts itself: compared with itself
+  std::optional<Uuid> reference_attempt_;          // that judged it; none: there is no reference
+  std::shared_ptr<const ReferenceCut> reference_;  // null: none, or itself
   trace::ReplayReport report_;
   std::optional<scoring::ProvenanceRecorder> moments_;
   uint64_t time_ticks_ = 0;                  // replayed, gaps included

@@ -90,14 +90,14 @@ json::object PreviewJson(const RubricPreview& preview) {
          {"failed_after", std::move(failed)},
          {"overridden", a.row.overridden.has_value()},
          {"released", a.row.released},
-         {"earlier_reference", a.earlier_reference},
+         {"other_references", a.other_references},
          {"problem", a.problem}});
   }
   return {{"attempts", std::move(attempts)},
           {"raised", preview.raised},
           {"lowered", preview.lowered},
           {"problems", preview.problems},
-          {"earlier_references", preview.earlier_references},
+          {"other_references", preview.other_references},
           {"withdrawn", preview.withdrawn},
           {"mean_before", preview.mean_before},
           {"mean_after", preview.mean_after},
@@ -164,10 +164,10 @@ Response PreviewRubricChange(const Call& call, Store& store) {
   which.exercise = row->id;
   const Person& viewer = call.caller->person;
   if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
-  Result<std::optional<ReferenceRow>> newest = store.references.ReferenceFor(row->id);
-  if (!newest.ok()) return ErrorResponse(newest.status());
+  Result<std::vector<ReferenceRow>> counting = store.references.Counting(row->id);
+  if (!counting.ok()) return ErrorResponse(counting.status());
   Result<RubricPreview> preview = attempts->value_or(true)
-                                      ? PreviewRubric(store, which, *rubric, *newest)
+                                      ? PreviewRubric(store, which, *rubric, *counting)
                                       : PreviewOfNone(*rubric);
   if (!preview.ok()) return ErrorResponse(preview.status());
   json::object out = PreviewJson(*preview);

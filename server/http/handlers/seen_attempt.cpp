@@ -1,5 +1,7 @@
 #include "server/http/handlers/seen_attempt.h"
 
+#include <algorithm>
+
 #include "server/training/access.h"
 
 namespace enamel::server::http {
@@ -13,8 +15,6 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   if (!shares.ok()) return shares.status();
   // As if it did not exist: an id must not reveal whether somebody has made an attempt.
   if (!CanSeeAttempt(viewer, *row, *shares)) return none;
-  // Whether it counts is the exercise version's to say that the attempt was made of.
-  Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
   if (viewer.role != Role::kStudent) {
     ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(viewer.id));
     const auto found = hidden.find(attempt);
@@ -23,6 +23,8 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
                     "you mark this attempt blind: its page opens once all your marks are in"};
     }
   }
+  // Whether it counts is the exercise version's to say that the attempt was made of.
+  Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();
   return SeenAttempt{std::move(*row), *shares, exercise->graded};
 }
@@ -39,8 +41,9 @@ Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& atte
   const Result<AttemptRow> cut = store.attempts.AttemptById(attempt);
   if (cut.status().code() == Code::kNotFound) return false;
   if (!cut.ok()) return cut.status();
-  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.references.ReferenceFor(cut->exercise));
-  if (!reference || reference->attempt != attempt) return false;
+  ENAMEL_ASSIGN_OR_RETURN(const auto counting, store.references.Counting(cut->exercise));
+  const auto reference = std::ranges::find(counting, attempt, &ReferenceRow::attempt);
+  if (reference == counting.end()) return false;
   ENAMEL_ASSIGN_OR_RETURN(const ExerciseRow exercise, store.exercises.ExerciseById(cut->exercise));
   AttemptFilter own;
   own.person = viewer.id;

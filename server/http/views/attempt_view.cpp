@@ -41,6 +41,12 @@ json::object HandJson(const Hand& hand) {
           {"unit", AsUtf8(hand.unit)}};
 }
 
+const ReferenceRow* AttemptView::Exercise::ReferenceCut(const std::string& attempt) const {
+  const auto found = std::ranges::find_if(
+      references, [&](const ReferenceRow& row) { return row.attempt.Text() == attempt; });
+  return found == references.end() ? nullptr : &*found;
+}
+
 Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& row) {
   // A list of 200 attempts is of a few exercises, stations and profiles: each is read once per
   // answer.
@@ -49,9 +55,7 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
   Result<ExerciseRow> stored = store_.exercises.ExerciseById(row.exercise);
   if (!stored.ok()) return stored.status();
   exercise.graded = stored->graded;
-  Result<std::optional<ReferenceRow>> reference = store_.references.ReferenceFor(row.exercise);
-  if (!reference.ok()) return reference.status();
-  exercise.reference = *reference;
+  ENAMEL_ASSIGN_OR_RETURN(exercise.references, store_.references.Counting(row.exercise));
   Result<std::string> text = BlobText(store_.blobs, row.exercise_content);
   if (!text.ok()) return text.status();
   // One that cannot be read any more costs duration and time limit, not the whole list.
@@ -116,7 +120,6 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
   if (!profile.ok()) return profile.status();
   Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
   if (!visible.ok()) return visible.status();
-  const std::optional<ReferenceRow>& reference = (*exercise)->reference;
 
   json::value score, computed, critical_fail, assignment;
   // Left out and not sent as hidden: a browser's developer tools show all that it was sent.
@@ -139,7 +142,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"profile", {{"name", profile->first}, {"title", profile->second}}},
                       {"state", AttemptStateName(row.state)},
                       {"as_reference", row.as_reference},
-                      {"is_reference", reference && reference->attempt == row.id},
+                      {"is_reference", (*exercise)->ReferenceCut(row.id.Text()) != nullptr},
                       {"released", row.released},
                       {"score", score},
                       {"computed_score", computed},
@@ -185,12 +188,9 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptResult& result,
   Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
-  // Only today's reference is at hand with its dentist's consent; of an earlier one the attempt
-  // alone is named.
-  if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt &&
-      CanSeeDentist(viewer_, *exercise.reference)) {
-    dentist = exercise.reference->dentist;
-  }
+  // Of one that does not count any more the attempt alone is named.
+  const ReferenceRow* reference = exercise.ReferenceCut(score->reference_attempt);
+  if (reference != nullptr && CanSeeDentist(viewer_, *reference)) dentist = reference->dentist;
   return json::value{{"attempt_id", score->reference_attempt}, {"dentist", std::move(dentist)}};
 }
 

@@ -31,7 +31,8 @@ class AttemptView {
     bool graded = true;
     int32_t rate_hz = 0;  // 0: the document cannot be read
     int32_t time_limit_s = 0;
-    std::optional<ReferenceRow> reference;
+    std::vector<ReferenceRow> references;                                // that count
+    const ReferenceRow* ReferenceCut(const std::string& attempt) const;  // null: not among them
   };
   Result<const Exercise*> ExerciseOf(const AttemptRow& row);
   Result<std::string> StationName(const Uuid& id);

@@ -1,5 +1,6 @@
 #include "server/storage/judging/reference_rows.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -130,15 +131,16 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
   return row;
 }
 
+Result<std::vector<ReferenceRow>> ReferenceRows::Counting(const Uuid& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, References(exercise));
+  std::erase_if(rows, [](const ReferenceRow& row) { return row.withdrawn_ms != 0; });
+  rows.resize(std::min(rows.size(), kMostCounting));
+  return rows;
+}
+
 Result<std::optional<ReferenceRow>> ReferenceRows::ReferenceFor(const Uuid& exercise) {
-  return rows_.Read([&](Db& db) -> Result<std::optional<ReferenceRow>> {
-    Query q(db, ENAMEL_REFERENCE_SELECT
-            " AND exercise = ?2 AND withdrawn_ms = 0 ORDER BY version DESC LIMIT 1");
-    std::optional<ReferenceRow> out;
-    if (q.Bind(exercise).Next()) out = ReferenceOf(q);
-    if (!q.status().ok()) return q.status();
-    return out;
-  });
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, Counting(exercise));
+  return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
 
 Result<std::set<Uuid>> ReferenceRows::ExercisesWithReference() {

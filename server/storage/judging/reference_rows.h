@@ -18,8 +18,7 @@ class ReferenceRows {
  public:
   explicit ReferenceRows(Transactions& rows) : rows_(rows) {}
 
-  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
-  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
+  // A sealed and scored attempt becomes a reference of the exercise; attempts of that exercise which were sealed without a reference are queued for scoring,
   // itself included (it then reads deviation 0). `consent`: students may see the name. Marked
   // again, it counts once, under its new name. `anyway`: why it is one although a check speaks
   // against it (jobs/reference_check.h); it goes to the audit trail. Errors also: kConflict, field
@@ -29,8 +28,12 @@ class ReferenceRows {
   Result<ReferenceRow> ReferenceById(const Uuid& id);
   // Newest first, withdrawn ones too.
   Result<std::vector<ReferenceRow>> References(const Uuid& exercise);
+  // Those that judge: not withdrawn, newest first, at most kMostCounting.
+  static constexpr size_t kMostCounting = 8;
+  Result<std::vector<ReferenceRow>> Counting(const Uuid& exercise);
   // Scores made with it stay until a rescore.
   Status WithdrawReference(const Uuid& id, const Actor& by);
+  // The newest of them: what an exercise shows, and a target is made from.
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise);
   // Those for which ReferenceFor finds one, in one question.
   Result<std::set<Uuid>> ExercisesWithReference();

@@ -53,8 +53,8 @@ class ScoreJobTest : public ::testing::Test {
     return filter;
   }
   Result<RubricPreview> Preview(const scene::Rubric& rubric,
-                                const std::optional<ReferenceRow>& newest = {}) {
-    return PreviewRubric(*school_->store, OfExercise(), rubric, newest);
+                                const std::vector<ReferenceRow>& counting = {}) {
+    return PreviewRubric(*school_->store, OfExercise(), rubric, counting);
   }
   // Counts from now on, as the exercise's next version of it.
   void Publish(scene::Rubric rubric) {
@@ -278,26 +278,25 @@ TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
 TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
   const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   ASSERT_TRUE(school_->store->judging.ReleaseAttempt(attempt, Actor{{}, "test"}).ok());
-  ReferenceRow newest;
-  newest.attempt = school_->reference;
-  auto same = Preview(world_.exercise.rubric, newest);
+  auto counting = *school_->store->references.Counting(school_->exercise);
+  auto same = Preview(world_.exercise.rubric, counting);
   ASSERT_TRUE(same.ok());
   EXPECT_EQ(same->withdrawn, 0u);
   const auto of_attempt = [&](const RubricPreview& preview) {
     return *std::ranges::find(preview.attempts, attempt,
                               [](const RegradedAttempt& a) { return a.row.id; });
   };
-  EXPECT_FALSE(of_attempt(*same).earlier_reference);
+  EXPECT_FALSE(of_attempt(*same).other_references);
 
-  newest.attempt = Uuid::New();
+  counting.push_back({});
   scene::Rubric milder = world_.exercise.rubric;
   std::erase_if(milder.criteria,
                 [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
-  auto other = Preview(milder, newest);
+  auto other = Preview(milder, counting);
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->withdrawn, 1u);
-  EXPECT_TRUE(of_attempt(*other).earlier_reference);
-  EXPECT_GE(other->earlier_references, 1u);
+  EXPECT_TRUE(of_attempt(*other).other_references);
+  EXPECT_GE(other->other_references, 1u);
 }
 
 TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
@@ -498,18 +497,20 @@ TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
   EXPECT_EQ(first.score_json, again.score_json) << "to the bit, whatever the clock said meanwhile";
 }
 
-TEST_F(ScoreJobTest, WithSeveralReferencesTheScoreSaysWhereTheAttemptLiesAmongThem) {
-  const Uuid attempt = Scored({.mesial_extra_mm = 0.3}), first = school_->reference;
+TEST_F(ScoreJobTest, OfSeveralReferencesTheOneUnderWhichAnAttemptEarnsMostJudgesIt) {
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3}), like_first = Scored({});
+  const Uuid first = school_->reference;
+  const double before = ScoreOf(attempt).score;
   EXPECT_FALSE(ScoreOf(attempt).envelope) << "one reference is no envelope";
-  const double points = ScoreOf(attempt).score;
   const Uuid second = school_->RecordReference({.mesial_extra_mm = 0.2});
-  // Named again, the first is the newest: points still come from that one.
-  ASSERT_TRUE(
-      school_->store->references.AddReference(first, "Dr. Example", true, Actor{{}, "test"}).ok());
+  EXPECT_EQ(ScoreOf(attempt).score, before) << "nothing changes before somebody scores again";
   ReferenceCache cache;
   ASSERT_TRUE(Run(attempt, &cache).ok());
   auto score = ScoreOf(attempt);
-  EXPECT_EQ(score.score, points);
+  EXPECT_GT(score.score, before);
+  EXPECT_EQ(score.reference_attempt, second.Text()) << "the nearer one";
+  EXPECT_EQ(school_->Result(attempt).reference, second);
+  EXPECT_NEAR(Metric(score, "wall_mesial_mm"), 0.1, 0.03);
   ASSERT_TRUE(score.envelope);
   ASSERT_EQ(score.envelope->members.size(), 2u);
   EXPECT_EQ(score.envelope->members[0].attempt, second.Text()) << "the nearest";
@@ -517,12 +518,25 @@ TEST_F(ScoreJobTest, WithSeveralReferencesTheScoreSaysWhereTheAttemptLiesAmongTh
   auto wall = std::ranges::find(score.envelope->metrics, std::string("wall_mesial_mm"),
                                 &scoring::MetricPlace::name);
   ASSERT_NE(wall, score.envelope->metrics.end());
-  EXPECT_EQ(wall->least, 0) << "the newest against itself";
-  EXPECT_NEAR(wall->most, 0.2, 0.03);
+  EXPECT_NEAR(wall->least, -0.2, 0.03) << "against the one that judges";
+  EXPECT_EQ(wall->most, 0) << "that one against itself";
   EXPECT_EQ(wall->percentile, 100);
   const Sha256 json = school_->Result(attempt).score_json;
   ASSERT_TRUE(Run(attempt, &cache).ok());
   EXPECT_EQ(school_->Result(attempt).score_json, json) << "from the cache too";
+  // Whoever followed the first loses nothing to the second, and each reference has full marks.
+  for (const Uuid& each : {like_first, second}) {
+    ASSERT_TRUE(Run(each, &cache).ok());
+    EXPECT_EQ(ScoreOf(each).score, 100);
+    EXPECT_EQ(ScoreOf(each).reference_attempt, (each == second ? second : first).Text());
+  }
+  ASSERT_TRUE(
+      school_->store->references
+          .WithdrawReference(school_->store->references.ReferenceFor(school_->exercise)->value().id,
+                             Actor{{}, "test"})
+          .ok());
+  ASSERT_TRUE(Run(attempt, &cache).ok());
+  EXPECT_EQ(ScoreOf(attempt).score, before) << "the second does not count any more";
 }
 
 TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {

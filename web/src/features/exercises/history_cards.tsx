@@ -66,12 +66,14 @@ export function VersionsCard({ client, exercise }: Props) {
   );
 }
 
-// The dentists' cuts that attempts are compared with; the newest that is not withdrawn counts.
+const kMostCounting = 8; // as ReferenceRows::kMostCounting of the server
+
+// The dentists' cuts that attempts are compared with: those that are not withdrawn.
 export function ReferencesCard({ client, exercise }: Props) {
   const { loaded, reload } = useRequest(exercise.id, (signal) => client.teaching.references(exercise.id, signal));
   const [leaving, setLeaving] = useState<Reference>();
   const references = loaded.state === "ready" ? loaded.value : [];
-  const counting = references.find((reference) => reference.withdrawn_ms === 0);
+  const counting = references.filter((reference) => reference.withdrawn_ms === 0).slice(0, kMostCounting);
   return (
     <Card title={say("references.title")}>
       {loaded.state === "loading" && <Loading what={say("loading.references")} />}
@@ -111,7 +113,7 @@ export function ReferencesCard({ client, exercise }: Props) {
               {
                 title: say("common.state"),
                 cell: (reference) =>
-                  reference === counting ? (
+                  counting.includes(reference) ? (
                     <Badge tone="good">{say("references.counts")}</Badge>
                   ) : reference.withdrawn_ms > 0 ? (
                     <Badge tone="neutral">{say("references.withdrawn")}</Badge>
