@@ -67,7 +67,8 @@ Status CheckMetric(const scene::Scene& scene, const scene::Exercise& exercise,
     return Refused(field, "a tooth with caries for " + metric,
                    "\"" + scene.name + "\", which has none");
   }
-  if (name.starts_with("neighbour_") && !Has(scene, Tissue::kNeighbour)) {
+  const bool of_neighbour = name.starts_with("neighbour_") || name == "contact_left_percent";
+  if (of_neighbour && !Has(scene, Tissue::kNeighbour)) {
     return Refused(field, "a tooth with neighbours for " + metric,
                    "\"" + scene.name + "\", which has none");
   }
@@ -81,15 +82,16 @@ Status CheckMetric(const scene::Scene& scene, const scene::Exercise& exercise,
 }
 
 Status CheckMetrics(const scene::Scene& scene, const scene::Exercise& exercise) {
-  for (size_t i = 0; i < exercise.rubric.criteria.size(); ++i) {
-    ENAMEL_RETURN_IF_ERROR(CheckMetric(scene, exercise, exercise.rubric.criteria[i].metric,
-                                       "rubric.criteria[" + std::to_string(i) + "].metric"));
-  }
-  for (size_t i = 0; i < exercise.rubric.gates.size(); ++i) {
-    ENAMEL_RETURN_IF_ERROR(CheckMetric(scene, exercise, exercise.rubric.gates[i].metric,
-                                       "rubric.gates[" + std::to_string(i) + "].metric"));
-  }
-  return Status::Ok();
+  auto check = [&](const auto& items, const std::string& of) -> Status {
+    for (size_t i = 0; i < items.size(); ++i) {
+      ENAMEL_RETURN_IF_ERROR(CheckMetric(scene, exercise, items[i].metric,
+                                         "rubric." + of + "[" + std::to_string(i) + "].metric"));
+    }
+    return Status::Ok();
+  };
+  ENAMEL_RETURN_IF_ERROR(check(exercise.rubric.criteria, "criteria"));
+  ENAMEL_RETURN_IF_ERROR(check(exercise.rubric.gates, "gates"));
+  return check(exercise.rubric.critical, "critical");
 }
 
 // How far the tooth itself reaches along x and y, by whole bricks, m.

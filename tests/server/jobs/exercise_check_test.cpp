@@ -118,6 +118,16 @@ TEST_F(ExerciseCheckTest, CriterionOfWhatTheToothDoesNotHaveIsRefused) {
   ExpectRefused(good, first("caries_left_mm3", "mm3"), field);
   ExpectRefused(good, first("neighbour_removed_mm3", "mm3"), field);
   ExpectRefused(good, first("convergence_mesiodistal_deg", "deg"), field);
+  // A critical error of such a thing would never be found.
+  auto critical = [](const char* error, const char* metric, const char* unit) {
+    return
+        [=](scene::Exercise& e) { e.rubric.critical[0] = {error, metric, unit, 25, true, "us"}; };
+  };
+  const std::string listed = "rubric.critical[0].metric";
+  ExpectRefused(good, critical("neighbour_damaged", "neighbour_depth_mm", "mm"), listed);
+  ExpectRefused(good, critical("contact_left", "contact_left_percent", "%"), listed);
+  ExpectRefused(good, critical("caries_left_deep", "caries_left_percent", "%"), listed);
+  ExpectRefused(good, critical("cannot_seat", "crown_overhang_mm", "mm"), listed);
 }
 
 TEST_F(ExerciseCheckTest, WordsThatATerminalObeysAreRefused) {
