@@ -5,7 +5,7 @@ import { say } from "../../base/words";
 import { Badge, Brief, Card, Notice, type Tone } from "../../widgets/basics";
 import { still } from "../../widgets/still";
 import { deductionsOf, deductionText } from "./deductions";
-import { byLostPoints, lostPoints, summarySentence } from "./summary";
+import { byLostPoints, failures, lostPoints, summarySentence } from "./summary";
 
 const kPointsShown = 0.05; // fewer lost points are full marks
 const kRingRadius = 52;
@@ -46,16 +46,17 @@ export const ScorePanel = still(function ScorePanel({ score, reference, override
 const kTones = { acceptable: "good", with_remarks: "warning", not_acceptable: "bad" } as const;
 
 // What no examiner passes comes before the points.
-function Critical({ score: { critical, points } }: { readonly score: Score }) {
-  if (critical.length === 0) return null;
+function Critical({ score }: { readonly score: Score }) {
+  const errors = failures(score);
+  if (errors.length === 0) return null;
   return (
     <Notice tone="bad" title={say("score.not_acceptable")}>
       <ul>
-        {critical.map(({ error, name, reason }) => (
-          <li key={`${error} ${name}`}>{reason}</li>
+        {errors.map((error) => (
+          <li key={error}>{error}</li>
         ))}
       </ul>
-      <p class="hint">{say("score.without_critical", { points: formatScore(points) })}</p>
+      <p class="hint">{say("score.without_critical", { points: formatScore(score.points) })}</p>
     </Notice>
   );
 }

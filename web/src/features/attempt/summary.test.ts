@@ -2,7 +2,15 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { stoppedEarly } from "../../widgets/attempt_state";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import { byLostPoints, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
+import {
+  byLostPoints,
+  failures,
+  isWithheld,
+  recordingFacts,
+  saidFacts,
+  summarySentence,
+  withheldText,
+} from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion => ({
   name: title,
@@ -41,6 +49,21 @@ test("criteria are listed with the most points lost first, full marks last", () 
     byLostPoints(score().criteria).map((item) => item.title),
     ["Mesial wall", "Time", "Floor"],
   );
+});
+
+test("what fails an attempt is an error of the list, or a criterion beyond its own limit", () => {
+  const pulp = { error: "pulp_exposed", name: "pulp_exposed_mm2", value: 0.1, unit: "mm2", limit: 0, above: true };
+  const critical = [{ ...pulp, reason: "The pulp is exposed." }];
+  const beyond = {
+    ...criterion("Mesial wall", 0),
+    reason: "0.36 mm.",
+    reasons: [{ code: "fails_above", values: [0.36, 0.2], units: ["mm", "mm"] }],
+  };
+  assert.deepEqual(failures(score()), []);
+  assert.deepEqual(failures(score({ critical, criteria: [criterion("Floor", 10), beyond] })), [
+    "The pulp is exposed.",
+    "Mesial wall: 0.36 mm.",
+  ]);
 });
 
 test("the sentence names the score and where most points went", () => {

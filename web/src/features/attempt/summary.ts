@@ -15,6 +15,12 @@ export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
   return [...criteria].sort((a, b) => lostPoints(b) - lostPoints(a));
 }
 
+// Why the attempt is not acceptable: errors of the rubric's list, and criteria beyond the value that fails the whole.
+export function failures({ critical, criteria }: Score): string[] {
+  const beyond = criteria.filter(({ reasons }) => reasons?.some(({ code }) => code === "fails_above"));
+  return [...critical.map(({ reason }) => reason), ...beyond.map(({ title, reason }) => `${title}: ${reason}`)];
+}
+
 // One or two sentences that say what happened.
 export function summarySentence(score: Score): string {
   const total = formatScore(score.score);
