@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
+import { Button } from "./button";
 import { say } from "../base/words";
 import { ErrorNotice, type Tone } from "./basics";
 
@@ -83,20 +84,21 @@ export function Confirm({ title, children, action, tone = "bad", onConfirm, onCl
 
 interface FormButtonsProps {
   readonly action: string; // what the button that sends the form says
-  readonly disabled: boolean;
+  readonly busy: boolean;
+  readonly blocked?: string | undefined; // why it cannot be sent yet
   readonly onCancel: () => void;
 }
 
 // The last row of a form in a dialog.
-export function FormButtons({ action, disabled, onCancel }: FormButtonsProps) {
+export function FormButtons({ action, busy, blocked, onCancel }: FormButtonsProps) {
   return (
     <div class="button-row end">
       <button type="button" class="button" onClick={onCancel}>
         {say("common.cancel")}
       </button>
-      <button type="submit" class="button primary" disabled={disabled}>
+      <Button busy={busy} blocked={blocked}>
         {action}
-      </button>
+      </Button>
     </div>
   );
 }

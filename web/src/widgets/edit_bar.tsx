@@ -2,6 +2,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { say, sayWith } from "../base/words";
 import { Notice } from "./basics";
+import { Button } from "./button";
 import type { EditedDocument } from "./use_document";
 
 // Undo, redo and what ends the edit; stays in sight. Ctrl+Z and Ctrl+Y act where no text is typed:
@@ -52,12 +53,22 @@ export function EditBar({
           {state}
         </span>
         <div class="button-row">
-          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>
+          <Button
+            kind=""
+            blocked={edit.canUndo ? undefined : say("edit.no_undo")}
+            tip={say("edit.undo")}
+            onClick={edit.undo}
+          >
             {say("edit.undo")}
-          </button>
-          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>
+          </Button>
+          <Button
+            kind=""
+            blocked={edit.canRedo ? undefined : say("edit.no_redo")}
+            tip={say("edit.redo")}
+            onClick={edit.redo}
+          >
             {say("edit.redo")}
-          </button>
+          </Button>
           {children}
         </div>
       </div>

@@ -39,7 +39,7 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
             message={change.error.field === "password" ? say("account.not_your_password") : change.error.message}
           />
         )}
-        <FormButtons action={say("common.go_on")} disabled={change.busy} onCancel={() => onAnswer(false)} />
+        <FormButtons action={say("common.go_on")} busy={change.busy} onCancel={() => onAnswer(false)} />
       </form>
     </Dialog>
   );

@@ -106,7 +106,8 @@ function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations 
         )}
       <FormButtons
         action={say("assign.assign")}
-        disabled={change.busy || exercise === "" || into === ""}
+        busy={change.busy}
+        blocked={exercise === "" ? say("assign.no_exercise") : into === "" ? say("assign.no_cohort") : undefined}
         onCancel={onClose}
       />
     </form>

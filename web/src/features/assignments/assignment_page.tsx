@@ -8,6 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
 import { countingText, exerciseTitle, handsText, limitText } from "./assignment_text";
@@ -193,9 +194,9 @@ function EditTerms({
       />
       <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
       <div>
-        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+        <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
-        </button>
+        </Button>
       </div>
     </form>
   );

@@ -7,6 +7,7 @@ import { keepDraft } from "../../base/drafts";
 import { formatDateTime, formatMoment, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { Brief, Card, Empty, ErrorNotice } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../tooth/messages";
@@ -157,9 +158,9 @@ function EditRemark({
         />
       )}
       <div class="button-row">
-        <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>
+        <Button kind="primary small" busy={change.busy} blocked={needed({ [say("chair.remark")]: text.trim() })}>
           {say("common.save")}
-        </button>
+        </Button>
         <button
           type="button"
           class="button small"
@@ -232,9 +233,9 @@ function NewRemark({ review, series }: Props) {
       <p class="hint">{say("remarks.keys")}</p>
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>
+        <Button busy={change.busy} blocked={needed({ [say("chair.remark")]: text.trim() })}>
           {say("remarks.add")}
-        </button>
+        </Button>
         {point === undefined ? (
           anchor !== undefined && (
             <button

@@ -6,6 +6,7 @@ import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { LongTextField } from "../../widgets/form";
 import { useDraft } from "../../widgets/use_draft";
 
@@ -89,9 +90,9 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
           />
           {change.error !== undefined && <ErrorNotice title={say("common.not_sent")} message={change.error.message} />}
           <div class="button-row">
-            <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>
+            <Button busy={change.busy} blocked={needed({ [say("appeal.what")]: text.trim() })}>
               {say("appeal.send")}
-            </button>
+            </Button>
             <button type="button" class="button" onClick={() => setOpen(false)}>
               {say("common.cancel")}
             </button>
@@ -111,6 +112,7 @@ function AnswerAppeal({ client, attempt, onChanged }: Props) {
     forget();
     onChanged();
   };
+  const wanted = needed({ [say("appeal.your_answer")]: text.trim() });
   return (
     <form class="form" onSubmit={(event) => event.preventDefault()}>
       <LongTextField
@@ -123,22 +125,12 @@ function AnswerAppeal({ client, attempt, onChanged }: Props) {
       />
       {change.error !== undefined && <ErrorNotice title={say("appeal.not_answered")} message={change.error.message} />}
       <div class="button-row">
-        <button
-          type="button"
-          class="button primary"
-          disabled={change.busy || text.trim() === ""}
-          onClick={() => void answer("regrade")}
-        >
+        <Button busy={change.busy} blocked={wanted} tip="" onClick={() => void answer("regrade")}>
           {say("appeal.answer_regrade")}
-        </button>
-        <button
-          type="button"
-          class="button"
-          disabled={change.busy || text.trim() === ""}
-          onClick={() => void answer("reject")}
-        >
+        </Button>
+        <Button kind="" busy={change.busy} blocked={wanted} onClick={() => void answer("reject")}>
           {say("appeal.reject")}
-        </button>
+        </Button>
       </div>
       <p class="hint">{say("appeal.regrade_hint")}</p>
     </form>

@@ -9,6 +9,7 @@ import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { releaseMade } from "../../widgets/release_undo";
 import { CheckField, LongTextField, NumberField, TextField } from "../../widgets/form";
@@ -247,9 +248,9 @@ function ReferenceForm({ busy, error, onName, onCancel }: ReferenceFormProps) {
       <CheckField label={say("judge.consent")} value={consent} onValue={setConsent} />
       <AnywayField anyway={anyway} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy || !consent || anyway.missing}>
+        <Button busy={busy} blocked={needed({ [say("judge.consent")]: consent, [say("anyway.why")]: !anyway.missing })}>
           {say(anyway.asked ? "judge.reference_anyway" : "judge.reference")}
-        </button>
+        </Button>
         <button type="button" class="button" onClick={onCancel}>
           {say("common.cancel")}
         </button>

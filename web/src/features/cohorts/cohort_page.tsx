@@ -8,6 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { spokenLocale } from "../../base/language";
 import { say } from "../../base/words";
 import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
 import { CheckField, TextField } from "../../widgets/form";
@@ -113,9 +114,9 @@ function Details({
       />
       <EditNotices edit={edit} compared={kCompared} fields={["name"]} />
       <div>
-        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+        <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
-        </button>
+        </Button>
       </div>
     </form>
   );
@@ -231,9 +232,9 @@ function AddMember({
     <>
       <form class="filters" role="search" onSubmit={submit}>
         <TextField label={say("cohort.add")} value={text} onValue={setText} maxLength={100} />
-        <button type="submit" class="button" disabled={text.trim() === ""}>
+        <Button kind="" blocked={needed({ [say("account.name")]: text.trim() })}>
           {say("common.find")}
-        </button>
+        </Button>
       </form>
       {change.error !== undefined && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
       {asked !== "" && found.loaded.state === "failed" && (

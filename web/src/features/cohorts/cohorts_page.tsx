@@ -96,7 +96,7 @@ function AddCohort({
         {change.error !== undefined && change.error.field !== "name" && (
           <ErrorNotice title={say("common.not_added")} message={change.error.message} />
         )}
-        <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
+        <FormButtons action={say("common.add")} busy={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

@@ -7,6 +7,7 @@ import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
 import { ErrorNotice, Loading } from "../../widgets/basics";
+import { needed } from "../../widgets/button";
 import { FormButtons } from "../../widgets/dialog";
 import { SelectField, TextField } from "../../widgets/form";
 import { copied, isName, nameFor } from "./copied";
@@ -74,7 +75,12 @@ export function CopyForm({ client, from, onDone, onCancel }: Props) {
       )}
       <FormButtons
         action={say("copy_exercise.do")}
-        disabled={change.busy || source === undefined || title.trim() === "" || !isName(name)}
+        busy={change.busy}
+        blocked={needed({
+          [say("copy_exercise.from")]: source,
+          [say("copy_exercise.title")]: title.trim(),
+          [say("account.name")]: isName(name),
+        })}
         onCancel={onCancel}
       />
     </form>

@@ -5,6 +5,7 @@ import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
+import { needed } from "../../widgets/button";
 import { FormButtons } from "../../widgets/dialog";
 import { ErrorNotice } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
@@ -53,7 +54,12 @@ export function DocumentForm({ action, send, onDone, onCancel }: Props) {
           message={placedMessage(change.error)}
         />
       )}
-      <FormButtons action={action} disabled={change.busy || file === undefined || tooLarge} onCancel={onCancel} />
+      <FormButtons
+        action={action}
+        busy={change.busy}
+        blocked={needed({ [say("document.file")]: file !== undefined && !tooLarge })}
+        onCancel={onCancel}
+      />
     </form>
   );
 }

@@ -20,6 +20,7 @@ import {
   DocumentText,
   stillWrong,
 } from "../../widgets/document_fields";
+import { Button } from "../../widgets/button";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
@@ -134,14 +135,19 @@ function Editor({
         </Notice>
       )}
       <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
-        <button
-          type="button"
-          class="button primary"
-          disabled={change.busy || check.busy || check.error !== undefined || own.size > 0 || (isDraft && !edit.dirty)}
+        <Button
+          busy={change.busy || check.busy}
+          blocked={
+            check.error !== undefined || own.size > 0
+              ? say("rubric.mend_first")
+              : isDraft && !edit.dirty
+                ? say("rubric.nothing_changed")
+                : undefined
+          }
           onClick={() => void save()}
         >
           {isDraft ? say("editor.save_draft") : say("editor.make_draft")}
-        </button>
+        </Button>
       </EditBar>
       <Problem check={check} form={form} />
       {change.error !== undefined &&

@@ -12,6 +12,7 @@ import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { type DocumentForm, stillWrong } from "../../widgets/document_fields";
 import { EditBar } from "../../widgets/edit_bar";
@@ -111,18 +112,9 @@ function Editor({
         {say("rubric.of_version", { title: wordedTitle(exercise.title), version: versionText(exercise) })}
       </PageTitle>
       <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
-        <button
-          type="button"
-          class="button primary"
-          disabled={change.busy || check.busy || why !== undefined}
-          aria-describedby="publish-why"
-          onClick={() => void publish()}
-        >
+        <Button busy={change.busy || check.busy} blocked={why} onClick={() => void publish()}>
           {say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}
-        </button>
-        <span class="hint" id="publish-why">
-          {why}
-        </span>
+        </Button>
       </EditBar>
       <Problem check={check} form={form} />
       {change.error !== undefined &&

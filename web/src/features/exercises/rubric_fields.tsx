@@ -4,6 +4,7 @@ import { formatPoints, unitText } from "../../base/format";
 import { metricTitle } from "../../base/metric_titles";
 import { say } from "../../base/words";
 import { Brief } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
 import { SelectField } from "../../widgets/form";
 import { materialOptions, moreIsBetter } from "./editor_text";
@@ -191,15 +192,30 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
       <Steps form={form} path={[...path, "map"]} unit={unit} />
       <DocumentText form={form} path={[...path, "comment"]} label={say("rubric.advice")} maxLength={1000} />
       <div class="button-row">
-        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}>
+        <Button
+          kind="small"
+          blocked={place === 0 ? say("rubric.is_first") : undefined}
+          tip={say("rubric.up_which", { name })}
+          onClick={() => move(place - 1)}
+        >
           <Brief shown={say("rubric.up")} full={say("rubric.up_which", { name })} />
-        </button>
-        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}>
+        </Button>
+        <Button
+          kind="small"
+          blocked={place === count - 1 ? say("rubric.is_last") : undefined}
+          tip={say("rubric.down_which", { name })}
+          onClick={() => move(place + 1)}
+        >
           <Brief shown={say("rubric.down")} full={say("rubric.down_which", { name })} />
-        </button>
-        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}>
+        </Button>
+        <Button
+          kind="small"
+          blocked={points && count === 1 ? say("rubric.is_only") : undefined}
+          tip={say("rubric.remove_which", { name })}
+          onClick={remove}
+        >
           <Brief shown={say("common.remove")} full={say("rubric.remove_which", { name })} />
-        </button>
+        </Button>
       </div>
     </fieldset>
   );
@@ -223,14 +239,14 @@ function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly pat
             label={unitText(unit) === "" ? say("rubric.at_number") : say("rubric.at", { unit: unitText(unit) })}
           />
           <DocumentNumber form={form} path={[...path, i, 1]} label={say("rubric.share")} scale={0.01} min={0} />
-          <button
-            type="button"
-            class="button small"
-            disabled={rows.length === 1}
+          <Button
+            kind="small"
+            blocked={rows.length === 1 ? say("rubric.is_only") : undefined}
+            tip={say("rubric.remove_row", { number: String(i + 1) })}
             onClick={() => form.edit.set([...path, i], undefined)}
           >
             <Brief shown={say("common.remove")} full={say("rubric.remove_row", { number: String(i + 1) })} />
-          </button>
+          </Button>
         </div>
       ))}
       <div>

@@ -4,6 +4,7 @@ import { placedMessage } from "../../api/placed";
 import type { ToothImport, ToothImportUnit } from "../../api/types";
 import { say } from "../../base/words";
 import { ErrorNotice, Notice, Progress } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { FileField, SelectField, TextField } from "../../widgets/form";
 
 const kPollMs = 700;
@@ -159,13 +160,16 @@ export function ToothImportForm({ client, onDone, onClose }: Props) {
         <button type="button" class="button" onClick={onClose}>
           {say("common.cancel")}
         </button>
-        <button
-          type="submit"
-          class="button primary"
-          disabled={busy || file === undefined || title.trim() === "" || tooth === ""}
+        <Button
+          busy={busy}
+          blocked={needed({
+            [say("tooth_import.mesh")]: file,
+            [say("account.name")]: title.trim(),
+            [say("tooth_import.tooth")]: tooth,
+          })}
         >
           {say("tooth_import.import")}
-        </button>
+        </Button>
       </div>
     </form>
   );

@@ -4,6 +4,7 @@ import type { ApiResult } from "../../api/http";
 import type { Attempt, AttemptDetail } from "../../api/types";
 import { say } from "../../base/words";
 import { Notice } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import { forEach, type Outcome } from "./bulk";
@@ -59,6 +60,7 @@ export function BulkActions({ client, chosen, onDone }: Props) {
     };
     setTold((now) => (now === undefined ? now : { ...now, undo }));
   };
+  const busy = running !== undefined;
   const releasable = chosen.filter((attempt) => attempt.state === "scored" && !attempt.released);
   const release = async () => {
     const { done } = await run(
@@ -112,18 +114,17 @@ export function BulkActions({ client, chosen, onDone }: Props) {
       {chosen.length > 0 && (
         <div class="button-row" role="group" aria-label={say("bulk.with_chosen")}>
           <span>{say("bulk.chosen", { count: chosen.length })}</span>
-          <button
-            type="button"
-            class="button primary"
-            disabled={running !== undefined || releasable.length === 0}
+          <Button
+            busy={busy}
+            blocked={releasable.length === 0 ? say("bulk.none_waits") : undefined}
             onClick={() => void release()}
           >
             {say("bulk.release", { count: releasable.length })}
-          </button>
-          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("rescore")}>
+          </Button>
+          <button type="button" class="button" disabled={busy} onClick={() => setAsking("rescore")}>
             {say("judge.rescore_ask")}
           </button>
-          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("excuse")}>
+          <button type="button" class="button" disabled={busy} onClick={() => setAsking("excuse")}>
             {say("judge.excuse_ask")}
           </button>
         </div>
@@ -141,12 +142,7 @@ export function BulkActions({ client, chosen, onDone }: Props) {
             </ul>
           )}
           {told.undo !== undefined && (
-            <button
-              type="button"
-              class="button small"
-              disabled={running !== undefined}
-              onClick={() => void told.undo?.()}
-            >
+            <button type="button" class="button small" disabled={busy} onClick={() => void told.undo?.()}>
               {say("edit.undo")}
             </button>
           )}

@@ -11,6 +11,7 @@ import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
 import { awaitsRelease, FlagIcons, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { TextField } from "../../widgets/form";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
@@ -171,14 +172,12 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       <div class="filters" role="search" ref={search}>
         <TextField label={say("common.student")} value={text} onValue={setText} maxLength={100} />
         <span class="hint">{say("grading.count", { count: shown.length, waiting })}</span>
-        <button
-          type="button"
-          class="button primary"
-          disabled={shown.length === 0}
+        <Button
+          blocked={shown.length > 0 ? undefined : rows.length === 0 ? say("grading.none") : say("common.nobody_named")}
           onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}
         >
           {say("grading.begin")}
-        </button>
+        </Button>
       </div>
       {undo.notice}
       <BulkActions

@@ -7,6 +7,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDuration } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { TextField } from "../../widgets/form";
 
 const kPollMs = 2000;
@@ -85,12 +86,12 @@ function Speak({
         onValue={setText}
         required
         maxLength={state.max_characters}
-        problem={change.error?.message ?? why}
+        problem={change.error?.message}
       />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={change.busy || text.trim() === "" || why !== undefined}>
+        <Button busy={change.busy} blocked={why ?? needed({ [say("chair.remark")]: text.trim() })}>
           {say("chair.send")}
-        </button>
+        </Button>
       </div>
     </form>
   );

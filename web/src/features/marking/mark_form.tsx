@@ -7,6 +7,7 @@ import { useChange } from "../../api/use_change";
 import { formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { ErrorNotice } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { DataTable } from "../../widgets/table";
 import { useDraft } from "../../widgets/use_draft";
 import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, totalOf } from "./mark";
@@ -67,9 +68,7 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
           </label>
         ))}
       </fieldset>
-      {draft.rating === undefined ? (
-        <p class="hint">{say("marking.rating_first")}</p>
-      ) : (
+      {draft.rating !== undefined && (
         <>
           <DataTable
             label={say("marking.criteria")}
@@ -123,30 +122,32 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
             ]}
           />
           <div class="button-row">
-            <button
-              type="button"
-              class="button small"
-              disabled={left.length === 0}
+            <Button
+              kind="small"
+              blocked={left.length === 0 ? say("marking.all_given") : undefined}
               onClick={() => put(JSON.stringify(filled(draft, criteria)))}
             >
               {say("marking.fill")}
-            </button>
+            </Button>
             <span class="mark-total">{say("marking.total", { total: formatScore(totalOf(draft, criteria)) })}</span>
           </div>
         </>
       )}
       {change.error !== undefined && <ErrorNotice title={say("marking.not_sent")} message={change.error.message} />}
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={change.busy || ready === undefined}>
+        <Button
+          busy={change.busy}
+          blocked={
+            draft.rating === undefined
+              ? say("marking.rating_first")
+              : left.length > 0
+                ? say("marking.left", { count: left.length })
+                : undefined
+          }
+        >
           {say("marking.send")}
-        </button>
-        <span class="hint">
-          {draft.rating === undefined
-            ? ""
-            : left.length > 0
-              ? say("marking.left", { count: left.length })
-              : say("marking.once")}
-        </span>
+        </Button>
+        {ready !== undefined && <span class="hint">{say("marking.once")}</span>}
       </div>
     </form>
   );

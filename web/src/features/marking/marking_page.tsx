@@ -8,6 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { progressText } from "./how_far";
 import { nextOf } from "./mark";
@@ -106,17 +107,17 @@ function MyWork({
       <p class="hint">{say("marking.blind")}</p>
       <div class="button-row works" role="group" aria-label={say("marking.works")}>
         {mine.map(({ id, marked }, i) => (
-          <button
+          <Button
             key={id}
-            type="button"
-            class="button small"
-            disabled={marked}
+            kind="small"
+            blocked={marked ? say("marking.work_marked", { number: String(i + 1) }) : undefined}
+            tip={say("marking.work", { number: String(i + 1) })}
             aria-pressed={id === work}
-            aria-label={say(marked ? "marking.work_marked" : "marking.work", { number: String(i + 1) })}
+            aria-label={say("marking.work", { number: String(i + 1) })}
             onClick={() => setChosen(id)}
           >
             {marked ? "✓" : i + 1}
-          </button>
+          </Button>
         ))}
       </div>
       <div class="columns marking">

@@ -10,6 +10,7 @@ import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
 import { say, sayIfWith, sayWith } from "../../base/words";
 import { Card, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { TextField, TimeField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
@@ -60,9 +61,13 @@ export function AuditPage({ client, query, onQuery }: Props) {
     <>
       <div class="toolbar">
         <PageTitle document={say("nav.audit")}>{say("nav.audit")}</PageTitle>
-        <button type="button" class="button" disabled={pages.items.length === 0} onClick={() => save(pages.items)}>
+        <Button
+          kind=""
+          blocked={pages.items.length === 0 ? say("audit.none") : undefined}
+          onClick={() => save(pages.items)}
+        >
           {say("audit.save")}
-        </button>
+        </Button>
       </div>
       <Filters key={JSON.stringify(filter)} client={client} filter={filter} onQuery={onQuery} />
       <PagedList pages={pages} list="audit" empty={say("audit.none")}>

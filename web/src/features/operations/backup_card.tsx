@@ -5,6 +5,7 @@ import { formatBytes, formatDateTime, formatNumber } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Progress } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { Facts } from "./facts";
 import { retentionText } from "./health_text";
 
@@ -59,9 +60,14 @@ export function BackupCard({
         <p class="hint">{say("health.backup_nowhere")}</p>
       ) : (
         <>
-          <button type="button" class="button" disabled={change.busy || running !== null} onClick={() => void start()}>
+          <Button
+            kind=""
+            busy={change.busy}
+            blocked={running === null ? undefined : phaseText(running)}
+            onClick={() => void start()}
+          >
             {say("health.back_up")}
-          </button>
+          </Button>
           <p class="hint">{say("health.backup_folder", { folder })}</p>
         </>
       )}

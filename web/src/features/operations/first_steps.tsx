@@ -7,6 +7,7 @@ import { useRequest } from "../../api/use_request";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { SelectField } from "../../widgets/form";
 
 interface Step {
@@ -133,9 +134,9 @@ function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: 
         hint={summary === undefined ? undefined : wordedTitle(summary)}
         options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))}
       />
-      <button type="submit" class="button primary" disabled={change.busy || name === ""}>
+      <Button busy={change.busy} blocked={needed({ [say("steps.tooth")]: name })}>
         {change.busy ? say("steps.making") : say("steps.put_it")}
-      </button>
+      </Button>
       {change.error !== undefined && <ErrorNotice title={say("steps.not_put")} message={change.error.message} />}
       <div aria-live="polite">
         {put !== undefined && (

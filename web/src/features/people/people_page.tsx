@@ -208,7 +208,7 @@ function AddPerson({
         {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && (
           <ErrorNotice title={say("common.not_added")} message={change.error.message} />
         )}
-        <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
+        <FormButtons action={say("common.add")} busy={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

@@ -6,6 +6,7 @@ import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { Confirm, Dialog } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
 import { CheckField, SelectField, TextField } from "../../widgets/form";
@@ -158,9 +159,9 @@ function Details({
       />
       <EditNotices edit={edit} compared={kCompared} fields={["display_name", "role"]} />
       <div>
-        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+        <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
-        </button>
+        </Button>
       </div>
     </form>
   );

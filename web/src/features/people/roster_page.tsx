@@ -8,6 +8,7 @@ import { downloadFile } from "../../base/download";
 import { formatNumber } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { PrintSlips } from "./password_slips";
@@ -153,13 +154,9 @@ function Trial({
       </Notice>
       <Rows report={report} />
       <div class="button-row">
-        <button type="button" class="button primary" disabled={busy || nothing} onClick={onImport}>
-          {nothing
-            ? say("roster.nothing")
-            : busy
-              ? say("roster.importing")
-              : say("roster.import", { count: report.created + report.updated })}
-        </button>
+        <Button busy={busy} blocked={nothing ? say("roster.nothing") : undefined} onClick={onImport}>
+          {busy ? say("roster.importing") : say("roster.import", { count: report.created + report.updated })}
+        </Button>
       </div>
     </Card>
   );

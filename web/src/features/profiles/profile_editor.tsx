@@ -6,6 +6,7 @@ import { useRequest } from "../../api/use_request";
 import type { Json } from "../../base/document";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
 import { type DocumentForm, DocumentNumber, DocumentText, stillWrong } from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
@@ -91,14 +92,21 @@ function Editor({
       </nav>
       <PageTitle document={say("editor.edit", { title })}>{say("editor.edit", { title })}</PageTitle>
       <EditBar edit={edit} state={state}>
-        <button
-          type="button"
-          class="button primary"
-          disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty}
+        <Button
+          busy={change.busy || check.busy}
+          blocked={
+            check.error !== undefined
+              ? say("rubric.mend_first")
+              : refused
+                ? say("profile_editor.refused")
+                : edit.dirty
+                  ? undefined
+                  : say("rubric.nothing_changed")
+          }
           onClick={() => void save()}
         >
           {say("profile_editor.save", { version: String(version + 1) })}
-        </button>
+        </Button>
       </EditBar>
       <div aria-live="polite" class="edit-notices">
         {form.wrong !== undefined && (

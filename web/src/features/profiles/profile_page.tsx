@@ -8,6 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatNumber, unitText } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Brief, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { FileField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { Trend } from "../../widgets/trend";
@@ -362,9 +363,9 @@ function UploadForm({ label, accept, hint, send, onDone }: UploadProps) {
         </Notice>
       )}
       <div>
-        <button type="submit" class="button" disabled={change.busy || file === undefined}>
+        <Button kind="" busy={change.busy} blocked={needed({ [label]: file })}>
           {say("common.add")}
-        </button>
+        </Button>
       </div>
     </form>
   );

@@ -6,6 +6,7 @@ import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Notice, PageTitle } from "../../widgets/basics";
+import { Button, needed } from "../../widgets/button";
 import { FileField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { DataTable } from "../../widgets/table";
@@ -69,9 +70,9 @@ function UploadProfile({ client, onDone }: { readonly client: Client; readonly o
           hint={say("profiles.file_hint")}
         />
         <div>
-          <button type="submit" class="button primary" disabled={change.busy || file === undefined}>
+          <Button busy={change.busy} blocked={needed({ [say("profiles.file")]: file })}>
             {say("profiles.check_save")}
-          </button>
+          </Button>
         </div>
       </form>
       {change.error !== undefined && (

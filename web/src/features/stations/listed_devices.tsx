@@ -6,6 +6,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Brief, Card, Empty, ErrorNotice, Loading } from "../../widgets/basics";
+import { needed } from "../../widgets/button";
 import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -133,7 +134,8 @@ function Add({
         )}
         <FormButtons
           action={say("common.add")}
-          disabled={change.busy || name.trim() === "" || title.trim() === ""}
+          busy={change.busy}
+          blocked={needed({ [say("listed.known_by")]: name.trim(), [say("account.name")]: title.trim() })}
           onCancel={onClose}
         />
       </form>

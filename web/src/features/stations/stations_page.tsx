@@ -154,7 +154,7 @@ function Rename({
         {change.error !== undefined && change.error.field !== "name" && (
           <ErrorNotice title={say("stations.not_renamed")} message={change.error.message} />
         )}
-        <FormButtons action={say("stations.rename")} disabled={change.busy} onCancel={onClose} />
+        <FormButtons action={say("stations.rename")} busy={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

@@ -20,6 +20,7 @@ import type {
   ToothLines,
 } from "../../tooth/messages";
 import { Loading } from "../basics";
+import { Button } from "../button";
 import { type Drawn, kDirections, place } from "./overlay";
 import { tissueTitle } from "./tissue";
 import { turnedBy } from "./turning";
@@ -314,17 +315,21 @@ export function ToothView({
             {kPresets.map(([preset, short]) => {
               const title = say(`view.${preset}`);
               return preset === "cavity" && angled.cavity === undefined ? null : (
-                <button
+                <Button
                   key={preset}
-                  type="button"
-                  class="button small"
-                  disabled={!ready || (anatomy === undefined && (preset === "mesial" || preset === "distal"))}
-                  title={title}
+                  kind="small"
+                  busy={!ready}
+                  blocked={
+                    anatomy === undefined && (preset === "mesial" || preset === "distal")
+                      ? say("view.no_anatomy")
+                      : undefined
+                  }
+                  tip={title}
                   onClick={() => screen?.view(preset)}
                 >
                   {title.slice(0, short)}
                   <span class="preset-rest">{title.slice(short)}</span>
-                </button>
+                </Button>
               );
             })}
           </div>
