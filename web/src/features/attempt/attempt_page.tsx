@@ -357,7 +357,9 @@ function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
           size: mm(near.size_mm),
         })}
       </p>
-      <p class="hint">{say("attempt.near_hint")}</p>
+      <p class="hint">
+        {say("evidence.proves_nothing")} {say("attempt.near_hint")}
+      </p>
     </Card>
   );
 }

@@ -84,7 +84,9 @@ function Hand({ attempt, evidence }: Props) {
           </dd>
         </div>
       </dl>
-      <p class="hint">{say("evidence.hint")}</p>
+      <p class="hint">
+        {near?.worth_a_look === true ? "" : say("evidence.proves_nothing")} {say("evidence.hint")}
+      </p>
     </Card>
   );
 }
