@@ -178,7 +178,6 @@ void EngagementReader::Look(Volume& volume, size_t candidate) noexcept {
 // Its area, by how far that direction brings it into solid, m^2.
 double EngagementReader::AreaAhead(Volume& volume, const dvec3& direction, double own,
                                    size_t candidate) noexcept {
-  if (!(own > 0)) return 0;
   const Contact& c = See(volume, candidate);
   if (!(c.area_m2 > 0) || !(own > c.grazing)) return 0;
   const double field = Dot(c.into, direction), rate = own < field ? own : field;
@@ -232,6 +231,7 @@ RotationalEngagement EngagementReader::ReadRotational(Volume& volume, const dvec
     // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
     const dvec3 direction = Unit(glm::cross(turn, arm_m));
     const double own = Dot(points_[candidates_[i].point].normal, InBur(direction));
+    if (!(own > 0)) continue;
     const double area = AreaAhead(volume, direction, own, i);
     if (!(area > 0)) continue;
     const Contact& a = contacts_[i];

@@ -148,7 +148,7 @@ class EngagementReader {
     return contacts_[candidate];
   }
   void Look(Volume& volume, size_t candidate) noexcept;
-  // `own`: the direction's share along the point's own normal.
+  // `own`: the direction's share along the point's own normal. Requires: own > 0.
   double AreaAhead(Volume& volume, const dvec3& direction, double own, size_t candidate) noexcept;
 
   std::vector<Point> points_;
