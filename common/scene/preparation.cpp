@@ -102,22 +102,25 @@ int16_t Hollowed(int phi, double distance_m, double voxel_m) {
   return static_cast<int16_t>(std::max(phi, static_cast<int>(std::lround(hollow))));
 }
 
-// Nothing of the preparation comes within the band of any of the brick's samples.
-bool IsFar(const Preparation& preparation, const GridSpec& spec, const dvec3& corner) {
-  constexpr double kHalfDiagonalVoxels = 3.5 * 1.7320508075688772, kBandVoxels = 4;
-  double h = spec.voxel_m();
-  return PreparationDistance_m(preparation, corner + 3.5 * h) >
-         DistanceErrs(preparation) * (kHalfDiagonalVoxels + kBandVoxels) * h;
+Tissue LabelOf(const Volume& volume, int brick, size_t i) {
+  return volume.HasLabels(brick) ? static_cast<Tissue>(volume.Labels(brick).tissue[i])
+                                 : volume.UniformTissue(brick);
 }
 
-void HollowBrick(const Volume& from, int brick, const dvec3& corner, const Preparation& preparation,
-                 Volume& to) {
+using Distance = std::function<double(const dvec3& point_m)>;
+
+void HollowBrick(const Volume& from, int brick, const dvec3& corner, const Distance& distance_m,
+                 Neighbours neighbours, Volume& to) {
   double h = from.spec().voxel_m();
   std::array<int16_t, kBrickVoxels> phi;
   for (int i = 0; i < kBrickVoxels; ++i) {
+    const auto n = static_cast<size_t>(i);
     dvec3 p = corner + h * dvec3(i % kBrickSide, i / kBrickSide % kBrickSide, i / 64);
-    int before = from.IsStored(brick) ? from.Phi(brick).phi[static_cast<size_t>(i)] : -kPhiLimit;
-    phi[static_cast<size_t>(i)] = Hollowed(before, PreparationDistance_m(preparation, p), h);
+    const int before = from.IsStored(brick) ? from.Phi(brick).phi[n] : -kPhiLimit;
+    const bool spared =
+        neighbours == Neighbours::kSpared && LabelOf(from, brick, n) == Tissue::kNeighbour;
+    const bool stays = spared || before == kPhiLimit;
+    phi[n] = stays ? static_cast<int16_t>(before) : Hollowed(before, distance_m(p), h);
   }
   if (std::all_of(phi.begin(), phi.end(), [](int16_t v) { return v == kPhiLimit; })) return;
   std::span<const uint8_t> labels;
@@ -218,22 +221,32 @@ Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target) 
   return out;
 }
 
-Volume Prepared(const Volume& volume, const Preparation& preparation) {
+Volume CutAway(const Volume& volume, const Distance& distance_m, double errs,
+               Neighbours neighbours) {
+  // Farther from a brick's middle, nothing comes within the band of any of its samples.
+  constexpr double kHalfDiagonalVoxels = 3.5 * 1.7320508075688772, kBandVoxels = 4;
   const GridSpec& spec = volume.spec();
+  const double h = spec.voxel_m(), far_m = errs * (kHalfDiagonalVoxels + kBandVoxels) * h;
   Volume out(spec);
   for (int z = 0; z < spec.bricks.z; ++z)
     for (int y = 0; y < spec.bricks.y; ++y)
       for (int x = 0; x < spec.bricks.x; ++x) {
         int brick = spec.BrickIndex({x, y, z});
         bool air = !volume.IsStored(brick) && volume.UniformTissue(brick) == Tissue::kAir;
-        dvec3 corner = spec.origin_m() + spec.voxel_m() * kBrickSide * dvec3(x, y, z);
-        if (air || IsFar(preparation, spec, corner)) {
+        dvec3 corner = spec.origin_m() + h * kBrickSide * dvec3(x, y, z);
+        if (air || distance_m(corner + 3.5 * h) > far_m) {
           CopyBrick(volume, brick, out);
         } else {
-          HollowBrick(volume, brick, corner, preparation, out);
+          HollowBrick(volume, brick, corner, distance_m, neighbours, out);
         }
       }
   return out;
+}
+
+Volume Prepared(const Volume& volume, const Preparation& preparation, Neighbours neighbours) {
+  return CutAway(
+      volume, [&](const dvec3& p) { return PreparationDistance_m(preparation, p); },
+      DistanceErrs(preparation), neighbours);
 }
 
 CavityTarget TargetFor(const Preparation& preparation) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
@@ -41,9 +43,17 @@ Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target);
 // TargetPoint's.
 Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target);
 
-// The volume after a perfect preparation: phi := max(phi, -distance), as a bur would leave it that
-// can reach every corner. A reference to compare a cut with. Bricks left without solid become air.
-cutting::Volume Prepared(const cutting::Volume& volume, const Preparation& preparation);
+// Spared: voxels of a neighbouring tooth do not change.
+enum class Neighbours { kCut, kSpared };
+// phi := max(phi, -distance), as a bur would leave it that can reach every corner. Bricks left
+// without solid become air. `distance_m` of a point of the scene is negative in what goes; the
+// surface may be at most `errs` times nearer than it says.
+cutting::Volume CutAway(const cutting::Volume& volume,
+                        const std::function<double(const dvec3& point_m)>& distance_m, double errs,
+                        Neighbours neighbours);
+// The volume after a perfect preparation, to compare a cut with.
+cutting::Volume Prepared(const cutting::Volume& volume, const Preparation& preparation,
+                         Neighbours neighbours = Neighbours::kCut);
 
 // A preparation as an exercise's target with the same landmark (the preparation's name, where its
 // first part opens): its parts, and the box that just holds them. A single box has no parts: the

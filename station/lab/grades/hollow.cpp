@@ -12,13 +12,11 @@ namespace {
 
 using cutting::kBrickSide;
 using cutting::kBrickVoxels;
-using cutting::kPhiLimit;
 using cutting::Tissue;
 using cutting::Volume;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kWaves = 3;
-constexpr double kBandVoxels = 4;  // phi says no more
 
 // In the wall's own frame: distance out, along it and above the cavity's middle height.
 double WallDistance_m(const Face& f, double out, double along, double length, double height) {
@@ -43,31 +41,6 @@ Tissue LabelOf(const Volume& volume, int brick, int i) {
   return volume.HasLabels(brick)
              ? static_cast<Tissue>(volume.Labels(brick).tissue[static_cast<size_t>(i)])
              : volume.UniformTissue(brick);
-}
-
-void HollowBrick(const Volume& from, int brick, const Hollow& hollow, Neighbours neighbours,
-                 Volume& to) {
-  const double h = from.spec().voxel_m();
-  const dvec3 corner = CornerOf(from.spec(), brick);
-  std::array<int16_t, kBrickVoxels> phi;
-  bool solid = false;
-  for (int i = 0; i < kBrickVoxels; ++i) {
-    const auto n = static_cast<size_t>(i);
-    phi[n] = from.IsStored(brick) ? from.Phi(brick).phi[n] : static_cast<int16_t>(-kPhiLimit);
-    const bool spared =
-        neighbours == Neighbours::kSpared && LabelOf(from, brick, i) == Tissue::kNeighbour;
-    if (phi[n] < kPhiLimit && !spared) {
-      const double units = std::clamp(-hollow(corner + InBrick(i) * h) / h * cutting::kPhiPerVoxel,
-                                      -1.0 * kPhiLimit, 1.0 * kPhiLimit);
-      phi[n] = std::max(phi[n], static_cast<int16_t>(std::lround(units)));
-    }
-    solid = solid || phi[n] < kPhiLimit;
-  }
-  if (!solid) return;
-  std::span<const uint8_t> labels;
-  if (from.HasLabels(brick)) labels = from.Labels(brick).tissue;
-  to.SetBrick(brick, phi, labels,
-              labels.empty() ? from.UniformTissue(brick) : static_cast<Tissue>(labels[0]));
 }
 
 }  // namespace
@@ -210,21 +183,8 @@ CrownCut CrownCutOf(const scene::PreparationPart& part) {
 }
 
 Volume CutAway(const Volume& initial, const Hollow& hollow, Neighbours neighbours) {
-  const cutting::GridSpec& spec = initial.spec();
-  const double h = spec.voxel_m();
-  const double half = 0.5 * (kBrickSide - 1);
-  // A wavy wall's distance may change by up to twice the distance moved.
-  const double far = (2 * half * std::sqrt(3.0) + kBandVoxels) * h;
-  Volume out(spec);
-  for (int b = 0; b < spec.brick_count(); ++b) {
-    if (IsAir(initial, b)) continue;
-    if (hollow(CornerOf(spec, b) + half * h) > far) {
-      scene::CopyBrick(initial, b, out);
-    } else {
-      HollowBrick(initial, b, hollow, neighbours, out);
-    }
-  }
-  return out;
+  constexpr double kErrs = 2;  // a wavy wall's distance
+  return scene::CutAway(initial, hollow, kErrs, neighbours);
 }
 
 double VolumeWhere_m3(const Volume& initial, const dvec3& lo_m, const dvec3& hi_m,
@@ -240,7 +200,6 @@ double VolumeWhere_m3(const Volume& initial, const dvec3& lo_m, const dvec3& hi_
     if (glm::any(glm::lessThan(end, lo_m)) || glm::any(glm::greaterThan(corner - h, hi_m))) {
       continue;
     }
-    // As CutAway's, which has a band besides.
     const double half = 0.5 * (kBrickSide - 1);
     if (within && within(corner + half * h) > 2 * (half + 1) * std::sqrt(3.0) * h) continue;
     for (int i = 0; i < kBrickVoxels; ++i) {

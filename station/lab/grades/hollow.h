@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/cutting/volume.h"
-#include "common/scene/types.h"
+#include "common/scene/preparation.h"
 
 // The volume to remove from a tooth, in closed form, and the tooth without it. No bur is involved,
 // so its measures are known in advance. Thread safety: functions, any thread. Not real-time.
@@ -81,9 +81,7 @@ Hollow Cut(const CrownCut& as);
 // An exercise's target as a stump.
 CrownCut CrownCutOf(const scene::PreparationPart& part);
 
-enum class Neighbours { kCut, kSpared };
-// phi := max(phi, -distance), as a bur would leave it that reaches every corner. Spared: voxels of
-// a neighbouring tooth do not change.
+using scene::Neighbours;
 cutting::Volume CutAway(const cutting::Volume& initial, const Hollow& hollow,
                         Neighbours neighbours = Neighbours::kCut);
 
