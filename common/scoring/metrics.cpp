@@ -146,10 +146,11 @@ void AddPlaces(const Measured& m, const MetricPlan& plan, MetricSet& out) {
 
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
                                  const AttemptData& attempt, const AttemptData& reference,
-                                 const std::function<void(double)>& progress,
+                                 const std::function<bool(double)>& progress,
                                  const MetricPlan& plan) {
   auto tell = [&](double done) {
-    if (progress) progress(done);
+    return !progress || progress(done) ? Status::Ok()
+                                       : Status(Code::kUnavailable, "the measuring was ended");
   };
   ENAMEL_RETURN_IF_ERROR(CheckInputs(attempt, reference));
   ENAMEL_ASSIGN_OR_RETURN(ZoneBoxes boxes, BoxesOf(scene, exercise.target));
@@ -172,7 +173,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     m.container = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kContainer);
   }
   m.removed = RemovedPerTissue_m3(initial, *attempt.final_volume);
-  tell(0.15);
+  ENAMEL_RETURN_IF_ERROR(tell(0.15));
 
   // Once for each side: half a dozen metrics need cut vertices and areas.
   const Side a(attempt), r(reference);
@@ -180,7 +181,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
                        CutPart(*reference.final_surface, r.cut),
                        NearOf_m(exercise.target, initial.spec()));
   m.sides_done = SidesDone(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
-  tell(0.3);
+  ENAMEL_RETURN_IF_ERROR(tell(0.3));
   std::vector<float> own;
   if (!attempt.deviation_m) {
     own = DeviationPerVertex(*attempt.final_surface, initial, *attempt.final_volume,
@@ -189,7 +190,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   // The server has it for the heat map already.
   const std::vector<float>& deviation = attempt.deviation_m ? *attempt.deviation_m : own;
   m.deepest_over = DeepestOver(a.cut_side, deviation);
-  tell(0.5);
+  ENAMEL_RETURN_IF_ERROR(tell(0.5));
   const std::vector<float> back =
       DeviationPerVertex(*reference.final_surface, initial, *reference.final_volume,
                          *attempt.final_volume, *attempt.final_surface);
@@ -214,13 +215,13 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     }
   }
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
-  tell(0.7);
+  ENAMEL_RETURN_IF_ERROR(tell(0.7));
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
   if (m.has_neighbour && plan.Has(MetricGroup::kCover)) {
     m.contact =
         MeasureContact(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
   }
-  tell(0.8);
+  ENAMEL_RETURN_IF_ERROR(tell(0.8));
   if (plan.Has(MetricGroup::kPathInTime) && reference.process) {
     const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kTime);
     m.align_pose_m = AlignPoses(paths).mean_cost;
@@ -233,7 +234,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     m.frechet_way_m = AlignPoses(paths, Pairing::kWorst).worst_cost;
   }
   if (plan.Has(MetricGroup::kMotion)) m.smoothness = attempt.process->MeasureSmoothness();
-  tell(1);
+  ENAMEL_RETURN_IF_ERROR(tell(1));
 
   MetricSet out = Collect(m, plan);
   AddPlaces(m, plan, out);

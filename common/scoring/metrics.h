@@ -177,12 +177,12 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::
                                       const cutting::Volume& reference,
                                       const surface::Mesh& reference_surface);
 
-// The plan's metrics of an attempt against a reference. `progress` (0..1) may be empty. Errors:
-// kInvalidInput when grids differ, the exercise's landmark is missing, its target holds no solid,
-// or a recording is empty.
+// The plan's metrics of an attempt against a reference. `progress` (0..1) may be empty; false ends
+// the work. Errors: kInvalidInput when grids differ, the exercise's landmark is missing, its target
+// holds no solid, or a recording is empty; kUnavailable when `progress` ended it.
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
                                  const AttemptData& attempt, const AttemptData& reference,
-                                 const std::function<void(double)>& progress = {},
+                                 const std::function<bool(double)>& progress = {},
                                  const MetricPlan& plan = MetricPlan::All());
 
 }  // namespace enamel::scoring

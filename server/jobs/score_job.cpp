@@ -316,15 +316,14 @@ class ScoreJob {
         scoring::DeviationPerVertex(*attempt.final_surface, initial_, *attempt.final_volume,
                                     *compared.final_volume, *compared.final_surface);
     attempt.deviation_m = &out.deviation_m;
-    bool stopped = false;
     auto metrics = scoring::ComputeMetrics(
         scene_, exercise_, attempt, compared,
         [&](double done) {
           const double all = (static_cast<double>(part) + done) / static_cast<double>(parts);
-          stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * all).ok();
+          return Tell(kReplayTo + (kMeasureTo - kReplayTo) * all).ok();
         },
         scoring::MetricPlan::For(exercise_.rubric));
-    if (stopped) return Stopped();
+    if (metrics.status().code() == Code::kUnavailable) return Stopped();
     ENAMEL_ASSIGN_OR_RETURN(out.metrics, std::move(metrics));
     ENAMEL_ASSIGN_OR_RETURN(out.score, scoring::ApplyRubric(exercise_.rubric, out.metrics));
     return out;

@@ -37,17 +37,6 @@ Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
 
 }  // namespace
 
-scoring::ProcessRecorder CalmRecording(const core::CoreParams& params) {
-  scoring::ProcessRecorder recorder(params);
-  for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
-    trace::Tick tick;
-    tick.witness.anchor_10nm[0] = 100 * i;  // 1 mm/s
-    tick.witness.force_sent_100un[2] = 10'000;
-    recorder.AddRecorded(tick);
-  }
-  return recorder;
-}
-
 bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
 
 bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
@@ -55,34 +44,29 @@ bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
 bool GradeRow::CostsTooMuch() const { return may_cost && points_lost > *may_cost; }
 
 GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
-                               scoring::ProcessRecorder process)
+                               const core::CoreParams& params)
     : built_(&built),
       exercise_(std::move(exercise)),
       task_(std::move(task)),
-      process_(std::move(process)),
-      reference_(CutAway(
-          built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
-          Neighbours::kSpared)),
-      reference_mesh_(surface::ExtractSurface(reference_)) {}
+      attempts_(built.volume,
+                CutAway(
+                    built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
+                    Neighbours::kSpared),
+                params) {}
 
 Result<GradedExercise> GradedExercise::Make(const scene::BuiltScene& built,
                                             scene::Exercise exercise) {
   ENAMEL_ASSIGN_OR_RETURN(Task task, TaskOf(built, exercise));
   ENAMEL_ASSIGN_OR_RETURN(
       auto params, scene::CompilePlan(built.scene, exercise, scene::BuiltinProfiles().front()));
-  return GradedExercise(built, std::move(exercise), std::move(task), CalmRecording(params));
+  return GradedExercise(built, std::move(exercise), std::move(task), params);
 }
 
 Result<scoring::ScoreResult> GradedExercise::Score(const Hollow& taken,
                                                    Neighbours neighbours) const {
   const cutting::Volume volume = CutAway(built_->volume, taken, neighbours);
-  const surface::Mesh mesh = surface::ExtractSurface(volume);
-  const cutting::Volume& initial = built_->volume;
-  auto metrics =
-      scoring::ComputeMetrics(built_->scene, exercise_, {&initial, &volume, &mesh, &process_},
-                              {&initial, &reference_, &reference_mesh_, &process_});
-  if (!metrics.ok()) return metrics.status();
-  return scoring::ApplyRubric(exercise_.rubric, *metrics);
+  ENAMEL_ASSIGN_OR_RETURN(const auto metrics, attempts_.Measure(built_->scene, exercise_, volume));
+  return scoring::ApplyRubric(exercise_.rubric, metrics);
 }
 
 Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scoring/score.h"
+#include "common/scoring/trial.h"
 #include "station/lab/grades/faults.h"
 #include "station/lab/grades/judged.h"
 
@@ -40,10 +40,6 @@ struct GradeRow {
   bool CostsTooMuch() const;
 };
 
-// A second of a bur moved with 1 N: meets a rubric's demands on the hand, and gives no other
-// information.
-scoring::ProcessRecorder CalmRecording(const core::CoreParams& params);
-
 // One tooth and exercise with its task, ready to grade attempts at it.
 class GradedExercise {
  public:
@@ -61,14 +57,12 @@ class GradedExercise {
 
  private:
   GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
-                 scoring::ProcessRecorder process);
+                 const core::CoreParams& params);
 
   const scene::BuiltScene* built_;
   scene::Exercise exercise_;
   Task task_;
-  scoring::ProcessRecorder process_;
-  cutting::Volume reference_;
-  surface::Mesh reference_mesh_;
+  scoring::CalmAttempts attempts_;
 };
 
 // Works scene by scene. `row` is called with each row as it comes, `progress` (what, 0..1) between
