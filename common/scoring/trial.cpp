@@ -71,7 +71,8 @@ std::vector<Trial::Item> FullMarks(const ScoreResult& score) {
 
 }  // namespace
 
-ProcessRecorder CalmRecording(const core::CoreParams& params) {
+ProcessRecorder CalmRecording() {
+  const core::CoreParams params;
   ProcessRecorder recorder(params);
   for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
     trace::Tick tick;
@@ -82,12 +83,11 @@ ProcessRecorder CalmRecording(const core::CoreParams& params) {
   return recorder;
 }
 
-CalmAttempts::CalmAttempts(const cutting::Volume& initial, cutting::Volume exact,
-                           const core::CoreParams& params)
+CalmAttempts::CalmAttempts(const cutting::Volume& initial, cutting::Volume exact)
     : initial_(initial),
       exact_(std::move(exact)),
       exact_mesh_(surface::ExtractSurface(exact_)),
-      process_(CalmRecording(params)) {}
+      process_(CalmRecording()) {}
 
 Result<MetricSet> CalmAttempts::Measure(const scene::Scene& scene, const scene::Exercise& exercise,
                                         const cutting::Volume& final_volume,
@@ -99,7 +99,7 @@ Result<MetricSet> CalmAttempts::Measure(const scene::Scene& scene, const scene::
 }
 
 Result<Trial> TryExercise(const scene::Scene& scene, const scene::Exercise& exercise,
-                          const cutting::Volume& initial, const core::CoreParams& params,
+                          const cutting::Volume& initial,
                           const std::function<bool(double)>& progress) {
   auto from = [&](double begin, double part) {
     return [&progress, begin, part](double done) {
@@ -108,7 +108,7 @@ Result<Trial> TryExercise(const scene::Scene& scene, const scene::Exercise& exer
   };
   if (!from(0, 0)(0)) return Status(Code::kUnavailable, "the trial was ended");
   ENAMEL_ASSIGN_OR_RETURN(auto exact, ExactCut(scene, exercise, initial));
-  const CalmAttempts attempts(initial, std::move(exact), params);
+  const CalmAttempts attempts(initial, std::move(exact));
   const MetricPlan plan = MetricPlan::For(exercise.rubric);
   Trial out;
   ENAMEL_ASSIGN_OR_RETURN(

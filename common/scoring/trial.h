@@ -11,15 +11,14 @@ namespace enamel::scoring {
 
 // A second of a bur moved with 1 N: meets a rubric's demands on the hand, and gives no other
 // information.
-ProcessRecorder CalmRecording(const core::CoreParams& params);
+ProcessRecorder CalmRecording();
 
 // Measures volumes as if a calm hand had cut them within the time.
 class CalmAttempts {
  public:
   // `initial` is kept, not copied; `exact` is what attempts are compared with. Requires: equal
-  // grids, ValidateParams(params).ok().
-  CalmAttempts(const cutting::Volume& initial, cutting::Volume exact,
-               const core::CoreParams& params);
+  // grids.
+  CalmAttempts(const cutting::Volume& initial, cutting::Volume exact);
 
   const cutting::Volume& exact() const { return exact_; }
   // Errors: those of ComputeMetrics.
@@ -56,7 +55,7 @@ struct Trial {
 // Errors: those of TargetShape, ComputeMetrics, CheckCriticalIsMeasured and ApplyRubric;
 // kUnavailable when ended by `progress`. Requires: the target's prepared tooth is loaded.
 Result<Trial> TryExercise(const scene::Scene& scene, const scene::Exercise& exercise,
-                          const cutting::Volume& initial, const core::CoreParams& params,
+                          const cutting::Volume& initial,
                           const std::function<bool(double)>& progress = {});
 
 }  // namespace enamel::scoring

@@ -20,6 +20,7 @@
 #include "server/commands/say.h"
 #include "server/jobs/comparison.h"
 #include "server/jobs/exercise_check.h"
+#include "server/jobs/exercise_trial.h"
 #include "server/training/names.h"
 #include "server/training/ticket_rules.h"
 
@@ -59,6 +60,39 @@ Result<Uuid> CohortOrEverybody(CohortRows& cohorts, const std::string& name) {
   return CohortByName(cohorts, name);
 }
 
+Result<scene::Exercise> ReadDocument(const std::filesystem::path& path) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(path, kMaxDocumentBytes));
+  auto document = scene::ExerciseFromJson(AsText(text));
+  if (!document.ok()) return InDocument(path, document.status());
+  return document;
+}
+
+void Show(const char* what, const scoring::ScoreResult& score, const char* named,
+          const std::vector<scoring::Trial::Item>& items) {
+  Say("{}: {:.1f} of 100 points\n", what, score.score);
+  for (const scoring::CriticalResult& critical : score.critical)
+    Say("  critical error: {}\n", critical.error);
+  for (const scoring::Trial::Item& item : items)
+    Say("  {}: {} ({}), {:.0f} %\n", named, item.title, item.metric, 100 * item.share);
+}
+
+// Whether the document would be published, and what its rubric makes of two attempts without a hand.
+Status TryDocument(Store& store, const std::filesystem::path& path) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto exercise, ReadDocument(path));
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, exercise));
+  if (Status right = CheckExercise(store.blobs, exercise); !right.ok())
+    return InDocument(path, right);
+  const auto begin = std::chrono::steady_clock::now();
+  ENAMEL_ASSIGN_OR_RETURN(const auto trial, TryStored(store.blobs, exercise));
+  Show("target cut exactly", trial.exact, "loses points", trial.lost_by_exact);
+  Show("untouched tooth", trial.untouched, "keeps full points", trial.full_untouched);
+  for (const std::string& warning : ExerciseWarnings(store.blobs, exercise))
+    Say("warning: {}\n", warning);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  Say("tried in {:.1f} s; nothing was published\n", took.count());
+  return Status::Ok();
+}
+
 Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
                                          const std::optional<Uuid>& cohort) {
   if (exercise.document.empty()) {
@@ -70,12 +104,10 @@ Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exerci
     }
     return PublishBuiltins(store.blobs, store.exercises, scene, exercise.name, cohort);
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(exercise.document, kMaxDocumentBytes));
-  auto document = scene::ExerciseFromJson(AsText(text));
-  if (!document.ok()) return InDocument(exercise.document, document.status());
-  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, *document));
+  ENAMEL_ASSIGN_OR_RETURN(const auto document, ReadDocument(exercise.document));
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, document));
   ENAMEL_ASSIGN_OR_RETURN(auto row,
-                          PublishDocument(store.blobs, store.exercises, *document, cohort));
+                          PublishDocument(store.blobs, store.exercises, document, cohort));
   return std::vector<ExerciseRow>{row};
 }
 
@@ -161,6 +193,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
                   "scene");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  if (exercise.dry_run) return TryDocument(*store, exercise.document);
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(store->cohorts, exercise.cohort));
   // A ticket needs a device profile. On a server that was never seeded this command is the first
   // chance to store them. One that an admin has put stays.
@@ -347,8 +380,14 @@ void DeclareExercises(CommandGroup admin) {
   publish->add_option("--scene", p.exercise.scene, "Scene folder, or builtin:molar and the like");
   publish->add_option("--name", p.exercise.name,
                       "Only this one, or this kind: class-1, class-2, crown, cross");
-  publish->add_option("--document", p.exercise.document,
-                      "Instead: file with an exercise (schemas/exercise.schema.json)");
+  auto* document =
+      publish->add_option("--document", p.exercise.document,
+                          "Instead: file with an exercise (schemas/exercise.schema.json)");
+  publish
+      ->add_flag("--dry-run", p.exercise.dry_run,
+                 "Only check the document and score two attempts by its rubric: the target cut "
+                 "exactly, and an untouched tooth")
+      ->needs(document);
   publish->add_option("--prepared", p.exercise.prepared,
                       "On the scene: the target that 'enamel-station target' wrote to this folder");
   auto* cohort =

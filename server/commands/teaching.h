@@ -17,6 +17,7 @@ struct NewExercise {
   bool unassigned = false;  // assigned to nobody, instead of to the cohort
   std::string document;     // file with an exercise document, instead of scene and name
   std::string prepared;     // folder of `enamel-station target`, made for the scene
+  bool dry_run = false;     // only checks and tries the document, and prints what comes of it
 };
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
 // `reason` goes to the audit trail.

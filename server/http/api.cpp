@@ -140,7 +140,8 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       pool_(std::in_place, threads, (threads + 1) / 2),
       changes_(std::in_place, threads, (threads + 1) / 2),
       teeth_(std::in_place, store),
-      backups_(std::in_place, store) {}
+      backups_(std::in_place, store),
+      trials_(std::in_place, store.blobs) {}
 
 bool Api::Owns(std::string_view path) {
   return path == "/livez" || path == "/readyz" || path == "/healthz" || path == "/metrics" ||
@@ -180,6 +181,7 @@ void Api::EndWork() {
   apart_.reset();
   teeth_.reset();
   backups_.reset();
+  trials_.reset();
 }
 
 asio::awaitable<Response> Api::Handle(Request request) {
@@ -247,7 +249,7 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (!match.route) co_return NoSuchRoute(request, match);
   Call call{request,  authenticator_,       nullptr,       {},       {},           &monitoring_,
             live_,    station_fingerprint_, station_port_, &*apart_, first_admin_, stations_,
-            &*teeth_, &*backups_,           draining_,     &bodies_};
+            &*teeth_, &*backups_,           &*trials_,       draining_,    &bodies_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

@@ -108,6 +108,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::optional<StorePool> apart_{std::in_place, 1};  // until EndWork
   std::optional<ToothImport> teeth_;                  // until EndWork
   std::optional<BackupRun> backups_;                  // until EndWork
+  std::optional<ExerciseTrials> trials_;              // until EndWork
 };
 
 }  // namespace enamel::server::http

@@ -15,6 +15,7 @@
 #include "server/http/message.h"
 #include "server/http/shared_bodies.h"
 #include "server/jobs/backup_run.h"
+#include "server/jobs/exercise_trial.h"
 #include "server/jobs/tooth_import.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
@@ -61,6 +62,7 @@ struct Call {
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set
   BackupRun* backups = nullptr;             // always set
+  ExerciseTrials* trials = nullptr;         // always set
   bool draining = false;                    // about to stop: others shall be asked
   SharedBodies* bodies = nullptr;           // always set
 };

@@ -17,16 +17,14 @@ namespace {
 constexpr double kProgressStep = 0.05;
 constexpr std::chrono::milliseconds kLookAtQueue{200};
 
-// Of the calling thread: what must not wait, taking recordings and answering people, goes first. No
-// harm where it is not granted. About a third of another thread's share when all want to run.
+}  // namespace
+
 void YieldToOthers() {
   constexpr int kNice = 5;
   sched_param none{};
   (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
 }
-
-}  // namespace
 
 Worker::Worker(Store& store, WorkerOptions options) : store_(store), options_(std::move(options)) {}
 

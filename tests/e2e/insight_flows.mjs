@@ -160,6 +160,11 @@ async function editExercise(world) {
   await first.getByLabel("Points", { exact: true }).fill("45");
   await page.getByRole("button", { name: "Check past attempts" }).click();
   await page.getByText("Mean score, now and new").waitFor();
+  await page.getByRole("button", { name: "Try it" }).click();
+  await page.getByText("Waiting for 1 other trial").waitFor();
+  await page.getByText("Target cut exactly: 40.0 of 100").waitFor();
+  await page.getByText("Untouched tooth: 0.0 of 100").waitFor();
+  await page.getByText(/: 25 % of the points/).waitFor();
   await accessible(page, "an edited exercise");
   await pictures(world, page, "exercise_editor");
   await page.setViewportSize({ width: 1280, height: 900 });

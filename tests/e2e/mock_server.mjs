@@ -216,7 +216,7 @@ function listIn({ content }) {
     : undefined;
 }
 
-const kOthers = { live: "attempts", "tooth-imports": "imports" };
+const kOthers = { live: "attempts", "tooth-imports": "imports", "exercise-trials": "trials" };
 const kCollections = Object.fromEntries(
   operations
     .filter(({ method, segments }) => method === "GET" && segments.length === 1)

@@ -133,6 +133,34 @@ function keepDraft({ world, person, rows, row, body, query }) {
   return draft;
 }
 
+function beginTrial({ world, rows, body }) {
+  const wrong = wrongDocument("exercise", body);
+  if (wrong !== undefined) return wrong;
+  const none = { exact: null, untouched: null, problem: null };
+  return added(world, rows, {
+    state: "waiting",
+    ahead: 1,
+    share: 0,
+    took_s: 0,
+    ...none,
+    criteria: body.rubric.criteria,
+  });
+}
+
+// A first criterion of more than 40 points is the one that is wrong.
+function lookAtTrial({ row }) {
+  if (row.state === "waiting") return Object.assign(row, { state: "working", ahead: 0, share: 0.4 });
+  const { metric, title, points } = row.criteria[0];
+  const named = points > 40 ? [{ metric, title, share: 0.25 }] : [];
+  return Object.assign(row, {
+    state: "done",
+    share: 1,
+    took_s: 4.2,
+    exact: { score: 100 - 60 * named.length, failed: false, critical: [], named },
+    untouched: { score: 0, failed: true, critical: ["nothing_cut"], named: [] },
+  });
+}
+
 function previewRubric({ world, row, body, query }) {
   const wrong = wrongDocument("rubric", body);
   if (wrong !== undefined) return wrong;
@@ -176,6 +204,8 @@ export const exerciseRules = {
   }),
   "POST /exercises": keepDraft,
   "PUT /exercises/{id}": keepDraft,
+  "POST /exercise-trials": beginTrial,
+  "GET /exercise-trials/{id}": lookAtTrial,
   "GET /exercises/{id}/document": ({ world, row }) => documentOf(world, row),
   "GET /exercises/{id}/initial-surface": () => new Reply(toothSurface({ whole: true })),
   "GET /exercises/{id}/versions": ({ rows, row }) => ({ versions: rows.filter(({ name }) => name === row.name) }),

@@ -31,6 +31,7 @@ export function makeWorld() {
     nowMs: Date.now(),
     sessions: [],
     imports: [],
+    trials: [],
     documents: new Map(),
     rubrics: new Map(),
   };

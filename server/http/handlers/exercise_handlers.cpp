@@ -6,13 +6,13 @@
 #include "common/base/mutex.h"
 #include "common/scene/json/json.h"
 #include "common/scene/json/preparation.h"
-#include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/surface/surface.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
+#include "server/http/handlers/checked_exercise.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
@@ -45,48 +45,6 @@ Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_
   std::map<Uuid, int> count;
   for (const AttemptRow& attempt : *attempts) ++count[attempt.exercise];
   return count;
-}
-
-// Some device profile carries it on its scene; else why the last one does not.
-Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
-  Result<std::vector<SceneRow>> scenes = store.scenes.Scenes();
-  if (!scenes.ok()) return scenes.status();
-  // By content and not by name: an exercise fits one tooth, bit by bit.
-  if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
-    return {Code::kInvalidInput,
-            "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
-                "; put the scene first (enamel-server admin publish-exercise)",
-            "scene_sha256"};
-  }
-  if (!exercise.target.prepared.IsZero() &&
-      std::ranges::find(*scenes, exercise.target.prepared, &SceneRow::content) == scenes->end()) {
-    return {Code::kInvalidInput,
-            "expected the hash of a prepared tooth that this server has as a scene, found " +
-                exercise.target.prepared.Hex() +
-                "; put it first (enamel-server admin publish-exercise --prepared)",
-            "target.prepared_scene_sha256"};
-  }
-  Result<Bytes> text = store.blobs.GetBlob(exercise.scene);
-  if (!text.ok()) return text.status();
-  Result<scene::Scene> scene = scene::SceneFromJson(AsText(*text));
-  if (!scene.ok()) return {Code::kInternal, scene.status().message()};
-  Result<std::vector<ProfileRow>> profiles = store.profiles.Profiles();
-  if (!profiles.ok()) return profiles.status();
-  Status refusal{Code::kConflict, "this server has no device profile yet; add one first"};
-  for (const ProfileRow& row : *profiles) {
-    Result<Bytes> bytes = store.blobs.GetBlob(row.content);
-    if (!bytes.ok()) return bytes.status();
-    Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
-    // One of a newer server, say: the others may do.
-    if (!profile.ok()) continue;
-    // What the station and the ticket will do. An exercise that no device can carry is refused now,
-    // and not at the chair.
-    Result<core::CoreParams> params = scene::CompilePlan(*scene, exercise, *profile);
-    if (params.ok()) return {};
-    refusal = {params.status().code(), "on device " + row.name + ": " + params.status().message(),
-               params.status().field()};
-  }
-  return refusal;
 }
 
 // The exercises of a list: the caller's own, or for editors all in a state.
@@ -136,21 +94,6 @@ Response WholeResponse(const Call& call, Store& store, const ExerciseRow& row, i
   Result<json::object> out = WholeJson(call, store, row);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), row.revision);
-}
-
-// The body as an exercise that this server can have attempts made of: document, scene, rubric, and
-// some device profile that carries it. Store& nothing.
-Result<scene::Exercise> CheckedExercise(const Call& call, Store& store) {
-  Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
-  if (!exercise.ok()) {
-    // A newer format is the sender's mistake, not this server's.
-    const Status& why = exercise.status();
-    bool newer = why.code() == Code::kVersion;
-    return Status{newer ? Code::kInvalidInput : why.code(), why.message(), why.field()};
-  }
-  ENAMEL_RETURN_IF_ERROR(CheckExercise(store.blobs, *exercise));
-  ENAMEL_RETURN_IF_ERROR(MustBeMakeable(store, *exercise));
-  return exercise;
 }
 
 Result<ExerciseRow> UploadedExercise(const Call& call, Store& store) {
@@ -256,8 +199,6 @@ Result<Sha256> InitialSurface(StoredBlobs& blobs, SceneRows& scenes, const Exerc
 Response LookAtDraft(const Call& call, Store& store) {
   Result<scene::Exercise> exercise = CheckedExercise(call, store);
   if (!exercise.ok()) return ErrorResponse(exercise.status());
-  if (Status may = MayUseName(call, store.exercises, exercise->name); !may.ok())
-    return ErrorResponse(may);
   ExerciseRow row;
   row.scene = exercise->scene;
   std::vector<std::string> warnings = ExerciseWarnings(store.blobs, *exercise);
@@ -370,8 +311,6 @@ Response PutDraft(const Call& call, Store& store) {
   if (dry_run->value_or(false)) return LookAtDraft(call, store);
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
-  if (Status may = MayUseName(call, store.exercises, draft->name); !may.ok())
-    return ErrorResponse(may);
   Result<ExerciseRow> row = store.exercises.PutDraft(*draft, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row, 201);
@@ -383,8 +322,6 @@ Response ReplaceDraft(const Call& call, Store& store) {
   if (!revision.ok()) return ErrorResponse(revision.status());
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
-  if (Status may = MayUseName(call, store.exercises, draft->name); !may.ok())
-    return ErrorResponse(may);
   draft->id = call.id;
   draft->revision = *revision;
   Result<ExerciseRow> row = store.exercises.ReplaceDraft(*draft, ActorOf(call));

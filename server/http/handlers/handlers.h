@@ -31,6 +31,9 @@ Response BeginToothImport(const Call& call);
 Response AddToothBytes(const Call& call);
 Response GetToothImport(const Call& call);
 Response GiveUpToothImport(const Call& call);
+Response BeginExerciseTrial(const Call& call, Store& store);
+Response GetExerciseTrial(const Call& call);
+Response GiveUpExerciseTrial(const Call& call);
 
 Response ListPeople(const Call& call, PeopleRows& people_rows);
 Response AddPerson(const Call& call, PeopleRows& people);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/scene/json/json.h"
-#include "common/scene/plan.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -43,23 +42,19 @@ bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
 
 bool GradeRow::CostsTooMuch() const { return may_cost && points_lost > *may_cost; }
 
-GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
-                               const core::CoreParams& params)
+GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task)
     : built_(&built),
       exercise_(std::move(exercise)),
       task_(std::move(task)),
       attempts_(built.volume,
                 CutAway(
                     built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
-                    Neighbours::kSpared),
-                params) {}
+                    Neighbours::kSpared)) {}
 
 Result<GradedExercise> GradedExercise::Make(const scene::BuiltScene& built,
                                             scene::Exercise exercise) {
   ENAMEL_ASSIGN_OR_RETURN(Task task, TaskOf(built, exercise));
-  ENAMEL_ASSIGN_OR_RETURN(
-      auto params, scene::CompilePlan(built.scene, exercise, scene::BuiltinProfiles().front()));
-  return GradedExercise(built, std::move(exercise), std::move(task), params);
+  return GradedExercise(built, std::move(exercise), std::move(task));
 }
 
 Result<scoring::ScoreResult> GradedExercise::Score(const Hollow& taken,

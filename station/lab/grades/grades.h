@@ -43,7 +43,7 @@ struct GradeRow {
 // One tooth and exercise with its task, ready to grade attempts at it.
 class GradedExercise {
  public:
-  // Errors: those of TaskOf and scene::CompilePlan.
+  // Errors: those of TaskOf.
   static Result<GradedExercise> Make(const scene::BuiltScene& built, scene::Exercise exercise);
 
   // The score after removing `taken`, against the task itself, as if by a calm hand within the
@@ -56,8 +56,7 @@ class GradedExercise {
   const Task& task() const { return task_; }
 
  private:
-  GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
-                 const core::CoreParams& params);
+  GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task);
 
   const scene::BuiltScene* built_;
   scene::Exercise exercise_;

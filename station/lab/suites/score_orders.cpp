@@ -65,7 +65,7 @@ struct Errors {
 Errors ErrorsOn(int32_t voxel_nm, double grid_at) {
   const BlockTask task = MakeBlockTask();
   const cutting::Volume block = FaultBlock({voxel_nm, grid_at * voxel_nm * 1e-9});
-  const scoring::ProcessRecorder calm = scoring::CalmRecording({});
+  const scoring::ProcessRecorder calm = scoring::CalmRecording();
   struct Filled {
     cutting::Volume volume;
     surface::Mesh mesh;

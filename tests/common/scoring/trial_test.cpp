@@ -32,7 +32,7 @@ scene::Exercise Judged() {
 class TrialTest : public ::testing::Test {
  protected:
   Trial Try(const scene::Exercise& exercise) const {
-    auto trial = TryExercise(BlockScene(), exercise, block_, SomeParams());
+    auto trial = TryExercise(BlockScene(), exercise, block_);
     EXPECT_TRUE(trial.ok()) << trial.status().message();
     return trial.ok() ? std::move(*trial) : Trial{};
   }
@@ -82,7 +82,7 @@ TEST_F(TrialTest, EndsWhenItIsToldWhereverItIs) {
   std::vector<double> shares;
   auto run = [&](size_t most) {
     shares.clear();
-    return TryExercise(BlockScene(), exercise_, block_, SomeParams(), [&](double share) {
+    return TryExercise(BlockScene(), exercise_, block_, [&](double share) {
       shares.push_back(share);
       return shares.size() < most;
     });
@@ -104,7 +104,7 @@ TEST(BuiltinTrialTest, AClassTwoIsRight) {
   for (const scene::Exercise& exercise :
        scene::BuiltinExercises(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))))) {
     if (exercise.name.find("class-2") == std::string::npos) continue;
-    const auto trial = TryExercise(built->scene, exercise, built->volume, SomeParams());
+    const auto trial = TryExercise(built->scene, exercise, built->volume);
     ASSERT_TRUE(trial.ok()) << trial.status().message();
     EXPECT_DOUBLE_EQ(trial->exact.score, 100);
     EXPECT_DOUBLE_EQ(trial->untouched.score, 0);

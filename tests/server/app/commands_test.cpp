@@ -221,6 +221,30 @@ TEST_F(CommandsTest, AGradedExerciseOfABuiltInSceneComesAsPracticeToo) {
   EXPECT_TRUE(store->exercises.ExerciseVersions("practice-cross-block")->empty());
 }
 
+TEST_F(CommandsTest, ADryRunPrintsBothScoresAndPublishesNothing) {
+  ASSERT_TRUE(PublishExercise(Data(), {"builtin:block", "", 150, "class-1"}).ok());
+  std::filesystem::path file = Data() / "try.json";
+  {
+    auto store = OpenData();
+    const auto row = store->exercises.ExerciseVersions("class-1-block")->front();
+    auto exercise = scene::ExerciseFromJson(AsText(*store->blobs.GetBlob(row.content)));
+    exercise->name = "tried";
+    exercise->rubric.criteria.front().map = {{-1e6, 0.5}};
+    ASSERT_TRUE(WriteFileDurably(file, AsBytes(scene::ToJson(*exercise)), 0600).ok());
+  }
+  NewExercise tried;
+  tried.document = file;
+  tried.dry_run = true;
+  ::testing::internal::CaptureStdout();
+  ASSERT_TRUE(PublishExercise(Data(), tried).ok());
+  const std::string said = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("target cut exactly: "), std::string::npos) << said;
+  EXPECT_NE(said.find("), 50 %"), std::string::npos) << said;
+  EXPECT_NE(said.find("untouched tooth: 0.0 of 100 points"), std::string::npos) << said;
+  EXPECT_NE(said.find("critical error: nothing_cut"), std::string::npos) << said;
+  EXPECT_TRUE(OpenData()->exercises.ExerciseVersions("tried")->empty());
+}
+
 TEST_F(CommandsTest, VoxelsTooCoarseForTheBurAreRefusedForGradedWorkAndToldOfPractice) {
   NewExercise exercise{"builtin:block", "", 500, "class-1"};
   const Status refused = PublishExercise(Data(), exercise);

@@ -128,6 +128,9 @@ const Line kLines[] = {
     // (tom has). 400: may, and sends nothing useful; 409: may, and it is no draft.
     {"GET /api/v1/exercises",                      "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/exercises",                     "",               R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"POST /api/v1/exercise-trials",               "",               R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"GET /api/v1/exercise-trials/{id}",           "exercise",       "",                                    "401 403 403 403 404 404 404 404 401 403"},
+    {"DELETE /api/v1/exercise-trials/{id}",        "exercise",       "",                                    "401 403 403 403 404 404 404 404 401 403"},
     {"GET /api/v1/exercises/{id}",                 "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"PUT /api/v1/exercises/{id}",                 "exercise",       R"({})",                               "401 403 403 403 403 403 400 400 401 403"},
     {"DELETE /api/v1/exercises/{id}",              "exercise",       "",                                    "401 403 403 403 403 403 409 409 401 403"},

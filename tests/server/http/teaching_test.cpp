@@ -162,6 +162,30 @@ TEST_F(DraftTest, DryRunRefusesGradedWorkInVoxelsTooCoarseForItsBurAndWarnsOfPra
   EXPECT_NE(warned.body.find(coarse), std::string::npos) << warned.body;
 }
 
+TEST_F(DraftTest, TrialScoresTheTargetCutExactlyAndAnUntouchedTooth) {
+  document_.rubric.criteria.front().map = {{-1e6, 0.25}};  // never more than a quarter
+  const RawResponse begun = Post("ben", "/api/v1/exercise-trials", Document());
+  ASSERT_EQ(begun.status, 201) << begun.body;
+  const std::string path =
+      "/api/v1/exercise-trials/" + std::string(Parsed(begun).at("id").as_string());
+  json::value trial = Parsed(begun);
+  while (trial.at("state") == "waiting" || trial.at("state") == "working") {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    trial = Parsed(By("ben").Get(path));
+  }
+  ASSERT_EQ(trial.at("state"), "done") << trial;
+  EXPECT_LT(trial.at("exact").at("score").to_number<double>(), 100);
+  const json::value& named = trial.at("exact").at("named").at(0);
+  EXPECT_EQ(named.at("metric").as_string(), document_.rubric.criteria.front().metric);
+  EXPECT_DOUBLE_EQ(named.at("share").to_number<double>(), 0.25);
+  EXPECT_EQ(trial.at("untouched").at("score").to_number<double>(), 0);
+  EXPECT_EQ(By("ada").Get(path).status, 404) << "it is ben's";
+  EXPECT_EQ(Send("ben", "DELETE", path, nullptr).status, 204);
+  EXPECT_EQ(By("ben").Get(path).status, 404);
+  EXPECT_TRUE(
+      Parsed(By("ben").Get("/api/v1/exercises?state=draft")).at("exercises").as_array().empty());
+}
+
 TEST_F(DraftTest, EverythingThatIsMeasuredCanBeChosen) {
   const json::value answer = Parsed(By("ben").Get("/api/v1/scoring-metrics"));
   const json::array& metrics = answer.at("metrics").as_array();

@@ -47,7 +47,7 @@ export class Client {
   readonly stations: StationsApi;
   readonly profiles: ProfilesApi;
   readonly operations: OperationsApi;
-  private readonly http: Http;
+  readonly http: Http; // for what only one page asks
   private ahead: Ahead | undefined; // of one attempt at most
 
   constructor(sessionLost: () => void, send?: Fetch) {

@@ -29,6 +29,7 @@ import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
 import { RubricPreviewCard } from "./rubric_preview";
 import { TargetPreview } from "./target_preview";
+import { TrialCard } from "./trial_card";
 
 const kMm = 1000;
 
@@ -106,6 +107,7 @@ function Editor({
   const change = useChange();
   const own = useMemo(() => rubricProblems(edit.now, ["rubric"]), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
+  const wrong = check.error !== undefined || own.size > 0 ? say("rubric.mend_first") : undefined;
   const save = async () => {
     const result = await change.run(() =>
       isDraft ? client.teaching.replaceDraft(exercise.id, text, tag) : client.teaching.putDraft(text),
@@ -137,13 +139,7 @@ function Editor({
       <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
         <Button
           busy={change.busy || check.busy}
-          blocked={
-            check.error !== undefined || own.size > 0
-              ? say("rubric.mend_first")
-              : isDraft && !edit.dirty
-                ? say("rubric.nothing_changed")
-                : undefined
-          }
+          blocked={wrong ?? (isDraft && !edit.dirty ? say("rubric.nothing_changed") : undefined)}
           onClick={() => void save()}
         >
           {isDraft ? say("editor.save_draft") : say("editor.make_draft")}
@@ -171,6 +167,7 @@ function Editor({
         </div>
         <div class="stack editor-side">
           <TargetPreview client={client} exercise={exercise} target={valueAt(edit.now, ["target"])} />
+          <TrialCard client={client} text={text} blocked={wrong} />
           <Card
             title={
               read.published === undefined

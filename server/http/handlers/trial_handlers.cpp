@@ -1,0 +1,72 @@
+#include <boost/json.hpp>
+
+#include "common/base/utf8.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers/checked_exercise.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/json_body.h"
+#include "server/jobs/exercise_trial.h"
+
+// Trials of drafts: the target cut exactly, and an untouched tooth, judged by the draft's rubric.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+json::object ScoreJson(const scoring::ScoreResult& score,
+                       const std::vector<scoring::Trial::Item>& named) {
+  json::array errors, items;
+  for (const scoring::CriticalResult& critical : score.critical)
+    errors.push_back(json::value(critical.error));
+  for (const scoring::Trial::Item& item : named) {
+    items.push_back({{"metric", item.metric}, {"title", item.title}, {"share", item.share}});
+  }
+  return {{"score", score.score},
+          {"failed", score.critical_fail},
+          {"critical", std::move(errors)},
+          {"named", std::move(items)}};
+}
+
+json::object TrialJson(const ExerciseTrials::About& about) {
+  json::value problem, exact, untouched;
+  if (!about.problem.ok()) {
+    problem = {{"code", CodeName(about.problem.code())},
+               {"message", AsUtf8(about.problem.message())},
+               {"field", about.problem.field()}};
+  }
+  if (about.trial) {
+    exact = ScoreJson(about.trial->exact, about.trial->lost_by_exact);
+    untouched = ScoreJson(about.trial->untouched, about.trial->full_untouched);
+  }
+  return {{"id", about.id.Text()},
+          {"state", StateName(about.state)},
+          {"ahead", about.ahead},
+          {"share", about.share},
+          {"took_s", about.took_s},
+          {"exact", std::move(exact)},
+          {"untouched", std::move(untouched)},
+          {"problem", std::move(problem)}};
+}
+
+Response TrialResponse(const Result<ExerciseTrials::About>& about, int status = 200) {
+  return about.ok() ? JsonResponse(TrialJson(*about), status) : ErrorResponse(about.status());
+}
+
+}  // namespace
+
+Response BeginExerciseTrial(const Call& call, Store& store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<scene::Exercise> exercise = CheckedExercise(call, store);
+  if (!exercise.ok()) return ErrorResponse(exercise.status());
+  return TrialResponse(call.trials->Begin(call.caller->person.id, std::move(*exercise)), 201);
+}
+
+Response GetExerciseTrial(const Call& call) {
+  return TrialResponse(call.trials->Get(call.caller->person.id, call.id));
+}
+
+Response GiveUpExerciseTrial(const Call& call) {
+  return DoneOr(call.trials->GiveUp(call.caller->person.id, call.id));
+}
+
+}  // namespace enamel::server::http

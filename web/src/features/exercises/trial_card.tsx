@@ -1,0 +1,124 @@
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
+import type { Client } from "../../api/client";
+import { placedMessage } from "../../api/placed";
+import { tryExercise } from "../../api/trial";
+import type { ExerciseTrial, TrialScore } from "../../api/types";
+import { formatDuration, formatScore } from "../../base/format";
+import { say, sayIf } from "../../base/words";
+import { Badge, Card, ErrorNotice, Notice, Progress } from "../../widgets/basics";
+import { Button } from "../../widgets/button";
+
+const kPollMs = 500;
+
+interface Props {
+  readonly client: Client;
+  readonly text: string; // the exercise document
+  readonly blocked: string | undefined; // why it cannot be tried now
+}
+
+// What the exercise gives two attempts without a hand: the target cut exactly, and an untouched
+// tooth. Nothing is stored.
+export function TrialCard({ client, text, blocked }: Props) {
+  const [now, setNow] = useState<ExerciseTrial>();
+  const [of, setOf] = useState("");
+  const [refused, setRefused] = useState<string>();
+  const running = useRef<AbortController | undefined>(undefined);
+  useEffect(() => () => running.current?.abort(), []);
+  const busy = now !== undefined && (now.state === "waiting" || now.state === "working");
+  const run = async () => {
+    const controller = new AbortController();
+    running.current = controller;
+    setOf(text);
+    setRefused(undefined);
+    const result = await tryExercise(client, text, setNow, kPollMs, controller.signal);
+    if (controller.signal.aborted) return;
+    setNow(result.ok ? result.value : undefined);
+    if (!result.ok) setRefused(placedMessage(result.error));
+  };
+  const stop = () => {
+    running.current?.abort();
+    setNow(undefined);
+  };
+  return (
+    <Card title={say("trial.title")}>
+      <p class="hint">{say("trial.hint")}</p>
+      <div class="button-row">
+        {busy ? (
+          <button type="button" class="button" onClick={stop}>
+            {say("trial.stop")}
+          </button>
+        ) : (
+          <Button kind="" blocked={blocked} onClick={() => void run()}>
+            {say("trial.try")}
+          </Button>
+        )}
+      </div>
+      {refused !== undefined && <ErrorNotice title={say("trial.not_tried")} message={refused} />}
+      {now?.problem != null && <ErrorNotice title={say("trial.not_tried")} message={now.problem.message} />}
+      {busy && <Progress label={workText(now)} share={now.state === "working" ? now.share : undefined} />}
+      <div class={of === text ? "stack" : "stack stale"} aria-live="polite">
+        {now?.exact != null && now.untouched !== null && (
+          <>
+            {of !== text && (
+              <Notice tone="warning">
+                <p>{say("trial.stale")}</p>
+              </Notice>
+            )}
+            <Outcome exact={now.exact} untouched={now.untouched} />
+            <p class="hint">{say("trial.took", { time: formatDuration(now.took_s) })}</p>
+          </>
+        )}
+      </div>
+    </Card>
+  );
+}
+
+function workText({ state, ahead }: ExerciseTrial): string {
+  return state === "waiting" ? say("trial.waiting", { count: ahead }) : say("trial.working");
+}
+
+function Outcome({ exact, untouched }: { readonly exact: TrialScore; readonly untouched: TrialScore }) {
+  const exactIsRight = exact.named.length === 0 && !exact.failed;
+  const untouchedIsRight = untouched.named.length === 0;
+  return (
+    <>
+      <Score title={say("trial.exact")} score={exact} right={exactIsRight}>
+        {exact.critical.map((error) => (
+          <li key={error}>{sayIf(`critical_error.${error}`) ?? error}</li>
+        ))}
+        {exact.named.map(({ metric, title, share }) => (
+          <li key={metric}>
+            {say("trial.costs", { title: wordedTitle(title), share: String(Math.round(100 * share)) })}
+          </li>
+        ))}
+      </Score>
+      {!exactIsRight && <p>{say("trial.exact_wrong")}</p>}
+      <Score title={say("trial.untouched")} score={untouched} right={untouchedIsRight}>
+        {untouched.named.map(({ metric, title }) => (
+          <li key={metric}>{say("trial.keeps", { title: wordedTitle(title) })}</li>
+        ))}
+      </Score>
+      {!untouchedIsRight && <p>{say("trial.untouched_wrong")}</p>}
+    </>
+  );
+}
+
+interface ScoreProps {
+  readonly title: string;
+  readonly score: TrialScore;
+  readonly right: boolean;
+  readonly children: ComponentChildren;
+}
+
+function Score({ title, score, right, children }: ScoreProps) {
+  return (
+    <div>
+      <p>
+        <Badge tone={right ? "good" : "bad"}>{say("trial.points", { title, points: formatScore(score.score) })}</Badge>
+      </p>
+      {!right && <ul>{children}</ul>}
+    </div>
+  );
+}
