@@ -7,7 +7,7 @@ namespace enamel::fidelity {
 uint64_t Random::Next() {
   // SplitMix64 (Steele, Lea and Flood 2014): 64 bits of state, identical on every machine, which no
   // library's distribution promises.
-  uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
+  uint64_t z = (state_ += kStep);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return z ^ (z >> 31);

@@ -11,6 +11,9 @@ namespace enamel::fidelity {
 // Marsaglia).
 class Random {
  public:
+  // What each number adds to the seed: Random(seed + n * kStep) goes on after n numbers.
+  static constexpr uint64_t kStep = 0x9e3779b97f4a7c15;
+
   explicit Random(uint64_t seed) : state_(seed) {}
   uint64_t Next();
   double Uniform();

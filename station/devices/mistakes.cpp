@@ -5,42 +5,28 @@
 #include <cmath>
 #include <utility>
 
+#include "common/fidelity/random.h"
+
 namespace enamel::station {
 namespace {
 
 constexpr double kAim_m = 0.24e-3, kLean_deg = 2, kPace = 0.4, kTremor = 3;
 constexpr double kOneSide_m = 0.45e-3, kTilt_deg = 5, kGouge_m = 0.4e-3;
 
+// A seed's numbers, more than are drawn: the next seed's follow them.
+constexpr uint64_t kNumbers = 256, kSidesOfSeed = 8;
+
 enum Kind : size_t { kOverExtension, kUntouched, kTilt, kGouge, kWrongOrder, kKinds };
 
-double SplitMix(uint64_t z) {
-  z *= 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+size_t Below(fidelity::Random& random, size_t count) {
+  return static_cast<size_t>(random.Uniform() * static_cast<double>(count));
 }
 
-// The numbers that one seed draws, one after the other, always the same number of them.
-class Draws {
- public:
-  explicit Draws(uint64_t seed) : at_(seed << 8) {}
-  double Even() { return SplitMix(++at_); }
-  // Below `count`.
-  size_t Below(size_t count) {
-    const double share = 0.5 * (Even() + 1);
-    return std::min(count - 1, static_cast<size_t>(share * static_cast<double>(count)));
-  }
-  double Sign() { return Even() < 0 ? -1 : 1; }
-
- private:
-  uint64_t at_;
-};
-
 // Which kinds a seed makes first.
-std::array<size_t, kKinds> OrderOfKinds(Draws& draws) {
+std::array<size_t, kKinds> OrderOfKinds(fidelity::Random& random) {
   std::array<size_t, kKinds> out{};
   for (size_t i = 0; i < kKinds; ++i) out[i] = i;
-  for (size_t i = kKinds; i-- > 1;) std::swap(out[i], out[draws.Below(i + 1)]);
+  for (size_t i = kKinds; i-- > 1;) std::swap(out[i], out[Below(random, i + 1)]);
   return out;
 }
 
@@ -64,7 +50,9 @@ Stroke WayTo(const dvec3& from, const dvec3& to, double clear_m) {
 
 }  // namespace
 
-double Draw(uint64_t seed, uint64_t side) { return SplitMix(seed * 8 + side + 1); }
+double Draw(uint64_t seed, uint64_t side) {
+  return fidelity::Random((seed * kSidesOfSeed + side) * fidelity::Random::kStep).Signed();
+}
 
 SideErrors Scaled(const SideErrors& errors, double by) {
   return {errors.mesial_m * by, errors.distal_m * by, errors.buccal_m * by, errors.lingual_m * by,
@@ -74,26 +62,26 @@ SideErrors Scaled(const SideErrors& errors, double by) {
 Mistakes MistakesOf(double lack, uint64_t seed) {
   Mistakes out;
   if (!(lack > 0)) return out;
-  Draws draws(seed);
+  fidelity::Random random(seed * kNumbers * fidelity::Random::kStep);
   double* sides[] = {&out.sides.mesial_m, &out.sides.distal_m, &out.sides.buccal_m,
                      &out.sides.lingual_m, &out.sides.floor_m};
   constexpr size_t kSides = std::size(sides);
   for (double* side : sides) {
-    const double u = draws.Even();
+    const double u = random.Signed();
     *side = lack * kAim_m * (u < 0 ? u - 1 : u + 1);
   }
-  out.lean_deg = lack * kLean_deg * draws.Even();
-  out.speed_ratio = 1 + kPace * lack * draws.Even();
-  out.push_ratio = 1 + kPace * lack * draws.Even();
+  out.lean_deg = lack * kLean_deg * random.Signed();
+  out.speed_ratio = 1 + kPace * lack * random.Signed();
+  out.push_ratio = 1 + kPace * lack * random.Signed();
   out.tremor_ratio = 1 + kTremor * lack;
 
-  const auto kinds = OrderOfKinds(draws);
+  const auto kinds = OrderOfKinds(random);
   std::array<double, kKinds> size{};
-  for (double& s : size) s = lack * (1.25 + 0.25 * draws.Even());
-  const size_t over = draws.Below(kSides), left = (over + 1 + draws.Below(kSides - 1)) % kSides;
-  const double lean_to = draws.Sign();
-  const Gouge gouge{draws.Even(), draws.Even(), size[kGouge] * kGouge_m};
-  const double which = 0.5 * (draws.Even() + 1);
+  for (double& s : size) s = lack * (1.25 + 0.25 * random.Signed());
+  const size_t over = Below(random, kSides), left = (over + 1 + Below(random, kSides - 1)) % kSides;
+  const double lean_to = random.Signed() < 0 ? -1 : 1;
+  const Gouge gouge{random.Signed(), random.Signed(), size[kGouge] * kGouge_m};
+  const double which = 0.5 * (random.Signed() + 1);
   const auto count = std::min<size_t>(kKinds, 1 + static_cast<size_t>(3 * lack));
   for (size_t i = 0; i < count; ++i) {
     switch (kinds[i]) {

@@ -39,7 +39,7 @@ struct SideErrors {
 };
 SideErrors Scaled(const SideErrors& errors, double by);
 
-// A number from -1 to 1, evenly distributed, for a seed and a side below 8 (splitmix64).
+// A number from -1 to 1, evenly distributed, for a seed and a side below 8.
 double Draw(uint64_t seed, uint64_t side);
 
 struct Gouge {

@@ -84,16 +84,11 @@ void SimulatedDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torq
   sent_n_m_ = Limited(torque_n_m, params_.peak_torque_n_m);
 }
 
-// Nearly normal: the sum of twelve uniform numbers (splitmix64), less its mean, has variance 1.
+// Nearly normal: the sum of twelve uniform numbers, less its mean, has variance 1.
 double SimulatedDevice::Noise() noexcept {
   if (params_.noise_m == 0) return 0;
   double sum = -6;
-  for (int i = 0; i < 12; ++i) {
-    uint64_t z = (random_ += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    sum += static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
+  for (int i = 0; i < 12; ++i) sum += random_.Uniform();
   return params_.noise_m * sum;
 }
 

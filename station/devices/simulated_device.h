@@ -4,6 +4,7 @@
 #include <atomic>
 #include <memory>
 
+#include "common/fidelity/random.h"
 #include "station/devices/device.h"
 #include "station/devices/operator.h"
 
@@ -85,7 +86,7 @@ class SimulatedDevice final : public Device {
   dvec3 spin_{0}, sent_n_m_{0}, motor_n_m_{0};
   std::array<dvec3, kMaxDelay + 1> pipe_{}, torques_{};  // rings of forces and torques in transit
   size_t pipe_at_ = 0;
-  uint64_t random_;
+  fidelity::Random random_;
 };
 
 }  // namespace enamel::station
