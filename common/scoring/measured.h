@@ -29,7 +29,7 @@ struct Measured {
   std::array<double, 4> sides_done{1, 1, 1, 1};
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;
-  double remaining_dentin_m = 0;
+  RemainingDentin remaining_dentin;
   double thinnest_wall_m = 0;  // that the grid can measure
   double pulp_exposed_m2 = 0;
   double align_pose_m = 0, align_force_n = 0, frechet_pose_m = 0;

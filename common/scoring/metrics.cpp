@@ -102,7 +102,7 @@ void MeasureTissues(const AttemptData& attempt, const Side& side, bool cover, Me
   m.has_neighbour = Has(*attempt.initial, Tissue::kNeighbour);
   if (m.has_pulp) m.pulp_exposed_m2 = PulpExposed_m2(attempt, side.areas_m2);
   if (m.has_pulp && cover) {
-    m.remaining_dentin_m = RemainingDentin_m(*attempt.initial, side.cut_side, kDentinLimit_m);
+    m.remaining_dentin = MeasureRemainingDentin(*attempt.initial, side.cut_side, kDentinLimit_m);
   }
   if (m.has_neighbour && cover) m.neighbour_depth_m = NeighbourDepth_m(attempt, side);
 }
@@ -177,8 +177,8 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   // Once for each side: half a dozen metrics need cut vertices and areas.
   const Side a(attempt), r(reference);
-  m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
-                       CutPart(*reference.final_surface, r.cut),
+  const surface::DistanceQuery reference_cut(CutPart(*reference.final_surface, r.cut));
+  m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume, reference_cut,
                        NearOf_m(exercise.target, initial.spec()));
   m.sides_done = SidesDone(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
   ENAMEL_RETURN_IF_ERROR(tell(0.3));
@@ -238,9 +238,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   MetricSet out = Collect(m, plan);
   AddPlaces(m, plan, out);
-  const auto charges =
-      FindCharges(m, {a.cut_side, r.cut_side, deviation, back, boxes.target,
-                      exercise.target.depth_um * 1e-6, NearOf_m(exercise.target, initial.spec())});
+  const auto charges = FindCharges(
+      m, {a.cut_side, r.cut_side, deviation, back, boxes.target, exercise.target.depth_um * 1e-6,
+          NearOf_m(exercise.target, initial.spec()), reference_cut});
   for (const Charge& charge : charges) {
     const auto metric = std::ranges::find(out.values, charge.name, &MetricValue::name);
     if (metric == out.values.end()) continue;

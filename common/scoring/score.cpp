@@ -274,6 +274,24 @@ std::vector<std::string> CostlyCriteria(const Rubric& given, const ScoreResult& 
   return out;
 }
 
+std::optional<size_t> CriterionBehind(const Rubric& rubric, const ScoreResult& result,
+                                      size_t gate) {
+  constexpr double kMost = 0.5;
+  const GateResult& closed = result.gates[gate];
+  const auto metric = std::ranges::find(result.metrics, closed.name, &MetricValue::name);
+  if (metric == result.metrics.end() || !metric->charged) return {};
+  if (1 - ShareAt(rubric.gates[gate].map, *metric->charged) > kMost * (1 - closed.share)) return {};
+  for (const std::string& under : metric->under) {
+    for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
+      const RubricCriterion& asked = rubric.criteria[i];
+      const CriterionResult& found = result.criteria[i];
+      if (asked.metric != under || !(asked.points > 0) || !found.judged) continue;
+      if (RemedyOf(*FindMetric(under), found.charged, asked.map) != nullptr) return i;
+    }
+  }
+  return {};
+}
+
 void Advise(const Rubric& given, std::vector<Deduction> deductions, ScoreResult& result) {
   const Rubric rubric = WithTolerances(given);
   // The words are given where they cost most, of equal costs at the first.
@@ -284,10 +302,10 @@ void Advise(const Rubric& given, std::vector<Deduction> deductions, ScoreResult&
     std::vector<Reason>* reasons;
   };
   std::vector<Told> all;
-  auto advise = [&](auto& part, const Loss& loss, double value,
+  auto advise = [&](auto& part, const std::string& metric, const Loss& loss, double value,
                     const std::vector<scene::RubricPoint>& map) {
     if (!IsWorthAdvice(loss)) return;
-    const MetricInfo& info = *FindMetric(part.name);
+    const MetricInfo& info = *FindMetric(metric);
     std::optional<Reason> advice = Advice(info, value, map, deductions);
     if (!advice) return;
     Told told{Sentence("", info, {*advice}, ""), *advice, loss.points, &part.reasons};
@@ -298,8 +316,15 @@ void Advise(const Rubric& given, std::vector<Deduction> deductions, ScoreResult&
       *same = std::move(told);
     }
   };
-  for (size_t i = 0; i < rubric.gates.size() && i < result.gates.size(); ++i)
-    advise(result.gates[i], LossOf(result.gates[i]), result.gates[i].value, rubric.gates[i].map);
+  for (size_t i = 0; i < rubric.gates.size() && i < result.gates.size(); ++i) {
+    GateResult& gate = result.gates[i];
+    if (const auto behind = CriterionBehind(rubric, result, i)) {
+      const RubricCriterion& asked = rubric.criteria[*behind];
+      advise(gate, asked.metric, LossOf(gate), result.criteria[*behind].charged, asked.map);
+    } else {
+      advise(gate, gate.name, LossOf(gate), gate.value, rubric.gates[i].map);
+    }
+  }
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     CriterionResult& found = result.criteria[i];
     if (!found.judged) continue;
@@ -308,9 +333,9 @@ void Advise(const Rubric& given, std::vector<Deduction> deductions, ScoreResult&
     // By the wall's angle: a wall may be too upright for its material.
     const auto lean = LeanOf(rubric, asked, {result.metrics, result.missing, {}});
     if (lean.ok() && *lean) {
-      advise(found, loss, (*lean)->angle_deg, (*lean)->map);
+      advise(found, found.name, loss, (*lean)->angle_deg, (*lean)->map);
     } else {
-      advise(found, loss, found.charged, asked.map);
+      advise(found, found.name, loss, found.charged, asked.map);
     }
   }
   for (Told& told : all) told.reasons->push_back(std::move(told.reason));

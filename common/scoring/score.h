@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -119,6 +120,12 @@ Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& me
 // failed the attempt, and of gates with a share below 1; each once, in the rubric's order, gates
 // last. `result`: ApplyRubric's with this rubric.
 std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
+
+// A gate takes the value that was measured, whatever explains it. The criterion under which most of
+// what closed `result.gates[gate]` is charged, which says better what to do; empty where there is
+// none. `rubric`: WithTolerances (tolerances.h).
+std::optional<size_t> CriterionBehind(const scene::Rubric& rubric, const ScoreResult& result,
+                                      size_t gate);
 
 // Takes the deductions into the result, and with them what to do into the reasons of the criteria
 // and gates that lost at least kWorthAdvice points: the same words once, where most was lost.

@@ -327,18 +327,20 @@ surface::Mesh PulpSurface(const Volume& initial) {
   return any ? surface::ExtractSurface(pulp) : surface::Mesh{};
 }
 
-double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double limit_m) {
+RemainingDentin MeasureRemainingDentin(const Volume& initial, const CutSide& attempt,
+                                       double limit_m) {
   const surface::Mesh pulp = PulpSurface(initial);
-  if (pulp.position_m.empty()) return limit_m;
+  if (pulp.position_m.empty()) return {limit_m, {}};
   const surface::DistanceQuery query(pulp);
-  double least = limit_m;
-  for (size_t i = 0; i < attempt.mesh->position_m.size() && least > 0; ++i) {
+  RemainingDentin out{limit_m, {}};
+  for (size_t i = 0; i < attempt.mesh->position_m.size() && out.least_m > 0; ++i) {
     if (!(*attempt.cut)[i]) continue;
-    if (attempt.mesh->tissue[i] == static_cast<uint8_t>(Tissue::kPulp)) return 0;
+    if (attempt.mesh->tissue[i] == static_cast<uint8_t>(Tissue::kPulp)) return {0, i};
     // Limited to the least so far, so that most queries end in a few cells.
-    least = std::min(least, query.Distance_m(dvec3(attempt.mesh->position_m[i]), least));
+    const double away = query.Distance_m(dvec3(attempt.mesh->position_m[i]), out.least_m);
+    if (away < out.least_m) out = {away, i};
   }
-  return least;
+  return out;
 }
 
 }  // namespace enamel::scoring

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "common/scoring/causes/planes.h"
@@ -105,8 +106,14 @@ OutlineFigures MeasureOutline(const cutting::Volume& initial, const CutSide& att
 // The pulp's own surface, known to half a voxel; empty where there is none.
 surface::Mesh PulpSurface(const cutting::Volume& initial);
 
-// Least distance from the attempt's cut surface to pulp that is still covered; 0 where pulp is
-// open. Known to half a voxel, as labels are whole voxels. At most `limit_m`.
-double RemainingDentin_m(const cutting::Volume& initial, const CutSide& attempt, double limit_m);
+// Least distance from the attempt's cut surface to pulp that is still covered, and the vertex it is
+// least at; 0 where pulp is open. Known to half a voxel, as labels are whole voxels. At most
+// `limit_m`, then without a vertex.
+struct RemainingDentin {
+  double least_m = 0;
+  std::optional<size_t> vertex;
+};
+RemainingDentin MeasureRemainingDentin(const cutting::Volume& initial, const CutSide& attempt,
+                                       double limit_m);
 
 }  // namespace enamel::scoring

@@ -19,7 +19,7 @@ enum class Place { kUnknown, kNear, kOutside, kMixed };
 class TaskMeter {
  public:
   TaskMeter(const Volume& initial, const Volume& attempt, const Volume& reference,
-            const surface::Mesh& reference_cut, double near_m)
+            const surface::DistanceQuery& reference_cut, double near_m)
       : initial_(initial),
         attempt_(attempt),
         reference_(reference),
@@ -105,7 +105,7 @@ class TaskMeter {
   }
 
   const Volume &initial_, &attempt_, &reference_;
-  const surface::DistanceQuery query_;
+  const surface::DistanceQuery& query_;
   const cutting::GridSpec& spec_;
   const double h_m_, near_m_;
   const ChangedBricks attempt_changed_, reference_changed_;
@@ -136,7 +136,7 @@ surface::Mesh CutPart(const surface::Mesh& mesh, const std::vector<bool>& cut) {
 }
 
 TaskVolumes MeasureTask(const Volume& initial, const Volume& attempt, const Volume& reference,
-                        const surface::Mesh& reference_cut, double near_m) {
+                        const surface::DistanceQuery& reference_cut, double near_m) {
   return TaskMeter(initial, attempt, reference, reference_cut, near_m).Measure();
 }
 

@@ -40,7 +40,7 @@ surface::Mesh CutPart(const surface::Mesh& mesh, const std::vector<bool>& cut);
 // surface (CutPart). Without one (a reference that cut nothing) all that went is outside.
 // Requires: equal grids; near_m >= 0.
 TaskVolumes MeasureTask(const cutting::Volume& initial, const cutting::Volume& attempt,
-                        const cutting::Volume& reference, const surface::Mesh& reference_cut,
-                        double near_m);
+                        const cutting::Volume& reference,
+                        const surface::DistanceQuery& reference_cut, double near_m);
 
 }  // namespace enamel::scoring

@@ -19,6 +19,8 @@ using cutting::Volume;
 constexpr double kLeastSide = 0.1;  // of the task: a smaller one is an edge of the next
 constexpr double kLeastContact_m2 = 0.1e-6;
 constexpr double kReach_m = 3e-3;  // from the box's side to the neighbour
+// What stands farther inside is a pillar in the box, not the contact: chosen, a bur's radius.
+constexpr double kShell_m = 0.5e-3;
 
 // One line from the box's middle outwards along x.
 class ContactLine {
@@ -27,6 +29,7 @@ class ContactLine {
               double way_m, double length_m)
       : step_m_(0.5 * initial.spec().voxel_m()) {
     double own_end = 0, gap = 0;
+    std::vector<double> left;
     size_t wanted = 0;
     for (double s = 0; s <= length_m; s += step_m_) {
       const dvec3 p = from_m + dvec3(way_m * s, 0, 0);
@@ -38,8 +41,10 @@ class ContactLine {
       }
       own_end = s;
       if (reference.DistanceAt_m(p) < 0) ++wanted;
-      if (attempt.DistanceAt_m(p) < 0) ++left_;
+      if (attempt.DistanceAt_m(p) < 0) left.push_back(s);
     }
+    left_ = static_cast<size_t>(
+        std::ranges::count_if(left, [&](double s) { return s > own_end - kShell_m; }));
     in_contact_ = in_contact_ && wanted == 0;
   }
   bool in_contact() const { return in_contact_; }

@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, kPartCount> kOffsets = {
     "wall_mesial_mm", "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm"};
 constexpr std::string_view kCloseness = "deviation_rms_mm", kSound = "sound_removed_mm3",
                            kDone = "task_done_percent", kTop = "reduction_top_percent",
+                           kLine = "finish_depth_mm", kAxis = "crown_axis_deg",
                            kWallTilt = "wall_tilt_deg", kFloorTilt = "tilt_floor_deg",
                            kWallWaves = "wall_waviness_mm", kFloorWaves = "floor_waviness_mm";
 
@@ -53,6 +54,10 @@ class Charges {
         // A stump has a top and a shoulder where a cavity has a floor: no walls and no floor here.
         walls_(measured.crown.in_task ? Walls{} : measured.walls),
         explained_(walls_, inputs) {
+    for (const OutlineFigures::Over& o : m_.outline.over_at) {
+      const double by = explained_.At(o.at_m, dvec3(0), o.by_m, false).by_m;
+      outline_rest_.push_back({o.at_m, std::max(0.0, o.by_m - by)});
+    }
     if (!measured.crown.in_task) return;
     double lo = 0, hi = 0;
     bool any = false;
@@ -84,7 +89,7 @@ class Charges {
     return std::ranges::find(out_, name, &Charge::name) != out_.end();
   }
   void Add(std::string_view name, double value, double charged, double least,
-           std::initializer_list<std::string_view> under) {
+           const std::vector<std::string_view>& under) {
     if (!(std::fabs(value - charged) > least)) return;
     Charge charge{name, charged, {}};
     for (std::string_view metric : under) {
@@ -105,10 +110,25 @@ class Charges {
     return m_.crown.in_task && patch.facing == kUp && patch.middle_m.z > top_from_m_;
   }
 
-  // Where a wall or floor, or a stump's top, is itself measured; of another patch empty.
+  bool IsShoulder(const Patch& patch) const {
+    return m_.crown.in_task && patch.facing == kUp && !IsTop(patch);
+  }
+
+  // Where a wall or floor, or a stump's top or shoulder, is itself measured; of another patch empty.
   std::string_view OffsetName(const Patch& patch) const {
     if (patch.part != kNoPart) return kOffsets[patch.part];
+    if (IsShoulder(patch)) return kLine;
     return IsTop(patch) ? kTop : std::string_view();
+  }
+  // One side of a stump leans out as the other leans in: of the whole stump.
+  bool LeansAsAWhole(int facing) const {
+    double lean[2] = {0, 0};
+    for (const Patch& patch : explained_.patches()) {
+      if (patch.facing / 2 == facing / 2) {
+        lean[patch.facing % 2] += patch.area_m2 * patch.sheet.plane.b;
+      }
+    }
+    return lean[0] * lean[1] < 0;
   }
   // The same for what of it explains the most: where it lies, how it leans, or its waves.
   std::string_view CauseName(const Patch& patch) const {
@@ -121,6 +141,7 @@ class Charges {
     if (patch.part == kNoPart) {
       constexpr int kTowardsY = 2;  // Patch::facing
       if (lean < waves) return {};
+      if (LeansAsAWhole(patch.facing)) return kAxis;
       return patch.facing < kTowardsY ? "convergence_mesiodistal_deg"
                                       : "convergence_buccolingual_deg";
     }
@@ -215,17 +236,70 @@ class Charges {
     }
   }
 
-  // The distances between the surfaces, less what walls and floor explain.
+  // Vertices of a cut that comes nowhere near the reference's: another hole. Parts of the attempt's
+  // surface that lie too deep, by the triangles that join them.
+  std::vector<bool> FindElsewhere() const {
+    const surface::Mesh& made = *in_.attempt.mesh;
+    const size_t n = made.position_m.size();
+    std::vector<uint32_t> part(n);  // towards the first vertex of its part
+    for (size_t i = 0; i < n; ++i) part[i] = static_cast<uint32_t>(i);
+    auto first = [&](uint32_t i) {
+      while (part[i] != i) i = part[i] = part[part[i]];
+      return i;
+    };
+    auto deep = [&](uint32_t i) { return in_.attempt_m[i] > kLeast_mm / kMm; };
+    for (const auto& corners : made.triangles) {
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = corners[k], b = corners[(k + 1) % 3];
+        if (!deep(a) || !deep(b)) continue;
+        const uint32_t x = first(a), y = first(b);
+        part[std::max(x, y)] = std::min(x, y);
+      }
+    }
+    std::vector<bool> near(n), out(n);
+    for (uint32_t i = 0; i < n; ++i) {
+      if (!deep(i) || near[first(i)]) continue;
+      near[first(i)] = in_.reference_cut.IsWithin(dvec3(made.position_m[i]), in_.leeway_m);
+    }
+    for (uint32_t i = 0; i < n; ++i) out[i] = deep(i) && !near[first(i)];
+    return out;
+  }
+
+  // How much too wide the outline is near a place, beyond what patches explain.
+  double OutlineOverNear_m(const dvec3& at) const {
+    double most = 0;
+    for (const OutlineFigures::Over& o : outline_rest_) {
+      const dvec3 away = o.at_m - at;
+      if (Dot(away, away) < Explained::kFarthest_m * Explained::kFarthest_m)
+        most = std::max(most, o.by_m);
+    }
+    return most;
+  }
+
+  // The distances between the surfaces, less what walls and floor explain, a wide outline, or a hole
+  // elsewhere.
   void Surfaces() {
     Shares over(explained_);
     std::vector<float> deeper = in_.attempt_m;
     const surface::Mesh& made = *in_.attempt.mesh;
+    const std::vector<bool> elsewhere = FindElsewhere();
+    double by_patches = 0, by_outline = 0, by_elsewhere = 0;
     for (size_t i = 0; i < deeper.size(); ++i) {
       if (!(deeper[i] > kLeast_mm / kMm)) continue;
-      const double d = deeper[i];
-      const double by =
-          explained_.At(dvec3(made.position_m[i]), dvec3(made.normal[i]), d, false).by_m;
-      deeper[i] = static_cast<float>(std::max(0.0, d - by));
+      const dvec3 at(made.position_m[i]);
+      double d = deeper[i];
+      const double area = (*in_.attempt.areas_m2)[i];
+      auto take = [&](double by, double& sum) {
+        const double taken = std::min(by, d);
+        d -= taken, sum += area * taken;
+      };
+      if (elsewhere[i]) {
+        take(d, by_elsewhere);
+      } else {
+        take(explained_.At(at, dvec3(made.normal[i]), d, false).by_m, by_patches);
+        if (d > kLeast_mm / kMm) take(OutlineOverNear_m(at), by_outline);
+      }
+      deeper[i] = static_cast<float>(d);
     }
     std::vector<float> rest = in_.reference_m;
     Shares left(explained_);
@@ -244,9 +318,16 @@ class Charges {
       rest[i] = static_cast<float>(is_left ? d - by : by - d);
     }
     const double deepest_mm = m_.deepest_over.depth_m * kMm;
+    std::vector<std::string_view> under;
+    if (by_elsewhere > std::max(by_patches, by_outline)) {
+      under = {"outside_removed_mm3", kSound};
+    } else if (by_outline > by_patches) {
+      under = {"outline_over_mm"};
+    } else {
+      under = {CauseName(over.Most()), OffsetName(over.Most()), kCloseness, kSound};
+    }
     Add("deepest_over_mm", deepest_mm,
-        std::min(deepest_mm, DeepestOver(in_.attempt, deeper).depth_m * kMm), kLeast_mm,
-        {CauseName(over.Most()), OffsetName(over.Most()), kCloseness, kSound});
+        std::min(deepest_mm, DeepestOver(in_.attempt, deeper).depth_m * kMm), kLeast_mm, under);
     const DeviationFigures spots = MeasureDeviation(in_.reference, rest);
     const double left_mm = m_.deviation.most_left_m * kMm, p95_mm = m_.deviation.p95_m * kMm;
     Add("most_left_mm", left_mm, std::min(left_mm, spots.most_left_m * kMm), kLeast_mm,
@@ -272,13 +353,14 @@ class Charges {
       squares_[kTopOff] += without(height);
       return;
     }
+    if (IsShoulder(patch)) squares_[kShoulderOff] += without(height);
     squares_[patch.upright() ? kWallLean : kFloorLean] +=
         without(height - std::fabs(OffsetOf_m(sheet)));
     squares_[patch.upright() ? kWallWave : kFloorWave] += weight * sheet.waves_m * sheet.waves_m;
   }
 
   // Of the root mean square, which is the whole, only what other metrics are about is left out:
-  // leaning walls, or waves, or a stump's top, whichever is more.
+  // leaning walls, or waves, or a stump's top or shoulder, whichever is more.
   void Closeness() {
     double area = 0, all = 0;
     for (size_t i = 0; i < in_.reference_m.size(); ++i) {
@@ -290,13 +372,14 @@ class Charges {
     const auto most = std::ranges::max_element(squares_) - squares_.begin();
     const double rms_mm = std::sqrt(std::max(0.0, all - squares_[most]) / area) * kMm;
     const double value = m_.deviation.rms_m * kMm;
-    using Names = std::initializer_list<std::string_view>;
+    using Names = std::vector<std::string_view>;
     const std::array<Names, kKinds> under = {
-        Names{kWallTilt, "convergence_mesiodistal_deg", "convergence_buccolingual_deg"},
+        Names{kWallTilt, "convergence_mesiodistal_deg", "convergence_buccolingual_deg", kAxis},
         {kFloorTilt},
         {kWallWaves},
         {kFloorWaves, "finish_waviness_mm"},
-        {kTop}};
+        {kTop},
+        {kLine}};
     Add(kCloseness, value, std::min(value, rms_mm), kLeast_mm, under[most]);
   }
 
@@ -330,9 +413,7 @@ class Charges {
   void Outline() {
     if (!m_.outline.in_task || m_.outline.over_at.empty()) return;
     std::vector<WeightedValue> rest;
-    for (const OutlineFigures::Over& o : m_.outline.over_at)
-      rest.push_back(
-          {std::max(0.0, o.by_m - explained_.At(o.at_m, dvec3(0), o.by_m, false).by_m), 1});
+    for (const OutlineFigures::Over& o : outline_rest_) rest.push_back({o.by_m, 1});
     for (size_t i = rest.size(); i < m_.outline.points; ++i) rest.push_back({0, 1});
     const double value = m_.outline.over_m * kMm;
     Add("outline_over_mm", value, std::min(value, WeightedQuantile(std::move(rest), 0.95) * kMm),
@@ -346,7 +427,9 @@ class Charges {
     double missed = 0, standing = 0, outside = 0;
     for (const Patch& patch : explained_.patches()) {
       for (size_t i : patch.vertices) {
-        const double d = patch.sheet.At_m(dvec3(in_.reference.mesh->position_m[i]));
+        double d = patch.sheet.At_m(dvec3(in_.reference.mesh->position_m[i]));
+        // Beside the wall above it a shoulder's nearest distances are less than its depth.
+        if (IsShoulder(patch)) d = std::max(d, m_.crown.depth_m);
         const double area = (*in_.reference.areas_m2)[i];
         // Of a wave, the mean of what stands over its middle.
         missed += area * (std::max(0.0, -d) + kMeanOfCrests * patch.sheet.waves_m);
@@ -378,20 +461,27 @@ class Charges {
         {cause_over_, most_over_, kCloseness, kSound});
   }
 
-  // A floor that is too deep is nearer to the pulp.
+  // A floor or wall that is too deep is nearer to the pulp.
   void Cover() {
-    const WallFigures& floor = walls_[kFloor];
-    if (!Made(floor) || !(floor.offset_m > 0)) return;
-    Add("remaining_dentin_mm", m_.remaining_dentin_m * kMm,
-        (m_.remaining_dentin_m + floor.offset_m) * kMm, kLeast_mm, {kOffsets[kFloor]});
+    const auto at = m_.remaining_dentin.vertex;
+    if (!at || !(in_.attempt_m[*at] > 0)) return;
+    const surface::Mesh& made = *in_.attempt.mesh;
+    const double d = in_.attempt_m[*at];
+    const Explanation found =
+        explained_.At(dvec3(made.position_m[*at]), dvec3(made.normal[*at]), d, false);
+    if (found.most == nullptr) return;
+    const double cover_m = m_.remaining_dentin.least_m;
+    Add("remaining_dentin_mm", cover_m * kMm, (cover_m + std::min(d, found.by_m)) * kMm, kLeast_mm,
+        {CauseName(*found.most), OffsetName(*found.most), kCloseness, kSound});
   }
 
   const Measured& m_;
   const CauseInputs& in_;
   const Walls walls_;
   const Explained explained_;
+  std::vector<OutlineFigures::Over> outline_rest_;  // less what patches explain
   double top_from_m_ = 0;
-  enum Kind { kWallLean, kFloorLean, kWallWave, kFloorWave, kTopOff, kKinds };
+  enum Kind { kWallLean, kFloorLean, kWallWave, kFloorWave, kTopOff, kShoulderOff, kKinds };
   std::array<double, kKinds> squares_{};  // of the distances, area-weighted, m^4
   std::string_view most_over_, most_left_, cause_over_, cause_left_;
   std::vector<Charge> out_;

@@ -18,6 +18,7 @@ struct CauseInputs {
   const std::vector<float>&attempt_m, &reference_m;
   OpenBox target;
   double depth_m = 0, leeway_m = 0;
+  const surface::DistanceQuery& reference_cut;  // the reference's cut surface
 };
 
 // What a metric is charged for, where that differs from its value.

@@ -65,6 +65,7 @@ void Explained::Assign(const Walls& walls) {
     patches_[part].area_m2 += (*in_.reference.areas_m2)[i];
     middle[part] += at;
   }
+  std::array<std::vector<size_t>, kPartCount> beside;
   std::array<std::vector<size_t>, 6> loose;
   for (size_t i : others) {
     const dvec3 at(mesh.position_m[i]);
@@ -73,11 +74,14 @@ void Explained::Assign(const Walls& walls) {
       const Patch& wall = patches_[p];
       if (wall.vertices.empty() || wall.facing != facing) continue;
       const dvec3 from = at - middle[p] / static_cast<double>(wall.vertices.size());
-      if (std::fabs(Dot(from, wall.sheet.normal)) < kBesideWall_m)
+      if (std::fabs(Dot(from, wall.sheet.normal)) < kBesideWall_m) {
         patch_of_[i] = static_cast<int>(p);
+        beside[p].push_back(i);
+      }
     }
     if (patch_of_[i] < 0) loose[static_cast<size_t>(facing)].push_back(i);
   }
+  for (size_t p = 0; p < kPartCount; ++p) Join(beside[p], patches_[p]);
   for (int facing = 0; facing < 6; ++facing) {
     std::vector<size_t>& of = loose[static_cast<size_t>(facing)];
     const int axis = facing / 2;
@@ -94,6 +98,16 @@ void Explained::Assign(const Walls& walls) {
       from = k;
     }
   }
+}
+
+// What lies beside a wall or floor is its own. A floor with more beside it than it has itself is
+// some of a round face, whose plane says nothing of the rest.
+void Explained::Join(const std::vector<size_t>& beside, Patch& patch) {
+  double area_m2 = 0;
+  for (size_t i : beside) area_m2 += (*in_.reference.areas_m2)[i];
+  if (patch.part == kFloor && area_m2 > patch.area_m2) patch.part = kNoPart;
+  patch.area_m2 += area_m2;
+  patch.vertices.insert(patch.vertices.end(), beside.begin(), beside.end());
 }
 
 void Explained::AddPatch(std::vector<size_t> vertices, int facing) {
@@ -178,10 +192,8 @@ Explanation Explained::At(const dvec3& point_m, const dvec3& normal, double dist
   // At an edge the patch that lies elsewhere is farther than the nearest one. At the rim the nearest
   // is the tooth's own surface, which no patch is on.
   std::vector<double> most(patches_.size(), 0);
-  for (double reach = 2 * (distance_m + voxel_m_); !Gather(point_m, reach, left, most);
-       reach *= 1.5) {
-    if (reach > kFarthest_m) return {};
-  }
+  double reach = 2 * (distance_m + voxel_m_);
+  while (!Gather(point_m, reach, left, most) && reach <= kFarthest_m) reach *= 1.5;
   Behind(point_m, normal, left, most);
   // Where two patches meet, each by itself.
   double squares = 0;
@@ -194,13 +206,11 @@ Explanation Explained::At(const dvec3& point_m, const dvec3& normal, double dist
 // Where a patch moves by its height, a surface aslant to it moves by that times the cosine between.
 void Explained::Behind(const dvec3& point_m, const dvec3& normal, bool left,
                        std::vector<double>& most) const {
-  // 60 degrees: on an upright corner, 45 degrees from either side, both sides count.
-  constexpr double kLeastCosine = 0.5;
   for (size_t k = 0; k < patches_.size(); ++k) {
     const Patch& patch = patches_[k];
     const Sheet& sheet = patch.sheet;
     const double cosine = Dot(normal, sheet.normal);
-    if (patch.vertices.empty() || cosine < kLeastCosine) continue;
+    if (patch.vertices.empty() || !(cosine > 0)) continue;
     const double s = Dot(point_m, sheet.up), t = Dot(point_m, sheet.along);
     if (s < sheet.s_least_m - kBesideWall_m || s > sheet.s_most_m + kBesideWall_m ||
         t < patch.t_least_m - kBesideWall_m || t > patch.t_most_m + kBesideWall_m)

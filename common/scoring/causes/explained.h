@@ -36,7 +36,7 @@ class Explained {
   const std::vector<Patch>& patches() const { return patches_; }
   // How much of `distance_m`, by which the attempt's surface is deeper (left: less deep) than the
   // reference's at a point, patches within that distance explain, and the patches behind the
-  // point that face about as `normal` does (0: unknown). On a thin stump the side that was cut too
+  // point by the cosine of the angle to `normal` (0: unknown). On a thin stump the side that was cut too
   // far is not the nearest one. 0 beyond kFarthest_m.
   Explanation At(const dvec3& point_m, const dvec3& normal, double distance_m, bool left) const;
 
@@ -44,6 +44,7 @@ class Explained {
 
  private:
   void Assign(const Walls& walls);
+  void Join(const std::vector<size_t>& beside, Patch& patch);
   void AddPatch(std::vector<size_t> vertices, int facing);
   void Fit(Patch& patch) const;
   void Measure(Patch& patch) const;

@@ -114,7 +114,7 @@ constexpr Entry kEntries[] = {
       {},
       AtLimit::kSame,
       true},
-     [](const Measured& m) { return m.remaining_dentin_m * kMm; },
+     [](const Measured& m) { return m.remaining_dentin.least_m * kMm; },
      WithPulp},
 };
 

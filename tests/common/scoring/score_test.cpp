@@ -293,6 +293,25 @@ TEST(ApplyRubricTest, OneMistakeIsChargedUnderOneCriterion) {
   EXPECT_TRUE(alone.criteria[1].under.empty());
 }
 
+// A gate takes the value whatever explains it, and says what to do about what explains it.
+TEST(ApplyRubricTest, AGateThatAWallClosedAdvisesAsTheWallDoes) {
+  Rubric rubric{"class-1", 3, {Wall()}, {}};
+  rubric.criteria.push_back({"crown_axis_deg", "Upright", "deg", 3, {{8, 1}, {18, 0}}, "", {}});
+  rubric.gates = {{"deepest_over_mm", "No second hole", "mm", {{0.6, 1}, {1.6, 0}}, ""}};
+  MetricSet metrics{
+      {{"wall_mesial_mm", 0, "mm"}, {"crown_axis_deg", 14, "deg"}, {"deepest_over_mm", 1.1, "mm"}},
+      {}};
+  EXPECT_FALSE(CriterionBehind(rubric, *ApplyRubric(rubric, metrics), 0));
+  metrics.values[2].charged = 0.1;
+  metrics.values[2].under = {"wall_mesial_mm", "crown_axis_deg"};
+  ScoreResult r = *ApplyRubric(rubric, metrics);
+  EXPECT_EQ(CriterionBehind(rubric, r, 0), 1u) << "the wall is right";
+  Advise(rubric, {}, r);
+  EXPECT_NE(r.gates[0].reason.find("long axis"), std::string::npos) << r.gates[0].reason;
+  metrics.values[2].charged = 1;
+  EXPECT_FALSE(CriterionBehind(rubric, *ApplyRubric(rubric, metrics), 0)) << "most is its own";
+}
+
 TEST(ApplyRubricTest, SeveralGatesMultiply) {
   Rubric rubric = Three();
   rubric.gates = {Done(), {"damage_percent", "Damage", "%", {{0, 1}, {100, 0}}, ""}};

@@ -198,9 +198,9 @@ TEST(ShapesTest, TheDentistsCircleIsACircle) {
     auto shape = scene::TargetShape(built->scene, exercise.target);
     ASSERT_TRUE(shape.ok());
     const cutting::Volume wanted = scene::Prepared(built->volume, *shape);
-    const surface::Mesh wanted_mesh = surface::ExtractSurface(wanted);
+    const surface::DistanceQuery wanted_cut(surface::ExtractSurface(wanted));
     const CutTooth cut = CutBy(*FindOperator("dentist"), *built, exercise);
-    const auto volumes = scoring::MeasureTask(built->volume, cut.volume, wanted, wanted_mesh, 0);
+    const auto volumes = scoring::MeasureTask(built->volume, cut.volume, wanted, wanted_cut, 0);
     // 2.5^2 pi 1.5 mm3; the square around it holds 8 mm3 more.
     EXPECT_NEAR(volumes.task_m3() * 1e9, 29.45, 0.2);
     EXPECT_GE(volumes.done_m3() / volumes.task_m3(), 0.98);
