@@ -19,8 +19,8 @@ RubricCritical Below(const char* error, const char* metric, const char* unit, do
 // A cavity in the wrong place is about once the task; a layer of 0.05 mm off a whole block is 1.4
 // times one; a molar's crown is 25 times one.
 std::vector<RubricCritical> CriticalOfAny() {
-  return {Below("nothing_cut", "task_done_percent", "%", 5, kOurs),
-          Above("all_cut", "damage_percent", "%", 300, kOurs)};
+  return {Above("all_cut", "damage_percent", "%", 300, kOurs),
+          Below("nothing_cut", "task_done_percent", "%", 5, kOurs)};
 }
 
 std::vector<RubricCritical> CriticalOfPulp() {
@@ -29,8 +29,12 @@ std::vector<RubricCritical> CriticalOfPulp() {
 }
 
 std::vector<RubricCritical> CriticalOfCavity() {
-  return {Below("wrong_place", "in_task_percent", "%", 40,
-                "chosen: examinations fail a wrong tooth or surface without a figure")};
+  std::vector<RubricCritical> out = CriticalOfAny();
+  // A cavity elsewhere has cut nothing of the task either; a lost crown is in no place.
+  out.insert(out.begin() + 1,
+             Below("wrong_place", "in_task_percent", "%", 40,
+                   "chosen: examinations fail a wrong tooth or surface without a figure"));
+  return out;
 }
 
 // Where sources differ, the milder: examinations fail an isthmus over half of the distance between

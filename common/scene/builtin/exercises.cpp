@@ -67,8 +67,8 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
                             "The adjacent tooth has a groove."));
   criteria.push_back(NoCariesCriterion(10));
   e.rubric.gates.push_back(CariesGate());
-  e.rubric.critical = CriticalOfAny();
-  for (const auto& critical : {CriticalOfPulp(), CriticalOfCavity(), CriticalOfWidth(true),
+  e.rubric.critical.clear();
+  for (const auto& critical : {CriticalOfCavity(), CriticalOfPulp(), CriticalOfWidth(true),
                                CriticalOfContact(), CriticalOfCaries()}) {
     AddCritical(e.rubric, critical);
   }
@@ -190,16 +190,21 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.graded = false;
   e.touch_cues = kPracticeCues;
   const std::string rubric = "practice-" + shape.name;
-  e.rubric = ShapeRubric(rubric);
-  if (!e.target.parts.empty()) return e;
-  // A box's rubric also judges how upright and even its walls are, not only how far off.
-  e.rubric = ShapeRubric(rubric, 18, 7);
-  const RubricCriterion of_a_box[] = {
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall is tilted."),
-      AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall is undercut."),
-      AtMost("wall_waviness_mm", "Walls smooth", "mm", 5, 0.03, 0.12, "A wall is wavy."),
-      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.03, 0.12, "The floor is uneven.")};
-  for (const RubricCriterion& c : of_a_box) e.rubric.criteria.push_back(c);
+  // How upright and even walls are is judged too, not only how far off. Waves are measured on a box's
+  // walls only.
+  const bool box = e.target.parts.empty();
+  // 0.3 mm at the short wall of a line must cost a point.
+  e.rubric = box ? ShapeRubric(rubric, 24, 7) : ShapeRubric(rubric, 22, 11);
+  auto& criteria = e.rubric.criteria;
+  criteria.push_back(
+      AtMost("wall_tilt_deg", "Walls upright", "deg", box ? 4 : 7, 3, 12, "A wall is tilted."));
+  criteria.push_back(
+      AtMost("undercut_deg", "No undercut", "deg", box ? 4 : 5, 4, 12, "A wall is undercut."));
+  if (!box) return e;
+  criteria.push_back(
+      AtMost("wall_waviness_mm", "Walls smooth", "mm", 3, 0.03, 0.12, "A wall is wavy."));
+  criteria.push_back(
+      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.03, 0.12, "The floor is uneven."));
   return e;
 }
 
@@ -268,8 +273,11 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
   e.time_limit_s = 1'800;
   e.rubric = ShapeRubric("prepared-tooth", 25, 10, {1'200, 2'400});
   auto& criteria = e.rubric.criteria;
-  criteria[1].title = "Closeness to the example";
-  criteria[1].comment = "The surface is far from that of the example.";
+  for (RubricCriterion& c : criteria) {
+    if (c.metric != "deviation_rms_mm") continue;
+    c.title = "Closeness to the example";
+    c.comment = "The surface is far from that of the example.";
+  }
   const bool tooth = Has(scene, Tissue::kPulp);
   criteria.push_back(AtMost("undercut_deg", "No undercut", "deg", tooth ? 4 : 10, 2, 8,
                             "A wall is undercut more than in the example."));

@@ -12,6 +12,8 @@ namespace {
 // grades_test.cpp, and that all surfaces of a cavity 0.08 mm off cost at most 3 points.
 constexpr double kRight_mm = kRight_um * 1e-3, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3,
                  kSeenShare = 0.9;
+// The same for a surface of which all is judged together.
+constexpr double kFar_mm = 0.3;
 
 // The accepted angles between opposite walls are those of the literature, 10 to 22 degrees
 // (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal
@@ -135,10 +137,9 @@ Rubric ClassOneRubric(bool tooth) {
     r.criteria.push_back(CoverCriterion(3));
   }
   AddHand(r, 4, 3, 240, 600);
-  r.critical = CriticalOfAny();
+  r.critical = tooth ? CriticalOfCavity() : CriticalOfAny();
   if (tooth) {
     AddCritical(r, CriticalOfPulp());
-    AddCritical(r, CriticalOfCavity());
     AddCritical(r, CriticalOfWidth(false));
     r.restoration = Restoration::kAmalgam;
     r.restorations = TolerancesOfCavity(false);
@@ -154,8 +155,13 @@ Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand 
       AtLeast("task_done_percent", "Shape fully cut", "%", 4, 70, 97,
               "Part of the shape was not removed."),
       StandingCriterion(6),
-      AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
-             "The surface is far from the reference."),
+      {"deviation_rms_mm",
+       "Closeness to the reference",
+       "mm",
+       closeness,
+       {{kRight_mm, 1}, {kSeen_mm, kSeenShare}, {kFar_mm, 0}},
+       "The surface is far from the reference.",
+       {}},
       AtMost("deviation_p95_mm", "No spot far off", "mm", nowhere, 0.08, 0.6,
              "At one spot, the surface is far from the reference: see the heat map."),
       AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
@@ -242,8 +248,9 @@ Rubric CrownRubric(bool anterior) {
                             "The height of the finish line varies around the tooth."));
   criteria.push_back(PulpCriterion(3));
   criteria.push_back(CoverCriterion(3));
-  AddCritical(r, CriticalOfPulp());
+  // Where the crown is cut away, the pulp is open too.
   AddCritical(r, CriticalOfCrown());
+  AddCritical(r, CriticalOfPulp());
   return r;
 }
 

@@ -45,7 +45,8 @@ Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
 Rubric CariesRubric();
 Rubric CrownRubric(bool anterior);
 
-// Critical errors, each with the source of its limit (critical.cpp). OfAny is in every rubric.
+// Critical errors, each with the source of its limit (critical.cpp). OfAny is in every rubric, and
+// in OfCavity.
 std::vector<RubricCritical> CriticalOfAny();
 std::vector<RubricCritical> CriticalOfPulp();
 std::vector<RubricCritical> CriticalOfCavity();

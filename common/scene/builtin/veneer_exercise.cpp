@@ -91,9 +91,7 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
       " from gingival to incisal, with a chamfer all around. Keep the incisal edge and the "
       "contacts.";
   e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
-  // All of it is floor: a hand that is off by less than a tenth of a millimetre is off everywhere.
   // Its end is judged separately, because hardly any of its area is there.
-  e.rubric.criteria[1].map = {{0.08, 1}, {0.3, 0}};
   e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
                                      "The reduction is wider than it should be."));
   // Half a millimetre is all that stands between the face and trouble.
