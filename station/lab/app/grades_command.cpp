@@ -8,6 +8,7 @@
 #include "common/program/log.h"
 #include "common/program/output.h"
 #include "station/lab/bench/bench.h"
+#include "station/lab/grades/figures.h"
 #include "station/lab/grades/grades.h"
 #include "station/lab/grades/hand_signs.h"
 #include "station/lab/grades/operators.h"
@@ -42,29 +43,20 @@ Status RunGrades(const GradesCommand& command) {
   bench::Progress progress;
   std::printf("%-26s %-20s %9s %-4s %6s  %-24s %9s %-3s %7s %7s\n", "exercise", "fault", "size",
               "unit", "voxel", "metric", "found", "", "lost", "score");
-  size_t as_known = 0, cheap = 0, dear = 0, expected = 0, found = 0, harmless = 0;
   auto print = [&](const GradeRow& row) {
     progress.Clear();
     PrintRow(row);
-    as_known += row.AsKnown() ? 1 : 0;
-    cheap += row.CostsEnough() ? 0 : 1;
-    dear += row.CostsTooMuch() ? 1 : 0;
-    const bool critical = !row.critical.empty(), asked = !row.critical_expected.empty();
-    expected += asked ? 1 : 0;
-    found += asked && critical ? 1 : 0;
-    harmless += !asked && critical ? 1 : 0;
   };
   ENAMEL_ASSIGN_OR_RETURN(
       const auto rows,
       MeasureGrades(command.options, print,
                     [&](const std::string& what, double ratio) { progress.Show(what, ratio); }));
   progress.Clear();
-  std::printf("\n%zu of %zu faults found as they are; the others are marked \"off\".\n", as_known,
-              rows.size());
-  std::printf("%zu faults of a size that has to cost a point cost less.\n", cheap);
-  std::printf("%zu faults too small to be seen cost more than they may.\n", dear);
-  std::printf("%zu of %zu critical errors not acceptable; %zu harmless faults not acceptable.\n",
-              found, expected, harmless);
+  std::printf("\n");
+  for (const GradeFigure& figure : FiguresOf(rows)) {
+    std::printf("%12s  %s\n", figure.value.c_str(), figure.what.c_str());
+    for (const std::string& miss : figure.misses) std::printf("%16s%s\n", "", miss.c_str());
+  }
   return WriteRows(command.json, GradesJson(rows));
 }
 
@@ -227,6 +219,8 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       "  found   what the metric says; it should be the size, within a quarter of a voxel (a\n"
       "          volume: its area times that) or half a degree\n"
       "  lost    points the exercise's rubric takes for it; a critical fault takes all\n"
+      "Then what all of them come to, each figure with the rows that miss it: whether a mistake costs\n"
+      "points as itself, is called by its name, and is critical where it should be.\n"
       "All of it takes an hour or more; --quick a few minutes.\n"
       "Examples:\n"
       "  enamel-lab grades --quick\n"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scoring/untouched.h"
 #include "station/lab/grades/fault_maker.h"
 
 // The errors of schemas/critical_errors.json, as their made_by describes them, and which of them
@@ -77,10 +78,29 @@ void FaultMaker::LookAtTissues() {
         const Tissue tissue = volume_.TissueAtPoint(p);
         if (tissue != Tissue::kNeighbour) highest_m_ = std::max(highest_m_, z);
         if (tissue == Tissue::kPulp) pulp_m_.push_back(p);
-        if (tissue == Tissue::kCaries && task_.Distance_m(p) < 0) caries_m_.push_back(p);
+        if (tissue == Tissue::kNeighbour || task_.Distance_m(p) >= 0) continue;
+        if (tissue == Tissue::kCaries) caries_m_.push_back(p);
+        if (IsAtNeighbour(p)) contact_m_.push_back(p);
       }
     }
   }
+}
+
+// The tooth's last voxel before a neighbour that it touches, but for a gap.
+bool FaultMaker::IsAtNeighbour(const dvec3& p) const {
+  const double h = volume_.spec().voxel_m();
+  for (double away = h; away <= scoring::kContactGap_m + h; away += 0.5 * h) {
+    const dvec3 next = p + dvec3(task_.box.mesial_x * away, 0, 0);
+    if (volume_.DistanceAt_m(next) >= 0) continue;
+    return volume_.TissueAtPoint(next) == Tissue::kNeighbour;
+  }
+  return false;
+}
+
+double FaultMaker::LimitOf(std::string_view error) const {
+  const auto& all = exercise_.rubric.critical;
+  const auto found = std::ranges::find(all, error, &scene::RubricCritical::error);
+  return found == all.end() ? 100 : found->limit;
 }
 
 // The task grown towards the pulp where that is nearest, within a millimetre.
@@ -169,10 +189,13 @@ std::string FaultMaker::CommittedBy(const Fault& fault) const {
       std::ranges::any_of(pulp_m_, [&](const dvec3& p) { return fault.taken(p) < -h; })) {
     return "pulp_exposed";
   }
-  const auto left =
-      std::ranges::count_if(caries_m_, [&](const dvec3& p) { return fault.taken(p) >= 0; });
-  if (Is({"caries", "class-2"}) && !caries_m_.empty() &&
-      double(left) >= kLeftOfLesion * double(caries_m_.size())) {
+  auto left_percent = [&](const std::vector<dvec3>& of) {
+    const auto left =
+        std::ranges::count_if(of, [&](const dvec3& p) { return fault.taken(p) >= 0; });
+    return of.empty() ? 0 : 100 * double(left) / double(of.size());
+  };
+  if (Is({"class-2"}) && left_percent(contact_m_) > LimitOf("contact_left")) return "contact_left";
+  if (Is({"caries", "class-2"}) && left_percent(caries_m_) > LimitOf("caries_left_deep")) {
     return "caries_left_deep";
   }
   // The lower half of all walls is untouched.

@@ -68,9 +68,11 @@ void FaultMaker::MakeBox() {
     });
   }
   AddPillars();
-  // A pit of 0.6 x 0.6 mm in the floor's corner.
-  const dvec3 corner = b.centre_m + dvec3(-b.half_x_m, -b.half_y_m, -b.depth_m);
-  AddGouges(corner, corner + dvec3(0.6e-3, 0.6e-3, 0));
+  // A pit of 0.6 x 0.6 mm in the floor's corner, away from an open side.
+  constexpr double kPit_m = 0.6e-3;
+  dvec3 corner = b.centre_m + dvec3(-b.half_x_m, -b.half_y_m, -b.depth_m);
+  if (task_.open_mesial && b.mesial_x < 0) corner.x = b.centre_m.x + b.half_x_m - kPit_m;
+  AddGouges(corner, corner + dvec3(kPit_m, kPit_m, 0));
   MakeMargins();
 }
 

@@ -33,8 +33,13 @@ const std::vector<Cause>& Causes() {
        {"deviation_rms_mm", "sound_removed_mm3", "caries_left_percent"}},
       {"tilt", {"tilt_"}, {"wall_tilt_deg"}, {"deviation_rms_mm", "sound_removed_mm3"}},
       {"tilt",
-       {"undercut", "lean"},
-       {"undercut_deg", "crown_undercut_mm2", "crown_axis_deg", "convergence_mesiodistal_deg"},
+       {"undercut"},
+       {"undercut_deg", "crown_undercut_mm2", "convergence_mesiodistal_deg"},
+       {"wall_tilt_deg", "deviation_rms_mm"}},
+      // A stump that is slimmer all around, so that it can lean: nothing else is about that.
+      {"tilt",
+       {"lean"},
+       {"crown_axis_deg", "crown_undercut_mm2", "deviation_rms_mm"},
        {"deviation_rms_mm"}},
       {"floor",
        {"floor", "top_"},
@@ -82,6 +87,7 @@ struct Loss {
   double value = 0;
   const std::vector<scene::RubricPoint>* map = nullptr;
   bool gate = false;
+  std::string said_of;  // the metric whose fault it is
 };
 
 std::vector<Loss> LossesOf(const scene::Rubric& rubric, const scoring::ScoreResult& score) {
@@ -94,12 +100,18 @@ std::vector<Loss> LossesOf(const scene::Rubric& rubric, const scoring::ScoreResu
     const auto& c = score.criteria[i];
     const double earned = open > 0 ? c.points / open : c.max_points;
     before += 100 * earned / all;
-    out.push_back(
-        {c.name, 100 * (c.max_points - earned) / all, c.charged, &rubric.criteria[i].map});
+    out.push_back({c.name, 100 * (c.max_points - earned) / all, c.charged, &rubric.criteria[i].map,
+                   false, c.name});
   }
   for (size_t i = 0; i < score.gates.size(); ++i) {
     const auto& g = score.gates[i];
-    out.push_back({g.name, before * (1 - g.share), g.value, &rubric.gates[i].map, true});
+    out.push_back({g.name, before * (1 - g.share), g.value, &rubric.gates[i].map, true, g.name});
+    if (const auto behind = scoring::CriterionBehind(rubric, score, i)) {
+      const auto& c = score.criteria[*behind];
+      out.back().said_of = c.name;
+      out.back().value = c.charged;
+      out.back().map = &rubric.criteria[*behind].map;
+    }
   }
   std::ranges::stable_sort(out, std::greater(), &Loss::points);
   return out;
@@ -107,7 +119,7 @@ std::vector<Loss> LossesOf(const scene::Rubric& rubric, const scoring::ScoreResu
 
 void Say(const Loss& most, const scoring::ScoreResult& score, Judged& out) {
   const scoring::Remedy* remedy =
-      scoring::RemedyOf(*scoring::FindMetric(most.metric), most.value, *most.map);
+      scoring::RemedyOf(*scoring::FindMetric(most.said_of), most.value, *most.map);
   if (remedy == nullptr) return;
   out.said_fault = remedy->fault;
   out.said_remedy = remedy->code;
@@ -126,7 +138,8 @@ Judged JudgedOf(const Fault& fault, const scene::Rubric& given, const scoring::S
   for (const Loss& l : losses) {
     if (l.points < 0.05) break;
     char text[96];
-    std::snprintf(text, sizeof text, "%s %.1f", l.metric.c_str(), l.points);
+    std::snprintf(text, sizeof text, "%s%s %.1f", l.gate ? "gate " : "", l.metric.c_str(),
+                  l.points);
     out.lost_for.emplace_back(text);
   }
   const Cause* cause = fault.critical.empty() ? CauseOf(fault.name) : nullptr;

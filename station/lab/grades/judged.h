@@ -22,7 +22,8 @@ struct Judged {
   // Where most points were lost: codes of remedies.h, of a critical error its own. Empty where less
   // than half a point was lost.
   std::string said_fault, said_remedy;
-  std::vector<std::string> lost_for;  // "wall_mesial_mm 6.0": what cost points, the most first
+  // "wall_mesial_mm 6.0", "gate caries_left_percent 0.8": what cost points, the most first.
+  std::vector<std::string> lost_for;
 };
 
 Judged JudgedOf(const Fault& fault, const scene::Rubric& rubric, const scoring::ScoreResult& score);
