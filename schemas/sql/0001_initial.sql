@@ -566,10 +566,18 @@ CREATE TABLE motions (
   nearest_um INTEGER NOT NULL,
   median_um  INTEGER NOT NULL,
   size_um    INTEGER NOT NULL,
+  preset     BLOB CHECK (length(preset) = 16),  -- the nearest reference or simulated hand; NULL: as nearest
+  presets    INTEGER NOT NULL,
+  preset_um  INTEGER NOT NULL,
+  tremor_nm  INTEGER NOT NULL,  -- of the hand: schemas/motion.md, "Hand"
+  still_ppm  INTEGER NOT NULL,
+  late_ppm   INTEGER NOT NULL,
+  gap_ppm    INTEGER NOT NULL,
   PRIMARY KEY (tenant, attempt),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX motions_by_nearest ON motions (tenant, nearest) WHERE nearest IS NOT NULL;
+CREATE INDEX motions_by_preset ON motions (tenant, preset) WHERE preset IS NOT NULL;
 
 CREATE TABLE audit_heads (
   tenant    INTEGER NOT NULL,

@@ -334,25 +334,30 @@ class ScoreJob {
   Status FillMotion(const scoring::ProcessRecorder& process, AttemptResult& result) {
     auto motion = scoring::MotionOf(process.samples());
     if (!motion) return Status::Ok();
-    motion->hand = scoring::FiguresOf(process);
+    result.hand = scoring::FiguresOf(process);
     ENAMEL_RETURN_IF_ERROR(Put(scoring::EncodeMotion(*motion), result.motion));
     ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.motions.MotionsBefore(attempt_, kMostMotions));
-    std::vector<Uuid> whose;
-    std::vector<scoring::Motion> others;
-    auto add = [&](const Uuid& attempt, const scoring::Motion& other) {
+    // Preset paths are among all of them.
+    std::vector<Uuid> whose, whose_preset;
+    std::vector<scoring::Motion> others, presets;
+    auto add = [&](const Uuid& attempt, const scoring::Motion& other, bool preset) {
       whose.push_back(attempt);
       others.push_back(other);
+      if (!preset) return;
+      whose_preset.push_back(attempt);
+      presets.push_back(other);
     };
     // From the references' samples, which are in memory already.
     for (const Reference& reference : references_) {
       if (auto of = scoring::MotionOf(reference.cut->process.samples()))
-        add(reference.attempt, *of);
+        add(reference.attempt, *of, true);
     }
     for (const MotionRow& row : rows) {
       if (std::ranges::find(references_, row.attempt, &Reference::attempt) != references_.end()) {
         continue;
       }
-      if (auto of = cache_.MotionIn(store_.blobs, row.content); of.ok()) add(row.attempt, *of);
+      if (auto of = cache_.MotionIn(store_.blobs, row.content); of.ok())
+        add(row.attempt, *of, row.preset);
     }
     const auto near = scoring::NearnessTo(*motion, others);
     if (!near) return Status::Ok();
@@ -360,6 +365,11 @@ class ScoreJob {
     result.near = NearAttempt{whose[near->nearest], static_cast<uint32_t>(near->others),
                               um(near->nearest_m),  um(near->median_m),
                               um(near->size_m),     scoring::IsWorthALook(*near)};
+    if (const auto preset = scoring::NearnessTo(*motion, presets)) {
+      result.near->preset = whose_preset[preset->nearest];
+      result.near->presets = static_cast<uint32_t>(preset->others);
+      result.near->preset_um = um(preset->nearest_m);
+    }
     return Status::Ok();
   }
 

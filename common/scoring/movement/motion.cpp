@@ -12,12 +12,8 @@ namespace enamel::scoring {
 namespace {
 
 constexpr uint16_t kVersion = 1;
-constexpr size_t kBytes = 2 + 6 * Motion::kParts + 4 * 4;
+constexpr size_t kBytes = 2 + 6 * Motion::kParts;
 constexpr size_t kBand = Motion::kParts / 20;
-
-// In the order of the file.
-constexpr int32_t HandFigures::*kFigures[] = {&HandFigures::tremor_nm, &HandFigures::still_ppm,
-                                              &HandFigures::late_ppm, &HandFigures::gap_ppm};
 
 int16_t InUnits(double v_m) {
   constexpr double kMost = std::numeric_limits<int16_t>::max();
@@ -116,7 +112,6 @@ Bytes EncodeMotion(const Motion& motion) {
   for (const auto& at : motion.at) {
     for (int16_t v : at) out.I16(v);
   }
-  for (int32_t HandFigures::*figure : kFigures) out.I32(motion.hand.*figure);
   return out.Take();
 }
 
@@ -136,7 +131,6 @@ Result<Motion> DecodeMotion(ByteView bytes) {
   for (auto& at : out.at) {
     for (int16_t& v : at) v = in.I16();
   }
-  for (int32_t HandFigures::*figure : kFigures) out.hand.*figure = in.I32();
   return out;
 }
 

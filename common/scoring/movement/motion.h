@@ -8,7 +8,6 @@
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
-#include "common/scoring/movement/hand_figures.h"
 #include "common/scoring/movement/process.h"
 
 // How near one attempt's motion is to another's: schemas/motion.md. It finds copied motions and
@@ -21,7 +20,6 @@ struct Motion {
   static constexpr size_t kParts = 512;
   static constexpr double kUnit_m = 10e-6;
   std::array<std::array<int16_t, 3>, kParts> at{};  // of kUnit_m, scene frame, within 327 mm
-  HandFigures hand{};  // not compared by distance; the caller's to set (FiguresOf)
 
   bool operator==(const Motion&) const = default;
 };

@@ -558,10 +558,18 @@ CREATE TABLE motions (
   nearest_um BIGINT NOT NULL,
   median_um  BIGINT NOT NULL,
   size_um    BIGINT NOT NULL,
+  preset     BYTEA CHECK (length(preset) = 16),
+  presets    BIGINT NOT NULL,
+  preset_um  BIGINT NOT NULL,
+  tremor_nm  BIGINT NOT NULL,
+  still_ppm  BIGINT NOT NULL,
+  late_ppm   BIGINT NOT NULL,
+  gap_ppm    BIGINT NOT NULL,
   PRIMARY KEY (tenant, attempt),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 );
 CREATE INDEX motions_by_nearest ON motions (tenant, nearest) WHERE nearest IS NOT NULL;
+CREATE INDEX motions_by_preset ON motions (tenant, preset) WHERE preset IS NOT NULL;
 
 CREATE TABLE audit_heads (
   tenant    BIGINT NOT NULL,

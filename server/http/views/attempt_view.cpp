@@ -242,13 +242,22 @@ Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
   } else if (other.status().code() != Code::kNotFound) {
     return other.status();
   }
+  json::value preset;
+  if ((*near)->presets > 0) {
+    const auto nearest_um = static_cast<double>((*near)->preset_um);
+    const double limit_um = scoring::kNearOfSize * static_cast<double>((*near)->size_um);
+    preset = json::value{{"others", (*near)->presets},
+                         {"nearest_mm", nearest_um * kMm},
+                         {"worth_a_look", nearest_um < limit_um}};
+  }
   return json::value{{"attempt_id", std::move(attempt)},
                      {"person", std::move(person)},
                      {"others", (*near)->others},
                      {"nearest_mm", static_cast<double>((*near)->nearest_um) * kMm},
                      {"median_mm", static_cast<double>((*near)->median_um) * kMm},
                      {"size_mm", static_cast<double>((*near)->size_um) * kMm},
-                     {"worth_a_look", (*near)->worth_a_look}};
+                     {"worth_a_look", (*near)->worth_a_look},
+                     {"preset", std::move(preset)}};
 }
 
 // Where the person signed in shortly before and during the attempt. Without the network address,
@@ -267,8 +276,7 @@ Result<json::array> AttemptView::SignInsJson(const AttemptRow& row) {
   return out;
 }
 
-// How the hand moved in an exam, for reviewers, beside the other attempts of the assignment. A
-// motion that cannot be read any more is left out.
+// How the hand moved in an exam, for reviewers, beside the other attempts of the assignment.
 Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
   if (!row.exam || !row.assignment || row.sealed_ms == 0) return json::value();
   ENAMEL_ASSIGN_OR_RETURN(const bool shares, SharesCohort(row));
@@ -278,12 +286,8 @@ Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
   std::vector<scoring::HandRecord> records;
   std::optional<size_t> own;
   for (const AssignedMotion& each : rows) {
-    const auto bytes = store_.blobs.GetBlob(each.content);
-    if (!bytes.ok()) continue;
-    const auto motion = scoring::DecodeMotion(*bytes);
-    if (!motion.ok()) continue;
     if (each.attempt == row.id) own = records.size();
-    records.push_back({motion->hand, each.near_share});
+    records.push_back(each.record);
   }
   if (!own) return json::value();
   const scoring::HandFigures& hand = records[*own].hand;

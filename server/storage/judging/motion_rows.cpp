@@ -19,10 +19,16 @@ Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result) {
   const NearAttempt near = result.near.value_or(NearAttempt{});
   Query q(db,
           "INSERT INTO motions (tenant, attempt, content, nearest, others, nearest_um, median_um, "
-          "size_um) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+          "size_um, preset, presets, preset_um, tremor_nm, still_ppm, late_ppm, gap_ppm) VALUES "
+          "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)");
   q.Bind(attempt).Bind(result.motion);
   q.Bind(result.near ? std::optional(near.attempt) : std::nullopt);
   q.Bind(int64_t{near.others}).Bind(near.nearest_um).Bind(near.median_um).Bind(near.size_um);
+  q.Bind(near.presets > 0 ? std::optional(near.preset) : std::nullopt);
+  q.Bind(int64_t{near.presets}).Bind(near.preset_um);
+  const scoring::HandFigures& hand = result.hand;
+  q.Bind(int64_t{hand.tremor_nm}).Bind(int64_t{hand.still_ppm});
+  q.Bind(int64_t{hand.late_ppm}).Bind(int64_t{hand.gap_ppm});
   ENAMEL_RETURN_IF_ERROR(q.Run());
   Query flag(db,
              "UPDATE attempts SET flags = (flags - (flags & ?3)) | ?4 WHERE tenant = ?1 AND id = "
@@ -41,15 +47,17 @@ Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {
 Result<std::vector<MotionRow>> MotionRows::MotionsBefore(const Uuid& attempt, uint32_t limit) {
   return rows_.Read([&](Db& db) -> Result<std::vector<MotionRow>> {
     Query q(db,
-            "SELECT o.id, m.content FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND "
+            "SELECT o.id, m.content, CASE WHEN o.hand_kind = ?4 OR EXISTS (SELECT 1 FROM "
+            "reference_cuts r WHERE r.tenant = o.tenant AND r.exercise = o.exercise AND r.attempt "
+            "= o.id) THEN 1 ELSE 0 END FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND "
             "e.id = a.exercise JOIN exercises v ON v.tenant = e.tenant AND v.name = e.name AND "
             "v.scene = e.scene JOIN attempts o ON o.tenant = v.tenant AND o.exercise = v.id AND "
             "o.id <> a.id AND (o.sealed_ms < a.sealed_ms OR (o.sealed_ms = a.sealed_ms AND o.id < "
             "a.id)) JOIN motions m ON m.tenant = o.tenant AND m.attempt = o.id WHERE a.tenant = "
-            "?1 AND a.id = ?2 ORDER BY o.sealed_ms DESC, o.id DESC LIMIT ?3");
-    q.Bind(attempt).Bind(int64_t{limit});
+            "?1 AND a.id = ?2 ORDER BY 3 DESC, o.sealed_ms DESC, o.id DESC LIMIT ?3");
+    q.Bind(attempt).Bind(int64_t{limit}).Bind(static_cast<int64_t>(HandKind::kProgram));
     std::vector<MotionRow> out;
-    while (q.Next()) out.push_back({q.Id(0), q.Hash(1)});
+    while (q.Next()) out.push_back({q.Id(0), q.Hash(1), q.Int(2) != 0});
     if (!q.status().ok()) return q.status();
     return out;
   });
@@ -58,17 +66,18 @@ Result<std::vector<MotionRow>> MotionRows::MotionsBefore(const Uuid& attempt, ui
 Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignment,
                                                              uint32_t limit) {
   return rows_.Read([&](Db& db) -> Result<std::vector<AssignedMotion>> {
-    Query q(
-        db,
-        "SELECT a.id, m.content, m.others, m.nearest_um, m.size_um FROM attempts a JOIN motions "
-        "m ON m.tenant = a.tenant AND m.attempt = a.id WHERE a.tenant = ?1 AND a.assignment = "
-        "?2 AND a.flags & ?3 = 0 ORDER BY a.id DESC LIMIT ?4");
+    Query q(db,
+            "SELECT a.id, m.others, m.nearest_um, m.size_um, m.tremor_nm, m.still_ppm, m.late_ppm, "
+            "m.gap_ppm FROM attempts a JOIN motions m ON m.tenant = a.tenant AND m.attempt = a.id "
+            "WHERE a.tenant = ?1 AND a.assignment = "
+            "?2 AND a.flags & ?3 = 0 ORDER BY a.id DESC LIMIT ?4");
     q.Bind(assignment).Bind(int64_t{kExcused}).Bind(int64_t{limit});
     std::vector<AssignedMotion> out;
     while (q.Next()) {
-      out.push_back({q.Id(0), q.Hash(1), std::nullopt});
-      if (q.Int(2) == 0 || q.Int(4) == 0) continue;
-      out.back().near_share = static_cast<double>(q.Int(3)) / static_cast<double>(q.Int(4));
+      auto figure = [&](int column) { return static_cast<int32_t>(q.Int(column)); };
+      out.push_back({q.Id(0), {{figure(4), figure(5), figure(6), figure(7)}, std::nullopt}});
+      if (q.Int(1) == 0 || q.Int(3) == 0) continue;
+      out.back().record.near_share = static_cast<double>(q.Int(2)) / static_cast<double>(q.Int(3));
     }
     if (!q.status().ok()) return q.status();
     return out;
@@ -78,8 +87,9 @@ Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignm
 Result<std::optional<NearAttempt>> MotionRows::NearestTo(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::optional<NearAttempt>> {
     Query q(db,
-            "SELECT m.nearest, m.others, m.nearest_um, m.median_um, m.size_um, a.flags FROM "
-            "motions m JOIN attempts a ON a.tenant = m.tenant AND a.id = m.attempt WHERE m.tenant "
+            "SELECT m.nearest, m.others, m.nearest_um, m.median_um, m.size_um, a.flags, m.preset, "
+            "m.presets, m.preset_um FROM motions m JOIN attempts a ON a.tenant = m.tenant AND a.id "
+            "= m.attempt WHERE m.tenant "
             "= ?1 AND m.attempt = ?2 AND m.others > 0");
     std::optional<NearAttempt> out;
     if (q.Bind(attempt).Next()) {
@@ -90,6 +100,9 @@ Result<std::optional<NearAttempt>> MotionRows::NearestTo(const Uuid& attempt) {
       out->median_um = q.Int(3);
       out->size_um = q.Int(4);
       out->worth_a_look = (q.Int(5) & kNearAnother) != 0;
+      if (!q.IsNull(6)) out->preset = q.Id(6);
+      out->presets = static_cast<uint32_t>(q.Int(7));
+      out->preset_um = q.Int(8);
     }
     if (!q.status().ok()) return q.status();
     return out;

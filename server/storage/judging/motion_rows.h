@@ -8,6 +8,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "common/scoring/movement/hand_figures.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/transactions.h"
 
@@ -17,6 +18,7 @@ namespace enamel::server {
 struct MotionRow {
   Uuid attempt;
   Sha256 content;
+  bool preset = false;  // a reference cut, or the work of a simulated hand
 };
 
 // Where an attempt's motion lies among those before it (scoring::Nearness).
@@ -25,16 +27,19 @@ struct NearAttempt {
   uint32_t others = 0;
   int64_t nearest_um = 0, median_um = 0, size_um = 0;
   bool worth_a_look = false;  // kNearAnother
+  // The nearest of those that are preset paths: reference cuts and simulated hands. Zero: there was
+  // none before it, or it is erased.
+  Uuid preset;
+  uint32_t presets = 0;
+  int64_t preset_um = 0;
 
   bool operator==(const NearAttempt&) const = default;
 };
 
-// A motion under an assignment. `near_share`: how far the nearest earlier motion was, over this
-// one's size; none: there was none before it.
+// A motion under an assignment: what is compared between its attempts.
 struct AssignedMotion {
   Uuid attempt;
-  Sha256 content;
-  std::optional<double> near_share;
+  scoring::HandRecord record;
 };
 
 struct AttemptResult;  // result_rows.h
@@ -45,7 +50,7 @@ class MotionRows {
   explicit MotionRows(Transactions& rows) : rows_(rows) {}
 
   // The motions at the same exercise, any version of it on the same scene, that were sealed before
-  // this attempt's; the newest `limit`. Anybody's.
+  // this attempt's; the newest `limit`, preset paths first. Anybody's.
   Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit);
   // Of the assignment's attempts that are not excused; the newest `limit`.
   Result<std::vector<AssignedMotion>> MotionsUnder(const Uuid& assignment, uint32_t limit);

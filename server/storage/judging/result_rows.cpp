@@ -187,11 +187,11 @@ Result<std::string> ScoredJson(Db& db, const Uuid& attempt, const Sha256& score_
   }
   // Not which attempt is the nearest: that one may be erased with its person.
   Query q(db,
-          "SELECT content, others, nearest_um, median_um, size_um FROM motions WHERE tenant = ?1 "
-          "AND attempt = ?2");
+          "SELECT content, others, nearest_um, median_um, size_um, presets, preset_um, tremor_nm, "
+          "still_ppm, late_ppm, gap_ppm FROM motions WHERE tenant = ?1 AND attempt = ?2");
   if (q.Bind(attempt).Next()) {
     motion = q.Hash(0).Hex();
-    for (int i = 1; i < 5; ++i) motion += " " + std::to_string(q.Int(i));
+    for (int i = 1; i < 11; ++i) motion += " " + std::to_string(q.Int(i));
   }
   ENAMEL_RETURN_IF_ERROR(q.status());
   return JsonOf({{"score_json", score_json.Hex()},

@@ -34,6 +34,7 @@ struct AttemptResult {
   // The motion and its nearest neighbour: input of FinishAttempt, which sets or clears
   // kNearAnother, and not returned again (NearestTo). Zero: not measured; earlier findings stay.
   Sha256 motion{};
+  scoring::HandFigures hand{};        // with the motion
   std::optional<NearAttempt> near{};  // none: there was none before it
 };
 

@@ -35,6 +35,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :
          {"UPDATE motions SET nearest = NULL WHERE tenant = ?1 AND nearest = ?2",
+          "UPDATE motions SET preset = NULL WHERE tenant = ?1 AND preset = ?2",
           "UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "UPDATE attempt_results SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "DELETE FROM reference_cuts WHERE tenant = ?1 AND attempt = ?2",

@@ -10,6 +10,7 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/scoring/movement/hand_figures.h"
 #include "common/scoring/movement/motion.h"
 #include "common/scoring/movement/smoothness.h"
 #include "station/devices/operators.h"

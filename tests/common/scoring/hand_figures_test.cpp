@@ -4,8 +4,6 @@
 
 #include <vector>
 
-#include "common/scoring/movement/motion.h"
-
 namespace enamel::scoring {
 namespace {
 
@@ -56,15 +54,6 @@ TEST(HandFiguresTest, OnlyAMeasuredTremorIsTooCalm) {
   EXPECT_TRUE(IsTooCalm(Of(0.9 * kLeastTremor_um, 0).hand));
   EXPECT_FALSE(IsTooCalm(Of(1.1 * kLeastTremor_um, 0).hand));
   EXPECT_FALSE(IsTooCalm({}));
-}
-
-TEST(HandFiguresTest, AreKeptBesideTheMotion) {
-  Motion motion;
-  motion.at[7] = {1, -2, 3};
-  motion.hand = {12'345, 300'000, 20, 7};
-  const auto read = DecodeMotion(EncodeMotion(motion));
-  ASSERT_TRUE(read.ok()) << read.status().message();
-  EXPECT_EQ(*read, motion);
 }
 
 }  // namespace

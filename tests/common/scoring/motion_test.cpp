@@ -84,6 +84,18 @@ TEST(MotionTest, ACopyWithNoiseIsNear) {
   }
 }
 
+// A preset path is compared with alone: no class says how far others are.
+TEST(MotionTest, AReplayedReferenceWithJitterIsWorthALookAndAnotherHandIsNot) {
+  const Motion reference[] = {Of({1})};
+  for (double um : {10.0, 50.0, 100.0}) {
+    EXPECT_TRUE(IsWorthALook(*NearnessTo(Of({1, um * 1e-6}), reference))) << um;
+  }
+  EXPECT_FALSE(IsWorthALook(*NearnessTo(Of({1, 200e-6}), reference))) << "found among others only";
+  for (uint64_t seed = 10; seed < 40; ++seed) {
+    EXPECT_FALSE(IsWorthALook(*NearnessTo(Of({seed}), reference))) << seed;
+  }
+}
+
 TEST(MotionTest, ACopyThatWaitsFirstIsTheSame) {
   const Nearness late = Beside({1, 0, 17});
   EXPECT_EQ(late.nearest, 4u);

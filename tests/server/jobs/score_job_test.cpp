@@ -10,11 +10,12 @@
 
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
-#include "common/scoring/movement/motion.h"
 #include "common/scoring/score.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
 #include "server/results/result_document.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/jobs/job_school.h"
 
 namespace enamel::server {
@@ -132,6 +133,8 @@ TEST_F(ScoreJobTest, ACopiedMotionIsFlaggedWithWhatItIsNearAndCostsNothing) {
   ASSERT_TRUE(near_reference);
   EXPECT_EQ(near_reference->attempt, reference);
   EXPECT_EQ(near_reference->nearest_um, 0);
+  EXPECT_EQ(near_reference->preset, reference) << "a preset path";
+  EXPECT_EQ(near_reference->preset_um, 0);
   EXPECT_TRUE(near_reference->worth_a_look);
 
   // Another hand goes out farther; the copy is as far out, and faster.
@@ -156,14 +159,22 @@ TEST_F(ScoreJobTest, ACopiedMotionIsFlaggedWithWhatItIsNearAndCostsNothing) {
 TEST_F(ScoreJobTest, FiguresOfTheHandAreKeptWithItsMotion) {
   school_ = std::make_unique<JobSchool>();
   school_->RecordReference({.pace = kCalm});
-  const Uuid first = Scored({.pace = kCalm}), second = Scored({.pace = kCalm});
-  const auto rows = *school_->store->motions.MotionsBefore(second, 10);
-  const auto row = std::ranges::find(rows, first, &MotionRow::attempt);
-  ASSERT_NE(row, rows.end());
-  const auto motion = scoring::DecodeMotion(school_->Blob(row->content));
-  ASSERT_TRUE(motion.ok()) << motion.status().message();
-  EXPECT_NE(motion->hand.tremor_nm, scoring::HandFigures::kNoTremor);
-  EXPECT_TRUE(scoring::IsTooCalm(motion->hand)) << motion->hand.tremor_nm << " nm along a plan";
+  const Uuid assignment = Uuid::New(), attempt = Scored({.pace = kCalm});
+  ASSERT_TRUE(school_->store->engine->rows
+                  .Write([&](sql::Db& db) {
+                    return Query(db,
+                                 "UPDATE attempts SET assignment = ?3 WHERE tenant = ?1 AND id = "
+                                 "?2")
+                        .Bind(attempt)
+                        .Bind(assignment)
+                        .Run();
+                  })
+                  .ok());
+  const auto rows = *school_->store->motions.MotionsUnder(assignment, 10);
+  ASSERT_EQ(rows.size(), 1u);
+  const scoring::HandFigures& hand = rows[0].record.hand;
+  EXPECT_NE(hand.tremor_nm, scoring::HandFigures::kNoTremor);
+  EXPECT_TRUE(scoring::IsTooCalm(hand)) << hand.tremor_nm << " nm along a plan";
 }
 
 TEST_F(ScoreJobTest, AReferenceWhoseMotionIsNotKeptIsComparedWithAllTheSame) {

@@ -1,3 +1,5 @@
+#include "server/storage/engine/query.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
@@ -9,6 +11,8 @@ namespace {
 using namespace testing;
 
 constexpr UnixMs kFortyDays = 40ll * 24 * 60 * 60 * 1000;
+
+constexpr scoring::HandFigures kCalm = {1'500, 250'000, 30, 40};
 
 class MotionStoreTest : public StoreSuite {
  protected:
@@ -22,6 +26,7 @@ class MotionStoreTest : public StoreSuite {
     auto result = *store_->results.ResultOf(attempt);
     result.motion = Content(attempt);
     result.near = near;
+    result.hand = kCalm;
     ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
   }
   Sha256 Content(const Uuid& attempt) {
@@ -96,11 +101,40 @@ TEST_P(MotionStoreTest, MotionsUnderAnAssignmentAreItsOwnAndNotTheExcused) {
   const auto rows = *store_->motions.MotionsUnder(assignment, 10);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].attempt, near) << "the newest first";
-  EXPECT_EQ(rows[0].content, Content(near));
-  EXPECT_EQ(rows[0].near_share, 12.0 / 1400);
+  EXPECT_EQ(rows[0].record.hand, kCalm);
+  EXPECT_EQ(rows[0].record.near_share, 12.0 / 1400);
   EXPECT_EQ(rows[1].attempt, first);
-  EXPECT_FALSE(rows[1].near_share) << "there was none before it";
+  EXPECT_FALSE(rows[1].record.near_share) << "there was none before it";
   EXPECT_EQ(store_->motions.MotionsUnder(assignment, 1)->size(), 1u);
+}
+
+// A reference cut and a simulated hand's work, before newer ones of people.
+TEST_P(MotionStoreTest, PresetPathsComeFirstAndAreNamed) {
+  const Uuid program = Moved(), person = Moved(), last = Moved();
+  auto hand = [&](const Uuid& attempt, HandKind kind) {
+    ASSERT_TRUE(store_->engine->rows
+                    .Write([&](sql::Db& db) {
+                      return Query(db,
+                                   "UPDATE attempts SET hand_kind = ?3 WHERE tenant = ?1 AND id "
+                                   "= ?2")
+                          .Bind(attempt)
+                          .Bind(static_cast<int64_t>(kind))
+                          .Run();
+                    })
+                    .ok());
+  };
+  hand(program, HandKind::kProgram);
+  hand(person, HandKind::kHaptic);
+  EXPECT_EQ(Before(last), (std::vector{program, person}));
+  EXPECT_EQ(Before(last, 1), std::vector{program});
+  const auto rows = *store_->motions.MotionsBefore(last, 10);
+  EXPECT_TRUE(rows[0].preset);
+  EXPECT_FALSE(rows[1].preset);
+
+  NearAttempt near = Near(person, false);
+  near.preset = program, near.presets = 1, near.preset_um = 40;
+  Finish(last, near);
+  EXPECT_EQ(*store_->motions.NearestTo(last), near);
 }
 
 TEST_P(MotionStoreTest, ItGoesWithTheRecording) {

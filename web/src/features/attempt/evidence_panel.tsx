@@ -53,6 +53,7 @@ function Hand({ attempt, evidence }: Props) {
     [say("evidence.late"), formatQuantity(evidence.late_percent, "%")],
     [say("evidence.gaps"), formatQuantity(evidence.gap_percent, "%")],
     [say("evidence.nearest"), near === null ? say("evidence.no_other") : formatQuantity(near.nearest_mm, "mm")],
+    [say("evidence.preset"), near?.preset ? formatQuantity(near.preset.nearest_mm, "mm") : say("common.none_there")],
     [say("evidence.unit"), attempt.hand.unit === "" ? say("evidence.no_unit") : attempt.hand.unit],
   ];
   return (
