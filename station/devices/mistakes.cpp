@@ -59,6 +59,11 @@ SideErrors Scaled(const SideErrors& errors, double by) {
           errors.floor_m * by};
 }
 
+double LackAt(int rank) {
+  constexpr double kKept = 0.75;
+  return rank > 0 && rank < kFullSkill ? std::pow(kKept, rank - 1) : 0;
+}
+
 Mistakes MistakesOf(double lack, uint64_t seed) {
   Mistakes out;
   if (!(lack > 0)) return out;

@@ -9,8 +9,13 @@
 
 // How a simulated person of less than full skill errs. Pure functions, any thread.
 //
-// The lack of skill L, 0 to 1, is a spread of five things and a number of mistakes. u is a number
-// from -1 to 1, evenly distributed; each u below is a draw of its own, from the seed alone:
+// The lack of skill L of a rank r from 1 to 7 is 0.75^(r - 1); rank 8 lacks none. Each step of
+// practice takes the same share of what is left to learn (Heathcote, Brown and Mewhort 2000, "The
+// power law repealed": an exponential function fits single learners better than a power in 40 sets
+// of data). Luck is a factor of L as well, so it blurs all steps alike.
+//
+// L is a spread of five things and a number of mistakes. u is a number from -1 to 1, evenly
+// distributed; each u below is a draw of its own, from the seed alone:
 //   aim and depth  each wall and the floor is off by L 0.24 mm (1 + |u|), in the direction of u
 //   angle          the bur leans to buccal or lingual by L 2 degrees u
 //   pace           feeds are 1 + 0.4 L u times a calm person's, the push 1 + 0.4 L u times
@@ -27,10 +32,10 @@
 // So nobody who errs is ever without an error, and no error is more than twice another of the same
 // kind and skill: an attempt tells skill. A person's own attempts differ more than that.
 //
-// Sources: the figures are chosen. 0.1 mm is what an eye just sees at the length of an arm
-// (common/scene/builtin/rubrics.cpp), 0.4 mm what nobody overlooks. The bur leans across the row
-// of teeth: along it the neighbours guide the hand. No published spread of such errors by skill is
-// used.
+// Sources: the figures are chosen. Rank 7 is 0.04 to 0.09 mm off, rank 1 0.24 to 0.68. 0.1 mm is
+// what an eye just sees at the length of an arm (common/scene/builtin/rubrics.cpp), 0.4 mm what
+// nobody overlooks. The bur leans across the row of teeth: along it the neighbours guide the hand.
+// No published spread of such errors by skill is used.
 namespace enamel::station {
 
 // How far beyond the target each side is cut; negative: how much is left.
@@ -54,6 +59,10 @@ struct Mistakes {
   // Which of the steps that can change places is done last, 0 to 1; none: all in order.
   std::optional<double> done_last;
 };
+// The highest rank.
+inline constexpr int kFullSkill = 8;
+// 0 for kFullSkill, and for 0: a hand without a rank.
+double LackAt(int rank);
 // `lack` 0: no mistakes. The same arguments, the same bits.
 Mistakes MistakesOf(double lack, uint64_t seed);
 

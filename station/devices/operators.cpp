@@ -32,49 +32,42 @@ constexpr OperatorPreset kPresets[] = {
      .rank = 7,
      .seed = 2,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 0.18},
+     .offered = false},
     {.name = "student",
-     .summary = "errs as a good student does: a little off everywhere, and two mistakes",
+     .summary = "errs as a good student does: a little off everywhere, and one mistake",
      .rank = 6,
      .seed = 7,
-     .speed_ratio = 0.85,
-     .lack = 0.34},
+     .speed_ratio = 0.85},
     {.name = "fourth-year",
      .summary = "errs more than the student",
      .rank = 5,
      .seed = 3,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 0.46},
+     .offered = false},
     {.name = "third-year",
      .summary = "errs more than the fourth-year student",
      .rank = 4,
      .seed = 4,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 0.58},
+     .offered = false},
     {.name = "second-year",
-     .summary = "makes three mistakes, each one large",
+     .summary = "errs more than the third-year student",
      .rank = 3,
      .seed = 5,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 0.72},
+     .offered = false},
     {.name = "first-year",
-     .summary = "errs more than the second-year student",
+     .summary = "makes three mistakes, each one large",
      .rank = 2,
      .seed = 6,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 0.86},
+     .offered = false},
     {.name = "untrained",
      .summary = "makes four mistakes, each as large as they come",
      .rank = 1,
      .seed = 8,
      .speed_ratio = 0.85,
-     .offered = false,
-     .lack = 1},
+     .offered = false},
     {"student-deep-mesial",
      "a good hand whose one fault is that it cuts the mesial wall 0.3 mm too far", 0, 7, 0.85,
      0.5e-3, 1.8, true, Extra{.mesial_m = 0.3e-3}},
@@ -380,7 +373,7 @@ Result<std::vector<Move>> PlanAsFits(const scene::Preparation& shape, const Oper
   for (double share = 1;; share *= 0.5) {
     const Extra sides = Sum(wrong, Scaled(errs, share < kLeast ? 0 : share));
     auto plan = PlanTarget(shape, preset, sides, mesial_x, exercise, top_m, volume);
-    if (plan.ok() || share < kLeast || preset.lack == 0) return plan;
+    if (plan.ok() || share < kLeast || LackAt(preset.rank) == 0) return plan;
   }
 }
 
@@ -483,10 +476,11 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
   const int mesial_x = scene::MesialX(scene.tooth);
   const uint64_t used_seed = seed != 0 ? seed : described.seed;
   const Bounds extent = ExtentOf(exercise.target, landmark);
-  Mistakes mistakes = MistakesOf(described.lack, used_seed);
+  const double lack = LackAt(described.rank);
+  Mistakes mistakes = MistakesOf(lack, used_seed);
   const double floor = landmark.z - exercise.target.depth_um * 1e-6;
   // A stump's walls are cut away from the neighbours.
-  if (described.lack > 0 && shape.parts[0].outline != scene::PreparationPart::Outline::kStump) {
+  if (lack > 0 && shape.parts[0].outline != scene::PreparationPart::Outline::kStump) {
     auto beside = [&](int side) {
       return NeighbourBeside(extent, side, floor, landmark.z, volume);
     };

@@ -19,7 +19,8 @@ struct OperatorPreset {
   std::string_view name;  // as on the command line
   std::string_view summary;
   // Of skill: the better cutter has the higher, and no two the same. Scores are tested against it.
-  // 0: a hand made for one fault, which has no place among the others.
+  // He errs as devices/mistakes.h says. 0: a hand made for one fault, which has no place among the
+  // others.
   int rank = 0;
   uint64_t seed;  // of the tremor and of the mistakes
   double speed_ratio = 1;
@@ -38,8 +39,6 @@ struct OperatorPreset {
   // The bur's upper end leans to buccal; at a stump to its steeper side, and farther than the wall.
   double askew_deg = 0;
   bool nicks_neighbour = false;
-  // Lack of skill, 0 to 1: he errs as devices/mistakes.h says.
-  double lack = 0;
   // The tissue a tooth needs for his fault to apply; air: none.
   cutting::Tissue needs = cutting::Tissue::kAir;
 };

@@ -30,6 +30,14 @@ TEST(MistakesTest, AFullySkilledHandMakesNone) {
   }
 }
 
+TEST(MistakesTest, EachRankLacksAQuarterLessThanTheOneBelow) {
+  EXPECT_EQ(LackAt(1), 1);
+  for (int rank = 2; rank < kFullSkill; ++rank)
+    EXPECT_NEAR(LackAt(rank), 0.75 * LackAt(rank - 1), 1e-12) << rank;
+  EXPECT_EQ(LackAt(kFullSkill), 0);
+  EXPECT_EQ(LackAt(0), 0) << "a hand made for one fault makes no other";
+}
+
 TEST(MistakesTest, TheSameSeedDrawsTheSameBits) {
   const Mistakes m = MistakesOf(0.5, 101), again = MistakesOf(0.5, 101), other = MistakesOf(0.5, 7);
   EXPECT_EQ(m.sides.mesial_m, again.sides.mesial_m);
