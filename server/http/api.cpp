@@ -249,7 +249,7 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (!match.route) co_return NoSuchRoute(request, match);
   Call call{request,  authenticator_,       nullptr,       {},       {},           &monitoring_,
             live_,    station_fingerprint_, station_port_, &*apart_, first_admin_, stations_,
-            &*teeth_, &*backups_,           &*trials_,       draining_,    &bodies_};
+            &*teeth_, &*backups_,           &*trials_,     &cuts_,   draining_,    &bodies_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

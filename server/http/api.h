@@ -99,6 +99,7 @@ class Api : public std::enable_shared_from_this<Api> {
   RequestPlaces places_;
   SharedBodies bodies_;
   UnsentBytes unsent_{kMostUnsentBytes};
+  LiveCuts cuts_;
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};
   Histogram reads_;

@@ -152,6 +152,7 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, Given<&GetSeries>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/ticks", Need::kPerson, Given<&GetTicks>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/live", Need::kInstructor, Given<&GetLive>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/live-cut", Need::kInstructor, Given<&GetLiveCut>()},
     Route{Method::kGet, "/api/v1/live/{id}/remarks", Need::kInstructor, Given<&ListLiveRemarks>()},
     Route{Method::kPost, "/api/v1/live/{id}/remarks", Need::kInstructor, Given<&SendLiveRemark>()},
     Route{Method::kPost, "/api/v1/attempts/{id}/release", Need::kInstructor,

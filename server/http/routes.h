@@ -18,6 +18,7 @@
 #include "server/jobs/exercise_trial.h"
 #include "server/jobs/tooth_import.h"
 #include "server/live/live_board.h"
+#include "server/live/live_cuts.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
@@ -63,6 +64,7 @@ struct Call {
   ToothImport* teeth = nullptr;             // always set
   BackupRun* backups = nullptr;             // always set
   ExerciseTrials* trials = nullptr;         // always set
+  LiveCuts* cuts = nullptr;                 // always set
   bool draining = false;                    // about to stop: others shall be asked
   SharedBodies* bodies = nullptr;           // always set
 };

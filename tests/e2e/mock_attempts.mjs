@@ -261,6 +261,13 @@ function live({ row, world }) {
   return row.state === "recording" ? new Reply(undefined, { stream }) : conflict("The attempt is not being made.");
 }
 
+// A box that is half a millimetre deeper at each look.
+function liveCut({ row, query: { from = 0 } }) {
+  if (row.state !== "recording") return conflict("The attempt is not being made.");
+  const columns = Array.from({ length: 80 }, (_, i) => [(i % 10) - 5, Math.floor(i / 10) - 4, -500 - 500 * from]);
+  return { chunks: Math.min(from + 1, 6), cell_um: 250, columns: from < 6 ? columns : [] };
+}
+
 // The chair shows a remark from the second time that the page asks; `row.chair` overrides the state
 // of its station.
 function liveRemarks({ row: { said = [], chair = { connected: true, shows_remarks: true } } }) {
@@ -297,6 +304,7 @@ export const attemptRules = {
   "GET /start-teeth/{name}": (call) => bytesOf(call, playbackOf().start, true),
   "GET /attempts/{id}/results": scored(runs),
   "GET /attempts/{id}/live": live,
+  "GET /attempts/{id}/live-cut": liveCut,
   "GET /live/{id}/remarks": liveRemarks,
   "POST /live/{id}/remarks": sayLive,
   "POST /attempts/{id}/annotations": (call) => ({

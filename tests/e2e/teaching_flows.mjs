@@ -22,10 +22,15 @@ export const teachingFlows = [
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early shows how far it came", run: stoppedEarly },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
+  ...(process.env.ENAMEL_FULL
+    ? [{ name: "forty stations on one screen take at most a megabit a second", run: fortyLive }]
+    : []),
   { name: "a reference is withdrawn", run: withdrawReference },
   { name: "a student sees how the criteria come on and what to work at next", run: progress },
   { name: "a student's result prints as a document", run: print },
 ];
+
+const kWallSeconds = 20;
 
 const kDocument = { ...golden("scene_exercise_gates"), name: "class-1-new", title: "A new cavity" };
 
@@ -360,9 +365,14 @@ async function live(world) {
     .getByRole("img", { name: /^Tool from above: .*of the crown’s middle$/ })
     .nth(2)
     .waitFor();
+  await page
+    .getByText(/^Cut so far: up to [\d.]+\smm deep$/)
+    .nth(2)
+    .waitFor();
   await world.picture(page, "live", { fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
+  await page.getByText(/^Cut so far: up to [1-9][\d.]*\smm deep$/).waitFor();
   await eventually(async () =>
     assert.match(
       await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"),
@@ -383,6 +393,38 @@ async function live(world) {
   await chair.getByText(/software is too old to show remarks/).waitFor();
   Object.assign(world.mock.attempts[0], { state: "sealed", sealed_ms: Date.now() });
   await page.getByText("This attempt is finished").waitFor();
+}
+
+async function fortyLive(world) {
+  const made = world.mock.attempts.filter(({ state }) => state === "recording");
+  for (let i = made.length; i < 40; ++i) {
+    const like = made[i % made.length];
+    world.mock.attempts.push({ ...like, id: id(7000 + i), station: { ...like.station, name: `Station ${i + 1}` } });
+  }
+  const page = await signedIn(world, "instructor", "/live");
+  await eventually(async () => assert.equal(await page.locator(".live-card").count(), 40));
+  // Every one had its turn.
+  const cut = page.getByText(/^Cut so far: /);
+  await cut.nth(39).waitFor({ timeout: 180_000 });
+  const session = await page.context().newCDPSession(page);
+  let bytes = 0;
+  session.on("Network.dataReceived", ({ dataLength, encodedDataLength }) => {
+    bytes += encodedDataLength || dataLength;
+  });
+  session.on("Network.responseReceived", ({ response }) => {
+    bytes += response.encodedDataLength;
+  });
+  await session.send("Network.enable");
+  // Of the page's thread alone: other programs take none of it.
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const script = async () =>
+    (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "ScriptDuration").value;
+  const before = await script();
+  await page.waitForTimeout(1000 * kWallSeconds);
+  const kbit = (8 * bytes) / 1000 / kWallSeconds;
+  const share = (100 * ((await script()) - before)) / kWallSeconds;
+  console.log(`forty stations: ${kbit.toFixed(0)} kbit/s, script ${share.toFixed(1)} % of a core`);
+  assert.ok(kbit <= 1000, `${kbit} kbit/s`);
 }
 
 async function withdrawReference(world) {

@@ -107,6 +107,7 @@ Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timel
 Response GetSeries(const Call& call, Store& store);
 Response GetTicks(const Call& call, Store& store);
 Response GetLive(const Call& call, Store& store);
+Response GetLiveCut(const Call& call, Store& store);
 Response ListLiveRemarks(const Call& call, Store& store);
 Response SendLiveRemark(const Call& call, Store& store);
 Response ReleaseAttempt(const Call& call, Store& store);

@@ -8,8 +8,9 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
+#include "server/http/query.h"
 
-// Remarks to the chair of an attempt in progress.
+// What was said to the chair of an attempt in progress, and where it has cut.
 namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
@@ -44,13 +45,12 @@ bool MaySpeak(const Call& call, const SeenAttempt& seen) {
   return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.shares_cohort);
 }
 
-Status MustBeMade(const AttemptRow& row) {
+Status MustBeMade(const AttemptRow& row, const char* instead) {
   if (row.state == AttemptState::kTicketed || row.state == AttemptState::kRecording) {
     return Status::Ok();
   }
   return Status(Code::kConflict, std::string("this attempt is not being made now, it is ") +
-                                     AttemptStateName(row.state) +
-                                     "; write a remark on the attempt instead");
+                                     AttemptStateName(row.state) + "; " + instead);
 }
 
 Status MustShow(const StationBoard& stations, const Uuid& station) {
@@ -82,7 +82,7 @@ Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& giv
                   "this is an exam: only instructors of this person's cohort can do this");
   }
   ENAMEL_ASSIGN_OR_RETURN(const std::string text, protocol::CheckedRemark(given));
-  ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row));
+  ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row, "write a remark on the attempt instead"));
   ENAMEL_RETURN_IF_ERROR(MustShow(*call.stations, seen.row.station));
   RemarkBoard& board = call.stations->remarks();
   ENAMEL_RETURN_IF_ERROR(board.Admit(call.id, enamel::UnixMs()));
@@ -133,6 +133,24 @@ Response SendLiveRemark(const Call& call, Store& store) {
   Result<ChairRemark> sent = Speak(call, store, text);
   if (!sent.ok()) return ErrorResponse(sent.status());
   return JsonResponse(SentJson(*sent), 201);
+}
+
+Response GetLiveCut(const Call& call, Store& store) {
+  Result<uint64_t> from = QueryOffset(call.request, "from");
+  if (!from.ok()) return ErrorResponse(from.status());
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (Status made = MustBeMade(seen->row, "look at the attempt instead"); !made.ok())
+    return ErrorResponse(made);
+  const auto first = static_cast<uint32_t>(std::min<uint64_t>(*from, UINT32_MAX));
+  Result<LiveCuts::Cut> cut = call.cuts->Get(store.recordings, call.id, first);
+  if (!cut.ok()) return ErrorResponse(cut.status());
+  json::array columns;
+  for (const CutColumns::Column& column : cut->columns)
+    columns.push_back(json::array{column.x, column.y, column.lowest_um});
+  return JsonResponse({{"chunks", cut->chunks},
+                       {"cell_um", CutColumns::kCell_um},
+                       {"columns", std::move(columns)}});
 }
 
 }  // namespace enamel::server::http

@@ -196,6 +196,7 @@ const Line kLines[] = {
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/ticks",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/live",          "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/live-cut",      "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/live/{id}/remarks",           "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/live/{id}/remarks",          "recording",      R"({"text":"t"})",                     "401 403 403 403 201 404 201 201 401 403"},
     {"POST /api/v1/attempts/{id}/release",      "attempt",        "",                                    "401 403 403 403 204 404 204 204 401 403"},

@@ -82,6 +82,7 @@ export type Ticks = Schemas["Ticks"];
 export type AuditEntry = Schemas["AuditEntry"];
 export type LiveEvent = Schemas["LiveEvent"];
 export type LiveRemark = Schemas["LiveRemark"];
+export type LiveCut = Schemas["LiveCut"];
 export type LiveRemarks = Schemas["LiveRemarks"];
 export type ErrorCode = Schemas["Error"]["error"]["code"];
 

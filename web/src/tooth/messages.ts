@@ -32,6 +32,7 @@ export interface Plane {
 // A tooth seen straight along an axis of its scene (tooth_plan.ts).
 export interface ToothPlan {
   readonly shade: Uint8Array; // rows from the top; 0: no tooth there, else how bright
+  readonly frontMm: Float32Array; // how far towards the eye its surface is; -Infinity: no tooth there
   readonly width: number;
   readonly height: number;
   readonly cellMm: number;

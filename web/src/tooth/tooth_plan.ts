@@ -30,7 +30,7 @@ export function toothPlan({ positionMm, normal, triangle }: Surface, { right, up
   const height = Math.floor(tall / cellMm) + 1;
   const bottom = high[1] - tall;
   const shade = new Uint8Array(width * height);
-  const depth = new Float32Array(width * height).fill(-Infinity);
+  const frontMm = new Float32Array(width * height).fill(-Infinity);
   const light = (vertex: number) => {
     const along = axes.reduce((sum, axis, i) => sum + normal[4 * vertex + axis]! * signs[i]! * kLight[i]!, 0) / 127;
     return kDarkest + (255 - kDarkest) * Math.max(0, along);
@@ -44,12 +44,12 @@ export function toothPlan({ positionMm, normal, triangle }: Surface, { right, up
     fill(corners.map(inCells) as unknown as readonly [Triple, Triple, Triple], (x, y, z, [u, v, w]) => {
       if (x < 0 || x >= width || y < 0 || y >= height) return;
       const cell = (height - 1 - y) * width + x;
-      if (z <= depth[cell]!) return;
-      depth[cell] = z;
+      if (z <= frontMm[cell]!) return;
+      frontMm[cell] = z;
       shade[cell] = Math.max(1, Math.round(u * light(corners[0]) + v * light(corners[1]) + w * light(corners[2])));
     });
   }
-  return { shade, width, height, cellMm, lowMm: [low[0], bottom] };
+  return { shade, frontMm, width, height, cellMm, lowMm: [low[0], bottom] };
 }
 
 function extentOf(at: (vertex: number) => Triple, count: number) {

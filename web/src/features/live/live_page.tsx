@@ -1,3 +1,4 @@
+import { useMemo } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
@@ -12,8 +13,10 @@ import type { ToothPlan } from "../../tooth/messages";
 import { Badge, Bar, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { ForceStrip } from "./force_strip";
 import { liveTime, recentFaults } from "./live_time";
-import { kFromAbove, ToolView, workpieceOf } from "./tool_view";
+import type { Cut } from "./cut";
+import { cutText, kFromAbove, ToolView, workpieceOf } from "./tool_view";
 import { emptyTrack, kDefaultRateHz, type Track } from "./track";
+import { useCuts } from "./use_cuts";
 import { usePlans } from "./use_plans";
 import { useTracks } from "./use_tracks";
 
@@ -36,6 +39,10 @@ export function LivePage({ client }: { readonly client: Client }) {
     })),
     reload,
   );
+  const cuts = useCuts(
+    client,
+    attempts.map(({ id }) => id),
+  );
   return (
     <>
       <PageTitle document={say("nav.live")}>{say("nav.live")}</PageTitle>
@@ -55,6 +62,7 @@ export function LivePage({ client }: { readonly client: Client }) {
                   exercise={exercises.get(attempt.exercise.id)}
                   plan={plans.get(attempt.exercise.id)?.above}
                   track={tracks.get(attempt.id) ?? emptyTrack}
+                  cut={cuts.get(attempt.id)}
                 />
               </li>
             ))}
@@ -81,17 +89,24 @@ function useExercises(client: Client, attempts: readonly Attempt[]): ReadonlyMap
 
 const kNone: ReadonlyMap<string, Exercise> = new Map();
 
-function LiveCard({
-  attempt,
-  exercise,
-  plan,
-  track,
-}: {
+interface CardProps {
   readonly attempt: Attempt;
   readonly exercise: Exercise | undefined;
   readonly plan: ToothPlan | undefined;
   readonly track: Track;
-}) {
+  readonly cut: Cut | undefined;
+}
+
+// Of forty cards a few change at a time: the others stay as they are.
+function LiveCard({ attempt, exercise, plan, track, cut }: CardProps) {
+  return useMemo(
+    () => <CardNow attempt={attempt} exercise={exercise} plan={plan} track={track} cut={cut} />,
+    [attempt, exercise, plan, track, cut],
+  );
+}
+
+function CardNow({ attempt, exercise, plan, track, cut }: CardProps) {
+  const workpiece = workpieceOf(exercise, plan, attempt, cut);
   const rateHz = exercise?.rate_hz ?? kDefaultRateHz;
   const time = liveTime(
     Math.max(attempt.ticks + attempt.gap_ticks, track.rows.at(-1)?.tick ?? 0),
@@ -125,15 +140,11 @@ function LiveCard({
       ) : (
         <>
           <div class="live-pictures">
-            <ToolView
-              rows={track.rows}
-              rateHz={rateHz}
-              plane={kFromAbove}
-              workpiece={workpieceOf(exercise, plan, attempt)}
-            />
+            <ToolView rows={track.rows} rateHz={rateHz} plane={kFromAbove} workpiece={workpiece} />
             <ForceStrip rows={track.rows} rateHz={rateHz} />
           </div>
           <ForceNow track={track} />
+          <p class="hint">{cutText(workpiece)}</p>
         </>
       )}
     </article>

@@ -1,12 +1,13 @@
 import type { LiveRow } from "../../api/live";
 import { type Anatomy, anatomyOf, fromScene } from "../../api/tooth_number";
 import type { Attempt, Exercise, Target } from "../../api/types";
-import { formatNumber } from "../../base/format";
+import { formatNumber, formatQuantity } from "../../base/format";
 import { say } from "../../base/words";
 import { Canvas, type Drawing } from "../../widgets/canvas";
 import { kTargetColor } from "../../tooth/line_colors";
 import type { Axis, Plane, ToothPlan } from "../../tooth/messages";
 import { outlinePaths } from "../../widgets/target_outline";
+import { burRadiusMm, type Cut, depthsOf } from "./cut";
 import { line, type Point } from "./lines";
 import { extentOf } from "./track";
 
@@ -31,16 +32,26 @@ export interface Workpiece {
   readonly target: Target;
   readonly plan: ToothPlan | undefined; // of the plane that is shown
   readonly originMm: Triple | undefined; // where the rows' places are counted from
+  readonly burMm: number; // radius
+  readonly cut: Cut | undefined; // where it was cut so far; undefined: not known (yet)
 }
 
 export function workpieceOf(
   exercise: Exercise | undefined,
   plan: ToothPlan | undefined,
   { device_origin_um: origin }: Pick<Attempt, "device_origin_um">,
+  cut: Cut | undefined,
 ): Workpiece | undefined {
   if (exercise === undefined) return undefined;
   const originMm = origin?.map((um) => um / 1000) as unknown as Triple | undefined;
-  return { anatomy: anatomyOf(exercise.target), target: exercise.target, plan, originMm };
+  return {
+    anatomy: anatomyOf(exercise.target),
+    target: exercise.target,
+    plan,
+    originMm,
+    burMm: burRadiusMm(exercise),
+    cut,
+  };
 }
 
 interface Props {
@@ -134,9 +145,12 @@ function drawTool(
   const place = ({ anchorMm }: LiveRow): Point =>
     at(anchorMm[right] + frame.origin[right], anchorMm[up] + frame.origin[up]);
   if (frame.plan === undefined) drawGrid(context, width, height, scale, color);
-  else drawTooth(context, frame.plan, at, scale);
-  if (frame.plan !== undefined && workpiece !== undefined && plane.name === "above")
+  else drawPlan(context, frame.plan, pictureOf(frame.plan), kToothAlpha, at, scale);
+  if (frame.plan !== undefined && workpiece !== undefined && plane.name === "above") {
+    const cut = cutPictureOf(workpiece);
+    if (cut !== undefined) drawPlan(context, frame.plan, cut.picture, 1, at, scale);
     drawTarget(context, workpiece.target, at, scale);
+  }
   context.strokeStyle = color("--plot-bound");
   line(context, rows.map(place));
   context.strokeStyle = color("--plot-mean");
@@ -170,11 +184,18 @@ function drawTip({ context, width, height, color }: Drawing, [x, y]: Point, forc
 
 type At = (x: number, y: number) => Point;
 
-function drawTooth(context: CanvasRenderingContext2D, plan: ToothPlan, at: At, scale: number): void {
+function drawPlan(
+  context: CanvasRenderingContext2D,
+  plan: ToothPlan,
+  picture: OffscreenCanvas,
+  alpha: number,
+  at: At,
+  scale: number,
+): void {
   const [left, bottom] = at(...plan.lowMm);
   const [wide, tall] = [plan.width * plan.cellMm * scale, plan.height * plan.cellMm * scale];
-  context.globalAlpha = kToothAlpha;
-  context.drawImage(pictureOf(plan), left, bottom - tall, wide, tall);
+  context.globalAlpha = alpha;
+  context.drawImage(picture, left, bottom - tall, wide, tall);
   context.globalAlpha = 1;
 }
 
@@ -184,15 +205,54 @@ const kIvory = [0.97, 0.94, 0.87] as const;
 function pictureOf(plan: ToothPlan): OffscreenCanvas {
   const known = pictures.get(plan);
   if (known !== undefined) return known;
-  const made = new OffscreenCanvas(plan.width, plan.height);
-  const image = new ImageData(plan.width, plan.height);
-  plan.shade.forEach((shade, cell) => {
-    for (let i = 0; i < 3; ++i) image.data[4 * cell + i] = shade * kIvory[i as Axis];
-    image.data[4 * cell + 3] = shade === 0 ? 0 : 255;
+  const made = painted(plan, (cell) => {
+    const shade = plan.shade[cell]!;
+    return [shade * kIvory[0], shade * kIvory[1], shade * kIvory[2], shade === 0 ? 0 : 255];
   });
-  made.getContext("2d")?.putImageData(image, 0, 0);
   pictures.set(plan, made);
   return made;
+}
+
+type Color = readonly [number, number, number, number];
+
+function painted({ width, height }: ToothPlan, colorOf: (cell: number) => Color): OffscreenCanvas {
+  const made = new OffscreenCanvas(width, height);
+  const image = new ImageData(width, height);
+  for (let cell = 0; cell < width * height; ++cell) image.data.set(colorOf(cell), 4 * cell);
+  made.getContext("2d")?.putImageData(image, 0, 0);
+  return made;
+}
+
+interface CutPicture {
+  readonly picture: OffscreenCanvas;
+  readonly deepestMm: number;
+}
+
+const cutPictures = new WeakMap<Cut, CutPicture>();
+// From what was just scratched to the depth of most cavities: the deeper, the darker.
+const kShallow = [230, 120, 40] as const;
+const kDeep = [70, 0, 50] as const;
+const kDeepMm = 3;
+
+function cutPictureOf({ plan, originMm, burMm, cut }: Workpiece): CutPicture | undefined {
+  if (cut === undefined || plan === undefined || originMm === undefined) return undefined;
+  const known = cutPictures.get(cut);
+  if (known !== undefined) return known;
+  const depth = depthsOf(plan, cut, originMm, burMm);
+  const picture = painted(plan, (cell) => {
+    const share = Math.min(1, depth[cell]! / kDeepMm);
+    const mix = (i: Axis) => kShallow[i] + share * (kDeep[i] - kShallow[i]);
+    return [mix(0), mix(1), mix(2), depth[cell] === 0 ? 0 : 150 + 80 * share];
+  });
+  const made = { picture, deepestMm: depth.reduce((deepest, mm) => Math.max(deepest, mm), 0) };
+  cutPictures.set(cut, made);
+  return made;
+}
+
+// In words, for whoever sees no picture: empty where nothing was cut, or it is not known.
+export function cutText(workpiece: Workpiece | undefined): string {
+  const { deepestMm = 0 } = (workpiece && cutPictureOf(workpiece)) ?? {};
+  return deepestMm === 0 ? "" : say("live.deepest", { depth: formatQuantity(deepestMm, "mm") });
 }
 
 // What the exercise asks for, from above: its outline is drawn with y downwards, as a canvas has it.

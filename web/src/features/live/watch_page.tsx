@@ -9,8 +9,9 @@ import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widg
 import { ForceNow, LiveState } from "./live_page";
 import { ChairRemarks } from "./chair_remarks";
 import { ForceStrip } from "./force_strip";
-import { kFromAbove, kFromSide, ToolView, workpieceOf } from "./tool_view";
+import { cutText, kFromAbove, kFromSide, ToolView, workpieceOf } from "./tool_view";
 import { emptyTrack, kDefaultRateHz, kTrackSeconds, largestForce } from "./track";
+import { useCuts } from "./use_cuts";
 import { usePlans } from "./use_plans";
 import { useTracks } from "./use_tracks";
 
@@ -66,12 +67,14 @@ function Watched({
   const exercise = loaded.state === "ready" ? loaded.value.value : undefined;
   const plans = usePlans(client, exercise === undefined ? [] : [exercise]).get(attempt.exercise.id);
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;
+  const cut = useCuts(client, [attempt.id]).get(attempt.id);
   const last = track.rows.at(-1);
   return (
     <>
       <div class="title-row">
         <LiveState track={track} />
         <ForceNow track={track} />
+        <p class="hint">{cutText(workpieceOf(exercise, plans?.above, attempt, cut))}</p>
       </div>
       {track.state === "disturbed" && (
         <Notice tone="warning">
@@ -103,7 +106,7 @@ function Watched({
                   rows={track.rows}
                   rateHz={rateHz}
                   plane={plane}
-                  workpiece={workpieceOf(exercise, plans?.[plane.name], attempt)}
+                  workpiece={workpieceOf(exercise, plans?.[plane.name], attempt, cut)}
                 />
               </Card>
             ))}
