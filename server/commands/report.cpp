@@ -173,7 +173,8 @@ void Line(const std::string& name, const std::string& value) { Say("  {:<34} {}\
 void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
                 const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
-      score.critical_fail ? " (critical fault)" : "");
+      score.critical_fail ? " (not acceptable)" : "");
+  for (const auto& error : score.critical) Say("{}\n", error.reason);
   if (row.overridden) {
     Say("What counts instead is a person's score, {:.1f}: {}\n", row.overridden->score,
         Printable(row.overridden->reason));
