@@ -68,7 +68,9 @@ void ShowSdk(boost::json::array& listed, const std::filesystem::path& data) {
   const auto attached = sdk::ListSdkDevices();
   for (const std::string& choice : sdk::Drivers()) {
     if (std::ranges::find(attached, choice, &sdk::SdkDevice::choice) == attached.end()) {
+      const Status library = sdk::CheckLibrary(choice);
       std::printf("%-28s finds no device\n", choice.c_str());
+      if (!library.ok()) std::printf("    %s\n", library.message().c_str());
     }
   }
   for (const sdk::SdkDevice& device : attached) {

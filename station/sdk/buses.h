@@ -21,8 +21,10 @@ struct BusChoice {
 // Through the maker's library. Address: the library's file, if the system's loader does not find it.
 Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice);
 std::vector<SdkDevice> FindForceDimension();
+Status LoadForceDimension();  // whether the library can be loaded
 Result<std::unique_ptr<PolledBus>> OpenOpenHaptics(const BusChoice& choice);
 std::vector<SdkDevice> FindOpenHaptics();
+Status LoadOpenHaptics();
 
 // WoodenHaptics with reports of 8 bytes, Polhem with reports of 14, both HID 1234:0006; Polhem with lines
 // of 64 bytes on a serial port. Address: VENDOR:PRODUCT[:SERIAL], or the port's file.

@@ -249,6 +249,8 @@ Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice) {
   return std::unique_ptr<PolledBus>(std::move(bus));
 }
 
+Status LoadForceDimension() { return Load({}).status(); }
+
 std::vector<SdkDevice> FindForceDimension() {
   const auto dhd = Load({});
   if (!dhd.ok()) return WithoutLibrary(kNames, dhd.status());

@@ -270,6 +270,8 @@ Result<std::unique_ptr<PolledBus>> OpenOpenHaptics(const BusChoice& choice) {
   return std::unique_ptr<PolledBus>(std::move(bus));
 }
 
+Status LoadOpenHaptics() { return Load({}).status(); }
+
 std::vector<SdkDevice> FindOpenHaptics() {
   const auto hd = Load({});
   if (!hd.ok()) return WithoutLibrary(kNames, hd.status());

@@ -19,12 +19,13 @@ struct Driver {
   std::string_view choice;
   OpenBus open;
   FindDevices find;
-  bool answers = false;  // as PolledBus::answers
+  bool answers = false;           // as PolledBus::answers
+  Status (*library)() = nullptr;  // whether the maker's library can be loaded; null: it needs none
 };
 
 constexpr std::array kDrivers = {
-    Driver{"dhd", OpenForceDimension, FindForceDimension},
-    Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics},
+    Driver{"dhd", OpenForceDimension, FindForceDimension, false, LoadForceDimension},
+    Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics, false, LoadOpenHaptics},
     Driver{"woodenhaptics", OpenWoodenHaptics, FindWoodenHaptics, true},
     Driver{"polhem", OpenPolhem, FindPolhem, true},
     Driver{"polhem_serial", OpenPolhemSerial, FindPolhemSerial, true},
@@ -83,6 +84,11 @@ std::vector<std::string> Drivers() {
   std::vector<std::string> out;
   for (const Driver& driver : kDrivers) out.emplace_back(driver.choice);
   return out;
+}
+
+Status CheckLibrary(std::string_view choice) {
+  const Driver* driver = Find(choice);
+  return driver == nullptr || driver->library == nullptr ? Status::Ok() : driver->library();
 }
 
 std::string ProfileNameOf(std::string_view model) {

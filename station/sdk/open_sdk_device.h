@@ -36,6 +36,10 @@ std::string AskedForText(const SdkDevice& device);
 // By choice.
 std::vector<std::string> Drivers();
 
+// Whether the maker's library that a driver needs can be loaded. Errors: kUnavailable, with what to
+// install.
+Status CheckLibrary(std::string_view choice);
+
 // Profile name of a model: its letters and digits in lower case, words joined by _. "omega.3" is
 // omega3, "PHANTOM Desktop" is phantom_desktop.
 std::string ProfileNameOf(std::string_view model);

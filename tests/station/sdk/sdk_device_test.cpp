@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
 #include "station/desk/device_offers.h"
+#include "station/sdk/buses.h"
 #include "station/sdk/makers_library.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
@@ -84,6 +86,7 @@ TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
   EXPECT_EQ(Drivers(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
                                                  "polhem_serial", "inverse3"}));
   EXPECT_TRUE(ListSdkDevices().empty());
+  for (const std::string& driver : Drivers()) EXPECT_TRUE(CheckLibrary(driver).ok()) << driver;
   DoubledArm& sdk = Attach("dhd", "omega.3");
   auto found = ListSdkDevices();
   ASSERT_EQ(found.size(), 1u);
@@ -249,32 +252,34 @@ TEST_F(SdkDeviceTest, OneThatIsNotCalibratedIsRefusedAndListedWithWhatToDo) {
   }
 }
 
-// The device's own reasons: it was too fast, or it heard nothing; and somebody's, its button.
+// The device's own reasons: it was too fast, or it heard nothing; and somebody's, its button. Without the
+// station's thread, which would let the force fall while this one waits for its turn.
 TEST_F(SdkDeviceTest, MotorsThatTheDeviceSwitchesOffAreAFaultAndComeBackAtForceZero) {
-  constexpr int kButton = 1, kVelocity = 2;
+  constexpr int kButton = 1, kVelocity = 2, kWatchdog = 3;
   DoubledArm& sdk = Attach("dhd", "omega.3");
-  Open("dhd");
-  const auto off = [&](int cause) {
+  auto bus = OpenForceDimension({"", 5, 0.1});
+  ASSERT_TRUE(bus.ok()) << bus.status().message();
+  // Over several looks at the device's status.
+  const auto exchange = [&](const dvec3& force_n) {
+    PolledBus::Pose pose;
+    const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(40);
+    for (int i = 0; i < 100 || std::chrono::steady_clock::now() < until; ++i) {
+      EXPECT_TRUE((*bus)->Send(force_n));
+      EXPECT_EQ((*bus)->Read(pose), PolledBus::Heard::kPose);
+    }
+    return pose.driven;
+  };
+  for (const int cause : {kVelocity, kWatchdog, kButton}) {
+    EXPECT_TRUE(exchange(dvec3(0, 0, 1)));
     sdk.With([&](State& s) {
       s.motors = false;
       s.off_cause = cause;
     });
-  };
-  for (int i = 0; i < 3; ++i) {  // as long as the loop pushes they stay off
-    off(kVelocity);
-    const unsigned before = sdk.Get().reads;
-    while (sdk.Get().reads < before + 200) device_->SendForce(dvec3(0, 0, 1));
+    EXPECT_FALSE(exchange(dvec3(0, 0, 1))) << "stays off while the loop pushes";
     EXPECT_FALSE(sdk.Get().motors);
-    EXPECT_FALSE(device_->ReadSample().driven);
-    device_->SendForce(dvec3(0));
-    Until([](const DeviceSample& s) { return s.driven; });
-    EXPECT_TRUE(sdk.Get().motors);
+    EXPECT_EQ(exchange(dvec3(0)), cause != kButton);
+    EXPECT_EQ(sdk.Get().motors, cause != kButton);
   }
-  off(kButton);
-  Until([](const DeviceSample& s) { return !s.driven; });
-  const unsigned before = sdk.Get().reads;
-  while (sdk.Get().reads < before + 200) device_->SendForce(dvec3(0));
-  EXPECT_FALSE(sdk.Get().motors);
 }
 
 TEST_F(SdkDeviceTest, ALibraryThatSwitchesTheForceOffIsAFault) {
