@@ -89,6 +89,11 @@ Status RunOperators(const OperatorsCommand& command) {
                 e.exercise.c_str(), e.name.c_str(), bench::AgainstGoal(e.points, 2, false).c_str(),
                 e.seeds);
   }
+  if (const FullMarks marks = FullMarksOf(findings.rows, "student"); marks.rows > 0) {
+    const double percent = 100 * static_cast<double>(marks.full) / static_cast<double>(marks.rows);
+    std::printf("%zu of %zu attempts of the student have 100 points: %s %%\n", marks.full,
+                marks.rows, bench::AgainstGoal(percent, 5, false).c_str());
+  }
   for (const std::string& name : findings.not_cut) {
     std::printf("%s: not measured, no simulated person cuts its shape\n", name.c_str());
   }
@@ -176,6 +181,10 @@ void RegisterOperators(CLI::App& app, int* exit_code) {
       ->add_option("--seed", command->options.seeds, "Of tremor and mistakes; 0: each person's own")
       ->delimiter(',')
       ->capture_default_str();
+  operators
+      ->add_option("--operator", command->options.operators,
+                   "Some of the eight people (student); else all")
+      ->delimiter(',');
   operators->add_option("--json", command->json, "Write the rows to this file");
   operators->footer(
       "Eight simulated people have a published rank of skill: the less skilled err more, and make\n"

@@ -52,12 +52,37 @@ bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
                      [&](const std::string& e) { return name.starts_with(e); });
 }
 
+// A coarse tooth has the same exercises.
+Result<bool> HasAskedFor(const OperatorsOptions& options, const std::string& scene_name) {
+  constexpr int32_t kCoarse_nm = 500'000;
+  ENAMEL_ASSIGN_OR_RETURN(const auto coarse, scene::BuildBuiltinScene(scene_name, kCoarse_nm));
+  return std::ranges::any_of(scene::BuiltinExercises(coarse.scene, {}), [&](const auto& exercise) {
+    return IsAskedFor(options, exercise.name);
+  });
+}
+
 // Whether the simulated person can plan it.
 bool CanCut(const OperatorPreset& preset, const scene::BuiltScene& built,
             const scene::Exercise& exercise, const scene::DeviceProfile& profile) {
   const auto params = scene::CompilePlan(built.scene, exercise, profile);
   return params.ok() &&
          MakeSimulatedDevice(preset, built.scene, exercise, profile, *params, built.volume).ok();
+}
+
+// The people who are asked for, of those with a rank.
+Result<std::vector<OperatorPreset>> People(const std::vector<std::string>& names) {
+  std::vector<OperatorPreset> out;
+  for (const OperatorPreset& preset : OperatorPresets()) {
+    const bool asked = names.empty() || std::ranges::find(names, preset.name) != names.end();
+    if (preset.rank != 0 && asked) out.push_back(preset);
+  }
+  if (!names.empty() && out.size() < names.size()) {
+    return Status(Code::kNotFound,
+                  "no simulated person with a rank has such a name: there are dentist, graduate, "
+                  "student, fourth-year, third-year, second-year, first-year and untrained",
+                  "operator");
+  }
+  return out;
 }
 
 class Study {
@@ -67,6 +92,7 @@ class Study {
       : options_(options), row_(row), progress_(progress) {}
 
   Status Run() {
+    ENAMEL_ASSIGN_OR_RETURN(people_, People(options_.operators));
     const auto names = scene::BuiltinSceneNames();
     for (const std::string& device : options_.devices) {
       const auto all = scene::BuiltinProfiles();
@@ -80,6 +106,8 @@ class Study {
     }
     for (size_t i = 0; i < names.size(); ++i) {
       done_ = static_cast<double>(i) / static_cast<double>(names.size());
+      ENAMEL_ASSIGN_OR_RETURN(const bool asked, HasAskedFor(options_, names[i]));
+      if (!asked) continue;
       ENAMEL_ASSIGN_OR_RETURN(const auto built,
                               scene::BuildBuiltinScene(names[i], options_.voxel_nm));
       for (const scene::Exercise& e :
@@ -112,8 +140,7 @@ class Study {
     Tell(exercise.name + ", " + profile.name + ", reference");
     ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
     std::vector<double> ranks, scores;
-    for (const OperatorPreset& preset : OperatorPresets()) {
-      if (preset.rank == 0) continue;
+    for (const OperatorPreset& preset : people_) {
       if (!CanCut(preset, built, exercise, profile)) {
         out_.left_out.push_back({exercise.name, profile.name, std::string(preset.name)});
         continue;
@@ -132,7 +159,9 @@ class Study {
         scores.push_back(score.score);
       }
     }
-    out_.order.push_back({exercise.name, profile.name, scores.size(), Spearman(ranks, scores)});
+    if (people_.size() > 1) {
+      out_.order.push_back({exercise.name, profile.name, scores.size(), Spearman(ranks, scores)});
+    }
     return Status::Ok();
   }
   void Tell(const std::string& what) const {
@@ -143,6 +172,7 @@ class Study {
   const std::function<void(const OperatorRow&)>& row_;
   const std::function<void(const std::string&, double)>& progress_;
   std::vector<scene::DeviceProfile> profiles_;
+  std::vector<OperatorPreset> people_;
   OperatorsFindings out_;
   size_t asked_ = 0;
   double done_ = 0;
@@ -202,6 +232,17 @@ std::vector<EqualSkill> EqualSkillOf(const std::vector<OperatorRow>& rows) {
         std::ranges::minmax_element(sums, {}, [](const auto& sum) { return sum.second; });
     out.push_back({key.first, key.second, seeds,
                    (most->second - least->second) / static_cast<double>(seeds)});
+  }
+  return out;
+}
+
+FullMarks FullMarksOf(const std::vector<OperatorRow>& rows, const std::string& name) {
+  constexpr double kFull = 99.995;
+  FullMarks out;
+  for (const OperatorRow& row : rows) {
+    if (row.name != name) continue;
+    ++out.rows;
+    out.full += row.score >= kFull ? 1 : 0;
   }
   return out;
 }

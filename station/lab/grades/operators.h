@@ -18,6 +18,7 @@ struct OperatorsOptions {
   std::vector<std::string> devices = {"omega3", "phantom_desktop"};
   std::vector<uint64_t> seeds = {0, 101};  // of tremor and mistakes; 0: each operator's own
   std::vector<std::string> exercises;      // names or their beginnings; empty: all they can cut
+  std::vector<std::string> operators;      // of those with a rank; empty: all eight
   bool quick = false;                      // the first device and seed
 };
 
@@ -64,8 +65,14 @@ double Spearman(const std::vector<double>& a, const std::vector<double>& b);
 // For rows in any order; exercises and operators in the order in which they first appear.
 std::vector<EqualSkill> EqualSkillOf(const std::vector<OperatorRow>& rows);
 
+// How many of one operator's rows have all 100 points, to two decimals.
+struct FullMarks {
+  size_t full = 0, rows = 0;
+};
+FullMarks FullMarksOf(const std::vector<OperatorRow>& rows, const std::string& name);
+
 // `row` is called with each row as it comes, `progress` (what, 0..1) between them; both may be
-// empty. Errors: kNotFound when no device or exercise has such a name; those of the scene's
+// empty. Errors: kNotFound when no device, exercise or operator has such a name; those of the scene's
 // builder.
 Result<OperatorsFindings> MeasureOperators(
     const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row = {},

@@ -41,6 +41,17 @@ TEST(OperatorsTest, EqualSkillComparesTheMeansOfTheSameSeeds) {
   EXPECT_TRUE(EqualSkillOf({row("a", "good", 1, 90), row("a", "good", 2, 80)}).empty());
 }
 
+TEST(OperatorsTest, FullMarksAreCountedOfOnePersonAlone) {
+  auto row = [](const char* name, double score) {
+    return OperatorRow{"box", "a", name, 5, 1, false, score};
+  };
+  const FullMarks found = FullMarksOf(
+      {row("student", 100), row("student", 99.99), row("student", 0), row("dentist", 100)},
+      "student");
+  EXPECT_EQ(found.full, 1u);
+  EXPECT_EQ(found.rows, 3u);
+}
+
 TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   OperatorsFindings findings;
   findings.rows = {{"class-1-x", "omega3", "hasty", 5, 12, false, 71.5}};
@@ -88,6 +99,15 @@ TEST(OperatorsTest, ADeviceThatIsNotThereIsRefusedByName) {
   ASSERT_FALSE(findings.ok());
   EXPECT_EQ(findings.status().code(), Code::kNotFound);
   EXPECT_NE(findings.status().message().find("spoon"), std::string::npos);
+}
+
+TEST(OperatorsTest, APersonWithoutARankIsRefusedByName) {
+  OperatorsOptions options;
+  options.operators = {"student", "clumsy"};
+  const auto findings = MeasureOperators(options);
+  ASSERT_FALSE(findings.ok());
+  EXPECT_EQ(findings.status().code(), Code::kNotFound);
+  EXPECT_EQ(findings.status().field(), "operator");
 }
 
 }  // namespace
