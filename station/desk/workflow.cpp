@@ -306,13 +306,9 @@ void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way
   chosen_.exercise = preview_->exercise_hash;
   // The ticket does not contain it; without the server the catalogue is empty, and exams need the
   // server.
-  auto offered_as = [&](bool Catalogue::Exercise::*term) {
-    return std::ranges::any_of(catalogue_.exercises, [&](const Catalogue::Exercise& e) {
-      return e.*term && e.exercise == chosen_.exercise;
-    });
-  };
-  chosen_.exam = offered_as(&Catalogue::Exercise::exam);
-  preview_->sign_off = way == Way::kResumed && offered_as(&Catalogue::Exercise::sign_off);
+  chosen_.exam = std::ranges::any_of(catalogue_.exercises, [&](const Catalogue::Exercise& e) {
+    return e.exam && e.exercise == chosen_.exercise;
+  });
   Go(Place::kExercise);
   LookForDevices();
 }

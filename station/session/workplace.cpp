@@ -347,7 +347,8 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
     ENAMEL_RETURN_IF_ERROR(spool_->MarkResumed(prepared.attempt()));
   } else {
     ENAMEL_RETURN_IF_ERROR(spool_->BeginAttempt(prepared.header, prepared.exercise.name,
-                                                prepared.profile.name, prepared.facts));
+                                                prepared.profile.name, prepared.facts,
+                                                prepared.sign_off));
   }
   if (prepared.sign_off) uploader_.HoldSeal(prepared.attempt());
   {

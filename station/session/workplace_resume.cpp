@@ -83,6 +83,7 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   }
   if (!params.ok()) return params;
   prepared->header = header;
+  prepared->sign_off = stored.sign_off;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume.Packed());
   // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
   // and the spool needs no room for it.

@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 constexpr char kSelectAttempts[] =
     "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
     " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
-    "facts, resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms"
+    "facts, resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms,"
+    " sign_off"
     " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
 // Identifies the machine's start, and the time since, including sleep: setting a clock does not
@@ -72,6 +73,7 @@ SpooledAttempt ReadAttemptRow(const sql::Query& row) {
   out.waits_because = row.Text("waits_because");
   out.waits_since_unix_ms = row.Int("waits_since_unix_ms");
   out.tried_unix_ms = row.Int("tried_unix_ms");
+  out.sign_off = row.Int("sign_off") != 0;
   return out;
 }
 
@@ -97,7 +99,8 @@ Result<std::unique_ptr<Spool>> Spool::OpenToRead(const fs::path& folder) {
 const fs::path& Spool::file() const { return file_->path(); }
 
 Status Spool::BeginAttempt(const trace::Header& header, const std::string& exercise,
-                           const std::string& profile, const protocol::AttemptFacts& facts) {
+                           const std::string& profile, const protocol::AttemptFacts& facts,
+                           bool sign_off) {
   MutexLock lock(file_->mutex());
   Bytes bytes = trace::EncodeHeader(header);
   Sha256 hash = HashSha256(bytes);
@@ -114,7 +117,7 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   sql::Query s(
       file_->db(),
       "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
-      " boot_id, boot_ms, facts, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      " boot_id, boot_ms, facts, resumed, sign_off) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const SinceBoot now = BootNow();
   s.BindBlob(id)
       .BindBlob(bytes)
@@ -125,7 +128,8 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
       .BindText(now.boot)
       .BindInt(now.ms)
       .BindBlob(protocol::EncodeFacts(facts))
-      .BindInt(facts.resumed());
+      .BindInt(facts.resumed())
+      .BindInt(int64_t{sign_off});
   return file_->Run(s, "storing an attempt");
 }
 

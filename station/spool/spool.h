@@ -43,6 +43,7 @@ struct SpooledAttempt {
   std::string waits_because;
   int64_t waits_since_unix_ms = 0, tried_unix_ms = 0;
   protocol::AttemptFacts facts;
+  bool sign_off = false;  // a second person is to sign its end
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
   // To be sent: not refused, and not complete on the server.
@@ -126,7 +127,8 @@ class Spool {
   // The attempt's id is in the header. Idempotent for the same header: the other arguments of the
   // first call stay.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
-                      const std::string& profile, const protocol::AttemptFacts& facts = {});
+                      const std::string& profile, const protocol::AttemptFacts& facts = {},
+                      bool sign_off = false);
   // Stores the next chunk. Idempotent for the same bytes; another chunk under a used seq is
   // kConflict.
   Status PutChunk(const Uuid& attempt, ByteView chunk);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # An exam that a second person signs at the chair: without a signature it does not begin and its ticket counts for nothing;
-# signed at start and end. At the window: a wrong PIN, then the right one; an end that is signed, and one that nobody signs and
-# that is stored all the same. ENAMEL_PICTURES=FOLDER keeps the pictures.
+# signed at start and end, also after it was cut off and resumed. At the window: a wrong PIN, then the right one; an end that
+# is signed, and one that nobody signs and that is stored all the same. ENAMEL_PICTURES=FOLDER keeps the pictures.
 . "$(dirname "$0")/support.sh"
 pictures=${ENAMEL_PICTURES:-$work/pictures}
 mkdir -p "$pictures"
@@ -29,16 +29,24 @@ by_page pin 804217
 echo "== without a window"
 export ENAMEL_PASSWORD=enamel-demo-student1
 exam=("$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise"
-  --assignment "$(cut -d ' ' -f 1 "$work/exam.txt")" --user student1 --operator student)
-expect_failure "nobody signs" "needs the signature of an instructor at the chair" "${exam[@]}"
-expect_failure "a wrong PIN" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804218 "${exam[@]}" --signer instructor
-expect_failure "the student's own" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer student1
+  --assignment "$(cut -d ' ' -f 1 "$work/exam.txt")" --operator student)
+expect_failure "nobody signs" "needs the signature of an instructor at the chair" "${exam[@]}" --user student1
+expect_failure "a wrong PIN" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804218 "${exam[@]}" --user student1 --signer instructor
+expect_failure "the student's own" "login or PIN is wrong" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --user student1 --signer student1
 # One attempt is allowed: the tickets above were given back.
-ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer instructor --json "$work/signed.json"
+ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --user student1 --signer instructor --json "$work/signed.json"
 [ "$(by_page signatures "$(json_of "$work/signed.json" attempt_id)")" = "Demo instructor, Demo instructor" ] ||
   fail "signed by $(by_page signatures "$(json_of "$work/signed.json" attempt_id)")"
-expect_failure "a second attempt" "1 is used" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --signer instructor
+expect_failure "a second attempt" "1 is used" env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --user student1 --signer instructor
 echo "ok: begins only when it is signed, and is signed at its end"
+
+echo "== cut off"
+add_students "$data" 2
+cut_off "$station" 20 env ENAMEL_SIGNER_PIN=804217 "${exam[@]}" --user chair2 --signer instructor
+ENAMEL_SIGNER_PIN=804217 "$bin/enamel-station" run --data "$station" --lockstep --quiet --user chair2 --operator student \
+  --resume last --signer instructor
+[ "$(by_page signatures "$attempt")" = "Demo instructor, Demo instructor" ] || fail "signed by $(by_page signatures "$attempt")"
+echo "ok: signed at its end after it was resumed"
 
 echo "== at the window"
 start_display
@@ -47,7 +55,7 @@ exam_of() {
   cat - <(echo quit) | sed "s|LOGIN|$1|; s|PASSWORD|$2|; s|PICTURES|$pictures|" >"$work/$1.txt"
   timeout $((600 * patience)) "$bin/enamel-station" open --data "$station" --window 1280x720 --no-sound --simulated \
     --script "$work/$1.txt" || { tail -n 20 "$work/server.log"; fail "the script of $1 did not get through"; }
-  attempt=$("$bin/enamel-station" spool list --data "$station" | tail -n 1 | cut -d' ' -f1)
+  attempt=$(newest "$station")
 }
 begins='page sign-in
 type LOGIN
@@ -93,7 +101,6 @@ see Handed in
 EOF
 [ "$(by_page signatures "$attempt")" = "Demo instructor, Demo instructor" ] || fail "signed by $(by_page signatures "$attempt")"
 
-add_students "$data" 1
 exam_of chair1 "$ENAMEL_PASSWORD" <<EOF
 $begins
 # Esc, pressed by habit, hands nothing in.

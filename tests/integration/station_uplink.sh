@@ -27,29 +27,13 @@ spool_of() {
   node -e 'const a = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")).attempts.find((a) => a.attempt_id === process.argv[2]);
            if (!a) process.exit(1); console.log(a[process.argv[3]]);' "$work/spool.json" "$1" "$2"
 }
-newest() { station_cli spool list --data "$station" | tail -n 1 | cut -d' ' -f1; }
 ticks_on_server() {
   server_cli admin list-attempts --data "$data" |
     awk -v id="$1" '$1 == id { n = 0; for (i = 2; i <= NF; ++i) if ($i == "ticks") n = $(i - 1); print n }'
 }
-# Begins an attempt and kills the station once N chunks are spooled.
 cut_off_after() {
-  local before
-  before=$(newest)
-  # Not by the function above: the process that is killed must be the station's.
-  "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" \
-    --user student1 --operator student >"$work/cut.log" 2>&1 &
-  local runner=$! recorded
-  pids+=("$runner")
-  for _ in $(seq 3000); do
-    kill -0 "$runner" 2>/dev/null || { cat "$work/cut.log"; fail "the attempt was over before it could be cut off"; }
-    attempt=$(newest)
-    read -r recorded _ < <(chunks_of "$station")
-    [ "$attempt" = "$before" ] || [ "$recorded" -lt "$1" ] || break
-  done
-  kill -KILL "$runner"
-  wait "$runner" 2>/dev/null || true
-  killed_ms=$(date +%s%3N)
+  cut_off "$station" "$1" "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet \
+    --exercise "$exercise" --user student1 --operator student
 }
 
 echo "== resumed after kill -9"
@@ -150,12 +134,12 @@ node "$root/tests/integration/cable.mjs" "$cable_port" "$((port + 1))" "$work/cu
 cable=$!
 pids+=("$cable")
 wait_for_log "$work/cable.log" ready
-before=$(newest)
+before=$(newest "$station")
 "$bin/enamel-station" run --data "$station" --server "127.0.0.1:$cable_port" --profile phantom_desktop --lockstep --quiet \
   --exercise "$exercise" --user student1 --operator student --json "$work/cut.json" >"$work/run.log" 2>&1 &
 runner=$!
 pids+=("$runner")
-for _ in $(seq 3000); do [ "$(newest)" = "$before" ] || break; done
+for _ in $(seq 3000); do [ "$(newest "$station")" = "$before" ] || break; done
 touch "$work/cut"
 rc=0
 wait "$runner" || rc=$?
@@ -183,14 +167,14 @@ pids+=("$cable")
 wait_for_log "$work/held_cable.log" ready
 for signal in INT TERM; do
   rm -f "$work/hold"
-  before=$(newest)
+  before=$(newest "$station")
   "$bin/enamel-station" run --data "$station" --server "127.0.0.1:$cable_port" --profile phantom_desktop --lockstep --quiet \
     --exercise "$exercise" --user student1 --operator student --json "$work/cut.json" >"$work/run.log" 2>&1 &
   runner=$!
   pids+=("$runner")
-  for _ in $(seq 3000); do [ "$(newest)" = "$before" ] || break; done
+  for _ in $(seq 3000); do [ "$(newest "$station")" = "$before" ] || break; done
   touch "$work/hold"
-  attempt=$(newest)
+  attempt=$(newest "$station")
   [ "$attempt" != "$before" ] || { cat "$work/run.log"; fail "no attempt was begun"; }
   for _ in $(seq 600); do [ "$(spool_of "$attempt" state)" = unfinished ] || break; sleep 0.1; done
   [ "$(spool_of "$attempt" state)" = waiting ] || fail "recorded with a silent server it is $(spool_of "$attempt" state)"

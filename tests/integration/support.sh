@@ -93,6 +93,29 @@ chunks_of() {
          END { print r + 0, c + 0 }'
 }
 
+# newest STATION: id of the newest attempt in the spool.
+newest() { "$bin/enamel-station" spool list --data "$1" | tail -n 1 | cut -d' ' -f1; }
+
+# cut_off STATION CHUNKS COMMAND…: the command makes an attempt, and is killed once that many of its chunks are spooled.
+# `attempt` is the attempt, `killed_ms` when.
+cut_off() {
+  local station=$1 chunks=$2 before recorded
+  shift 2
+  before=$(newest "$station")
+  "$@" >"$work/cut.log" 2>&1 &
+  local runner=$!
+  pids+=("$runner")
+  for _ in $(seq 3000); do
+    kill -0 "$runner" 2>/dev/null || { cat "$work/cut.log"; fail "the attempt was over before it could be cut off"; }
+    attempt=$(newest "$station")
+    read -r recorded _ < <(chunks_of "$station")
+    [ "$attempt" = "$before" ] || [ "$recorded" -lt "$chunks" ] || break
+  done
+  kill -KILL "$runner"
+  wait "$runner" 2>/dev/null || true
+  killed_ms=$(date +%s%3N)
+}
+
 # start_server DATA PORT [options]: waits until it is ready.
 start_server() {
   local data=$1 port=$2

@@ -24,6 +24,7 @@
 --   tried_unix_ms        the last
 --   facts                AttemptFacts (schemas/wire/station.proto), encoded; `resumed` in it does not
 --                        count: that is the column
+--   sign_off             1 when a second person is to sign its end at the chair
 CREATE TABLE attempts (
   id                  BLOB PRIMARY KEY CHECK (length(id) = 16),
   header              BLOB NOT NULL,
@@ -50,7 +51,8 @@ CREATE TABLE attempts (
   waits_because       TEXT,
   waits_since_unix_ms INTEGER,
   tried_unix_ms       INTEGER,
-  facts               BLOB NOT NULL DEFAULT x''
+  facts               BLOB NOT NULL DEFAULT x'',
+  sign_off            INTEGER NOT NULL DEFAULT 0
 ) WITHOUT ROWID;
 
 -- One chunk of an attempt, as sent; seq counts from 0 without holes. Idempotent by (attempt, seq,

@@ -328,7 +328,7 @@ TEST_F(SpoolTest, SalvageTakesEveryColumnOver) {
   Tamper(
       "UPDATE attempts SET created_unix_ms = 1, committed_unix_ms = 2, resumed = 3, boot_id = 'b',"
       " boot_ms = 4, refused = 'no', refused_unix_ms = 5, waits_because = 'away',"
-      " waits_since_unix_ms = 6, tried_unix_ms = 7, facts = x'c23e0178';"
+      " waits_since_unix_ms = 6, tried_unix_ms = 7, facts = x'c23e0178', sign_off = 1;"
       "UPDATE chunks SET spooled_unix_ms = 1000 + seq;"
       "UPDATE tickets SET wrong_pins = 3, wait_unix_ms = 8");
   ASSERT_TRUE(SalvageSpool(folder_, folder_ / "saved").ok());
@@ -622,6 +622,12 @@ TEST_F(SpoolTest, FactsComeBackAsTheyWereSaidAndResumedAsItIsCounted) {
   EXPECT_EQ(protocol::EncodeFacts(spool->Get(id())->facts), protocol::EncodeFacts(*facts));
   ASSERT_TRUE(spool->MarkResumed(id()).ok());
   EXPECT_EQ(spool->Get(id())->facts.resumed(), 3u);
+}
+
+TEST_F(SpoolTest, RemembersThatTheEndIsToBeSigned) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p", {}, true).ok());
+  EXPECT_TRUE(spool->Get(id())->sign_off);
 }
 
 TEST_F(SpoolTest, AnAttemptWhoseFactsCannotBeReadSaysNone) {
