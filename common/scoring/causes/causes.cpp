@@ -284,6 +284,10 @@ class Charges {
     const surface::Mesh& made = *in_.attempt.mesh;
     const std::vector<bool> elsewhere = FindElsewhere();
     double by_patches = 0, by_outline = 0, by_elsewhere = 0;
+    // One place, and what explains most of the whole cut need not be near it. A patch without a
+    // name is charged nowhere.
+    const Patch* at_deepest = nullptr;
+    double deepest_m = 0;
     for (size_t i = 0; i < deeper.size(); ++i) {
       if (!(deeper[i] > kLeast_mm / kMm)) continue;
       const dvec3 at(made.position_m[i]);
@@ -296,7 +300,9 @@ class Charges {
       if (elsewhere[i]) {
         take(d, by_elsewhere);
       } else {
-        take(explained_.At(at, dvec3(made.normal[i]), d, false).by_m, by_patches);
+        const Explanation found = explained_.At(at, dvec3(made.normal[i]), d, false);
+        if (d > deepest_m) deepest_m = d, at_deepest = found.wall ? found.wall : found.most;
+        take(found.by_m, by_patches);
         if (d > kLeast_mm / kMm) take(OutlineOverNear_m(at), by_outline);
       }
       deeper[i] = static_cast<float>(d);
@@ -324,7 +330,8 @@ class Charges {
     } else if (by_outline > by_patches) {
       under = {"outline_over_mm"};
     } else {
-      under = {CauseName(over.Most()), OffsetName(over.Most()), kCloseness, kSound};
+      const Patch& there = at_deepest != nullptr ? *at_deepest : over.Most();
+      under = {CauseName(there), OffsetName(there), kCloseness, kSound};
     }
     Add("deepest_over_mm", deepest_mm,
         std::min(deepest_mm, DeepestOver(in_.attempt, deeper).depth_m * kMm), kLeast_mm, under);

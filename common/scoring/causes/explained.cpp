@@ -200,7 +200,11 @@ Explanation Explained::At(const dvec3& point_m, const dvec3& normal, double dist
   for (double m : most) squares += m * m;
   const auto largest = std::ranges::max_element(most);
   if (!(*largest > 0)) return {};
-  return {std::sqrt(squares), &patches_[static_cast<size_t>(largest - most.begin())]};
+  Explanation out{std::sqrt(squares), &patches_[static_cast<size_t>(largest - most.begin())]};
+  const auto walls = most.begin() + kPartCount;  // the first patches
+  const auto wall = std::max_element(most.begin(), walls);
+  if (*wall > 0.5 * distance_m) out.wall = &patches_[static_cast<size_t>(wall - most.begin())];
+  return out;
 }
 
 // Where a patch moves by its height, a surface aslant to it moves by that times the cosine between.

@@ -27,6 +27,7 @@ struct Patch {
 struct Explanation {
   double by_m = 0;
   const Patch* most = nullptr;  // the patch that explains most of it
+  const Patch* wall = nullptr;  // the wall or floor that alone explains over half of the distance
 };
 
 class Explained {

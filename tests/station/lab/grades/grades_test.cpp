@@ -15,6 +15,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/scoring/deviation.h"
 #include "station/lab/grades/expected_words.h"
 
 // The cost of known faults in the built-in exercises, on coarse grids; the lab measures on fine
@@ -238,6 +239,32 @@ TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
     // Voxels make up to a hundredth of a point between nearly equal sizes.
     EXPECT_GE(score(face, kind, std::min(a, b)) + 0.01, score(face, kind, std::max(a, b)))
         << "face " << face << ", kind " << kind << ", " << a << " and " << b;
+  }
+}
+
+// The edge where they meet is the deepest place. What is left of the tooth's mesial face lies off
+// too, and is charged nowhere.
+TEST(GradesTest, AWallAndAFloorThatAreTooFarMakeNoGougeWhereTheyMeet) {
+  const Made made = Build("molar-class-2");
+  const auto exercise = std::ranges::find_if(
+      made.exercises, [](const auto& e) { return e.name.starts_with("class-2"); });
+  ASSERT_NE(exercise, made.exercises.end());
+  auto graded = GradedExercise::Make(made.built, *exercise);
+  ASSERT_TRUE(graded.ok());
+  for (const double floor_mm : {0.16, 0.24}) {
+    for (const double wall_mm : {0.1, 0.18}) {
+      BoxCavity box = graded->task().box;
+      box.faces[scoring::kFloor].moved_m = 1e-3 * floor_mm;
+      box.faces[scoring::kBuccal].moved_m = 1e-3 * wall_mm;
+      auto result =
+          graded->Score([box](const dvec3& p) { return box.Distance_m(p); }, Neighbours::kSpared);
+      ASSERT_TRUE(result.ok());
+      const auto gouge = std::ranges::find(result->criteria, std::string("deepest_over_mm"),
+                                           &scoring::CriterionResult::name);
+      ASSERT_NE(gouge, result->criteria.end());
+      EXPECT_EQ(gouge->points, gouge->max_points)
+          << floor_mm << " " << wall_mm << ": " << gouge->value << ", charged " << gouge->charged;
+    }
   }
 }
 
