@@ -69,7 +69,7 @@ bool CanCut(const OperatorPreset& preset, const scene::BuiltScene& built,
          MakeSimulatedDevice(preset, built.scene, exercise, profile, *params, built.volume).ok();
 }
 
-// The people who are asked for, of those with a rank.
+// Of the people with a rank, those that the options ask for.
 Result<std::vector<OperatorPreset>> People(const std::vector<std::string>& names) {
   std::vector<OperatorPreset> out;
   for (const OperatorPreset& preset : OperatorPresets()) {
