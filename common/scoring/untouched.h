@@ -35,7 +35,7 @@ StumpFigures MeasureStump(const cutting::Volume& initial, const cutting::Volume&
 // broken along a line where the attempt left none of it either.
 struct ContactFigures {
   bool in_task = false;  // the reference broke 0.1 mm^2 of it
-  double left = 0;  // share of the lines on which some of its outermost 0.5 mm stands
+  double left = 0;       // share of the lines on which some of its outermost 0.5 mm stands
 };
 // Over the whole face of a molar's contact: its curves are 0.3 mm apart 1.5 mm beside its middle.
 inline constexpr double kContactGap_m = 0.3e-3;

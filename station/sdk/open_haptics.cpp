@@ -37,7 +37,7 @@ constexpr unsigned int kForceErrors = 0x0200, kDeviceErrors = 0x0300, kAlreadyIn
 constexpr unsigned int kDone = 0, kContinue = 1;
 constexpr unsigned short kPriority = 32'767;  // the scheduler's default
 
-// Frames come every millisecond; so long is waited for one.
+// Frames come every millisecond; the driver waits this long for one.
 constexpr int64_t kFrame_us = 2'000;
 constexpr std::chrono::seconds kSilence{1};
 
