@@ -58,6 +58,8 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
     ++graded_exercises;
     auto graded = GradedExercise::Make(made.built, exercise);
     ASSERT_TRUE(graded.ok()) << graded.status().message();
+    size_t with_words = 0, wrong_faults = 0, wrong_remedies = 0;
+    std::string misnamed;
     for (const Fault& fault : FaultsOf(made.built, exercise, graded->task(), true)) {
       auto row = graded->Grade(fault);
       ASSERT_TRUE(row.ok()) << row.status().message();
@@ -72,10 +74,11 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
                                 << boost::json::value_from(row->judged.lost_for);
       }
       if (const ExpectedWords* words = ExpectedWordsOf(*row)) {
-        EXPECT_TRUE(std::ranges::count(words->faults, row->judged.said_fault))
-            << fault.name << " is called " << row->judged.said_fault;
-        EXPECT_TRUE(std::ranges::count(words->remedies, row->judged.said_remedy))
-            << fault.name << " is told " << row->judged.said_remedy;
+        ++with_words;
+        if (!std::ranges::count(words->faults, row->judged.said_fault))
+          misnamed += "; " + fault.name + " is called " + row->judged.said_fault, ++wrong_faults;
+        if (!std::ranges::count(words->remedies, row->judged.said_remedy))
+          misnamed += "; " + fault.name + " is told " + row->judged.said_remedy, ++wrong_remedies;
       } else {
         EXPECT_LT(row->points_lost, 1) << fault.name << " has no words";
       }
@@ -88,6 +91,9 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
         EXPECT_FALSE(row->CostsTooMuch()) << fault.name << ": " << row->points_lost;
       }
     }
+    // As stated: 95 of 100 are called what they are.
+    EXPECT_LE(20 * wrong_faults, with_words) << with_words << misnamed;
+    EXPECT_LE(20 * wrong_remedies, with_words) << with_words << misnamed;
   }
   EXPECT_EQ(graded_exercises, 1U);
 }
