@@ -64,7 +64,7 @@ async function blind(world) {
   await page.locator(".work-time", { hasText: /^0/ }).waitFor();
   await page.getByRole("button", { name: "Give this mark" }).click();
   await page.getByRole("heading", { level: 2, name: "Work 2" }).waitFor();
-  await page.getByRole("button", { name: "Work 1, marked" }).waitFor();
+  await page.getByRole("button", { name: "Work 1", exact: true, disabled: true }).waitFor();
   await page.keyboard.press("n");
   await page.getByRole("heading", { level: 2, name: "Work 3" }).waitFor();
   await page.keyboard.press("p");

@@ -44,7 +44,7 @@ export async function byPage(base, password) {
       await page.getByLabel(`Comment on ${title}`, { exact: true }).fill(mark.criteria[name].comment);
     }
     await page.getByRole("button", { name: "Give this mark" }).click();
-    await page.getByRole("button", { name: "Work 1, marked" }).waitFor();
+    await page.getByRole("button", { name: "Work 1", exact: true, disabled: true }).waitFor();
     await page.context().close();
   };
 
