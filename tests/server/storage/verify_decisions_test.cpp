@@ -155,9 +155,10 @@ TEST_F(VerifyDecisionsTest, ChangedCauseAndMotionOfARunAreFound) {
                   "UPDATE attempt_results SET cause = 'appeal' WHERE attempt = " + Id(graded_),
                   "result", graded_.Text(), "cause");
   ExpectEditFound("motions",
-                  "INSERT INTO motions (tenant, attempt, content, others, nearest_um, median_um, "
+                  "INSERT INTO motions (tenant, attempt, content, others, presets, preset_um, "
+                  "tremor_nm, still_ppm, late_ppm, gap_ppm, nearest_um, median_um, "
                   "size_um) SELECT 1, " +
-                      Id(graded_) + ", zeroblob(32), 3, 1, 2, 3",
+                      Id(graded_) + ", zeroblob(32), 3, 1, 1, 1, 1, 1, 1, 1, 2, 3",
                   "result", graded_.Text(), "motion");
 }
 
