@@ -11,7 +11,7 @@ namespace enamel::fidelity {
 // Marsaglia).
 class Random {
  public:
-  // What each number adds to the seed: Random(seed + n * kStep) goes on after n numbers.
+  // What each number adds to the seed: Random(seed + n * kStep) gives what Random(seed) gives after n numbers.
   static constexpr uint64_t kStep = 0x9e3779b97f4a7c15;
 
   explicit Random(uint64_t seed) : state_(seed) {}

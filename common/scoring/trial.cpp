@@ -51,7 +51,7 @@ std::vector<Trial::Item> Lost(const scene::Rubric& rubric, const ScoreResult& sc
     const double most = c.max_points * left;
     if (c.max_points > 0) all.push_back({c.name, c.title, most > 0 ? c.points / most : 0});
   }
-  // Of a metric that is asked for twice, the part that lost more.
+  // Where two criteria judge one metric: the one that lost more.
   for (const std::string& metric : CostlyCriteria(rubric, score)) {
     const auto worst = std::ranges::min_element(
         all, {}, [&](const Trial::Item& item) { return item.metric == metric ? item.share : 2; });

@@ -89,9 +89,8 @@ void DeclareInit(CommandGroup root) {
   cmd->footer(
       "To run several servers of one school, make the first with --database, --s3-endpoint,\n"
       "--s3-bucket, --s3-access-key, --key-bucket and --master-key. Copy station.crt, station.key\n"
-      "and ticket.key from its data folder, and the master key, to the next machine, and name "
-      "them\n"
-      "there:\n\n"
+      "and ticket.key from its data folder, and the master key, to the next machine, and name\n"
+      "them there:\n\n"
       "  enamel-server init --data /var/lib/enamel \\\n"
       "    --database \"postgresql://enamel@db/school?sslmode=verify-full\" \\\n"
       "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"

@@ -12,7 +12,7 @@ namespace enamel::server {
 
 // Where the bur has been in an attempt, from its ticks: for each column of kCell_um along the scene's
 // x and y, the lowest place of the bur's tip while it pressed on something. Solid stops the bur, so
-// the tooth is gone down to there.
+// it has cut the tooth down to there.
 class CutColumns {
  public:
   static constexpr int32_t kCell_um = 250;  // half a small bur's width
