@@ -63,6 +63,10 @@ export function borderline(works) {
   const cuts = Array.from({ length: 4000 }, () => cutOf(works.map(draw)))
     .filter(Number.isFinite)
     .sort((a, b) => a - b);
-  const at = (share) => cuts[Math.round(share * (cuts.length - 1))];
-  return { value: cutOf(works), low: at(0.025), high: at(0.975) };
+  const at = (share) => cuts[Math.min(cuts.length - 1, Math.max(0, Math.round(share * (cuts.length - 1))))];
+  // Where the server's own quantile of 2000 draws may be: four standard errors of a share, sqrt(p (1 - p) / n), of
+  // its draws and of these.
+  const noise = 4 * Math.sqrt(0.025 * 0.975 * (1 / 2000 + 1 / cuts.length));
+  const about = (share) => [at(share - noise), at(share + noise)];
+  return { value: cutOf(works), low: about(0.025), high: about(0.975) };
 }
