@@ -5,13 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "common/base/repeat_log.h"
 #include "common/base/result.h"
 #include "server/http/api.h"
 #include "server/http/message.h"
 #include "server/http/static_files.h"
 #include "server/http/wire/http_server.h"
 #include "server/http/wire/page_tls.h"
+#include "server/ops/repeat_log.h"
 
 namespace enamel::server::http {
 
@@ -41,7 +41,7 @@ struct ServerContext {
   std::optional<StaticFiles> files;
 
   const std::shared_ptr<Api> api;
-  RepeatLog refusals;
+  ops::RepeatLog refusals;
 
  private:
   boost::asio::awaitable<Response> AnswerKnown(Request request);

@@ -29,7 +29,7 @@ bool IsOurFault(const wire::Error& error) {
 
 Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
                        const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
-                       StorePool& pool, RepeatLog& refusals)
+                       StorePool& pool, ops::RepeatLog& refusals)
     : strand_(std::move(strand)),
       deadlines_(deadlines),
       pool_(pool),

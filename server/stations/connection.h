@@ -8,11 +8,11 @@
 #include <set>
 
 #include "common/base/log_request.h"
-#include "common/base/repeat_log.h"
 #include "common/protocol/frame.h"
 #include "server/net/deadline.h"
 #include "server/net/listener.h"
 #include "server/net/stream_socket.h"
+#include "server/ops/repeat_log.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
 
@@ -26,7 +26,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
   Connection(boost::asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
              const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
-             StorePool& pool, RepeatLog& refusals);
+             StorePool& pool, ops::RepeatLog& refusals);
 
   void Run(std::function<void()> on_end) override;
   // Sends the peer word that the server stops.
@@ -62,7 +62,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   const Strand strand_;
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
-  RepeatLog& refusals_;
+  ops::RepeatLog& refusals_;
   StreamSocket stream_;
   Deadline deadline_;
   protocol::FrameReader reader_;

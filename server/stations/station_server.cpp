@@ -70,7 +70,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   OtherSchools* const others;
   StorePool& pool;
   std::shared_ptr<SSL_CTX> tls;  // constant after Start
-  RepeatLog refusals;
+  ops::RepeatLog refusals;
   Listener listener;
 
   // Owned by the strand: looking for revoked stations.

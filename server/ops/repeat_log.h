@@ -8,7 +8,7 @@
 
 #include "common/base/mutex.h"
 
-namespace enamel {
+namespace enamel::server::ops {
 
 // Logs warnings without repeating them: what others can cause as often as they like would fill the
 // log. The first of a key makes a line. Repeats within the next minute are only counted; the next
@@ -40,4 +40,4 @@ class RepeatLog {
   std::map<std::string, Seen> seen_ ENAMEL_GUARDED_BY(mutex_);  // by key
 };
 
-}  // namespace enamel
+}  // namespace enamel::server::ops

@@ -1,4 +1,4 @@
-#include "common/base/repeat_log.h"
+#include "server/ops/repeat_log.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,7 +6,7 @@
 
 #include "common/base/utf8.h"
 
-namespace enamel {
+namespace enamel::server::ops {
 namespace {
 
 constexpr size_t kMaxLineBytes = 500;
@@ -42,4 +42,4 @@ void RepeatLog::ForgetOne() {
   }));
 }
 
-}  // namespace enamel
+}  // namespace enamel::server::ops

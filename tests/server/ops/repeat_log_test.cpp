@@ -1,10 +1,10 @@
-#include "common/base/repeat_log.h"
+#include "server/ops/repeat_log.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-namespace enamel {
+namespace enamel::server::ops {
 namespace {
 
 using namespace std::chrono_literals;
@@ -59,4 +59,4 @@ TEST(RepeatLogTest, ManyPeersAreForgottenOldestFirst) {
 }
 
 }  // namespace
-}  // namespace enamel
+}  // namespace enamel::server::ops
