@@ -54,7 +54,7 @@ bool HasHashedName(const std::string& path) {
 
 std::string CacheControl(const std::string& path) {
   // It names the other files by their hashes: kept, it would name those of an older page.
-  if (path == "/index.html") return "no-store";
+  if (path.ends_with("/index.html")) return "no-store";
   return HasHashedName(path) ? "public, max-age=31536000, immutable" : "no-cache";
 }
 
@@ -131,8 +131,14 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
 
 const StaticFiles::File* StaticFiles::Find(std::string_view path) const {
   if (auto found = files_.find(path); found != files_.end()) return &found->second;
+  if (!LooksLikePageAddress(path)) return nullptr;
   // The page's own router then finds the view, or says that there is none.
-  return LooksLikePageAddress(path) ? &files_.find("/index.html")->second : nullptr;
+  for (size_t end = path.rfind('/'); end != std::string_view::npos && end > 0;
+       end = path.rfind('/', end - 1)) {
+    const auto nearest = files_.find(std::string(path.substr(0, end)) + "/index.html");
+    if (nearest != files_.end()) return &nearest->second;
+  }
+  return &files_.find("/index.html")->second;
 }
 
 Response StaticFiles::Serve(const Request& request) const {

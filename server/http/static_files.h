@@ -19,8 +19,8 @@ bool Accepts(std::string_view list, std::string_view coding);
 //
 // `x.js.br` and `x.js.gz` are the compressed forms of `x.js`, chosen by Accept-Encoding. A hashed
 // name (`main-4XKQ7B2D.js`) may be cached forever; index.html never; browsers ask again for
-// anything else (ETag). Paths that look like no file (`/attempts/…`) are index.html: the page's own
-// addresses.
+// anything else (ETag). Paths that look like no file are the page's own addresses. They get the
+// index.html of the nearest folder above: `/attempts/x` that of `/attempts`, where it has one.
 //
 // Thread safety: const after Load. No I/O in Serve.
 class StaticFiles {

@@ -6,7 +6,7 @@
 //   node mock_server.mjs DIST [PORT]     to try the page by hand
 import { existsSync, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
-import { extname, join, normalize } from "node:path";
+import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import {
   conflict,
@@ -306,8 +306,10 @@ function parsed(bytes) {
 
 function pageFile(dist, request, path) {
   const file = normalize(join(dist, path));
+  const above = join(dirname(file), "index.html");
   const found =
-    file.startsWith(normalize(dist)) && existsSync(file) && statSync(file).isFile() ? file : join(dist, "index.html");
+    [file, above].find((each) => each.startsWith(normalize(dist)) && existsSync(each) && statSync(each).isFile()) ??
+    join(dist, "index.html");
   const packed = (request.headers["accept-encoding"] ?? "").includes("br") && existsSync(`${found}.br`);
   return {
     status: 200,

@@ -12,6 +12,7 @@ class StaticFilesTest : public testing::Test {
   StaticFilesTest() {
     secret_.Write("secret.txt", "secret");
     folder_.Write("index.html", "<!doctype html>page");
+    folder_.Write("attempts/index.html", "<!doctype html>one attempt");
     folder_.Write("assets/main-4XKQ7B2D.js", "plain script");
     folder_.Write("assets/main-4XKQ7B2D.js.br", "brotli");
     folder_.Write("assets/main-4XKQ7B2D.js.gz", "gzip");
@@ -47,12 +48,16 @@ TEST_F(StaticFilesTest, HashedNamesAreCachedForEverAndIndexNever) {
   EXPECT_EQ(HeaderOf(script, "Cache-Control"), "public, max-age=31536000, immutable");
   Response index = Get("/index.html");
   EXPECT_EQ(HeaderOf(index, "Cache-Control"), "no-store");
+  EXPECT_EQ(HeaderOf(Get("/attempts/x"), "Cache-Control"), "no-store");
   EXPECT_EQ(HeaderOf(Get("/favicon.svg"), "Cache-Control"), "no-cache");
 }
 
-TEST_F(StaticFilesTest, PageAddressesAreTheIndex) {
-  for (const char* path : {"/", "/attempts", "/attempts/0190a5b0-0000-7000-8000-000000000000"}) {
+TEST_F(StaticFilesTest, PageAddressesAreTheIndexOfTheNearestFolder) {
+  for (const char* path : {"/", "/attempts", "/exercises/0190a5b0-0000-7000-8000-000000000000"}) {
     EXPECT_EQ(Get(path).Body(), "<!doctype html>page") << path;
+  }
+  for (const char* path : {"/attempts/0190a5b0-0000-7000-8000-000000000000", "/attempts/x/y"}) {
+    EXPECT_EQ(Get(path).Body(), "<!doctype html>one attempt") << path;
   }
 }
 
