@@ -120,7 +120,7 @@ export async function openAttempt(browser, { slower = kSlower, seeks = 100, atte
   await slowDown(session, slower);
   await page.goto(`/attempts/${attempt}`, { waitUntil: "commit" });
   await page.locator(".tooth-frame[data-tooth=fine]").waitFor();
-  const { coarse, fine } = await page.evaluate(() => globalThis.seen.tooth);
+  const { fine, coarse = fine } = await page.evaluate(() => globalThis.seen.tooth);
   await page.locator(".playback[data-shown]").waitFor();
   await page.waitForLoadState("networkidle");
   const seconds = (ms) => Math.round(ms / 10) / 100;
