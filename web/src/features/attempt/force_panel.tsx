@@ -3,7 +3,7 @@ import { wordedTitle } from "../../api/builtin_words";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { downloadFile, fileName } from "../../base/download";
-import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
+import { formatDuration, formatFixed, formatMoment, formatQuantity, unitText } from "../../base/format";
 import { say } from "../../base/words";
 import type { FilmLink } from "../../tooth/link";
 import type { ModelFormat } from "../../tooth/messages";
@@ -23,7 +23,10 @@ import { kZoomStep, panned, showing, type View, zoomed } from "./view";
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
-const kHeightPx = window.innerHeight < 800 ? 112 : 178;
+const kLow = window.innerHeight < 800;
+const kHeightPx = kLow ? 112 : 178;
+// Of an axis, along which a low plot has no room for words; its lines are named below.
+const axisTitle = (title: string, unit: string): string => (kLow ? unitText(unit) : title);
 
 export function ForcePanel({ review }: { readonly review: Review }) {
   const { loaded, reload } = review.series;
@@ -152,8 +155,8 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
           key="series"
           timeS={series.t_s}
           lines={lines}
-          leftTitle={say("force.force_n")}
-          rightTitle={say("force.removed_mm3")}
+          leftTitle={axisTitle(say("force.force_n"), "n")}
+          rightTitle={axisTitle(say("force.removed_mm3"), "mm3")}
           label={text}
           cursor={at}
           onCursor={onCursor}
@@ -166,8 +169,8 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
           close={close}
           timeS={timeS}
           onTime={onTime}
-          leftTitle={say("force.force_n")}
-          rightTitle={say("force.removed_mm3")}
+          leftTitle={axisTitle(say("force.force_n"), "n")}
+          rightTitle={axisTitle(say("force.removed_mm3"), "mm3")}
           label={`${text} ${shownText}`}
           onAxis={align}
           {...moved}
@@ -177,8 +180,8 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
         <TimePlot
           timeS={series.t_s}
           lines={moreLines}
-          leftTitle={say("force.speed")}
-          rightTitle={say("force.removed_mm3")}
+          leftTitle={axisTitle(say("force.speed"), "mm/s")}
+          rightTitle={axisTitle(say("force.removed_mm3"), "mm3")}
           label={moreText(moreLines)}
           cursor={at}
           onCursor={onCursor}
@@ -190,8 +193,8 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
         <TimePlot
           timeS={series.t_s}
           lines={deepLines}
-          leftTitle={say("force.depth_mm")}
-          rightTitle={say("force.pulp_mm")}
+          leftTitle={axisTitle(say("force.depth_mm"), "mm")}
+          rightTitle={axisTitle(say("force.pulp_mm"), "mm")}
           label={moreText(deepLines)}
           cursor={at}
           onCursor={onCursor}
