@@ -193,15 +193,23 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
   handle.current = review;
   useEffect(() => onDone(done), [done, onDone]);
   // The tooth first: it is drawn elsewhere while these are made.
-  const step = useSteps(review.begun, 3);
+  const step = useSteps(review.begun, 4);
   return (
     <>
       <div class="attempt-grid">
         <Judgement review={review} onChanged={onChanged} soon={step < 1} />
-        {review.removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <Replay review={review} />}
+        {review.removed ? (
+          <RemovedRecording removedMs={attempt.recording_removed_ms} />
+        ) : (
+          <Replay review={review} plots={step >= 2} />
+        )}
       </div>
-      {step >= 2 && <Details review={review} />}
-      {step >= 3 && scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+      {step >= 3 && (
+        <div class="below">
+          <Details review={review} />
+          {step >= 4 && scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+        </div>
+      )}
     </>
   );
 }
@@ -281,7 +289,7 @@ function Judgement({ review, onChanged, soon }: JudgementProps) {
 }
 
 // Picture and plots.
-function Replay({ review }: { readonly review: Review }) {
+function Replay({ review, plots }: { readonly review: Review; readonly plots: boolean }) {
   const { beyondS, endS } = review;
   return (
     <div class="review">
@@ -303,7 +311,7 @@ function Replay({ review }: { readonly review: Review }) {
         )}
         <ToothPanel review={review} />
       </div>
-      <ForcePanel review={review} />
+      {plots && <ForcePanel review={review} />}
     </div>
   );
 }

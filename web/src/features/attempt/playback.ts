@@ -38,13 +38,14 @@ export class Playback {
   position = 0; // frames of the tooth that is shown or being made
   wanted = 0; // frames of the tooth that was asked for last
   head: Head | undefined;
+  readonly moves = new Set<() => void>(); // called when another moment is shown
   readonly gaps: Uint32Array[] = []; // by segment: ticks that passed before each frame's end and were not recorded
   readonly film: FilmLink | undefined; // undefined: this browser draws none
   private readonly abort = new AbortController();
   private readonly headCame = new Wait<Head | undefined>(); // undefined: it cannot be read
   private readonly endSeen = new Wait<void>();
 
-  // `changed` is called whenever state, position or what is loaded has changed.
+  // `changed` is called whenever the state or what is loaded has changed.
   constructor(
     private readonly client: Client,
     private readonly attempt: string,
@@ -147,7 +148,8 @@ export class Playback {
         if (told.frames === this.position && told.tissues.length === this.tissues.length) return;
         this.position = told.frames;
         this.tissues = told.tissues;
-        break;
+        for (const moved of this.moves) moved();
+        return;
       case "failed":
         this.headCame.end(undefined);
         this.state = { state: "failed", error: this.malformed(told.message) };

@@ -19,6 +19,7 @@ import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
 import type { ToothChoices } from "./tooth_choices";
 import { Closer, ToothTools } from "./tooth_tools";
+import { useMoves } from "./use_moves";
 import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
 import type { Review } from "./use_review";
@@ -27,6 +28,7 @@ const kPathSeconds = 3; // of the tool's way drawn behind it
 
 export function ToothPanel({ review }: { readonly review: Review }) {
   const { control, surface } = review;
+  useMoves(control?.playback);
   if (control === undefined) return null;
   const { playback } = control;
   const { state } = playback.state;

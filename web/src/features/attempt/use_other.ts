@@ -6,6 +6,7 @@ import { FrameClock } from "./clock";
 import { momentInOther, type Sync } from "./compare";
 import type { PathMatch } from "./path_sync";
 import { Playback } from "./playback";
+import { useMoves } from "./use_moves";
 
 // Another attempt that this one is compared with, kept at the moment that belongs to this one's.
 export interface Other {
@@ -29,6 +30,7 @@ export function useOther(
     () => (id === undefined ? undefined : new Playback(client, id, () => redraw((n) => n + 1))),
     [client, id],
   );
+  useMoves(playback);
   useEffect(() => {
     void playback?.load();
     return () => playback?.dispose();

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { downloadFile } from "../../base/download";
 import { say } from "../../base/words";
+import { useMoves } from "./use_moves";
 import type { PlaybackControl } from "./use_playback";
 
 // The playback as a video (WebM), made by the browser from the picture as it is looked at: the file has what was seen.
@@ -44,6 +45,7 @@ export function VideoButton({ control, picture, fileName }: Props) {
     };
   }, [recorder]);
 
+  useMoves(control.playback);
   // Paused, or at the end: then once the end is drawn.
   const { wanted, position, frames } = control.playback;
   const over = !control.playing && (wanted < frames || position === frames);
