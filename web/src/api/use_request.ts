@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { ApiError, ApiResult } from "./http";
 
 export type Loaded<T> =
@@ -26,7 +26,8 @@ export function useRequest<T>(
   const latestAsk = useRef(ask);
   latestAsk.current = ask;
 
-  useEffect(() => {
+  // Before the page is painted: where the answer was asked for ahead, nobody sees that it was waited for.
+  useLayoutEffect(() => {
     if (key === undefined) return undefined;
     const abort = new AbortController();
     void latestAsk.current(abort.signal).then((result) => {

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { useLayoutEffect, useState } from "preact/hooks";
 import { loadWords, say } from "../base/words";
 import { ErrorNotice, Loading } from "./basics";
 
@@ -30,7 +30,7 @@ export function part<Part>(name: Parameters<typeof loadWords>[0], load: () => Pr
   };
   function LoadedPart({ show }: Props<Part>) {
     const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">(there ?? "loading");
-    useEffect(() => {
+    useLayoutEffect(() => {
       // Another language may be spoken than when it was loaded.
       Promise.all([begin(), loadWords(name)]).then(
         ([part]) => {
