@@ -15,6 +15,7 @@ const web = fileURLToPath(new URL("..", import.meta.url));
 const kCompressible = /\.(html|js|css|svg|json|txt)$/;
 const kMinimumCompressed = 512;
 const kMain = "src/app/main.tsx";
+const kBegin = "src/app/begin.ts";
 
 function outputFolder(args) {
   const at = args.indexOf("--out");
@@ -70,7 +71,8 @@ async function scripts(out, entryPoints, options) {
   const withImports = (path) => {
     const seen = new Set([path]);
     for (const each of seen)
-      for (const item of outputs[each].imports) if (item.kind === "import-statement") seen.add(item.path);
+      for (const item of outputs[each].imports)
+        if (item.kind === "import-statement" && item.external !== true) seen.add(item.path);
     return [...seen].map((each) => basename(each));
   };
   const entries = {};
@@ -96,7 +98,7 @@ function loadedWith(inputs, entry) {
 
 // The page's sources by the part that needs them: the first, which is loaded before anybody signs in, and each that
 // is loaded when somebody comes to it.
-async function sourcesOfParts(options) {
+async function sourcesOfParts(options, fromBegin) {
   const { metafile } = await build({
     ...options,
     entryPoints: [kMain],
@@ -108,7 +110,7 @@ async function sourcesOfParts(options) {
     write: false,
     absWorkingDir: web,
     logLevel: "silent",
-    plugins: [wordsByPart({})],
+    plugins: [fromBegin, wordsByPart({})],
   });
   const lazy = Object.values(metafile.inputs).flatMap((input) =>
     input.imports
@@ -147,6 +149,7 @@ function inTwoFiles({ first, lazy }) {
 
 // The worker first, and whole in one file: the page must know its name, and it imports nothing from
 // elsewhere. Before it what it loads for sections, whole as well: parts that both have would be a file more to wait for.
+// The page's first script is whole for the same reason.
 async function bundle(out) {
   const [kWorker, kOpened] = ["src/tooth/worker.ts", "src/tooth/opened.ts"];
   const address = (entries, source) => JSON.stringify(`/assets/${entries[source][0]}`);
@@ -155,18 +158,23 @@ async function bundle(out) {
     define: { kOpenedAddress: address(opened, kOpened) },
     external: ["/assets/*"],
   });
-  const options = {
-    splitting: true,
-    jsx: "automatic",
-    jsxImportSource: "preact",
-    define: { kToothWorkerAddress: address(worker, kWorker) },
+  const begin = await scripts(out, [kBegin], { define: { kToothWorkerAddress: address(worker, kWorker) } });
+  const options = { splitting: true, jsx: "automatic", jsxImportSource: "preact" };
+  const fromBegin = {
+    name: "begin",
+    setup: ({ onResolve }) =>
+      onResolve({ filter: /^\.\/begin$/ }, () => ({ path: `/assets/${begin[kBegin][0]}`, external: true })),
   };
-  const sources = await sourcesOfParts(options);
-  return scripts(
+  const sources = await sourcesOfParts(options, fromBegin);
+  const page = await scripts(
     out,
     { app: kMain, style: "src/app/style.css" },
-    { ...options, plugins: [wordsByPart(wordsOfParts(sources), shortKeys(pageSources()), inTwoFiles(sources))] },
+    {
+      ...options,
+      plugins: [fromBegin, wordsByPart(wordsOfParts(sources), shortKeys(pageSources()), inTwoFiles(sources))],
+    },
   );
+  return { ...page, ...begin };
 }
 
 // Everything under assets/ is cached for ever, so every name there changes with the content.
@@ -178,10 +186,11 @@ function copyHashed(name, extension, out) {
 }
 
 // All that the first script needs is named here, so that it comes with it and not after it; and what a part needs
-// (widgets/part.tsx).
-function indexHtml(entries, icon) {
+// (widgets/part.tsx). `soon`: the part that every address with this page shows.
+function indexHtml(entries, icon, soon) {
   const [script, ...first] = entries[kMain];
-  const ahead = first.map((file) => `<link rel="modulepreload" href="/assets/${file}">\n`).join("");
+  const loaded = [...first, ...(soon === undefined ? [] : entries[soon])].filter((file) => file !== script);
+  const ahead = [...new Set(loaded)].map((file) => `<link rel="modulepreload" href="/assets/${file}">\n`).join("");
   const parts = Object.entries(entries)
     .filter(([entry]) => entry.startsWith("src/") && entry.endsWith(".tsx") && entry !== kMain)
     .map(([entry, files]) => [basename(entry, ".tsx"), files.filter((file) => !entries[kMain].includes(file))])
@@ -199,6 +208,7 @@ function indexHtml(entries, icon) {
 <title>Enamel</title>
 <link rel="icon" href="/assets/${icon}" type="image/svg+xml">
 <link rel="stylesheet" href="/assets/${entries["src/app/style.css"][0]}">
+<script type="module" async src="/assets/${entries[kBegin][0]}"></script>
 <script type="module" src="/assets/${script}"></script>
 ${ahead}${parts}</head>
 <body>
@@ -244,6 +254,8 @@ mkdirSync(join(out, "assets"), { recursive: true });
 const entries = await bundle(out);
 const icon = copyHashed("favicon", ".svg", out);
 writeFileSync(join(out, "index.html"), indexHtml(entries, icon));
+mkdirSync(join(out, "attempts"));
+writeFileSync(join(out, "attempts/index.html"), indexHtml(entries, icon, "src/features/attempt/attempt_page.tsx"));
 for (const path of filesUnder(out)) compress(path);
 report(out);
 replace(folder, out);

@@ -77,7 +77,13 @@ test("only generated API types come from outside src, and only into api/types.ts
 });
 
 // The page's end of the worker, and what both show in the same colours.
-const kOfThePage = ["tooth/link", "tooth/deviation_scale", "tooth/line_colors", "tooth/tissue_color"];
+const kOfThePage = [
+  "tooth/link",
+  "tooth/start_worker",
+  "tooth/deviation_scale",
+  "tooth/line_colors",
+  "tooth/tissue_color",
+];
 
 test("what reads and draws teeth runs in the worker, and the page loads nothing of it", () => {
   for (const item of imports) {

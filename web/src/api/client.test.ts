@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Client, kFirstBytes } from "./client";
+import { askFirst, kFirstBytes } from "./ahead";
+import { Client } from "./client";
 
 interface Call {
   readonly path: string;
@@ -10,18 +11,16 @@ interface Call {
 function clientThatGets(answers: Array<Response | Error>) {
   const calls: Call[] = [];
   let lost = 0;
-  const client = new Client(
-    () => {
-      ++lost;
-    },
-    async (path, init) => {
-      calls.push({ path, init });
-      const answer = answers.shift();
-      if (answer === undefined || answer instanceof Error) throw answer ?? new Error("no answer prepared");
-      return answer;
-    },
-  );
-  return { client, calls, lost: () => lost };
+  const send = async (path: string, init: RequestInit) => {
+    calls.push({ path, init });
+    const answer = answers.shift();
+    if (answer === undefined || answer instanceof Error) throw answer ?? new Error("no answer prepared");
+    return answer;
+  };
+  const client = new Client(() => {
+    ++lost;
+  }, send);
+  return { client, calls, send, lost: () => lost };
 }
 
 const refusal = (status: number, code: string) =>
@@ -77,7 +76,7 @@ test("no answer, a body that is no JSON and all of a file where a part was asked
 });
 
 test("what is asked ahead is given out once, and not to whoever signs in next", async () => {
-  const { client, calls } = clientThatGets([
+  const { client, calls, send } = clientThatGets([
     Response.json({ person: {}, csrf: "a" }),
     Response.json({ id: "x" }),
     new Response("ENTT", { status: 206 }),
@@ -85,7 +84,7 @@ test("what is asked ahead is given out once, and not to whoever signs in next", 
     Response.json({ person: {}, csrf: "b" }),
     Response.json({ id: "x" }),
   ]);
-  client.beginWith("x");
+  askFirst(client.http.ahead, send, "x");
   assert.equal(calls.length, 4);
   assert.ok((await client.currentSession()).ok);
   const part = await client.timeline("x", 0, kFirstBytes);

@@ -1,3 +1,4 @@
+import { type Ahead, attemptPath, scorePath, timelinePath } from "./ahead";
 import { checkSeries, checkTicks } from "./series";
 import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { MarkingApi } from "./marking";
@@ -30,10 +31,7 @@ export interface AttemptQuery {
   readonly limit?: number | undefined;
 }
 
-// Of a timeline: the coarse tooth of every attempt that was looked at, and the fine one of most class I cavities.
-export const kFirstBytes = 65_536;
-
-interface Ahead {
+interface NextOne {
   readonly id: string;
   series: Promise<ApiResult<Series>> | undefined;
 }
@@ -48,10 +46,11 @@ export class Client {
   readonly profiles: ProfilesApi;
   readonly operations: OperationsApi;
   readonly http: Http; // for what only one page asks
-  private ahead: Ahead | undefined; // of one attempt at most
+  private ahead: NextOne | undefined; // of one attempt at most
 
-  constructor(sessionLost: () => void, send?: Fetch) {
-    this.http = new Http(sessionLost, send);
+  // `ahead`: what was asked for before this was there.
+  constructor(sessionLost: () => void, send?: Fetch, ahead?: Ahead) {
+    this.http = new Http(sessionLost, send, ahead);
     this.teaching = new TeachingApi(this.http);
     this.marking = new MarkingApi(this.http);
     this.people = new PeopleApi(this.http);
@@ -60,17 +59,8 @@ export class Client {
     this.operations = new OperationsApi(this.http);
   }
 
-  // Asks for what will be wanted first: the session, and the tooth, where an attempt is to be shown.
-  beginWith(attempt: string | undefined): void {
-    this.http.askAhead("/session");
-    if (attempt === undefined) return;
-    this.http.askAhead(attemptPath(attempt));
-    this.http.askAhead(timelinePath(attempt), { range: [0, kFirstBytes], kept: true });
-    this.http.askAhead(scorePath(attempt), { kept: true });
-  }
-
   async signIn(login: string, password: string): Promise<ApiResult<Session>> {
-    this.http.forgetAhead();
+    this.http.ahead.forget();
     return this.keepCsrf(
       await this.http.json<Session>("POST", "/session", { body: { login, password }, signingIn: true }),
     );
@@ -132,7 +122,7 @@ export class Client {
   readAhead(id: string): void {
     if (this.ahead?.id !== id) this.ahead = { id, series: this.askSeries(id) };
   }
-  private takeAhead(id: string): Ahead["series"] {
+  private takeAhead(id: string): NextOne["series"] {
     if (this.ahead?.id !== id) return undefined;
     const found = this.ahead.series;
     this.ahead.series = undefined;
@@ -168,12 +158,5 @@ export class Client {
   }
 }
 
-const scorePath = (id: string) => `${attemptPath(id)}/score`;
 // A tar archive that proves the score without this server (schemas/result.md, "Files").
 export const signedResultAddress = (id: string) => `/api/v1${attemptPath(id)}/signed-result`;
-
-const timelinePath = (id: string) => `${attemptPath(id)}/timeline`;
-
-function attemptPath(id: string): string {
-  return `/attempts/${segment(id)}`;
-}

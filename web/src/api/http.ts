@@ -1,7 +1,12 @@
 import { fail, ok, type Result } from "../base/result";
 import { say, sayIf } from "../base/words";
 import { spokenLanguage } from "../base/language";
+import { Ahead } from "./ahead";
+import { apiAddress, type Fetch, type Method, type RequestOptions, requestInit, sendByFetch } from "./request_init";
 import type { ErrorCode } from "./types";
+
+export { segment } from "./ahead";
+export type { Fetch, Method, RequestOptions } from "./request_init";
 
 // Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page
 // does not understand; otherwise the server's own code and sentence.
@@ -28,18 +33,6 @@ export interface Page<T> {
   readonly next: string | null; // cursor of the page after this one
 }
 
-export interface RequestOptions {
-  readonly body?: unknown; // sent as JSON; with `type` as it is
-  readonly type?: string | undefined;
-  readonly tag?: string | undefined; // If-Match
-  readonly signal?: AbortSignal | undefined;
-  readonly range?: readonly [number, number]; // bytes: from, to before
-  readonly kept?: boolean; // may come from the browser's cache, as the server says
-  readonly signingIn?: boolean; // a missing session is an answer here, not a loss
-}
-
-export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
-export type Fetch = (path: string, init: RequestInit) => Promise<Response>;
 export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
 
 const kMostRows = 200; // that the server gives in a page
@@ -66,14 +59,14 @@ export async function readAll<T>(
 // Result. `sessionLost` is called when a request needs a session and the server reports none.
 export class Http {
   csrf = ""; // the session's; empty while signed out
-  private readonly begun = new Map<string, Promise<Response>>(); // by path and range
   // Asks the person for the password again, where the server wants that for a change; true when it
   // was given, and the change is then sent once more.
   confirmPassword: () => Promise<boolean> = async () => false;
 
   constructor(
     private readonly sessionLost: () => void,
-    private readonly send: Fetch = (path, init) => fetch(path, init),
+    private readonly send: Fetch = sendByFetch,
+    readonly ahead = new Ahead(),
   ) {}
 
   async json<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<T>> {
@@ -136,23 +129,6 @@ export class Http {
     return response.ok ? ok(undefined) : response;
   }
 
-  // Sends a request whose answer will be wanted soon; it is given out once.
-  askAhead(path: string, options: RequestOptions = {}): void {
-    const answer = this.send(`/api/v1${path}`, this.init("GET", options));
-    answer.catch(() => undefined); // whoever wants it is told
-    this.begun.set(aheadKey(path, options), answer);
-  }
-  // What was asked for belongs to somebody who is not here any more.
-  forgetAhead(): void {
-    this.begun.clear();
-  }
-  private takeAhead(method: Method, path: string, options: RequestOptions): Promise<Response> | undefined {
-    const key = aheadKey(path, options);
-    const answer = method === "GET" ? this.begun.get(key) : undefined;
-    this.begun.delete(key);
-    return answer;
-  }
-
   private async request(
     method: Method,
     path: string,
@@ -160,8 +136,8 @@ export class Http {
     confirmed = false,
   ): Promise<ApiResult<Response>> {
     try {
-      const response = await (this.takeAhead(method, path, options) ??
-        this.send(`/api/v1${path}`, this.init(method, options)));
+      const response = await ((method === "GET" ? this.ahead.take(path, options) : undefined) ??
+        this.send(apiAddress(path), requestInit(method, options, this.csrf)));
       if (response.ok) return ok(response);
       if (response.status === 401 && options.signingIn !== true) this.sessionLost();
       const error = await refusal(response);
@@ -171,26 +147,7 @@ export class Http {
       return fail(unreachable(options.signal));
     }
   }
-
-  private init(method: Method, { body, type, tag, signal, range, kept }: RequestOptions): RequestInit {
-    const headers: Record<string, string> = {};
-    if (body !== undefined) headers["Content-Type"] = type ?? "application/json";
-    if (method !== "GET" && this.csrf !== "") headers["X-Enamel-Csrf"] = this.csrf;
-    if (tag !== undefined) headers["If-Match"] = tag;
-    if (range !== undefined) headers["Range"] = `bytes=${range[0]}-${range[1] - 1}`;
-    const init: RequestInit = {
-      method,
-      headers,
-      credentials: "same-origin",
-      cache: kept === true ? "default" : "no-store",
-    };
-    if (body !== undefined) init.body = type === undefined ? JSON.stringify(body) : (body as BodyInit);
-    if (signal !== undefined) init.signal = signal;
-    return init;
-  }
 }
-
-const aheadKey = (path: string, { range }: RequestOptions) => `${path} ${range?.join("-") ?? ""}`;
 
 // "?a=1&b=2" of what is given; empty when nothing is.
 export function queryText(query: Query): string {
@@ -205,10 +162,6 @@ export function queryText(query: Query): string {
 // The ETag of a thing that came in a list, from its revision.
 export function tagOf(revision: number): string {
   return `"${revision}"`;
-}
-
-export function segment(text: string): string {
-  return encodeURIComponent(text);
 }
 
 export function understood<T>(result: Result<T, string>): ApiResult<T> {

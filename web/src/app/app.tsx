@@ -17,8 +17,9 @@ import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
 import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
-import { studio } from "../tooth/link";
+import { drawTeethWith } from "../tooth/link";
 import { part } from "../widgets/part";
+import { answers, toothWorker } from "./begin";
 import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
 import { homePath, navigation, parseRoute, type Route } from "./routes";
@@ -32,10 +33,15 @@ type SessionState =
   | { readonly state: "in"; readonly person: Person; readonly language: LanguageChoice; readonly mustChange: boolean };
 
 const session = signal<SessionState>({ state: "unknown" });
-const client = new Client(() => {
-  if (session.value.state !== "in") return;
-  session.value = { state: "out", notice: say("session.ended") };
-});
+drawTeethWith(toothWorker);
+const client = new Client(
+  () => {
+    if (session.value.state !== "in") return;
+    session.value = { state: "out", notice: say("session.ended") };
+  },
+  undefined,
+  answers,
+);
 
 // The question for the password that is open, if any, and who waits for its answer.
 const confirming = signal<((confirmed: boolean) => void) | undefined>(undefined);
@@ -50,18 +56,16 @@ client.onConfirmPassword(
     }),
 );
 
-// Everything that the address shows is asked for at once: each answer takes as long as the network is long. Returns the
-// parts whose words it needs.
-export function askAhead(): ("attempt_page" | "exercise_page")[] {
+// Begins what the address shows. Returns the parts whose words it needs.
+export function beginParts(): ("attempt_page" | "exercise_page")[] {
   const route = parseRoute(location.value);
-  client.beginWith(route.name === "attempt" ? route.id : undefined);
   if (route.name !== "attempt" && route.name !== "exercise") return [];
-  try {
-    studio();
-  } catch {
-    // Told where the tooth would be.
-  }
-  (route.name === "attempt" ? OneAttempt : OneExercise).begin().catch(() => undefined); // told when it is to be shown
+  const { id } = route;
+  const begun =
+    route.name === "attempt"
+      ? OneAttempt.begin().then(({ beginPlayback }) => beginPlayback(client, id))
+      : OneExercise.begin();
+  begun.catch(() => undefined); // told when it is to be shown
   return [`${route.name}_page`];
 }
 

@@ -229,36 +229,18 @@ export class ScreenLink {
   }
 }
 
-// What the build puts in: the address of the worker's script, whose name changes with its content.
-declare const kToothWorkerAddress: string;
-
-interface TrustedTypePolicies {
-  createPolicy(
-    name: string,
-    rules: { createScriptURL: (address: string) => string },
-  ): { createScriptURL(address: string): unknown };
-}
-
-// The server's Content-Security-Policy names this policy and no other (server/http/site.cpp), once:
-// no other script can run as a worker, even on a page that was tampered with.
-const kPolicyName = "enamel-worker";
-let trusted: unknown;
-function workerAddress(): string | URL {
-  const policies = (globalThis as { trustedTypes?: TrustedTypePolicies }).trustedTypes;
-  if (policies === undefined) return kToothWorkerAddress;
-  trusted ??= policies.createPolicy(kPolicyName, { createScriptURL: onlyWorker }).createScriptURL(kToothWorkerAddress);
-  return trusted as URL;
-}
-function onlyWorker(address: string): string {
-  if (address !== kToothWorkerAddress) throw new TypeError(`only ${kToothWorkerAddress} runs as a worker`);
-  return address;
+let newWorker: () => Worker = () => {
+  throw new Error("nothing starts workers here");
+};
+// What starts the worker; the page says it before anything is drawn.
+export function drawTeethWith(start: () => Worker): void {
+  newWorker = start;
 }
 
 let only: StudioLink | undefined;
 
 // The one of this page, which starts its worker. Throws where the browser refuses workers.
 export function studio(): StudioLink {
-  if (only === undefined || only.lost)
-    only = new StudioLink(new Worker(workerAddress(), { type: "module" }) as unknown as StudioPort);
+  if (only === undefined || only.lost) only = new StudioLink(newWorker() as unknown as StudioPort);
   return only;
 }

@@ -32,6 +32,8 @@ import { Closer } from "./tooth_tools";
 import { playbackKeys } from "./use_playback";
 import { type Review, type Reviewed, useReview } from "./use_review";
 
+export { beginPlayback } from "./playback";
+
 const kPollMs = 1500;
 
 interface Props {

@@ -1,4 +1,5 @@
-import { type Client, kFirstBytes } from "../../api/client";
+import { kFirstBytes } from "../../api/ahead";
+import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import { say } from "../../base/words";
 import { type FilmLink, studio } from "../../tooth/link";
@@ -29,6 +30,29 @@ class Wait<T> {
   });
 }
 
+export const kToothFirstMs = 1500; // what comes after the coarse tooth waits for its picture, and no longer than this
+
+// Begun before the page that shows it is there; of one attempt at most.
+let begun: { readonly client: Client; readonly attempt: string; readonly playback: Playback } | undefined;
+
+export function beginPlayback(client: Client, attempt: string): void {
+  begun?.playback.dispose();
+  const playback = new Playback(client, attempt, () => undefined);
+  begun = { client, attempt, playback };
+  void playback.load(kToothFirstMs);
+}
+
+// The one that was begun, given out once; else a new one. `changed`: as the constructor's.
+export function playbackOf(client: Client, attempt: string, changed: () => void): Playback {
+  const ahead = begun;
+  if (ahead?.client !== client || ahead.attempt !== attempt) return new Playback(client, attempt, changed);
+  begun = undefined;
+  // Refused perhaps because nobody was signed in yet.
+  if (ahead.playback.state.state === "failed") return new Playback(client, attempt, changed);
+  ahead.playback.changed = changed;
+  return ahead.playback;
+}
+
 export class Playback {
   state: PlaybackState = { state: "loading" };
   deviation: DeviationState = { state: "loading" };
@@ -41,15 +65,17 @@ export class Playback {
   readonly moves = new Set<() => void>(); // called when another moment is shown
   readonly gaps: Uint32Array[] = []; // by segment: ticks that passed before each frame's end and were not recorded
   readonly film: FilmLink | undefined; // undefined: this browser draws none
+  private asked = false; // for its bytes
   private readonly abort = new AbortController();
   private readonly headCame = new Wait<Head | undefined>(); // undefined: it cannot be read
+  private readonly coarseSeen = new Wait<void>();
   private readonly endSeen = new Wait<void>();
 
   // `changed` is called whenever the state or what is loaded has changed.
   constructor(
     private readonly client: Client,
     private readonly attempt: string,
-    private readonly changed: () => void,
+    public changed: () => void,
   ) {
     try {
       this.film = studio().film((told) => this.told(told));
@@ -75,19 +101,27 @@ export class Playback {
     return this.position < this.frames;
   }
 
-  // Once more while the state is "waiting".
-  async load(): Promise<void> {
-    if (this.film === undefined) return;
-    const error = (await this.part(0, kFirstBytes)) ?? (await this.rest());
+  // Something of it was drawn.
+  seen(): void {
+    this.coarseSeen.end();
+  }
+
+  // Once more while the state is "waiting". `patienceMs`: for the picture of the coarse tooth, before more is asked for.
+  async load(patienceMs = 0): Promise<void> {
+    if (this.film === undefined || this.asked) return;
+    this.asked = true;
+    const error = (await this.part(0, kFirstBytes)) ?? (await this.rest(patienceMs));
     if (error === undefined || this.abort.signal.aborted) return;
+    this.asked = false;
     const waits = error.code === "unavailable" && this.head === undefined;
     this.state = waits ? { state: "waiting", message: error.message } : { state: "failed", error };
     this.changed();
   }
   // What the end needs, then all else.
-  private async rest(): Promise<ApiError | undefined> {
+  private async rest(patienceMs: number): Promise<ApiError | undefined> {
     const head = await this.headCame.over;
     if (head === undefined) return undefined;
+    await Promise.race([this.coarseSeen.over, new Promise((resolve) => setTimeout(resolve, patienceMs))]);
     const error = head.endsAt > kFirstBytes ? await this.part(kFirstBytes, head.endsAt) : undefined;
     if (error !== undefined) return error;
     await this.endSeen.over;

@@ -4,7 +4,7 @@ import { say } from "../../base/words";
 import type { Key } from "../../widgets/keys";
 import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { FrameClock } from "./clock";
-import { Playback } from "./playback";
+import { type Playback, playbackOf } from "./playback";
 
 const kAskAgainMs = 5000;
 const kTellMs = 250; // the plots follow four times a second
@@ -45,7 +45,7 @@ export function usePlayback(
 ): PlaybackControl | undefined {
   const [changes, redraw] = useState(0);
   const playback = useMemo(
-    () => (attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1))),
+    () => (attempt === undefined ? undefined : playbackOf(client, attempt, () => redraw((n) => n + 1))),
     [client, attempt, made],
   );
   const [playing, setPlaying] = useState(false);

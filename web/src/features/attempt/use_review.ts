@@ -11,10 +11,10 @@ import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { seriesEndS, stepAt } from "./clock";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { nextMark, spansOf } from "./spans";
+import { kToothFirstMs } from "./playback";
 import { usePlayback } from "./use_playback";
 
 const kBeyondS = 0.05; // an address has hundredths; less is rounding
-const kToothFirstMs = 1500;
 const kNoRemarks: readonly Annotation[] = [];
 
 // The attempt under review, and the reviewer.
@@ -50,7 +50,7 @@ export function useReview(reviewed: Reviewed) {
   // A release changes the answers that a student gets, a new score those for everybody.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
-  const [begun, setBegun] = useState(false); // something of the tooth is there: it comes first
+  const [begun, setBegun] = useState(false); // something of the tooth was drawn: it comes first
   const series = useRequest(removed || !begun ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
@@ -59,9 +59,7 @@ export function useReview(reviewed: Reviewed) {
   const draft = useMemo(() => draftOf(remarkTo(id)), [id]);
   const moment = useMoment(client, removed ? undefined : id, key, recorded, draft?.seconds);
   const { momentS, control, setTimeS, setCursor } = moment;
-  const there =
-    removed ||
-    (control !== undefined && (control.playback.detail !== "none" || control.playback.state.state !== "loading"));
+  const there = removed || moment.drawn || control?.playback.state.state === "failed";
   useEffect(() => {
     if (there) setBegun(true);
     // Where it takes long the rest need not wait.
@@ -155,8 +153,17 @@ function useMoment(
     return { seconds: seconds ?? beginS, look };
   }, [beginS]);
   const askedDone = useRef(false); // later data no longer changes the moment
-  const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
+  const [drawn, setDrawn] = useState(false); // something of the tooth
+  const seen = useRef<() => void>(undefined); // tells the playback that its tooth was drawn
+  const look = useMemo((): LookHandle => {
+    const drawn = () => {
+      setDrawn(true);
+      seen.current?.();
+    };
+    return { begin: asked.look, now: undefined, drawn };
+  }, [asked]);
   const control = usePlayback(client, id, key, timeS, setTimeS);
+  seen.current = () => control?.playback.seen();
   const { state } = control?.playback.state ?? { state: "loading" };
   // Some megabytes more, and nothing moves.
   const still = state === "waiting" || state === "failed";
@@ -175,6 +182,7 @@ function useMoment(
     control,
     surface,
     look,
+    drawn,
     endS,
     momentS,
     setTimeS,

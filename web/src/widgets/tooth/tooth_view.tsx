@@ -43,6 +43,7 @@ export interface LookHandle {
   stream?: (() => MediaStream) | undefined; // the same: the picture as it moves, for a video
   profile?: ((from: PointMm, to: PointMm, samples: number) => Promise<Float32Array>) | undefined; // the same: ScreenLink
   pictureFrom?: ((preset: CameraPreset) => Promise<Blob | undefined>) | undefined; // the same: PNG, drawn in full
+  drawn?: () => void; // called after something of it was drawn
   moved?: ((look: Look, caughtUp: boolean) => void) | undefined; // called after it was drawn; caughtUp: no wish is on its way
 }
 
@@ -172,6 +173,7 @@ export function ToothView({
       const handle = latest.current.look;
       if (handle === undefined) return;
       handle.now = () => told.look;
+      handle.drawn?.();
       handle.moved?.(told.look, caughtUp);
     };
     try {
