@@ -52,13 +52,13 @@ scene::Preparation ShapeOf(const scene::BuiltScene& tooth, const char* exercise)
 }
 
 const scene::BuiltScene& Molar() {
-  static const scene::BuiltScene molar = *scene::BuildBuiltinScene("molar", 100'000);
+  static const scene::BuiltScene molar = *scene::BuildBuiltinScene("molar", 150'000);
   return molar;
 }
 
 // On another grid than the tooth's, so that no vertex of the scan is one of the tooth's surface.
 mesh::Triangles ScanOfMolar(const char* exercise) {
-  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 120'000);
+  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 180'000);
   return ToothSurface_mm(scene::Prepared(fine.volume, ShapeOf(fine, exercise)));
 }
 
@@ -159,7 +159,7 @@ TEST(PreparedToothTest, AMirroredScanIsNamedSo) {
 }
 
 TEST(PreparedToothTest, AnotherToothIsRefusedWithTheFigures) {
-  const auto other = scene::BuildBuiltinScene("premolar", 100'000);
+  const auto other = scene::BuildBuiltinScene("premolar", 150'000);
   ASSERT_TRUE(other.ok());
   const std::string why = WhyNot(mesh::Moved(
       ToothSurface_mm(scene::Prepared(other->volume, ShapeOf(*other, "class-1"))), Somewhere(2)));
@@ -202,14 +202,14 @@ TEST(PreparedToothTest, AHoleInTheCutIsRefusedAndOneBesideItIsNot) {
 }
 
 TEST(PreparedToothTest, AToothThatIsNotPreparedIsNoTarget) {
-  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 70'000);
+  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 110'000);
   const std::string why =
       WhyNot(mesh::Moved(WithNoise(ToothSurface_mm(fine.volume), 0.02, 5), Somewhere(4)));
   EXPECT_NE(why.find("no preparation"), std::string::npos) << why;
 }
 
 TEST(PreparedToothTest, ABlockThatFitsItselfHasToBePlaced) {
-  const auto block = scene::BuildBuiltinScene("block", 100'000);
+  const auto block = scene::BuildBuiltinScene("block", 150'000);
   ASSERT_TRUE(block.ok());
   ASSERT_FALSE(block->scene.preparations.empty());
   scene::Preparation circle;
