@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { say } from "../../base/words";
 import type { Key } from "../../widgets/keys";
@@ -89,8 +89,9 @@ export function usePlayback(
   const latest = useRef({ clock, loop, setTime });
   latest.current = { clock, loop, setTime };
 
-  // A moment that is set elsewhere moves the tooth.
-  useEffect(() => {
+  // A moment that is set elsewhere moves the tooth. At once: where pictures take long, playing would tell of the next
+  // moment before this one is looked at, and would be stopped by its own news.
+  useLayoutEffect(() => {
     if (playback === undefined || clock === undefined || !ready || timeS === undefined || timeS === ownTime.current)
       return;
     ownTime.current = timeS;
