@@ -544,6 +544,7 @@ CREATE TABLE timelines (
   problem        TEXT NOT NULL DEFAULT '',  -- why the last try failed
   owner          BLOB CHECK (length(owner) = 16),  -- the server that makes it
   lease_until_ms INTEGER NOT NULL DEFAULT 0,  -- no other server takes it until then
+  asked_ms       INTEGER NOT NULL DEFAULT 0,  -- when somebody first wanted to see it and it was not made; 0: nobody did
   PRIMARY KEY (tenant, attempt),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT, WITHOUT ROWID;

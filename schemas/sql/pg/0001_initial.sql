@@ -536,6 +536,7 @@ CREATE TABLE timelines (
   problem        TEXT COLLATE "C" NOT NULL DEFAULT '',
   owner          BYTEA CHECK (length(owner) = 16),
   lease_until_ms BIGINT NOT NULL DEFAULT 0,
+  asked_ms       BIGINT NOT NULL DEFAULT 0,
   PRIMARY KEY (tenant, attempt),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 );

@@ -127,7 +127,7 @@ Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*mem
 
 // Errors: kUnavailable while it is being made, kNotFound when it could not be.
 Result<Sha256> TimelineContent(const Uuid& attempt, TimelineRows& timelines) {
-  ENAMEL_ASSIGN_OR_RETURN(const TimelineRow row, timelines.TimelineOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const TimelineRow row, timelines.AskForTimeline(attempt));
   if (row.waits) {
     return Status{Code::kUnavailable,
                   "the playback of this attempt is being made; scores that people "

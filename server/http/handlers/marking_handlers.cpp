@@ -384,7 +384,7 @@ Response GetMarkingTimeline(const Call& call, Store& store) {
   Result<MarkingRow> row = store.markings.MarkingById(work->marking);
   if (!row.ok()) return ErrorResponse(row.status());
   if (!IsMarker(*row, call.caller->person.id)) return ErrorResponse(NoSuchWork());
-  Result<TimelineRow> timeline = store.timelines.TimelineOf(work->attempt);
+  Result<TimelineRow> timeline = store.timelines.AskForTimeline(work->attempt);
   if (!timeline.ok()) return ErrorResponse(timeline.status());
   if (timeline->content.IsZero()) {
     return ErrorResponse(

@@ -41,7 +41,8 @@ Result<std::optional<Uuid>> TimelineRows::TakeTimeline() {
   auto next = [&](Db& db, const char* lock) -> Result<std::optional<Uuid>> {
     Query q(db,
             std::string("SELECT attempt FROM timelines WHERE tenant = ?1 AND content IS NULL AND "
-                        "tries < ?2 AND lease_until_ms < ?3 ORDER BY attempt DESC LIMIT 1") +
+                        "tries < ?2 AND lease_until_ms < ?3 ORDER BY CASE WHEN asked_ms = 0 THEN 1 "
+                        "ELSE 0 END, asked_ms, attempt DESC LIMIT 1") +
                 lock);
     std::optional<Uuid> out;
     if (q.Bind(kMaxTries).Bind(now_ms).Next()) out = q.Id(0);
@@ -110,7 +111,10 @@ Status TimelineRows::FailTimeline(const Uuid& attempt, const std::string& proble
 
 Result<TimelineRow> TimelineRows::TimelineOf(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<TimelineRow> {
-    Query q(db, "SELECT content, tries, problem FROM timelines WHERE tenant = ?1 AND attempt = ?2");
+    Query q(
+        db,
+        "SELECT content, tries, problem, asked_ms FROM timelines WHERE tenant = ?1 AND attempt = "
+        "?2");
     if (!q.Bind(attempt).Next()) {
       if (!q.status().ok()) return q.status();
       return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no timeline");
@@ -119,8 +123,22 @@ Result<TimelineRow> TimelineRows::TimelineOf(const Uuid& attempt) {
     out.content = q.Hash(0);
     out.waits = out.content.IsZero() && (q.Int(1) < kMaxTries || q.Text(2).empty());
     out.problem = q.Text(2);
+    out.asked = q.Int(3) != 0;
     return out;
   });
+}
+
+Result<TimelineRow> TimelineRows::AskForTimeline(const Uuid& attempt) {
+  auto row = TimelineOf(attempt);
+  if (!row.ok() || !row->waits || row->asked) return row;
+  // A write that fails costs only the place in the queue.
+  (void)rows_.WriteRow([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE timelines SET asked_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND asked_ms = "
+            "0 AND content IS NULL");
+    return q.Bind(attempt).Bind(NowMs()).Run();
+  });
+  return row;
 }
 
 Result<Sha256> TimelineRows::StartToothOf(const Sha256& volume) {

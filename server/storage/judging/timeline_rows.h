@@ -18,6 +18,7 @@ struct TimelineRow {
   Sha256 content;       // zero: not made
   bool waits = false;   // will be made, or is being made
   std::string problem;  // of the last try; empty: none failed
+  bool asked = false;   // somebody wanted to see it before it was made
 };
 
 // Surface timelines (schemas/surface_timeline.md): what plays an attempt back. They follow from the
@@ -28,8 +29,9 @@ class TimelineRows {
   TimelineRows(Transactions& rows, Blobs& blobs, LeaseOwner& owner)
       : rows_(rows), blobs_(blobs), owner_(owner) {}
 
-  // The newest attempt that waits for its timeline and that nobody else makes one of; the try is
-  // counted. After 3 tries it no longer waits, until it is scored again.
+  // The attempt that waits for its timeline and that nobody else makes one of: of those that were
+  // asked for the one that was asked for first, else the newest. The try is counted. After 3 tries
+  // it no longer waits, until it is scored again.
   Result<std::optional<Uuid>> TakeTimeline();
   // A sign of life of the worker. One that is silent for a minute counts as dead.
   Status KeepTimeline(const Uuid& attempt);
@@ -42,6 +44,9 @@ class TimelineRows {
   Status FailTimeline(const Uuid& attempt, const std::string& problem, bool again);
   // Errors: kNotFound (not scored, or the recording was removed).
   Result<TimelineRow> TimelineOf(const Uuid& attempt);
+  // The same for somebody who wants to see it: where it waits, it is made before those that nobody
+  // asked for.
+  Result<TimelineRow> AskForTimeline(const Uuid& attempt);
   // The start tooth of a volume; zero: not made yet.
   Result<Sha256> StartToothOf(const Sha256& volume);
   Status PutStartTooth(const Sha256& volume, const Sha256& content);

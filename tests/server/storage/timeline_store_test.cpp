@@ -51,6 +51,16 @@ TEST_P(TimelineStoreTest, TheNewestAttemptGoesFirst) {
   EXPECT_EQ(store_->timelines.TakeTimeline()->value(), std::max(older, newer));
 }
 
+TEST_P(TimelineStoreTest, WhatWasAskedForGoesBeforeTheNewest) {
+  std::set<Uuid> all;
+  for (int i = 0; i < 3; ++i) all.insert(world_.ScoredAttempt());
+  const Uuid oldest = *all.begin();
+  ASSERT_TRUE(store_->timelines.AskForTimeline(oldest).ok());
+  EXPECT_TRUE(store_->timelines.TimelineOf(oldest)->asked);
+  EXPECT_EQ(store_->timelines.TakeTimeline()->value(), oldest);
+  EXPECT_EQ(store_->timelines.TakeTimeline()->value(), *all.rbegin()) << "nobody asked for it";
+}
+
 TEST_P(TimelineStoreTest, AfterThreeTriesItIsGivenUpWithItsProblem) {
   const Uuid attempt = world_.ScoredAttempt();
   for (int i = 0; i < 3; ++i) {
