@@ -213,6 +213,55 @@ DeviceProfile Inverse3() {
   return p;
 }
 
+DeviceProfile Falcon() {
+  DeviceProfile p;
+  p.name = "falcon";
+  p.title = "Novint Falcon";
+  p.resolution_nm = {54'500,
+                     "1280 counts a turn, 110:14.25: up to 0.0545 mm of the tip within 40 mm"};
+  p.max_stiffness_mn_per_mm = {3'000, "CHAI3D's device list (Falcon, 3000 N/m)"};
+  p.coupling_mn_per_mm = {333, kPassiveSource};
+  p.damping_mn_s_per_m = {1'500, kAskedDamping};
+  p.friction_mn = {16, kAskedFriction};
+  p.mass_g = {45, kAskedMass};
+  p.peak_force_mn = {
+      4'800,
+      "its motor values, up to 4096 at 10000 a N m: what they give in each direction within 40 mm; "
+      "CHAI3D's device list has 8 N"};
+  p.continuous_force_mn = {1'750, kAskedContinuous};
+  p.rate_hz = {1'000, "its protocol: an exchange a millisecond"};
+  p.bus_delay_ticks = {2,
+                       "asked for: its protocol has a tick, the answer to one tick's force is read "
+                       "in the next; a tick for its serial chip, which waits up to 1 ms, until "
+                       "calibrate measures a unit"};
+  p.workspace_radius_um = {40'000, "CHAI3D's device list (Falcon, 40 mm)"};
+  p.cell = JointCells(500);
+  return p;
+}
+
+// Wrists without motors: three axes are driven.
+DeviceProfile OmegaWithWrist(const char* name, const char* title) {
+  constexpr const char* kList = "CHAI3D's device list (omega.3, .6, .7: 12 N, 5000 N/m, 75 mm)";
+  DeviceProfile p;
+  p.name = name;
+  p.title = title;
+  p.resolution_nm = {10'000, kSheetSource};
+  p.max_stiffness_mn_per_mm = {5'000, kList};
+  p.coupling_mn_per_mm = {1'250, kPassiveSource};
+  p.damping_mn_s_per_m = {2'500, kAskedDamping};
+  p.friction_mn = {12, kAskedFriction};
+  p.mass_g = {45, kAskedMass};
+  p.peak_force_mn = {12'000, kList};
+  p.continuous_force_mn = {12'000, kSheetSource};
+  p.rate_hz = {1'000, "assumption: one tick per millisecond"};
+  p.bus_delay_ticks = {1,
+                       "asked for: its library returns when a force is on its way; the line was "
+                       "not measured, until calibrate measures a unit"};
+  p.workspace_radius_um = {75'000, kList};
+  p.cell = JointCells(500);
+  return p;
+}
+
 // Devices without motors. Nothing is felt, so nothing can be unstable: the numbers choose how
 // closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
 // as a real device's.
@@ -238,8 +287,19 @@ DeviceProfile Pointer() {
 }  // namespace
 
 std::vector<DeviceProfile> BuiltinProfiles() {
-  return {Omega3(),   PhantomDesktop(), Bhhd3(),    Pointer(), WoodenHapticsV2015(),
-          PolhemV1(), PolhemV3(),       Inverse3(), Touch(),   Sigma7()};
+  return {Omega3(),
+          PhantomDesktop(),
+          Bhhd3(),
+          Pointer(),
+          WoodenHapticsV2015(),
+          PolhemV1(),
+          PolhemV3(),
+          Inverse3(),
+          Touch(),
+          Falcon(),
+          OmegaWithWrist("omega6", "omega.6"),
+          OmegaWithWrist("omega7", "omega.7"),
+          Sigma7()};
 }
 
 }  // namespace enamel::scene

@@ -300,6 +300,13 @@ TEST(SceneJsonTest, AProfileNamesWhatNobodyPublished) {
       expected = {"max_stiffness_mn_per_mm", "damping_mn_s_per_m", "friction_mn", "mass_g",
                   "bus_delay_ticks",         "workspace_radius_um"};
     }
+    if (profile.name == "falcon") {
+      expected = {"damping_mn_s_per_m", "friction_mn", "mass_g", "continuous_force_mn",
+                  "bus_delay_ticks"};
+    }
+    if (profile.name == "omega6" || profile.name == "omega7") {
+      expected = {"damping_mn_s_per_m", "friction_mn", "mass_g", "bus_delay_ticks"};
+    }
     if (profile.name == "touch") {
       expected = {"damping_mn_s_per_m", "friction_mn", "bus_delay_ticks"};
     }
