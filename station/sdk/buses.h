@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct BusChoice {
   std::string address;  // which of several, as the driver says below; empty: the first
   double peak_n = 0;    // a longer force is shortened to this
   double reach_m = 0;   // of the tip from the middle of its workspace
+  // How long Open waits where somebody has to move the device before it knows where it is.
+  std::chrono::milliseconds for_hand{10'000};
 };
 
 // Through the maker's library. Address: the library's file, if the system's loader does not find it.
@@ -40,5 +43,11 @@ std::vector<SdkDevice> FindPolhemSerial();
 Result<std::unique_ptr<PolledBus>> OpenInverse3(const BusChoice& choice);
 std::vector<SdkDevice> FindInverse3();
 std::vector<SdkDevice> FindInverse3At(const std::string& address);
+
+// Novint's Falcon. Address: the file of its firmware; where it is empty, /etc/enamel/falcon.bin. Open loads
+// that if none runs, and waits until a person has moved its grip. Find asks whether firmware runs, with frames of force 0.
+Result<std::unique_ptr<PolledBus>> OpenFalcon(const BusChoice& choice);
+std::vector<SdkDevice> FindFalcon();
+std::vector<SdkDevice> FindFalconWith(const std::string& firmware_file);
 
 }  // namespace enamel::station::sdk

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 constexpr MakersLibrary::Names kNames{"Force Dimension",
                                       "dhd",
                                       {"libdhd.so.3", "libdhd.so"},
-                                      {"1451:", "0403:cb48"},
+                                      {"1451:", ""},
                                       "Force Dimension's SDK for Linux, so that ldconfig finds it"};
 constexpr const char* kOldest = "3.3.2";  // the first with dhdSetWatchdog
 constexpr std::array kOldestParts = {3, 3, 2};

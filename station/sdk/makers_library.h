@@ -20,7 +20,7 @@ class MakersLibrary {
     const char* driver;  // as a command line names it
     // As the system's loader finds them, the preferred one first.
     std::array<const char*, 2> files;
-    // What the maker's USB ids begin with: "1451:", "0403:cb48"; or "".
+    // What the maker's USB ids begin with: "1451:", "2988:"; or "".
     std::array<const char*, 2> usb_ids;
     const char* install;  // what to install
   };

@@ -30,6 +30,7 @@ constexpr std::array kDrivers = {
     Driver{"polhem", OpenPolhem, FindPolhem, true},
     Driver{"polhem_serial", OpenPolhemSerial, FindPolhemSerial, true},
     Driver{"inverse3", OpenInverse3, FindInverse3, true},
+    Driver{"falcon", OpenFalcon, FindFalcon, true},
 };
 
 std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }

@@ -213,6 +213,7 @@ TEST(LayeringTest, LibrariesStayInTheirRooms) {
       {"libcurl", R"re(^<curl/)re", {"common/s3"}},
       {"OpenGL", R"re(^<(epoxy|GL|GLFW)/)re", {"station/render"}},
       {"hidapi", R"re(^<hidapi)re", {"station/hid"}},
+      {"libusb", R"re(^<libusb)re", {"station/sdk"}},
       {"assimp", R"re(^<assimp/)re", {"common/import"}},
       {"libsodium",
        R"re(^<sodium)re",

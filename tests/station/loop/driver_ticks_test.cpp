@@ -21,6 +21,7 @@
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/doubled_arm.h"
 #include "tests/station/sdk/emulated_arms.h"
+#include "tests/station/sdk/emulated_falcon.h"
 #include "tests/support/tick_guard.h"
 
 // Prohibited actions of a tick, checked with every driver, and with a stalled consumer.
@@ -172,6 +173,7 @@ Rig MakeRig(const std::string& driver, const World& w) {
   if (driver == "simulated") return Simulated(w);
   if (driver == "polhem") return Arm(std::make_shared<testing_support::EmulatedHidArm>(true));
   if (driver == "polhem_serial") return Arm(std::make_shared<testing_support::EmulatedSerialArm>());
+  if (driver == "falcon") return Arm(std::make_shared<testing_support::EmulatedFalcon>());
   if (driver == "inverse3") return Arm(std::make_shared<lab::EmulatedInverse3>());
   return Arm(std::make_shared<testing_support::DoubledArm>(driver));
 }
@@ -286,7 +288,8 @@ TEST_P(DriverTicksTest, AWindowThatReadsSlowlyOrNeverHoldsUpNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Drivers, DriverTicksTest,
                          testing::Values("board", "mouse", "pointer", "simulated", "dhd",
-                                         "openhaptics", "polhem", "polhem_serial", "inverse3"),
+                                         "openhaptics", "polhem", "polhem_serial", "inverse3",
+                                         "falcon"),
                          [](const auto& param) { return param.param; });
 
 // The consumers of a tick in the window and the uplink, as TickFeed and RunningAttempt, while

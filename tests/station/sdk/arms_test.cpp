@@ -17,6 +17,7 @@
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/doubled_arm.h"
 #include "tests/station/sdk/emulated_arms.h"
+#include "tests/station/sdk/emulated_falcon.h"
 #include "tests/support/await_sample.h"
 
 // Devices of published protocols against emulators of their bytes, and those of makers' libraries against
@@ -27,6 +28,7 @@ namespace {
 using lab::EmulatedArm;
 using lab::EmulatedInverse3;
 using testing_support::DoubledArm;
+using testing_support::EmulatedFalcon;
 using testing_support::EmulatedHidArm;
 using testing_support::EmulatedSerialArm;
 using testing_support::HidBus;
@@ -58,6 +60,7 @@ std::unique_ptr<Device> MustOpen(const EmulatedArm& arm) {
 std::unique_ptr<EmulatedArm> Make(const std::string& name) {
   if (name == "polhem_serial") return std::make_unique<EmulatedSerialArm>();
   if (name == "inverse3") return std::make_unique<EmulatedInverse3>();
+  if (name == "falcon") return std::make_unique<EmulatedFalcon>();
   if (name == "dhd" || name == "openhaptics") return std::make_unique<DoubledArm>(name);
   return std::make_unique<EmulatedHidArm>(name == "polhem");
 }
@@ -79,6 +82,7 @@ std::unique_ptr<PolledBus> OpenBus(const EmulatedArm& arm) {
   const std::string driver = choice.substr(0, colon);
   auto bus = driver == "polhem_serial"   ? OpenPolhemSerial(wanted)
              : driver == "inverse3"      ? OpenInverse3(wanted)
+             : driver == "falcon"        ? OpenFalcon(wanted)
              : driver == "woodenhaptics" ? OpenWoodenHaptics(wanted)
                                          : OpenPolhem(wanted);
   EXPECT_TRUE(bus.ok()) << bus.status().message();
@@ -349,7 +353,7 @@ TEST_P(AnsweringArmsTest, SlowAnswersAreWaitedForAndThoseThatWouldBeAFaultAreRef
       << refused.message();
 }
 
-constexpr auto kAnswering = {"woodenhaptics", "polhem", "polhem_serial", "inverse3"};
+constexpr auto kAnswering = {"woodenhaptics", "polhem", "polhem_serial", "inverse3", "falcon"};
 const auto kNamed = [](const auto& param) { return std::string(param.param); };
 INSTANTIATE_TEST_SUITE_P(Answering, AnsweringArmsTest, testing::ValuesIn(kAnswering), kNamed);
 INSTANTIATE_TEST_SUITE_P(Answering, ArmsTest, testing::ValuesIn(kAnswering), kNamed);

@@ -84,7 +84,7 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
 
 TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
   EXPECT_EQ(Drivers(), (std::vector<std::string>{"dhd", "openhaptics", "woodenhaptics", "polhem",
-                                                 "polhem_serial", "inverse3"}));
+                                                 "polhem_serial", "inverse3", "falcon"}));
   EXPECT_TRUE(ListSdkDevices().empty());
   for (const std::string& driver : Drivers()) EXPECT_TRUE(CheckLibrary(driver).ok()) << driver;
   DoubledArm& sdk = Attach("dhd", "omega.3");
