@@ -204,30 +204,6 @@ void Realtime(std::vector<Finding>& out) {
                  good ? "" : "close other programs; real-time rights help most"});
 }
 
-Finding Devices() {
-  std::string there, refused, problems;
-  for (const hid::HidInfo& info : hid::ListHid()) {
-    if (hid::Recognise(info) == hid::HidKind::kOther) continue;
-    std::string name = hid::DeviceNameOf(info) + " (" + info.name + ")";
-    there += (there.empty() ? "" : ", ") + name;
-    if (::access(info.path.c_str(), R_OK | W_OK) != 0) refused += " " + info.path;
-  }
-  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
-    there += (there.empty() ? "" : ", ") + (found.ids.empty() ? "" : found.ids + ": ") +
-             found.name + ", driver " + found.choice;
-    if (!found.problem.empty()) problems += "; " + found.name + ": " + found.problem;
-  }
-  if (!refused.empty()) {
-    return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused + problems,
-            "install station/ops/60-enamel.rules and plug in again"};
-  }
-  if (!problems.empty()) return {"devices", Verdict::kFail, there + problems, ""};
-  if (there.empty()) {
-    return {"devices", Verdict::kWarn, "none attached: mouse and simulated device are there", ""};
-  }
-  return {"devices", Verdict::kOk, there, ""};
-}
-
 Finding DelayFinding(const scene::DelayUsed& delay, std::string found) {
   using From = scene::DelayUsed::From;
   switch (delay.from) {
@@ -276,6 +252,36 @@ Finding Graphics() {
 
 }  // namespace
 
+Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
+                  const std::vector<sdk::SdkDevice>& driven) {
+  std::string there;
+  bool may_use = true, usable = true;
+  const auto add = [&](const std::string& device) {
+    there += (there.empty() ? "" : "; ") + device;
+  };
+  for (const hid::HidInfo& info : attached) {
+    if (hid::Recognise(info) == hid::HidKind::kOther) continue;
+    const bool mine = ::access(info.path.c_str(), R_OK | W_OK) == 0;
+    add(hid::DeviceNameOf(info) + " (" + info.name + ")" +
+        (mine ? "" : ", may not be used by you: " + info.path));
+    may_use = may_use && mine;
+  }
+  for (const sdk::SdkDevice& found : driven) {
+    add((found.ids.empty() ? "" : found.ids + ": ") + found.name + ", driver " + found.choice +
+        (found.problem.empty() ? "" : ", " + found.problem));
+    usable = usable && found.problem.empty();
+  }
+  if (!may_use) {
+    return {"devices", Verdict::kFail, there,
+            "install station/ops/60-enamel.rules and plug in again"};
+  }
+  if (!usable) return {"devices", Verdict::kFail, there, ""};
+  if (there.empty()) {
+    return {"devices", Verdict::kWarn, "none attached: mouse and simulated device are there", ""};
+  }
+  return {"devices", Verdict::kOk, there, ""};
+}
+
 Finding DelayOf(const fs::path& data, const sdk::SdkDevice& device) {
   const auto profile = scene::FindProfile(device.profile);
   if (!profile.ok()) return {"delay", Verdict::kWarn, profile.status().message(), ""};
@@ -303,7 +309,7 @@ std::vector<Finding> Examine(const DoctorCommand& options) {
   out.push_back(SpoolState(options.data));
   out.push_back(SettingsFromServer(options.data, options.own_settings));
   Realtime(out);
-  out.push_back(Devices());
+  out.push_back(DevicesOf(hid::ListHid(), sdk::ListSdkDevices()));
   Delays(options.data, out);
   if (options.graphics) out.push_back(Graphics());
   return out;

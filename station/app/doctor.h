@@ -28,6 +28,10 @@ using program::Verdict;
 // ServerLink::kTimeout to connect, then kSilence.
 std::vector<Finding> Examine(const DoctorCommand& options);
 
+// The attached devices, each with the reason why it cannot be used.
+Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
+                  const std::vector<sdk::SdkDevice>& driven);
+
 // The delay of attempts on this device beside its profile's. One that answers to forces is opened, asked
 // for half a second with force 0, and closed.
 Finding DelayOf(const std::filesystem::path& data, const sdk::SdkDevice& device);

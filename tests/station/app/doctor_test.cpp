@@ -48,5 +48,21 @@ TEST(DoctorTest, TheDelayOfAnInverse3sAnswersIsSaidBesideItsProfiles) {
   EXPECT_EQ(another.requests(), asked);
 }
 
+TEST(DoctorTest, ADeviceIsNamedWithItsDriverAndWhatIsMissing) {
+  sdk::SdkDevice falcon{"falcon",    "Novint Falcon",  "falcon",
+                        "0403:cb48", "falcon:usb:1-2", "firmware missing: put it there",
+                        true};
+  Finding finding = DevicesOf({}, {falcon});
+  EXPECT_EQ(finding.verdict, Verdict::kFail);
+  EXPECT_EQ(finding.found,
+            "0403:cb48: Novint Falcon, driver falcon, firmware missing: put it there");
+  falcon.problem.clear();
+  finding = DevicesOf({}, {falcon, falcon});
+  EXPECT_EQ(finding.verdict, Verdict::kOk);
+  EXPECT_EQ(finding.found,
+            "0403:cb48: Novint Falcon, driver falcon; 0403:cb48: Novint Falcon, driver falcon");
+  EXPECT_EQ(DevicesOf({}, {}).verdict, Verdict::kWarn);
+}
+
 }  // namespace
 }  // namespace enamel::station
