@@ -19,7 +19,7 @@ has() { grep -qxF "$1" "$work/all"; }
 
 # Paths of ours that units, settings and guides name. Not installed here: what an admin makes, and
 # what packaging/build makes of the programs' help.
-made='/usr/share/doc/enamel-server/all_settings.toml|/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
+made='/usr/share/doc/enamel-server/all_settings.toml|/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env|falcon\.bin)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
 grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/for_it.md "$root"/docs/at_the_chair.md \
   "$root"/{server,station}/ops/*.{service,timer,toml} | sed 's/[.:]*$//' | sort -u | grep -vE "^($made)" >"$work/named"
 while read -r path; do
