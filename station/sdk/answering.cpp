@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "station/devices/limited.h"
 
@@ -113,6 +114,23 @@ Status SaysNothing(const std::string& name) {
   return Status(Code::kUnavailable,
                 name + " sends no pose within a second: switch it on, and plug it in again",
                 "device");
+}
+
+Status AwaitFirstPose(PolledBus& bus) {
+  PolledBus::Pose pose;
+  for (const auto until = steady_clock::now() + kSilence; steady_clock::now() < until;) {
+    if (!bus.Send(dvec3(0))) break;
+    const PolledBus::Heard heard = bus.Read(pose);
+    if (heard == PolledBus::Heard::kPose) return Status::Ok();
+    if (heard == PolledBus::Heard::kGone) break;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  return SaysNothing(bus.Name());
+}
+
+Status UsableUnless(const std::string& problem, const std::string& name) {
+  if (problem.empty()) return Status::Ok();
+  return Status(Code::kUnavailable, name + ": " + problem, "device");
 }
 
 Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,

@@ -2,7 +2,6 @@
 #include <array>
 #include <chrono>
 #include <string>
-#include <thread>
 
 #include "station/devices/force_keeper.h"
 #include "station/devices/limited.h"
@@ -41,7 +40,6 @@ constexpr size_t kMostStatus = 64;
 constexpr unsigned char kWatchdog = ForceKeeper::kGone_us / 125;
 // Whether a call of dhdGetStatus takes an exchange on the bus is not published: so it is called seldom.
 constexpr std::chrono::milliseconds kStatusEvery{10};
-constexpr std::chrono::seconds kSilence{1};
 
 struct Dhd {
   void (*version)(int*, int*, int*, int*);
@@ -184,9 +182,7 @@ class ForceDimension final : public PolledBus {
 
   // Switches the motors on and awaits the first pose. Errors: kUnavailable.
   Status Begin() {
-    if (const std::string problem = WhyNotUsable(dhd_, id_); !problem.empty()) {
-      return Status(Code::kUnavailable, name_ + ": " + problem, "device");
-    }
+    ENAMEL_RETURN_IF_ERROR(UsableUnless(WhyNotUsable(dhd_, id_), name_));
     // A force that the loop no longer renews has fallen to 0 by then (ForceKeeper), so the firmware's clock
     // ends only what this thread can no longer end. No time guard: it would return at once, and this
     // thread would spin.
@@ -196,15 +192,7 @@ class ForceDimension final : public PolledBus {
     dhd_.disable_expert();
     if (dhd_.has_gripper(id_)) dhd_.emulate_button(kOn, id_);  // closed: pressed
     dhd_.enable_force(kOn, id_);
-    Pose pose;
-    for (const auto until = Clock::now() + kSilence; Clock::now() < until;) {
-      if (!Send(dvec3(0))) break;
-      const Heard heard = Read(pose);
-      if (heard == Heard::kPose) return Status::Ok();
-      if (heard == Heard::kGone) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return SaysNothing(name_);
+    return AwaitFirstPose(*this);
   }
 
  private:

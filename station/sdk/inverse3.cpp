@@ -160,9 +160,7 @@ class Inverse3 final : public AnsweringBus {
     }
     id_ = Text(Member(device, "device_id"));
     session_ = Text(Member(&message, "session_id"));
-    const std::string problem = WhyNotUsable(*device);
-    if (problem.empty()) return Status::Ok();
-    return Status(Code::kUnavailable, Name() + ": " + problem, "device");
+    return UsableUnless(WhyNotUsable(*device), Name());
   }
   Heard Take(const json::value& message, Pose& out) const {
     // A service that restarted has another session; the device's settings and calibration are lost.

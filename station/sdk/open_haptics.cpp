@@ -39,7 +39,6 @@ constexpr unsigned short kPriority = 32'767;  // the scheduler's default
 
 // Frames come every millisecond; the driver waits this long for one.
 constexpr int64_t kFrame_us = 2'000;
-constexpr std::chrono::seconds kSilence{1};
 
 struct ErrorInfo {
   unsigned int code;
@@ -182,9 +181,7 @@ class OpenHaptics final : public PolledBus {
 
   // Switches the motors on and awaits the first pose. Errors: kUnavailable.
   Status Begin() {
-    if (const std::string problem = WhyNotUsable(hd_); !problem.empty()) {
-      return Status(Code::kUnavailable, name_ + ": " + problem, "device");
-    }
+    ENAMEL_RETURN_IF_ERROR(UsableUnless(WhyNotUsable(hd_), name_));
     hd_.enable(kForceOutput);
     scheduled_ = hd_.schedule(&Servo, this, kPriority);
     hd_.start_scheduler();
@@ -195,13 +192,7 @@ class OpenHaptics final : public PolledBus {
                         "): close other programs that use it",
                     "device");
     }
-    Pose pose;
-    for (const auto until = Clock::now() + kSilence; Clock::now() < until;) {
-      const Heard heard = Read(pose);
-      if (heard == Heard::kPose) return Status::Ok();
-      if (heard == Heard::kGone) break;
-    }
-    return SaysNothing(name_);
+    return AwaitFirstPose(*this);
   }
 
  private:
