@@ -156,21 +156,32 @@ boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::s
   co_return Status::Ok();
 }
 
-boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
+template <typename T>
+boost::asio::awaitable<Result<T>> Authenticator::OnceAdmitted(SignInRequest request,
+                                                              AdmittedWork<T> work) {
   const std::string login = LowerLogin(request.login);
   Status admitted = co_await Admitted(login, request.address, request.via);
   if (!admitted.ok()) co_return admitted;
   co_return co_await InPlace(login, request.address, request.via, *hashing_, [&] {
     const LogRequest logged(request.log_id);
-    return SignInAdmitted(login, request);
+    return (this->*work)(login, request);
   });
 }
 
-Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
+template <typename T>
+Result<T> Authenticator::AdmittedHere(const SignInRequest& request, AdmittedWork<T> work) {
   const std::string login = LowerLogin(request.login);
   Result<int64_t> hold = throttle_.Admit(login, request.address, CountedAt());
   if (!hold.ok()) return NotAdmitted(login, request.address, request.via, hold.status());
-  return SignInAdmitted(login, request);
+  return (this->*work)(login, request);
+}
+
+boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
+  return OnceAdmitted(std::move(request), &Authenticator::SignInAdmitted);
+}
+
+Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
+  return AdmittedHere(request, &Authenticator::SignInAdmitted);
 }
 
 Result<std::string> Authenticator::VerifierOf(const Uuid& person, Secret secret) {
@@ -221,21 +232,16 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   return signed_in;
 }
 
+Result<Person> Authenticator::PinAdmitted(const std::string& login, const SignInRequest& request) {
+  return PersonAdmitted(login, request, Secret::kPin);
+}
+
 boost::asio::awaitable<Result<Person>> Authenticator::CheckPin(SignInRequest request) {
-  const std::string login = LowerLogin(request.login);
-  Status admitted = co_await Admitted(login, request.address, request.via);
-  if (!admitted.ok()) co_return admitted;
-  co_return co_await InPlace(login, request.address, request.via, *hashing_, [&] {
-    const LogRequest logged(request.log_id);
-    return PersonAdmitted(login, request, Secret::kPin);
-  });
+  return OnceAdmitted(std::move(request), &Authenticator::PinAdmitted);
 }
 
 Result<Person> Authenticator::CheckPinHere(const SignInRequest& request) {
-  const std::string login = LowerLogin(request.login);
-  Result<int64_t> hold = throttle_.Admit(login, request.address, CountedAt());
-  if (!hold.ok()) return NotAdmitted(login, request.address, request.via, hold.status());
-  return PersonAdmitted(login, request, Secret::kPin);
+  return AdmittedHere(request, &Authenticator::PinAdmitted);
 }
 
 boost::asio::awaitable<Status> Authenticator::SetPin(Identity identity, std::string pin,

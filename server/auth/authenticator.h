@@ -161,6 +161,7 @@ class Authenticator {
   Result<Person> PersonAdmitted(const std::string& login, const SignInRequest& request,
                                 Secret secret);
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
+  Result<Person> PinAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
                           const std::string& address, const std::string& via);
   // Whether a one-time password has not expired yet.
@@ -173,6 +174,14 @@ class Authenticator {
   Result<SessionRow> OpenSession(const Sha256& token_hash);
   Result<Identity> IdentityOf(ByteView token, const SessionRow& session);
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
+  template <typename T>
+  using AdmittedWork = Result<T> (Authenticator::*)(const std::string& login,
+                                                    const SignInRequest& request);
+  // The work of a try that may proceed, on the hashing threads; and on this one, not held.
+  template <typename T>
+  boost::asio::awaitable<Result<T>> OnceAdmitted(SignInRequest request, AdmittedWork<T> work);
+  template <typename T>
+  Result<T> AdmittedHere(const SignInRequest& request, AdmittedWork<T> work);
   // Whether this try may proceed; resumes once it may.
   boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
   Status NotAdmitted(const std::string& login, const std::string& address, const std::string& via,
