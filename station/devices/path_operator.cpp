@@ -42,7 +42,8 @@ PathOperator::PathOperator(std::string name, std::vector<Move> plan, const HandP
       plan_(std::move(plan)),
       params_(params),
       start_m_(start_m),
-      random_(params.seed * 0x9e3779b97f4a7c15ull + 1) {
+      // The sensor's noise begins at the seed itself.
+      random_(~params.seed) {
   for (const Move& move : plan_) {
     if (const auto* ring = std::get_if<FinishRing>(&move)) {
       ENAMEL_CHECK(ring->corners.size() == ring->outward.size());
@@ -315,10 +316,7 @@ dvec3 PathOperator::Tremor(double tick_s) noexcept {
       params_.tremor_m * std::sqrt(4 * kTremorDamping * kOmega * kOmega * kOmega * tick_s);
   auto& [x, v] = tremor_state_;
   for (int i = 0; i < 3; ++i) {
-    random_ ^= random_ << 13;
-    random_ ^= random_ >> 7;
-    random_ ^= random_ << 17;
-    double noise = (static_cast<double>(random_ >> 11) * 0x1p-53 - 0.5) * std::sqrt(12.0);
+    const double noise = random_.Signed() * std::sqrt(3.0);  // of variance 1
     v[i] += noise * kick - (kOmega * kOmega * x[i] + 2 * kTremorDamping * kOmega * v[i]) * tick_s;
   }
   x += v * tick_s;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/fidelity/random.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/operator.h"
 
@@ -118,7 +119,7 @@ class PathOperator final : public SimulatedOperator {
   std::array<Moment, kDelayRing> past_{};
   size_t past_head_ = 0, past_count_ = 0, delay_ticks_ = 0;
   std::array<dvec3, 2> tremor_state_{};
-  uint64_t random_ = 1;
+  fidelity::Random random_;
 };
 
 }  // namespace enamel::station
