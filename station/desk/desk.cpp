@@ -160,7 +160,7 @@ class Desk {
     if (!running) return nullptr;
     // Also below a dialog: the pointer device must hold still then.
     attempt->Point(screen_, dt_s, dialog);
-    if (!dialog) Steer(*attempt);
+    if (!dialog) Steer(*attempt, dt_s);
     ShowOutline(*attempt, dialog);
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
@@ -168,10 +168,12 @@ class Desk {
   }
 
   // With the mouse as the handpiece, the right button turns the picture and keys choose the view.
-  void Steer(DeskAttempt& attempt) {
+  void Steer(DeskAttempt& attempt, double dt_s) {
     render::Camera& camera = attempt.view().camera();
-    render::SteerCamera(screen_, camera, !attempt.by_pointer());
-    if (!attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
+    render::SteerMirror(screen_, attempt.view(), dt_s);
+    const bool mirror = render::HoldsMirror(screen_, attempt.view());
+    render::SteerCamera(screen_, camera, !attempt.by_pointer() && !mirror);
+    if (mirror || !attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
     auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
     camera.Orbit(share(screen_.cursor_x() - screen_.last_cursor_x()),
                  share(screen_.cursor_y() - screen_.last_cursor_y()));
@@ -224,6 +226,8 @@ class Desk {
     content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
     if (MayShowProgress(prepared)) content.hint += "   " + words.Say("hint.outline");
+    const bool mirror = attempt.view().mirror().shown();
+    content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
   }
 

@@ -150,7 +150,7 @@ void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
     mapping.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
     bool pedal = screen.button(render::kMouseLeft) || screen.key(render::kKeySpace);
     mapping.SetPedal(pedal);
-    bool steering = screen.button(render::kMouseRight);
+    bool steering = screen.button(render::kMouseRight) || render::HoldsMirror(screen, *view_);
     if (!steering) {
       mapping.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
                      screen.cursor_y() - screen.last_cursor_y());

@@ -20,15 +20,18 @@ constexpr std::array<std::string_view, 14> kVerbs = {
     "move", "wheel", "frames", "removed", "until", "picture", "quit"};
 
 int KeyOf(const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, int>, 9> kNamed = {{
+  constexpr std::array<std::pair<std::string_view, int>, 12> kNamed = {{
       {"Tab", render::kKeyTab},
       {"Enter", render::kKeyEnter},
       {"Escape", render::kKeyEscape},
       {"Space", render::kKeySpace},
       {"Up", render::kKeyUp},
       {"Down", render::kKeyDown},
+      {"Left", render::kKeyLeft},
+      {"Right", render::kKeyRight},
       {"F1", render::kKeyF1},
       {"Shift", render::kKeyLeftShift},
+      {"Control", render::kKeyLeftControl},
       {"Backspace", render::kKeyBackspace},
   }};
   for (const auto& [known, key] : kNamed) {

@@ -19,9 +19,9 @@ namespace enamel::station::desk {
 //   click LABEL        the left button on the choice whose label begins so, once it is shown;
 //                      LABEL #2: on the second of them. Turns the wheel until it is in view
 //   type TEXT          writes it, letter by letter
-//   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
+//   key NAME           Tab, Enter, Escape, Space, Up, Down, Left, Right, F1, or a letter; pressed and let go
 //                      within a frame, as a badge reader does
-//   hold NAME / let NAME      a key, or Left / Right for a mouse button
+//   hold NAME / let NAME      a key, Shift and Control too, or Left / Right for a mouse button
 //   move DX DY N       the mouse by so many pixels in each of N frames
 //   wheel N            notches, one a frame
 //   frames N           waits

@@ -67,6 +67,9 @@ void Program::Set(const char* uniform, const glm::mat4& m) const {
 void Program::Set(const char* uniform, const glm::vec3& v) const {
   glUniform3f(Location(uniform), v.x, v.y, v.z);
 }
+void Program::Set(const char* uniform, const glm::vec4& v) const {
+  glUniform4f(Location(uniform), v.x, v.y, v.z, v.w);
+}
 void Program::Set(const char* uniform, float v) const { glUniform1f(Location(uniform), v); }
 void Program::Set(const char* uniform, int v) const { glUniform1i(Location(uniform), v); }
 void Program::Set(const char* uniform, std::span<const glm::vec3> v) const {

@@ -4,6 +4,7 @@
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <initializer_list>
 #include <span>
 #include <string>
@@ -27,6 +28,7 @@ class Program {
   // Uniforms of the program in use. Unused names are ignored, as OpenGL does.
   void Set(const char* uniform, const glm::mat4& m) const;
   void Set(const char* uniform, const glm::vec3& v) const;
+  void Set(const char* uniform, const glm::vec4& v) const;
   void Set(const char* uniform, float v) const;
   void Set(const char* uniform, int v) const;
   void Set(const char* uniform, std::span<const glm::vec3> v) const;

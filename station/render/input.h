@@ -19,7 +19,9 @@ enum Key : int {
   kKeyF1 = 290,
   kKeyPadEnter = 335,
   kKeyLeftShift = 340,
+  kKeyLeftControl = 341,
   kKeyRightShift = 344,
+  kKeyRightControl = 345,
 };
 enum MouseButton : int { kMouseLeft = 0, kMouseRight = 1, kMouseMiddle = 2 };
 inline constexpr int kModShift = 1;

@@ -40,6 +40,8 @@ void AppendRing(const glm::vec2& at, const glm::vec2& normal, uint8_t material, 
   }
 }
 
+}  // namespace
+
 Shape Revolve(const Profile& p, uint8_t material) {
   Shape out;
   for (size_t i = 0; i + 1 < p.size(); ++i) {
@@ -55,7 +57,19 @@ Shape Revolve(const Profile& p, uint8_t material) {
   return out;
 }
 
-}  // namespace
+void Append(const Shape& shape, const glm::mat4& moved, Shape& out) {
+  const auto first = static_cast<uint32_t>(out.vertices.size());
+  for (GpuVertex v : shape.vertices) {
+    const glm::vec3 p(moved * glm::vec4(v.position_mm[0], v.position_mm[1], v.position_mm[2], 1));
+    const glm::vec3 n(moved * glm::vec4(v.normal[0], v.normal[1], v.normal[2], 0));
+    for (int i = 0; i < 3; ++i) {
+      v.position_mm[i] = p[i];
+      v.normal[i] = static_cast<int8_t>(std::lround(n[i]));
+    }
+    out.vertices.push_back(v);
+  }
+  for (uint32_t i : shape.indices) out.indices.push_back(first + i);
+}
 
 Profile BurHeadOutline(const cutting::Bur& bur) {
   Profile p;

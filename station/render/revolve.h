@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <span>
 #include <vector>
@@ -19,6 +20,11 @@ struct Shape {
   std::vector<GpuVertex> vertices;
   std::vector<uint32_t> indices;
 };
+
+// A body of revolution from its half outline, (radius, z) in mm, from the lower end upward.
+Shape Revolve(const std::vector<glm::vec2>& outline, uint8_t material);
+// Adds `shape`, moved rigidly, to `out`.
+void Append(const Shape& shape, const glm::mat4& moved, Shape& out);
 
 // Half outlines of a bur, (radius, z) in mm, from the distal end upward: the cutting head exactly
 // as in the core, then neck and shank, for show only.

@@ -37,7 +37,9 @@ static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
               kKeyBackspace == GLFW_KEY_BACKSPACE && kKeyRight == GLFW_KEY_RIGHT &&
               kKeyLeft == GLFW_KEY_LEFT && kKeyDown == GLFW_KEY_DOWN && kKeyUp == GLFW_KEY_UP &&
               kKeyF1 == GLFW_KEY_F1 && kKeyPadEnter == GLFW_KEY_KP_ENTER &&
-              kKeyLeftShift == GLFW_KEY_LEFT_SHIFT && kKeyRightShift == GLFW_KEY_RIGHT_SHIFT);
+              kKeyLeftShift == GLFW_KEY_LEFT_SHIFT && kKeyRightShift == GLFW_KEY_RIGHT_SHIFT &&
+              kKeyLeftControl == GLFW_KEY_LEFT_CONTROL &&
+              kKeyRightControl == GLFW_KEY_RIGHT_CONTROL);
 static_assert(kMouseLeft == GLFW_MOUSE_BUTTON_LEFT && kMouseRight == GLFW_MOUSE_BUTTON_RIGHT &&
               kMouseMiddle == GLFW_MOUSE_BUTTON_MIDDLE && kModShift == GLFW_MOD_SHIFT);
 

@@ -7,6 +7,7 @@ layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
 uniform mat4 view_from_model, clip_from_view;
+uniform vec4 before;
 uniform vec3 colours[16];
 uniform float gloss[16];
 out vec3 local, view_position, view_normal, albedo;
@@ -21,6 +22,7 @@ void main() {
   shine = gloss[material];
   kind = material;
   gl_Position = clip_from_view * p;
+  gl_ClipDistance[0] = dot(before, p);
 }
 )";
 
@@ -75,6 +77,7 @@ layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
 uniform mat4 view_from_model, clip_from_view;
+uniform vec4 before;
 uniform vec3 colours[16];
 uniform float gloss[16];
 out vec3 view_normal;
@@ -82,7 +85,9 @@ out vec4 root_albedo_and_shine;
 void main() {
   view_normal = mat3(view_from_model) * normal;
   root_albedo_and_shine = vec4(sqrt(colours[material]), gloss[material]);
-  gl_Position = clip_from_view * (view_from_model * vec4(position_mm, 1.0));
+  vec4 p = view_from_model * vec4(position_mm, 1.0);
+  gl_Position = clip_from_view * p;
+  gl_ClipDistance[0] = dot(before, p);
 }
 )";
 const char* const kToothFragment = R"(#version 330 core
@@ -218,6 +223,22 @@ void main() {
   float from_middle = length(uv - vec2(0.5, 0.55));
   colour = vec4(mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10),
                     smoothstep(0.05, 0.85, from_middle)), 1.0);
+}
+)";
+
+// A mirror shows at each pixel what its mirrored eye sees there: a plane mirror's image lies behind
+// it on the same line of sight. It is a little darker than what it
+// shows, with a sheen of its own; the rim of the glass is ground.
+const char* const kMirrorFragment = R"(#version 330 core
+in vec3 local, view_position, view_normal, albedo;
+in float shine;
+uniform sampler2D reflection;
+uniform float radius_mm;
+layout(location = 0) out vec4 colour;
+void main() {
+  vec3 seen = texelFetch(reflection, ivec2(gl_FragCoord.xy), 0).rgb * vec3(0.88, 0.90, 0.91) + vec3(0.05, 0.055, 0.06);
+  float ground = smoothstep(radius_mm - 0.35, radius_mm - 0.15, length(local.xy));
+  colour = vec4(mix(seen, vec3(0.62, 0.65, 0.68), 0.8 * ground), 1.0);
 }
 )";
 

@@ -18,5 +18,6 @@ extern const char* const kBlurFragment;
 extern const char* const kComposeFragment;
 extern const char* const kBackgroundFragment;
 extern const char* const kShadowFragment;
+extern const char* const kMirrorFragment;  // with kSolidVertex
 
 }  // namespace enamel::station::render

@@ -61,6 +61,7 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
                  ? std::min(static_cast<float>(options.work_radius_m * 1000), camera_.radius_mm())
                  : camera_.radius_mm(),
              0, options.mesial_x),
+      mirror_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0)),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
       picture_(options.bur, mesher_.group_count()) {
@@ -87,6 +88,7 @@ PictureState ToothView::PictureNow(float aspect) {
   picture.view_from_scene = camera_.ViewFromScene();
   picture.clip_from_view = camera_.ClipFromView(aspect);
   picture.lines = outline_shown_;
+  if (mirror_.shown()) picture.scene_from_mirror = mirror_.SceneFromMirror();
   if (!has_state_) return picture;
   picture.scene_from_bur = FromPose(state_.anchor);
   if (glm::length(state_.device.tip_m - state_.anchor.tip_m) > kGhostFrom_m) {

@@ -13,6 +13,7 @@
 #include "station/render/camera.h"
 #include "station/render/frame_state.h"
 #include "station/render/mesher.h"
+#include "station/render/mouth_mirror.h"
 #include "station/render/picture.h"
 #include "station/render/quality.h"
 #include "station/render/view.h"
@@ -64,6 +65,7 @@ class ToothView {
   std::shared_ptr<const Target> Still(int side_px);
   const PictureWork& work() const { return picture_.work(); }
   Camera& camera() { return camera_; }
+  MouthMirror& mirror() { return mirror_; }
   // The target's outline, drawn on the tooth while it is shown.
   void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }
   void ShowOutline(bool shown) { outline_shown_ = shown; }
@@ -81,6 +83,7 @@ class ToothView {
   const ViewOptions options_;
   Camera camera_;
   Camera still_;  // never moved
+  MouthMirror mirror_;
   FrameState state_;
   bool has_state_ = false;
   float spin_ = 0;

@@ -68,6 +68,38 @@ void SteerCamera(const Screen& screen, Camera& camera, bool by_mouse) {
   }
 }
 
+bool HoldsMirror(const Screen& screen, ToothView& view) {
+  return view.mirror().shown() && (screen.key(kKeyLeftControl) || screen.key(kKeyRightControl));
+}
+
+void SteerMirror(const Screen& screen, ToothView& view, double dt_s) {
+  constexpr float kPerNotch_mm = 1;
+  constexpr double kTilt_rad_per_s = 0.6, kLongest_s = 0.1;  // the window may have hung
+  MouthMirror& mirror = view.mirror();
+  Camera& camera = view.camera();
+  for (const InputEvent& event : screen.events()) {
+    const bool key = event.kind == InputEvent::Kind::kKey && event.pressed && !event.repeat;
+    if (key && event.code == 'M') mirror.Show(!mirror.shown(), camera);
+  }
+  if (!mirror.shown()) return;
+  const auto turn = static_cast<float>(kTilt_rad_per_s * std::min(dt_s, kLongest_s));
+  auto held = [&](int more, int less) {
+    return static_cast<float>(static_cast<int>(screen.key(more)) -
+                              static_cast<int>(screen.key(less)));
+  };
+  const float right = held(kKeyRight, kKeyLeft), up = held(kKeyUp, kKeyDown);
+  if (right != 0 || up != 0) mirror.Tilt(turn * right, turn * up, camera);
+  if (!HoldsMirror(screen, view)) return;
+  const double dx = screen.cursor_x() - screen.last_cursor_x(),
+               dy = screen.cursor_y() - screen.last_cursor_y();
+  auto share = [&](double d) { return static_cast<float>(d / std::max(screen.height(), 1)); };
+  if (dx != 0 || dy != 0) mirror.Move(share(dx), share(dy), camera);
+  for (const InputEvent& event : screen.events()) {
+    if (event.kind != InputEvent::Kind::kWheel) continue;
+    mirror.Push(kPerNotch_mm * static_cast<float>(event.y), camera);
+  }
+}
+
 Window::Window(const WindowOptions& options, const cutting::Volume& initial)
     : options_(options),
       screen_(options.screen),

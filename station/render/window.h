@@ -62,6 +62,12 @@ Status NoDisplay(const std::string& reason);
 // another use at the moment.
 void SteerCamera(const Screen& screen, Camera& camera, bool by_mouse = true);
 
+// Shows and hides the mirror with M. While it is held, with Ctrl, the mouse moves it and the wheel
+// moves it away from the viewer. The arrow keys tilt it.
+void SteerMirror(const Screen& screen, ToothView& view, double dt_s);
+// Mouse and wheel belong to the mirror: Ctrl is held.
+bool HoldsMirror(const Screen& screen, ToothView& view);
+
 // Budget of a picture, s, and the first quality.
 QualityGovernor GovernorFor(const Screen& screen);
 

@@ -76,6 +76,14 @@ frames 10
 wheel 2
 frames 30
 picture PICTURES/5-running.png
+# The other hand's mirror: the bur stays where it is.
+key M
+hold Control
+move -6 2 5
+let Control
+frames 2
+picture PICTURES/5-mirror.png
+key M
 hold Space
 wheel 24
 frames 20

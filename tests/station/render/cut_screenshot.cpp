@@ -9,8 +9,9 @@
 #include "tests/station/render/virtual_display.h"
 
 // Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
-// people: cut_screenshot OUT.png [voxel_um [view [exercise]]]. With an exercise's kind ("crown") it
-// shows that outline on the uncut tooth.
+// people: cut_screenshot OUT.png [voxel_um [view [exercise [scene]]]]. With an exercise's kind
+// ("crown") it shows that outline on the uncut tooth. With --mirror also what the mirror shows;
+// --size=WxH is the window's.
 
 namespace {
 
@@ -44,10 +45,19 @@ station::render::View ViewOf(std::string_view name) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  station::render::WindowOptions options;
+  bool mirror = false;
+  // Options come last.
+  for (; argc > 2 && std::string_view(argv[argc - 1]).starts_with("--"); --argc) {
+    const std::string_view last = argv[argc - 1];
+    if (last == "--mirror") mirror = true;
+    std::sscanf(argv[argc - 1], "--size=%dx%d", &options.screen.width_px,
+                &options.screen.height_px);
+  }
   if (argc < 2) {
     std::fprintf(stderr,
                  "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial "
-                 "[EXERCISE [SCENE]]]]\n");
+                 "[EXERCISE [SCENE]]]] [--mirror] [--size=WxH]\n");
     return 2;
   }
   int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
@@ -59,7 +69,6 @@ int main(int argc, char** argv) {
   station::render::VirtualDisplay display;
   cutting::Volume volume = built->volume;
   volume.Reserve();
-  station::render::WindowOptions options;
   options.view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
   options.heading = "Class I cavity, molar 46";
   options.time_limit_s = 600;
@@ -69,6 +78,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", window.status().message().c_str());
     return 1;
   }
+  auto& view = (*window)->tooth();
+  if (mirror) view.mirror().Show(true, view.camera());
   const std::string_view exercise = argc > 4 ? argv[4] : "class-1";
   for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, Sha256{})) {
     if (!e.name.starts_with(exercise)) continue;

@@ -1,0 +1,52 @@
+#include "station/render/materials.h"
+
+#include <array>
+#include <span>
+
+#include "station/render/revolve.h"
+
+namespace enamel::station::render {
+namespace {
+
+glm::vec3 Linear(int r, int g, int b) {
+  return glm::pow(glm::vec3(r, g, b) / 255.0f, glm::vec3(2.2f));
+}
+
+// By cutting::Tissue, then Material.
+std::array<glm::vec3, 16> Colours() {
+  std::array<glm::vec3, 16> c;
+  c.fill(Linear(255, 0, 255));
+  c[1] = Linear(242, 234, 214);  // enamel: ivory
+  c[2] = Linear(226, 187, 116);  // dentin: yellower
+  c[3] = Linear(186, 46, 48);    // pulp
+  c[4] = Linear(112, 74, 44);    // caries
+  c[5] = Linear(190, 196, 206);  // filling
+  c[6] = Linear(226, 222, 212);  // gypsum
+  c[7] = Linear(222, 214, 196);  // neighbour
+  c[kBurHead] = Linear(150, 170, 205);
+  c[kBurShank] = Linear(176, 186, 204);
+  c[kForceArrow] = Linear(40, 205, 190);
+  c[kTargetLine] = Linear(20, 96, 235);
+  return c;
+}
+
+std::array<float, 16> Gloss() {
+  std::array<float, 16> g;
+  g.fill(0.25f);
+  g[1] = 0.55f;
+  g[2] = 0.15f;
+  g[kBurHead] = g[kBurShank] = 1.0f;
+  g[kForceArrow] = g[kTargetLine] = 0.1f;
+  return g;
+}
+
+}  // namespace
+
+void SetMaterials(const Program& program) {
+  program.Set("colours", std::span<const glm::vec3>(Colours()));
+  program.Set("gloss", std::span<const float>(Gloss()));
+}
+
+glm::vec3 GhostColour() { return Linear(90, 150, 255); }
+
+}  // namespace enamel::station::render
