@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/scene/tooth_number.h"
+
 namespace enamel::scene {
 namespace {
 
@@ -63,6 +65,15 @@ Part Surface(const Use& use) {
           shown ? "a window shows the tooth; off the tick's thread" : "no window"};
 }
 
+// Only drawn: neither the tick nor the score knows it.
+Part Mouth(const Scene& scene, const Use& use) {
+  const bool shown = use.window && !use.replay, tooth = IsToothNumber(scene.tooth);
+  return {PartId::kMouth, "mouth", shown && tooth,
+          !shown  ? "no window"
+          : tooth ? "a window shows a tooth; --no-mouth leaves it out"
+                  : "the scene has no tooth number"};
+}
+
 Part BusWrite(const Use& use) {
   return {PartId::kBusWrite, "bus write", !use.replay,
           use.replay ? "a replay has no device" : "the device gets its force every tick"};
@@ -85,6 +96,8 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
       TouchCues(exercise),
       OtherBurs(exercise),
       Surface(use),
+      Mouth(scene, use),
+      {PartId::kMirror, "mirror", false, "drawn only while the other hand holds it"},
       BusWrite(use),
       {PartId::kForceBounds, "force bounds", true,
        "part of the core: a recording replays with them"},

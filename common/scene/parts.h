@@ -20,6 +20,8 @@ enum class PartId {
   kTouchCues,    // knock on contact, chatter of the bur
   kOtherBurs,    // tables of burs the exercise does not use
   kSurface,      // triangles for the window
+  kMouth,        // gingiva and neighbours that are only drawn
+  kMirror,       // the scene once more, in a mirror
   kBusWrite,     // force to the device
   kForceBounds,
   kStateHash,

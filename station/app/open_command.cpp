@@ -55,6 +55,7 @@ OpenCommand DeclareOpen(CommandGroup group) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   cmd->add_flag("!--no-sound", o.sound, "Play no handpiece sound");
+  cmd->add_flag("!--no-mouth", o.mouth, "Draw teeth alone, without gingiva and neighbours");
   cmd->add_flag("--simulated", o.simulated, "Offer simulated hands as devices too");
   cmd->add_option("--pedal", o.device.pedal,
                   "Foot pedal of attached devices when it is none that is known, as "

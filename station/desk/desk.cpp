@@ -105,7 +105,7 @@ class Desk {
         script_(script),
         ui_(screen),
         flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
-                          options.profile, options.cpu, options.language}),
+                          options.profile, options.cpu, options.mouth, options.language}),
         pages_(ui_, flow_, workplace.credentials().name),
         station_(workplace) {
     if (options.sound) speaker_.emplace();

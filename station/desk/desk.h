@@ -22,6 +22,7 @@ struct DeskOptions {
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes and watchdog of attached devices
   bool sound = true;
+  bool mouth = true;             // draw it around a tooth
   double idle_minutes = 10;      // sign out after this time without input, outside an attempt
   std::filesystem::path script;  // plays a person's part (script.h); empty: none
 };

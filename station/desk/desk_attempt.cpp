@@ -61,7 +61,8 @@ int Held(const Screen& screen, int more, int less) {
 
 Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepared,
                                                          const DeviceOffer& offer,
-                                                         std::unique_ptr<Device> attached) {
+                                                         std::unique_ptr<Device> attached,
+                                                         bool mouth) {
   std::unique_ptr<DeskAttempt> attempt(new DeskAttempt(std::move(prepared)));
   const PreparedAttempt& p = attempt->prepared_;
   const core::CoreParams& params = p.header.params;
@@ -99,20 +100,20 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");
   }
+  attempt->surroundings_ =
+      std::make_unique<Surroundings>(p.scene, p.exercise.target, p.volume, mouth);
   attempt->feed_ = std::make_unique<TickFeed>(*attempt->view_, p.voxel_m(), params.rate_hz);
   return attempt;
 }
 
 DeskAttempt::~DeskAttempt() = default;
 
-void DeskAttempt::ShowOutline(bool shown) {
-  view_->ShowOutline(shown);
-  if (shown && outline_ == nullptr) {
-    outline_ = std::make_unique<TargetOutline>(prepared_.scene, prepared_.exercise.target,
-                                               prepared_.volume);
+bool DeskAttempt::drawn() {
+  if (auto found = surroundings_->Take()) {
+    view_->SetOutline(found->outline);
+    view_->SetScenery(found->mouth);
   }
-  std::vector<surface::LineSegment> lines;
-  if (outline_ != nullptr && outline_->Take(lines)) view_->SetOutline(lines);
+  return surroundings_->done() && view_->WaitIdle(std::chrono::milliseconds(0));
 }
 
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {

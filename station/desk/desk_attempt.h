@@ -21,11 +21,12 @@ namespace enamel::station::desk {
 // attempt. Owner's thread only; the tick sees the device and the feed.
 class DeskAttempt {
  public:
-  // `attached` is the offer's HID device, opened; null if it has none. Errors: those of a simulated
+  // `attached` is the offer's HID device, opened; null if it has none. `mouth`: draw it where the
+  // scene has a tooth. Errors: those of a simulated
   // hand, or of a driver that refuses the picture.
   static Result<std::unique_ptr<DeskAttempt>> Create(PreparedAttempt prepared,
                                                      const DeviceOffer& offer,
-                                                     std::unique_ptr<Device> attached);
+                                                     std::unique_ptr<Device> attached, bool mouth);
   ~DeskAttempt();
 
   const PreparedAttempt& prepared() const { return prepared_; }
@@ -38,8 +39,10 @@ class DeskAttempt {
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
 
-  // Shows the target's outline on the tooth once it is computed, which starts the first time.
-  void ShowOutline(bool shown);
+  // Shows the target's outline on the tooth once it is computed.
+  void ShowOutline(bool shown) { view_->ShowOutline(shown); }
+  // The tooth is meshed, and what is around it is there: nobody should cut what cannot be seen yet.
+  bool drawn();
 
   // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
@@ -66,7 +69,7 @@ class DeskAttempt {
   std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<render::ToothView> view_;
   std::shared_ptr<const render::Target> before_, after_;
-  std::unique_ptr<TargetOutline> outline_;  // null: never shown
+  std::unique_ptr<Surroundings> surroundings_;
   std::unique_ptr<TickFeed> feed_;
   std::unique_ptr<RunningAttempt> run_;  // first to go
 };

@@ -4,6 +4,7 @@
 
 #include "common/scene/preparation.h"
 #include "common/scene/prepared_target.h"
+#include "station/mouth/mouth.h"
 
 namespace enamel::station::desk {
 
@@ -27,18 +28,21 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
   return surface::ZeroLines(mesh, beyond_mm);
 }
 
-TargetOutline::TargetOutline(const scene::Scene& scene, const scene::CavityTarget& target,
-                             const cutting::Volume& initial)
-    : coming_(std::async(std::launch::async, [&scene, &target, &initial] {
-        return OutlineOf(scene, target, initial);
+Surroundings::Surroundings(const scene::Scene& scene, const scene::CavityTarget& target,
+                           const cutting::Volume& initial, bool mouth)
+    : coming_(std::async(std::launch::async, [&scene, &target, &initial, mouth] {
+        Found found{OutlineOf(scene, target, initial), {}};
+        if (mouth) found.mouth = mouth::MakeMouth(scene, initial, found.outline);
+        return found;
       })) {}
 
-bool TargetOutline::Take(std::vector<surface::LineSegment>& lines) {
-  if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-    return false;
-  }
-  lines = coming_.get();
-  return true;
+bool Surroundings::done() const {
+  return !coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+std::optional<Surroundings::Found> Surroundings::Take() {
+  if (!coming_.valid() || !done()) return std::nullopt;
+  return coming_.get();
 }
 
 }  // namespace enamel::station::desk

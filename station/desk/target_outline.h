@@ -1,10 +1,12 @@
 #pragma once
 
 #include <future>
+#include <optional>
 #include <vector>
 
 #include "common/scoring/zones.h"
 #include "common/surface/level_lines.h"
+#include "station/render/scenery.h"
 
 namespace enamel::station::desk {
 
@@ -15,19 +17,25 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
                                             const scene::CavityTarget& target,
                                             const cutting::Volume& initial);
 
-// Computes the outline on its own thread, because it takes the whole surface. Thread safety:
+// What the picture shows beside the tooth: the target's outline, and the mouth, whose gingiva keeps
+// clear of it. Computed on a thread of its own, because both take the whole surface. Thread safety:
 // owner's thread. The destructor waits for the end.
-class TargetOutline {
+class Surroundings {
  public:
-  // All three outlive this.
-  TargetOutline(const scene::Scene& scene, const scene::CavityTarget& target,
-                const cutting::Volume& initial);
+  struct Found {
+    std::vector<surface::LineSegment> outline;
+    render::Scenery mouth;
+  };
+  // All three outlive this. Without `mouth` there is none.
+  Surroundings(const scene::Scene& scene, const scene::CavityTarget& target,
+               const cutting::Volume& initial, bool mouth);
 
-  // True once, when it is known and `lines` is filled.
-  bool Take(std::vector<surface::LineSegment>& lines);
+  bool done() const;
+  // Once, when it is done.
+  std::optional<Found> Take();
 
  private:
-  std::future<std::vector<surface::LineSegment>> coming_;
+  std::future<Found> coming_;
 };
 
 }  // namespace enamel::station::desk

@@ -45,6 +45,7 @@ struct WorkflowOptions {
   double idle_s = 600;
   std::string profile = {};  // of this station's device: chosen at first if it exists
   int cpu = -1;              // bind the haptic loop to this processor; -1: to none
+  bool mouth = true;         // draw it around a tooth
   language::Language language = language::Language::kEnglish;  // until somebody chooses another
 };
 
@@ -107,7 +108,7 @@ class Workflow {
   DeskAttempt* attempt() { return attempt_.get(); }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
   // Whether the whole tooth is in the picture.
-  bool tooth_drawn() { return attempt_ && attempt_->view().WaitIdle(std::chrono::milliseconds(0)); }
+  bool tooth_drawn() { return attempt_ && attempt_->drawn(); }
   Uploader::State upload() const;
   uint32_t chunks() const;
   // Why the recording cannot be stored at the moment, or ok; and whether all of it is stored.

@@ -51,7 +51,8 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
       assumed = DelayText(*preview_->delay, attached->Name()) + ".";
   }
   // From here on there is no preview: after a failure it is fetched again (LeaveAttemptFor).
-  auto attempt = DeskAttempt::Create(std::move(*preview_), offers_[offer_], std::move(attached));
+  auto attempt = DeskAttempt::Create(std::move(*preview_), offers_[offer_], std::move(attached),
+                                     options_.mouth);
   preview_.reset();
   if (!attempt.ok()) return LeaveAttemptFor(attempt.status());
   attempt_ = std::move(*attempt);

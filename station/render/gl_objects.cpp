@@ -42,8 +42,9 @@ GLuint MakeTexture(GLenum format, int width, int height, GLenum filter) {
 
 }  // namespace
 
-Program::Program(const char* vertex_source, std::initializer_list<const char*> fragment_source) {
-  GLuint vertex = Compile(GL_VERTEX_SHADER, {vertex_source});
+Program::Program(std::initializer_list<const char*> vertex_source,
+                 std::initializer_list<const char*> fragment_source) {
+  GLuint vertex = Compile(GL_VERTEX_SHADER, vertex_source);
   GLuint fragment = Compile(GL_FRAGMENT_SHADER, fragment_source);
   name_ = glCreateProgram();
   glAttachShader(name_, vertex);

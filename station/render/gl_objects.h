@@ -18,8 +18,9 @@ namespace enamel::station::render {
 // Throws std::runtime_error with the driver's log when the driver refuses the source.
 class Program {
  public:
-  // The fragment shader's source may come in pieces.
-  Program(const char* vertex_source, std::initializer_list<const char*> fragment_source);
+  // Sources may come in pieces.
+  Program(std::initializer_list<const char*> vertex_source,
+          std::initializer_list<const char*> fragment_source);
   ~Program() { glDeleteProgram(name_); }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;

@@ -27,6 +27,10 @@ std::array<glm::vec3, 16> Colours() {
   c[kBurShank] = Linear(176, 186, 204);
   c[kForceArrow] = Linear(40, 205, 190);
   c[kTargetLine] = Linear(20, 96, 235);
+  // Coral pink, red with vessels, and the picture's background; the shader mixes them.
+  c[kGingiva] = Linear(226, 148, 138);
+  c[kGingiva + 1] = Linear(168, 70, 66);
+  c[kGingiva + 2] = Linear(26, 22, 24);
   return c;
 }
 
@@ -37,6 +41,8 @@ std::array<float, 16> Gloss() {
   g[2] = 0.15f;
   g[kBurHead] = g[kBurShank] = 1.0f;
   g[kForceArrow] = g[kTargetLine] = 0.1f;
+  // Wet, and duller into the dark.
+  g[kGingiva] = 0.4f, g[kGingiva + 1] = 0.3f, g[kGingiva + 2] = 0;
   return g;
 }
 

@@ -46,9 +46,9 @@ glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
 }  // namespace
 
 Picture::Picture(const cutting::Bur& bur, size_t group_count)
-    : solid_(kSolidVertex, {kLit, kSolidFragment}),
-      shadow_(kFullScreenVertex, {kShadowFragment}),
-      mirror_(kSolidVertex, {kMirrorFragment}),
+    : solid_({kLooks, kSolidVertex}, {kLit, kSolidFragment}),
+      shadow_({kFullScreenVertex}, {kShadowFragment}),
+      mirror_({kLooks, kSolidVertex}, {kMirrorFragment}),
       groups_(group_count),
       bur_height_mm_(static_cast<float>(bur.height_m() * 1000)),
       bur_radius_mm_(static_cast<float>(bur.radius_m * 1000)),
@@ -86,6 +86,39 @@ void Picture::Replace(const GroupMesh& mesh) {
   if (!mesh.same_surface) Changed(group->bounds);
 }
 
+void Picture::SetScenery(const Scenery& scenery) {
+  auto keep = [this](const std::vector<GroupMesh>& meshes, std::vector<std::unique_ptr<Body>>& to) {
+    for (const auto& old : to) Changed(old->bounds);
+    to.clear();
+    for (const GroupMesh& mesh : meshes) {
+      to.push_back(std::make_unique<Body>());
+      to.back()->triangles.Upload(mesh.vertices, mesh.indices, mesh.coarse);
+      to.back()->bounds = mesh.bounds;
+      Changed(mesh.bounds);
+    }
+  };
+  keep(scenery.fixed, fixed_);
+  keep(scenery.giving_way, giving_way_);
+  boxes_.clear();
+  for (const GroupMesh& mesh : scenery.giving_way) boxes_.push_back(BoxOf(mesh.vertices));
+  work_mm_ = scenery.work_mm;
+}
+
+void Picture::ChooseBodies(const PictureState& state) {
+  bodies_.clear();
+  for (const auto& group : groups_) {
+    if (group) bodies_.push_back(group.get());
+  }
+  if (!state.scenery) return;
+  for (const auto& body : fixed_) bodies_.push_back(body.get());
+  const glm::vec3 eye(glm::inverse(state.view_from_scene)[3]);
+  for (size_t i = 0; i < giving_way_.size(); ++i) {
+    const bool covers = std::ranges::any_of(
+        work_mm_, [&](const glm::vec3& p) { return Covers(boxes_[i], p, eye); });
+    if (!covers) bodies_.push_back(giving_way_[i].get());
+  }
+}
+
 Quality Picture::QualityNow(const PictureState& state, const Quality& wanted) {
   bool moved = last_view_ && *last_view_ != state.view_from_scene;
   last_view_ = state.view_from_scene;
@@ -109,6 +142,7 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
     result_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8},
                                        false, GL_NEAREST);
   }
+  ChooseBodies(state);
   const Eye eye{state.view_from_scene, state.clip_from_view, false, {0, 0, 0, 1}};
   DrawSight(sight_, state, eye, quality,
             PixelRect::Whole(sight_.tooth.width(), sight_.tooth.height()));
@@ -122,7 +156,7 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
 
 void Picture::DrawSight(Sight& sight, const PictureState& state, const Eye& eye,
                         const Quality& quality, const PixelRect& part) {
-  sight.tooth.Draw(groups_, eye, quality, part);
+  sight.tooth.Draw(bodies_, eye, quality, part);
   Scissor(part);
   sight.tooth.composed().CopyColourTo(*sight.frame);
   sight.tooth.solids().CopyDepthTo(*sight.frame);

@@ -11,6 +11,7 @@
 #include "station/render/gl_objects.h"
 #include "station/render/mesher.h"
 #include "station/render/quality.h"
+#include "station/render/scenery.h"
 #include "station/render/tooth_layer.h"
 
 namespace enamel::station::render {
@@ -23,6 +24,7 @@ struct PictureState {
   glm::vec3 arrow_from_mm{0}, arrow_mm{0};     // zero: no arrow
   float bur_spin = 0;                          // rad
   bool lines = false;                          // draw SetLines' lines
+  bool scenery = false;                        // draw SetScenery's
   std::optional<glm::mat4> scene_from_mirror;  // none: no mirror (mouth_mirror.h)
 };
 
@@ -52,6 +54,8 @@ class Picture {
   void Replace(const GroupMesh& mesh);
   // Lines on the tooth, in front of it by half their width.
   void SetLines(std::span<const surface::LineSegment> lines);
+  // What stands around the tooth, in its layer.
+  void SetScenery(const Scenery& scenery);
   void Draw(const PictureState& state, int width, int height, const Quality& wanted);
   // Valid after Draw.
   const Target& result() const { return *result_; }
@@ -69,6 +73,8 @@ class Picture {
   // The quality to draw with now, depending on whether the camera moved.
   Quality QualityNow(const PictureState& state, const Quality& wanted);
   void Changed(const Bounds& bounds);
+  // What to draw into the layer for this state.
+  void ChooseBodies(const PictureState& state);
   // Tooth, lines, shadow into the part of the frame; then the burs, which may stand before it.
   void DrawSight(Sight& sight, const PictureState& state, const Eye& eye, const Quality& quality,
                  const PixelRect& part);
@@ -83,6 +89,10 @@ class Picture {
   const ToothLayer::Programs programs_;
   Program solid_, shadow_, mirror_;
   std::vector<std::unique_ptr<Body>> groups_;
+  std::vector<std::unique_ptr<Body>> fixed_, giving_way_;  // of the scenery
+  std::vector<Box> boxes_;                                 // of what gives way
+  std::vector<glm::vec3> work_mm_;
+  std::vector<const Body*> bodies_;  // chosen
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_, glass_, setting_;
   float bur_height_mm_, bur_radius_mm_;
   PictureWork work_;

@@ -14,7 +14,14 @@
 namespace enamel::station::render {
 
 // Values of GpuVertex::tissue beyond the tissues.
-enum Material : uint8_t { kBurHead = 8, kBurShank = 9, kForceArrow = 10, kTargetLine = 11 };
+enum Material : uint8_t {
+  kBurHead = 8,
+  kBurShank = 9,
+  kForceArrow = 10,
+  kTargetLine = 11,
+  kGingiva = 12,  // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
+};
+inline constexpr int kGingivaShades = 201;  // as in the shaders
 
 struct Shape {
   std::vector<GpuVertex> vertices;

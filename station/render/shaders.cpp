@@ -2,14 +2,30 @@
 
 namespace enamel::station::render {
 
-const char* const kSolidVertex = R"(#version 330 core
+const char* const kLooks = R"(#version 330 core
+uniform vec3 colours[16];
+uniform float gloss[16];
+// Colour and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14.
+vec4 Looks(uint material) {
+  if (material < 12u) return vec4(colours[material], gloss[material]);
+  float at = float(material - 12u) / 100.0;
+  int first = at < 1.0 ? 12 : 13;
+  float part = at - float(first - 12);
+  return vec4(mix(colours[first], colours[first + 1], part),
+              mix(gloss[first], gloss[first + 1], part));
+}
+// The dark of the mouth fades into the background.
+float Opacity(uint material) {
+  return material < 12u ? 1.0 : 1.0 - smoothstep(1.2, 1.9, float(material - 12u) / 100.0);
+}
+)";
+
+const char* const kSolidVertex = R"(
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
 uniform mat4 view_from_model, clip_from_view;
 uniform vec4 before;
-uniform vec3 colours[16];
-uniform float gloss[16];
 out vec3 local, view_position, view_normal, albedo;
 out float shine;
 flat out uint kind;
@@ -18,8 +34,9 @@ void main() {
   local = position_mm;
   view_position = p.xyz;
   view_normal = mat3(view_from_model) * normal;
-  albedo = colours[material];
-  shine = gloss[material];
+  vec4 looks = Looks(material);
+  albedo = looks.rgb;
+  shine = looks.a;
   kind = material;
   gl_Position = clip_from_view * p;
   gl_ClipDistance[0] = dot(before, p);
@@ -72,32 +89,31 @@ void main() {
 // The tooth is most of the triangles, many smaller than the block of pixels a processor shades at
 // once. So each costs as little as possible: the inputs of lighting are stored, and light is
 // computed when composing, once for each visible pixel.
-const char* const kToothVertex = R"(#version 330 core
+const char* const kToothVertex = R"(
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
 uniform mat4 view_from_model, clip_from_view;
 uniform vec4 before;
-uniform vec3 colours[16];
-uniform float gloss[16];
-out vec3 view_normal;
+out vec4 view_normal_and_opacity;
 out vec4 root_albedo_and_shine;
 void main() {
-  view_normal = mat3(view_from_model) * normal;
-  root_albedo_and_shine = vec4(sqrt(colours[material]), gloss[material]);
+  view_normal_and_opacity = vec4(mat3(view_from_model) * normal, Opacity(material));
+  vec4 looks = Looks(material);
+  root_albedo_and_shine = vec4(sqrt(looks.rgb), looks.a);
   vec4 p = view_from_model * vec4(position_mm, 1.0);
   gl_Position = clip_from_view * p;
   gl_ClipDistance[0] = dot(before, p);
 }
 )";
 const char* const kToothFragment = R"(#version 330 core
-in vec3 view_normal;
+in vec4 view_normal_and_opacity;
 in vec4 root_albedo_and_shine;
 layout(location = 0) out vec4 albedo;
 layout(location = 1) out vec4 normal_out;
 void main() {
   albedo = root_albedo_and_shine;
-  normal_out = vec4(view_normal * 0.5 + 0.5, 1.0);
+  normal_out = vec4(view_normal_and_opacity.xyz * 0.5 + 0.5, view_normal_and_opacity.w);
 }
 )";
 
@@ -202,17 +218,18 @@ void main() {
   float d = texelFetch(depth, here, 0).r;
   if (d >= 1.0) discard;
   vec4 kept = texelFetch(albedo, here, 0);
-  vec3 n = normalize(texelFetch(normals, here, 0).xyz * 2.0 - 1.0);
+  vec4 facing = texelFetch(normals, here, 0);
+  vec3 n = normalize(facing.xyz * 2.0 - 1.0);
   vec2 slope = vec2(clip_from_view[0][0], clip_from_view[1][1]);
   vec3 to_eye = normalize(vec3((1.0 - uv * 2.0) / slope, 1.0));
   vec3 lit = Lit(kept.rgb * kept.rgb, kept.a, n, to_eye, up_in_view);
   if (occluded == 0) {
-    colour = vec4(0.94 * lit, 1.0);
+    colour = vec4(0.94 * lit, facing.w);
     return;
   }
   float z = -clip_from_view[3][2] / (d * 2.0 - 1.0 + clip_from_view[2][2]);
   // Occluded light is warm: it has bounced off tooth.
-  colour = vec4(lit * mix(vec3(0.20, 0.13, 0.10), vec3(1.0), smoothstep(0.05, 0.95, Open(z))), 1.0);
+  colour = vec4(lit * mix(vec3(0.20, 0.13, 0.10), vec3(1.0), smoothstep(0.05, 0.95, Open(z))), facing.w);
 }
 )";
 

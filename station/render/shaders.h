@@ -7,7 +7,8 @@
 // bur itself is lit when it is drawn (solid).
 namespace enamel::station::render {
 
-extern const char* const kLit;  // a function; comes before kSolidFragment and kComposeFragment
+extern const char* const kLit;    // a function; comes before kSolidFragment and kComposeFragment
+extern const char* const kLooks;  // a function; comes before kToothVertex and kSolidVertex
 extern const char* const kToothVertex;
 extern const char* const kToothFragment;
 extern const char* const kSolidVertex;

@@ -66,9 +66,9 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
   return all > 0 ? wrong / all : 0;
 }
 
-// Triangles of one tissue without edges, by tissue; and all others.
+// Triangles of one tissue or material without edges, by it; and all others.
 struct Parts {
-  std::array<std::vector<uint32_t>, cutting::kTissueCount> smooth;
+  std::array<std::vector<uint32_t>, 256> smooth;
   std::vector<uint32_t> others;
 };
 

@@ -66,11 +66,11 @@ void SeeWith(const Eye& eye) {
 }
 
 ToothLayer::Programs::Programs()
-    : kept(kToothVertex, {kToothFragment}),
-      occlusion(kFullScreenVertex, {kOcclusionFragment}),
-      blur(kFullScreenVertex, {kBlurFragment}),
-      compose(kFullScreenVertex, {kLit, kComposeFragment}),
-      background(kFullScreenVertex, {kBackgroundFragment}) {
+    : kept({kLooks, kToothVertex}, {kToothFragment}),
+      occlusion({kFullScreenVertex}, {kOcclusionFragment}),
+      blur({kFullScreenVertex}, {kBlurFragment}),
+      compose({kFullScreenVertex}, {kLit, kComposeFragment}),
+      background({kFullScreenVertex}, {kBackgroundFragment}) {
   glGenVertexArrays(1, &empty_array);
   kept.Use();
   SetMaterials(kept);
@@ -144,8 +144,8 @@ ToothLayer::Stale ToothLayer::StalePart(const Eye& eye, const Quality& quality,
   return stale;
 }
 
-void ToothLayer::Draw(const std::vector<std::unique_ptr<Body>>& bodies, const Eye& eye,
-                      const Quality& quality, const PixelRect& wanted) {
+void ToothLayer::Draw(std::span<const Body* const> bodies, const Eye& eye, const Quality& quality,
+                      const PixelRect& wanted) {
   const Stale stale = StalePart(eye, quality, wanted);
   if (stale.solids.empty()) return;
   DrawTooth(bodies, eye, quality.coarse, stale.solids);
@@ -155,8 +155,8 @@ void ToothLayer::Draw(const std::vector<std::unique_ptr<Body>>& bodies, const Ey
 }
 
 // Front to back, so that hidden parts cost no light.
-void ToothLayer::DrawTooth(const std::vector<std::unique_ptr<Body>>& bodies, const Eye& eye,
-                           bool coarse, const PixelRect& part) {
+void ToothLayer::DrawTooth(std::span<const Body* const> bodies, const Eye& eye, bool coarse,
+                           const PixelRect& part) {
   solids_->Bind();
   Scissor(part);
   glClearColor(0, 0, 0, 0);
@@ -170,14 +170,14 @@ void ToothLayer::DrawTooth(const std::vector<std::unique_ptr<Body>>& bodies, con
   programs_.kept.Set("before", eye.before);
   std::vector<std::pair<float, const Body*>> seen;
   tooth_ = {};
-  for (const auto& body : bodies) {
-    if (!body || !MayBeSeen(body->bounds, eye)) continue;
+  for (const Body* body : bodies) {
+    if (!MayBeSeen(body->bounds, eye)) continue;
     PixelRect here = AroundBall(eye.view_from_scene, eye.clip_from_view, width(), height(),
                                 body->bounds.middle_mm, body->bounds.radius_mm);
     tooth_ = tooth_.Around(here);
     if (!here.Meets(part)) continue;
     glm::vec4 middle = eye.view_from_scene * glm::vec4(body->bounds.middle_mm, 1);
-    seen.emplace_back(-middle.z, body.get());
+    seen.emplace_back(-middle.z, body);
   }
   // The rim around it, where the occlusion's pixels and their blur reach over the edge.
   tooth_ = tooth_.Grown(kBlurReach_px, width(), height());
@@ -209,6 +209,8 @@ void ToothLayer::Compose(const Eye& eye, const Quality& quality, const PixelRect
   composed_->Bind();
   Scissor(part.Within(tooth_));
   glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   solids_->BindColour(0, 0);
   solids_->BindColour(1, 1);
   blurred_->BindColour(2, 0);
@@ -219,6 +221,7 @@ void ToothLayer::Compose(const Eye& eye, const Quality& quality, const PixelRect
   programs_.compose.Set("occluded", quality.occlusion_samples > 0 ? 1 : 0);
   glBindVertexArray(programs_.empty_array);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_BLEND);
 }
 
 }  // namespace enamel::station::render

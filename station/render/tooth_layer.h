@@ -3,6 +3,7 @@
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "station/render/gl_objects.h"
@@ -57,8 +58,8 @@ class ToothLayer {
   // The surface here has changed; asked before and after the change.
   void Changed(const Bounds& bounds) { changed_.push_back(bounds); }
   // Draws `bodies` into the part `wanted` of the picture; the rest may be old.
-  void Draw(const std::vector<std::unique_ptr<Body>>& bodies, const Eye& eye,
-            const Quality& quality, const PixelRect& wanted);
+  void Draw(std::span<const Body* const> bodies, const Eye& eye, const Quality& quality,
+            const PixelRect& wanted);
   // Valid after Draw.
   const Target& solids() const { return *solids_; }
   const Target& composed() const { return *composed_; }
@@ -73,7 +74,7 @@ class ToothLayer {
   };
   Stale StalePart(const Eye& eye, const Quality& quality, const PixelRect& wanted);
   void DrawBackground();
-  void DrawTooth(const std::vector<std::unique_ptr<Body>>& bodies, const Eye& eye, bool coarse,
+  void DrawTooth(std::span<const Body* const> bodies, const Eye& eye, bool coarse,
                  const PixelRect& part);
   void DrawOcclusion(const Eye& eye, const Quality& quality, const PixelRect& part);
   void Compose(const Eye& eye, const Quality& quality, const PixelRect& part);

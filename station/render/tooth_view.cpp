@@ -88,6 +88,7 @@ PictureState ToothView::PictureNow(float aspect) {
   picture.view_from_scene = camera_.ViewFromScene();
   picture.clip_from_view = camera_.ClipFromView(aspect);
   picture.lines = outline_shown_;
+  picture.scenery = true;
   if (mirror_.shown()) picture.scene_from_mirror = mirror_.SceneFromMirror();
   if (!has_state_) return picture;
   picture.scene_from_bur = FromPose(state_.anchor);

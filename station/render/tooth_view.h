@@ -69,6 +69,8 @@ class ToothView {
   // The target's outline, drawn on the tooth while it is shown.
   void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }
   void ShowOutline(bool shown) { outline_shown_ = shown; }
+  // What stands around the tooth, from the next picture on; not in a Still.
+  void SetScenery(const Scenery& scenery) { picture_.SetScenery(scenery); }
   // Where the bur's tip left the picture (Camera::Away); none before the first tick.
   std::optional<glm::vec2> BurAway(int width, int height) const;
   // Newest state drawn; none before the first tick.

@@ -10,6 +10,7 @@
 #include "common/scene/pruning.h"
 #include "station/devices/operators.h"
 #include "station/lab/app/explain_steps.h"
+#include "station/mouth/mouth.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -101,6 +102,10 @@ class Appraiser {
         });
         return {ns, c.mb, "triangles of the touched bricks, on another thread"};
       }
+      case PartId::kMouth:
+        return Mouth();
+      case PartId::kMirror:
+        return {{}, {}, "off the tick's thread; 'bench frames' prints pictures with it"};
       case PartId::kBusWrite:
         return BusWrite();
       // Never left out, so there is nothing to compare with.
@@ -232,6 +237,18 @@ class Appraiser {
     std::snprintf(note, sizeof note, "a %s's cutter beside it, made in %.1f ms",
                   std::string(cutting::BurShapeName(other.shape)).c_str(), took.count());
     return {{}, HeapMb() - before_mb, note};
+  }
+
+  Worth Mouth() const {
+    const auto from = std::chrono::steady_clock::now();
+    const render::Scenery mouth = mouth::MakeMouth(s_.built.scene, s_.built.volume, {});
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - from;
+    if (mouth.empty()) return {{}, {}, "there is none"};
+    char note[120];
+    std::snprintf(note, sizeof note,
+                  "%zu triangles on the graphics card, made in %.0f ms off the tick's thread",
+                  mouth.triangle_count(), took.count());
+    return {{}, 1e-6 * static_cast<double>(mouth.bytes()), note};
   }
 
   Worth BusWrite() const {

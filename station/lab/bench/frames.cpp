@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,7 +15,9 @@
 #include "common/program/log.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/tooth_number.h"
 #include "station/lab/bench/bench.h"
+#include "station/mouth/mouth.h"
 #include "station/render/panel.h"
 #include "station/render/window.h"
 
@@ -29,6 +32,7 @@ struct FrameBenchOptions {
   int frames = 120;  // of each kind
   int voxel_um = 50;
   std::string quality;  // empty: as it begins on this computer
+  bool mouth = true;
   std::filesystem::path json;
 };
 
@@ -39,21 +43,23 @@ constexpr double kSlotHalf_m = 1.5e-3, kSlotStep_m = 0.3e-3, kSlotDepth_m = 1.2e
 
 struct Figures {
   const char* kind;
-  double p50_ms = 0, p95_ms = 0, p99_ms = 0, max_ms = 0, triangles = 0;
+  double p50_ms = 0, p95_ms = 0, p99_ms = 0, max_ms = 0, cpu_ms = 0, triangles = 0;
 };
 
 struct Times {
   const char* kind;
-  std::vector<double> ms;
+  std::vector<double> ms, cpu_ms;
   double triangles = 0;
 
   Figures Of() {
     std::sort(ms.begin(), ms.end());
+    std::sort(cpu_ms.begin(), cpu_ms.end());
     auto count = static_cast<double>(ms.size());
     auto at = [&](double share) {
       return ms[std::min(ms.size() - 1, static_cast<size_t>(share * count))];
     };
-    return {kind, at(0.5), at(0.95), at(0.99), ms.back(), triangles / count};
+    return {
+        kind, at(0.5), at(0.95), at(0.99), ms.back(), cpu_ms[cpu_ms.size() / 2], triangles / count};
   }
 };
 
@@ -66,19 +72,25 @@ class FrameBench {
         quality_(quality),
         screen_(screen),
         volume_(built.volume),
-        view_(View(), built.volume),
+        view_(View(built.scene), built.volume),
         // Reserved first: a cutter never grows its volume, and the comma keeps both in the
         // initialiser.
-        cutter_((volume_.Reserve(), volume_), View().bur) {
+        cutter_((volume_.Reserve(), volume_), View(built.scene).bur) {
     auto at = built.scene.landmarks.at("occlusal_centre");
     centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
     auto began = Clock::now();
     view_.WaitIdle(std::chrono::seconds(60));
     first_s_ = std::chrono::duration<double>(Clock::now() - began).count();
+    if (!options.mouth) return;
+    began = Clock::now();
+    const render::Scenery mouth = mouth::MakeMouth(built.scene, built.volume, {});
+    mouth_s_ = std::chrono::duration<double>(Clock::now() - began).count();
+    mouth_triangles_ = mouth.triangle_count();
+    view_.SetScenery(mouth);
   }
 
-  Figures Rest() {
-    Times times{"at rest", {}};
+  Figures Rest(const char* kind = "at rest") {
+    Times times{kind, {}, {}};
     for (int i = 0; i < options_.frames; ++i) {
       Show(centre_ + dvec3(Wave(), 0, 1e-3));
       Frame(quality_, times);
@@ -86,8 +98,8 @@ class FrameBench {
     return times.Of();
   }
 
-  Figures Cut() {
-    Times times{"cutting", {}};
+  Figures Cut(const char* kind = "cutting") {
+    Times times{kind, {}, {}};
     for (int i = 0; i < options_.frames; ++i) {
       // As many ticks as pass between two pictures, so that a picture has an attempt's work.
       for (int k = 0; k < kTicksPerFrame; ++k) Step();
@@ -98,14 +110,14 @@ class FrameBench {
 
   // Two ways alternately, so that a busy computer affects both alike: turning as in an attempt, and
   // with full detail.
-  std::array<Figures, 2> Turn() {
-    Times turning{"turning", {}}, all{"in full", {}};
+  std::array<Figures, 2> Turn(const char* kind = "turning") {
+    Times turning{kind, {}, {}}, all{"in full", {}, {}};
     // Turning is drawn lighter in an attempt; otherwise it costs as much as a still picture.
     Quality full = quality_;
     full.lighter_turning = false;
     // The cut has its coarse triangles by then.
     for (auto until = Clock::now() + kCoarseLimit; Clock::now() < until;) {
-      Times unused{"", {}};
+      Times unused{"", {}, {}};
       Frame(quality_, unused);
     }
     for (int i = 0; i < options_.frames; ++i) {
@@ -117,13 +129,27 @@ class FrameBench {
     return {turning.Of(), all.Of()};
   }
 
-  // From the volume to its first picture.
+  // At rest, cutting and turning as before, with the mirror held.
+  std::vector<Figures> WithMirror() {
+    view_.mirror().Show(true, view_.camera());
+    std::vector<Figures> out{Rest("mirror, at rest"), Cut("mirror, cutting")};
+    out.push_back(Turn("mirror, turning")[0]);
+    view_.mirror().Show(false, view_.camera());
+    return out;
+  }
+
+  // From the volume to its first picture; and to the mouth.
   double first_s() const { return first_s_; }
+  double mouth_s() const { return mouth_s_; }
+  size_t mouth_triangles() const { return mouth_triangles_; }
   size_t triangles() const { return view_.work().triangles; }
 
  private:
-  static render::ViewOptions View() {
+  // As an attempt shows it (desk_attempt.cpp): aside of the panel.
+  static render::ViewOptions View(const scene::Scene& scene) {
     render::ViewOptions view;
+    view.aside = 0.16f;
+    view.mesial_x = scene::MesialX(scene.tooth);
     view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
     return view;
   }
@@ -151,6 +177,8 @@ class FrameBench {
   }
 
   void Frame(const Quality& quality, Times& times) {
+    // Of all threads: those of a software driver, and the mesher's.
+    const std::clock_t began = std::clock();
     screen_.Begin();
     view_.Draw(screen_.width(), screen_.height(), quality);
     render::PanelContent content;
@@ -160,6 +188,7 @@ class FrameBench {
     render::DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
     screen_.End(&view_.result());
     times.ms.push_back(1e3 * screen_.drawing_s());
+    times.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
     times.triangles += static_cast<double>(view_.work().triangles_drawn);
   }
 
@@ -173,7 +202,8 @@ class FrameBench {
   cutting::RemovedUnits removed_{};
   render::FrameState state_;
   dvec3 centre_{0};
-  double along_ = 0, first_s_ = 0;
+  double along_ = 0, first_s_ = 0, mouth_s_ = 0;
+  size_t mouth_triangles_ = 0;
   uint64_t waves_ = 0;
 };
 
@@ -184,27 +214,34 @@ Status Print(const FrameBenchOptions& options, const FrameBench& bench,
   std::printf("picture    %d x %d, quality %s, tooth of %zu triangles at %d um, made in %.1f s\n",
               screen.width(), screen.height(), std::string(quality.name).c_str(), bench.triangles(),
               options.voxel_um, bench.first_s());
+  if (options.mouth) {
+    std::printf("mouth      %zu triangles, made in %.1f s\n", bench.mouth_triangles(),
+                bench.mouth_s());
+  }
   std::printf(
       "method     %d frames each, tooth, bur, panel; from the beginning of a frame to "
-      "glFinish, no waiting for the display\n",
+      "glFinish, no waiting for the display; cpu: processor time of all threads, p50\n",
       options.frames);
   std::printf(
       "turning    as an attempt turns; in full: the same with all that is drawn at rest, picture "
       "by "
       "picture in turn\n\n");
-  std::printf("%-10s %8s %8s %8s %8s %9s %12s\n", "ms", "p50", "p95", "p99", "max", "fps (p50)",
-              "triangles");
-  boost::json::object json{{"renderer", screen.renderer()},      {"quality", quality.name},
-                           {"width_px", screen.width()},         {"height_px", screen.height()},
-                           {"first_picture_s", bench.first_s()}, {"triangles", bench.triangles()}};
+  std::printf("%-15s %8s %8s %8s %8s %8s %9s %12s\n", "ms", "p50", "p95", "p99", "max", "cpu",
+              "fps (p50)", "triangles");
+  boost::json::object json{{"renderer", screen.renderer()},
+                           {"quality", quality.name},
+                           {"width_px", screen.width()},
+                           {"height_px", screen.height()},
+                           {"first_picture_s", bench.first_s()},
+                           {"triangles", bench.triangles()},
+                           {"mouth_triangles", bench.mouth_triangles()},
+                           {"mouth_s", bench.mouth_s()}};
   for (const Figures& f : all) {
-    std::printf("%-10s %8.1f %8.1f %8.1f %8.1f %9.0f %12.0f\n", f.kind, f.p50_ms, f.p95_ms,
-                f.p99_ms, f.max_ms, 1e3 / std::max(f.p50_ms, 1e-3), f.triangles);
-    json[f.kind] = {{"p50_ms", f.p50_ms},
-                    {"p95_ms", f.p95_ms},
-                    {"p99_ms", f.p99_ms},
-                    {"max_ms", f.max_ms},
-                    {"triangles_drawn", f.triangles}};
+    std::printf("%-15s %8.1f %8.1f %8.1f %8.1f %8.1f %9.0f %12.0f\n", f.kind, f.p50_ms, f.p95_ms,
+                f.p99_ms, f.max_ms, f.cpu_ms, 1e3 / std::max(f.p50_ms, 1e-3), f.triangles);
+    json[f.kind] = {{"p50_ms", f.p50_ms},     {"p95_ms", f.p95_ms},
+                    {"p99_ms", f.p99_ms},     {"max_ms", f.max_ms},
+                    {"cpu_p50_ms", f.cpu_ms}, {"triangles_drawn", f.triangles}};
   }
   return program::WriteJsonFile(options.json, json);
 }
@@ -239,6 +276,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     FrameBench bench(options, quality, screen, built);
     std::vector<Figures> all{bench.Rest(), bench.Cut()};
     for (const Figures& f : bench.Turn()) all.push_back(f);
+    for (const Figures& f : bench.WithMirror()) all.push_back(f);
     return Print(options, bench, screen, quality, all);
   } catch (const std::exception& e) {
     // Windows and drivers throw; the error gets a remedy here.
@@ -260,6 +298,7 @@ void RegisterFrames(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   frames->add_option("--quality", options->quality,
                      "best, good, fair or low; else what this computer begins with");
+  frames->add_flag("!--no-mouth", options->mouth, "Draw the tooth alone, as open --no-mouth");
   frames->add_option("--json", options->json, "Write the figures to this file");
   frames->callback([options, exit_code] {
     Status status = BenchFrames(*options);

@@ -237,6 +237,17 @@ TEST(PartsTest, WindowNeedsTheSurfaceAndAReplayNeitherSurfaceNorBus) {
   EXPECT_TRUE(Find(replay, PartId::kForceBounds).kept);
 }
 
+TEST(PartsTest, TheMouthIsDrawnAroundAToothInAWindowAndTheMirrorOnlyWhileItIsHeld) {
+  Scene scene;
+  Exercise e;
+  EXPECT_FALSE(Find(ListParts(scene, e, {true, false}), PartId::kMouth).kept) << "no tooth";
+  scene.tooth = 46;
+  EXPECT_TRUE(Find(ListParts(scene, e, {true, false}), PartId::kMouth).kept);
+  EXPECT_FALSE(Find(ListParts(scene, e, {false, false}), PartId::kMouth).kept);
+  EXPECT_FALSE(Find(ListParts(scene, e, {true, true}), PartId::kMouth).kept);
+  EXPECT_FALSE(Find(ListParts(scene, e, {true, false}), PartId::kMirror).kept);
+}
+
 TEST(PartsTest, TorqueIsCarriedExactlyWhereTheDeviceDrivesRotation) {
   Scene scene;
   Exercise e;

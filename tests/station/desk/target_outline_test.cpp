@@ -69,11 +69,16 @@ TEST(TargetOutlineTest, WithoutATargetInTheSceneThereIsNone) {
 
 TEST(TargetOutlineTest, ItIsTakenOnceWhenItIsThere) {
   const Task task = TaskOf("molar", "class-1");
-  TargetOutline outline(task.built.scene, task.target, task.built.volume);
-  std::vector<surface::LineSegment> lines;
-  while (!outline.Take(lines)) std::this_thread::yield();
-  EXPECT_FALSE(lines.empty());
-  EXPECT_FALSE(outline.Take(lines));
+  for (const bool mouth : {false, true}) {
+    Surroundings around(task.built.scene, task.target, task.built.volume, mouth);
+    while (!around.done()) std::this_thread::yield();
+    const auto found = around.Take();
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(found->outline.empty());
+    EXPECT_EQ(found->mouth.empty(), !mouth);
+    EXPECT_TRUE(around.done());
+    EXPECT_FALSE(around.Take());
+  }
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -5,12 +6,13 @@
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin/builtin.h"
 #include "station/desk/target_outline.h"
+#include "station/mouth/mouth.h"
 #include "station/render/window.h"
 #include "tests/station/render/virtual_display.h"
 
 // Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
 // people: cut_screenshot OUT.png [voxel_um [view [exercise [scene]]]]. With an exercise's kind
-// ("crown") it shows that outline on the uncut tooth. With --mirror also what the mirror shows;
+// ("crown") it shows that outline on the uncut tooth. With --mirror also what the mirror shows, with --mouth the mouth around it;
 // --size=WxH is the window's.
 
 namespace {
@@ -46,18 +48,19 @@ station::render::View ViewOf(std::string_view name) {
 
 int main(int argc, char** argv) {
   station::render::WindowOptions options;
-  bool mirror = false;
+  bool mirror = false, mouth = false;
   // Options come last.
   for (; argc > 2 && std::string_view(argv[argc - 1]).starts_with("--"); --argc) {
     const std::string_view last = argv[argc - 1];
     if (last == "--mirror") mirror = true;
+    if (last == "--mouth") mouth = true;
     std::sscanf(argv[argc - 1], "--size=%dx%d", &options.screen.width_px,
                 &options.screen.height_px);
   }
   if (argc < 2) {
     std::fprintf(stderr,
                  "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial "
-                 "[EXERCISE [SCENE]]]] [--mirror] [--size=WxH]\n");
+                 "[EXERCISE [SCENE]]]] [--mirror] [--mouth] [--size=WxH]\n");
     return 2;
   }
   int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
@@ -83,7 +86,16 @@ int main(int argc, char** argv) {
   const std::string_view exercise = argc > 4 ? argv[4] : "class-1";
   for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, Sha256{})) {
     if (!e.name.starts_with(exercise)) continue;
-    (*window)->tooth().SetOutline(station::desk::OutlineOf(built->scene, e.target, built->volume));
+    const auto outline = station::desk::OutlineOf(built->scene, e.target, built->volume);
+    (*window)->tooth().SetOutline(outline);
+    if (mouth) {
+      const auto began = std::chrono::steady_clock::now();
+      const auto around = station::mouth::MakeMouth(built->scene, built->volume, outline);
+      std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+      std::printf("mouth: %zu triangles, %.2f MB, %.0f ms\n", around.triangle_count(),
+                  static_cast<double>(around.bytes()) * 1e-6, 1e3 * took.count());
+      (*window)->tooth().SetScenery(around);
+    }
     (*window)->tooth().ShowOutline(true);
     break;
   }

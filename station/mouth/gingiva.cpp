@@ -1,0 +1,143 @@
+#include "station/mouth/gingiva.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "station/render/revolve.h"
+
+namespace enamel::station::mouth {
+namespace {
+
+// Of the surface: from a tooth it first rounds over the margin, then falls like the alveolar process.
+// At 1.25 mm from the tooth, the mean thickness of attached gingiva (Goaslind et al., J. Periodontol.
+// 48, 1977), it has fallen 1.4 mm.
+constexpr double kFall = 2.2, kRound_mm = 0.9;
+// Over how much height two teeth's slopes blend (SmoothMax).
+constexpr double kBlend_mm = 4 * kPapilla_mm;
+// A ridge is about this much lower in the first months without a tooth (Schropp et al., Int. J.
+// Periodontics Restorative Dent. 23, 2003: 0.7 to 1.4 mm in a year), and two round necks meet lower.
+constexpr double kSunken_mm = 2;
+// Just inside a tooth it is level, so that their line of meeting is smooth.
+constexpr double kLevel_mm = 0.6;
+// Beyond this distance from what is to be cut it may rise again, by so much per mm.
+constexpr double kFree_mm = 0.7, kRise = 0.5, kSoftLimit_mm = 1;
+// Attached gingiva is about this wide on a lower first molar's lingual side, from 1 to 9 mm (Lang &
+// Löe, J. Periodontol. 43, 1972). Below it is mucosa, and then the fold to cheek and tongue.
+constexpr double kAttached_mm = 4, kFold_mm = 12;
+// The picture of the mouth ends in the dark this far from the ridge.
+constexpr double kLit_mm = 3.5, kHalfWidth_mm = 17, kBeyondTeeth_mm = 7;
+// Squares of the mesh, and of its pieces.
+constexpr double kStep_mm = 0.3;
+constexpr int kPiece = 24;
+
+double SmoothMax(double a, double b, double k) {
+  const double h = std::max(k - std::abs(a - b), 0.0);
+  return std::max(a, b) + h * h / (4 * k);
+}
+
+struct Polar {
+  double angle = 0, from_tooth = 0;
+};
+Polar About(const Neck& neck, double x, double y) {
+  const double dx = x - neck.middle_mm.x, dy = y - neck.middle_mm.y, angle = std::atan2(dy, dx);
+  return {angle, std::hypot(dx, dy) - neck.radius_mm.At(angle)};
+}
+
+// Over a neighbour's root it is closed and sunken, as after a tooth is lost: a crown may be left out.
+double HeightAt(const Neck& neck, double x, double y) {
+  const Polar at = About(neck, x, y);
+  double margin = neck.margin_mm.At(at.angle);
+  if (at.from_tooth >= 0)
+    return margin - kFall * (std::hypot(at.from_tooth, kRound_mm) - kRound_mm);
+  const double out = std::clamp(
+      1 + std::min(at.from_tooth + kLevel_mm, 0.0) / neck.radius_mm.At(at.angle), 0.0, 1.0);
+  return glm::mix(neck.margin_mm.Mean() - kSunken_mm, margin, out * out);
+}
+
+}  // namespace
+
+Gingiva::Gingiva(std::vector<Neck> necks, const Around& limit_mm)
+    : necks_(std::move(necks)), limit_mm_(limit_mm) {
+  floor_mm_ = necks_.at(0).margin_mm.Mean() - kFold_mm;
+}
+
+double Gingiva::Height_mm(double x, double y) const {
+  double z = floor_mm_;
+  for (const Neck& neck : necks_) z = SmoothMax(z, HeightAt(neck, x, y), kBlend_mm);
+  const Polar own = About(necks_[0], x, y);
+  const double limit = limit_mm_.At(own.angle) - kClearOfTarget_mm +
+                       kRise * std::max(own.from_tooth - kFree_mm, 0.0);
+  // The lesser, rounded downward.
+  return -SmoothMax(-z, -limit, kSoftLimit_mm);
+}
+
+uint8_t Gingiva::MaterialAt(double x, double y, double z) const {
+  double below = 1e3, out = 1e3;
+  for (const Neck& neck : necks_) {
+    const Polar at = About(neck, x, y);
+    below = std::min(below, neck.margin_mm.At(at.angle) - z);
+    out = std::min(out, at.from_tooth);
+  }
+  // 0 to 1: pink to red; to 2: into the dark.
+  const double shade = std::clamp((below - 0.5 * kAttached_mm) / kAttached_mm, 0.0, 1.0) +
+                       std::clamp(std::max((out - kLit_mm) / (kHalfWidth_mm - 6 - kLit_mm),
+                                           (below - 2 * kAttached_mm) / kAttached_mm),
+                                  0.0, 1.0);
+  return static_cast<uint8_t>(render::kGingiva +
+                              std::lround(0.5 * shade * (render::kGingivaShades - 1)));
+}
+
+void Gingiva::Colour(render::GroupMesh& mesh) const {
+  for (render::GpuVertex& v : mesh.vertices) {
+    v.tissue = MaterialAt(v.position_mm[0], v.position_mm[1], v.position_mm[2]);
+  }
+}
+
+std::vector<render::GroupMesh> Gingiva::Pieces() const {
+  double lo = 1e3, hi = -1e3;
+  for (const Neck& neck : necks_) {
+    lo = std::min(lo, neck.middle_mm.x - neck.radius_mm.Mean() - kBeyondTeeth_mm);
+    hi = std::max(hi, neck.middle_mm.x + neck.radius_mm.Mean() + kBeyondTeeth_mm);
+  }
+  const int nx = static_cast<int>((hi - lo) / kStep_mm),
+            ny = static_cast<int>(2 * kHalfWidth_mm / kStep_mm);
+  const double y0 = necks_[0].middle_mm.y - kHalfWidth_mm;
+  auto vertex = [&](int i, int j) {
+    const double x = lo + kStep_mm * i, y = y0 + kStep_mm * j, z = Height_mm(x, y);
+    constexpr double kSide = 0.5 * kStep_mm;
+    const dvec3 normal =
+        glm::normalize(dvec3(Height_mm(x - kSide, y) - Height_mm(x + kSide, y),
+                             Height_mm(x, y - kSide) - Height_mm(x, y + kSide), 2 * kSide));
+    auto byte = [](double v) { return static_cast<int8_t>(std::lround(127 * v)); };
+    return render::GpuVertex{{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)},
+                             {byte(normal.x), byte(normal.y), byte(normal.z)},
+                             render::kGingiva};
+  };
+  // Deep inside the first tooth there is none.
+  auto hidden = [&](int i, int j) {
+    return About(necks_[0], lo + kStep_mm * (i + 0.5), y0 + kStep_mm * (j + 0.5)).from_tooth <
+           -2 * kLevel_mm;
+  };
+  std::vector<render::GroupMesh> out;
+  for (int i0 = 0; i0 < nx; i0 += kPiece) {
+    for (int j0 = 0; j0 < ny; j0 += kPiece) {
+      const int i1 = std::min(i0 + kPiece, nx), j1 = std::min(j0 + kPiece, ny), row = j1 - j0 + 1;
+      render::GroupMesh mesh;
+      for (int i = i0; i <= i1; ++i) {
+        for (int j = j0; j <= j1; ++j) mesh.vertices.push_back(vertex(i, j));
+      }
+      for (int i = i0; i < i1; ++i) {
+        for (int j = j0; j < j1; ++j) {
+          if (hidden(i, j)) continue;
+          const auto a = static_cast<uint32_t>((i - i0) * row + j - j0),
+                     b = a + static_cast<uint32_t>(row);
+          mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+        }
+      }
+      if (!mesh.indices.empty()) out.push_back(std::move(mesh));
+    }
+  }
+  return out;
+}
+
+}  // namespace enamel::station::mouth

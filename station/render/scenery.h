@@ -1,0 +1,31 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "station/render/mesher.h"
+
+namespace enamel::station::render {
+
+// What is drawn around a tooth and never changes: made once, on any thread. Scene frame. GroupMesh's
+// `group` is not used.
+struct Scenery {
+  std::vector<GroupMesh> fixed;
+  // Each of these is left out while it would stand between the viewer and a point of the work.
+  std::vector<GroupMesh> giving_way;
+  std::vector<glm::vec3> work_mm;
+
+  bool empty() const { return fixed.empty() && giving_way.empty(); }
+  size_t triangle_count() const;
+  size_t bytes() const;  // on the graphics card
+};
+
+struct Box {
+  glm::vec3 lo_mm{0}, hi_mm{0};
+};
+Box BoxOf(std::span<const GpuVertex> vertices);
+// Whether the straight way from a point to the eye meets the box.
+bool Covers(const Box& box, const glm::vec3& point_mm, const glm::vec3& eye_mm);
+
+}  // namespace enamel::station::render
