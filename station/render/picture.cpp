@@ -52,7 +52,8 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
       groups_(group_count),
       bur_height_mm_(static_cast<float>(bur.height_m() * 1000)),
       bur_radius_mm_(static_cast<float>(bur.radius_m * 1000)),
-      sight_(programs_) {
+      still_sight_(programs_),
+      turning_sight_(programs_) {
   Fill(bur_head_, BurHeadShape(bur));
   Fill(bur_shank_, BurShankShape(bur));
   Fill(shaft_, ShaftShape());
@@ -71,7 +72,8 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
 }
 
 void Picture::Changed(const Bounds& bounds) {
-  sight_.tooth.Changed(bounds);
+  still_sight_.tooth.Changed(bounds);
+  turning_sight_.tooth.Changed(bounds);
   if (reflected_) reflected_->tooth.Changed(bounds);
 }
 
@@ -137,21 +139,25 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
   auto scaled = [&](int n) {
     return std::max(1, static_cast<int>(std::lround(static_cast<float>(n) * quality.scale)));
   };
-  sight_.Resize(scaled(width), scaled(height));
+  const bool turning = !(quality == wanted);
+  Sight& sight = turning ? turning_sight_ : still_sight_;
+  // The other's eye was elsewhere.
+  (turning ? still_sight_ : turning_sight_).tooth.Forget();
+  sight.Resize(scaled(width), scaled(height));
   if (!result_ || result_->width() != width || result_->height() != height) {
     result_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8},
                                        false, GL_NEAREST);
   }
   ChooseBodies(state);
   const Eye eye{state.view_from_scene, state.clip_from_view, false, {0, 0, 0, 1}};
-  DrawSight(sight_, state, eye, quality,
-            PixelRect::Whole(sight_.tooth.width(), sight_.tooth.height()));
-  work_.triangles_drawn = sight_.tooth.work().triangles_drawn;
-  work_.whole = sight_.tooth.work().whole;
+  DrawSight(sight, state, eye, quality,
+            PixelRect::Whole(sight.tooth.width(), sight.tooth.height()));
+  work_.triangles_drawn = sight.tooth.work().triangles_drawn;
+  work_.whole = sight.tooth.work().whole;
   work_.coarse = quality.coarse;
-  DrawMirror(state, eye, quality);
+  DrawMirror(sight, state, eye, quality);
   DrawArrow(state, eye);
-  sight_.frame->CopyColourTo(*result_);
+  sight.frame->CopyColourTo(*result_);
 }
 
 void Picture::DrawSight(Sight& sight, const PictureState& state, const Eye& eye,
@@ -175,20 +181,21 @@ void Picture::DrawSight(Sight& sight, const PictureState& state, const Eye& eye,
 }
 
 // The glass is where its reflection is drawn: the same pixels, from the mirrored eye.
-void Picture::DrawMirror(const PictureState& state, const Eye& eye, const Quality& quality) {
+void Picture::DrawMirror(const Sight& sight, const PictureState& state, const Eye& eye,
+                         const Quality& quality) {
   if (!state.scene_from_mirror) {
     reflected_.reset();
     return;
   }
   const glm::mat4& mirror = *state.scene_from_mirror;
   const glm::mat4 view_from_mirror = eye.view_from_scene * mirror;
-  const PixelRect part = AroundBall(eye.view_from_scene, eye.clip_from_view, sight_.frame->width(),
-                                    sight_.frame->height(), glm::vec3(mirror[3]), kMirrorRadius_mm);
+  const PixelRect part = AroundBall(eye.view_from_scene, eye.clip_from_view, sight.frame->width(),
+                                    sight.frame->height(), glm::vec3(mirror[3]), kMirrorRadius_mm);
   // The viewer is at the view's origin; behind the glass it is not seen.
   const bool faces = glm::dot(glm::vec3(view_from_mirror[2]), glm::vec3(view_from_mirror[3])) < 0;
   if (faces && !part.empty()) {
     if (!reflected_) reflected_ = std::make_unique<Sight>(programs_);
-    reflected_->Resize(sight_.frame->width(), sight_.frame->height());
+    reflected_->Resize(sight.frame->width(), sight.frame->height());
     Eye mirrored = eye;
     mirrored.view_from_scene = eye.view_from_scene * Reflection(mirror);
     mirrored.mirrored = true;
@@ -196,7 +203,7 @@ void Picture::DrawMirror(const PictureState& state, const Eye& eye, const Qualit
     mirrored.before = glm::transpose(glm::inverse(mirrored.view_from_scene)) *
                       glm::vec4(out, -glm::dot(out, glm::vec3(mirror[3])));
     DrawSight(*reflected_, state, mirrored, quality, part);
-    sight_.frame->Bind();
+    sight.frame->Bind();
     UseSolid(state, eye);
     mirror_.Use();
     mirror_.Set("clip_from_view", eye.clip_from_view);

@@ -78,7 +78,8 @@ class Picture {
   // Tooth, lines, shadow into the part of the frame; then the burs, which may stand before it.
   void DrawSight(Sight& sight, const PictureState& state, const Eye& eye, const Quality& quality,
                  const PixelRect& part);
-  void DrawMirror(const PictureState& state, const Eye& eye, const Quality& quality);
+  void DrawMirror(const Sight& sight, const PictureState& state, const Eye& eye,
+                  const Quality& quality);
   void UseSolid(const PictureState& state, const Eye& eye);
   void DrawShadow(const Sight& sight, const PictureState& state, const Eye& eye,
                   const PixelRect& part);
@@ -98,7 +99,8 @@ class Picture {
   PictureWork work_;
   std::optional<glm::mat4> last_view_;
   int still_ = kStillPictures;  // pictures since the camera moved
-  Sight sight_;
+  // At rest and, smaller, while the camera turns: neither is made anew each time.
+  Sight still_sight_, turning_sight_;
   std::unique_ptr<Sight> reflected_;  // null: nothing is reflected
   std::unique_ptr<Target> result_;    // at the window's size
 };

@@ -25,7 +25,8 @@ inline constexpr std::array<Quality, 4> kQualities = {{
     {"fair", 1.0f, 8, true},
     {"low", 0.5f, 0, true},
 }};
-// A lighter quality for a moving picture, which nobody examines closely.
+// A lighter quality for a moving picture, which nobody examines closely: at most one solid pixel for
+// four of the picture.
 Quality WhileTurning(const Quality& quality);
 // nullptr when the name is unknown.
 const Quality* FindQuality(std::string_view name);

@@ -56,7 +56,14 @@ class ToothLayer {
   // A picture of this size: true if it has another size now. Everything is then redrawn.
   bool Resize(int width, int height);
   // The surface here has changed; asked before and after the change.
-  void Changed(const Bounds& bounds) { changed_.push_back(bounds); }
+  void Changed(const Bounds& bounds) {
+    if (drawn_eye_) changed_.push_back(bounds);
+  }
+  // What is drawn will not be used again.
+  void Forget() {
+    drawn_eye_.reset();
+    changed_.clear();
+  }
   // Draws `bodies` into the part `wanted` of the picture; the rest may be old.
   void Draw(std::span<const Body* const> bodies, const Eye& eye, const Quality& quality,
             const PixelRect& wanted);
