@@ -12,6 +12,8 @@ namespace {
 // At 1.25 mm from the tooth, the mean thickness of attached gingiva (Goaslind et al., J. Periodontol.
 // 48, 1977), it has fallen 1.4 mm.
 constexpr double kFall = 2.2, kRound_mm = 0.9;
+// The scallops of the margin end this far from the tooth.
+constexpr double kScallops_mm = 3;
 // Over how much height two teeth's slopes blend (SmoothMax).
 constexpr double kBlend_mm = 4 * kPapilla_mm;
 // A ridge is about this much lower in the first months without a tooth (Schropp et al., Int. J.
@@ -46,9 +48,12 @@ Polar About(const Neck& neck, double x, double y) {
 // Over a neighbour's root it is closed and sunken, as after a tooth is lost: a crown may be left out.
 double HeightAt(const Neck& neck, double x, double y) {
   const Polar at = About(neck, x, y);
-  double margin = neck.margin_mm.At(at.angle);
-  if (at.from_tooth >= 0)
-    return margin - kFall * (std::hypot(at.from_tooth, kRound_mm) - kRound_mm);
+  const double margin = neck.margin_mm.At(at.angle);
+  if (at.from_tooth >= 0) {
+    const double share = std::min(at.from_tooth / kScallops_mm, 1.0);
+    return glm::mix(margin, neck.ridge_mm.At(at.angle), share * share * (3 - 2 * share)) -
+           kFall * (std::hypot(at.from_tooth, kRound_mm) - kRound_mm);
+  }
   const double out = std::clamp(
       1 + std::min(at.from_tooth + kLevel_mm, 0.0) / neck.radius_mm.At(at.angle), 0.0, 1.0);
   return glm::mix(neck.margin_mm.Mean() - kSunken_mm, margin, out * out);
@@ -75,7 +80,7 @@ uint8_t Gingiva::MaterialAt(double x, double y, double z) const {
   double below = 1e3, out = 1e3;
   for (const Neck& neck : necks_) {
     const Polar at = About(neck, x, y);
-    below = std::min(below, neck.margin_mm.At(at.angle) - z);
+    below = std::min(below, neck.ridge_mm.At(at.angle) - z);
     out = std::min(out, at.from_tooth);
   }
   // 0 to 1: pink to red; to 2: into the dark.
@@ -113,10 +118,11 @@ std::vector<render::GroupMesh> Gingiva::Pieces() const {
                              {byte(normal.x), byte(normal.y), byte(normal.z)},
                              render::kGingiva};
   };
-  // Deep inside the first tooth there is none.
+  // None deep inside the first tooth, and none where the dark hides it.
   auto hidden = [&](int i, int j) {
-    return About(necks_[0], lo + kStep_mm * (i + 0.5), y0 + kStep_mm * (j + 0.5)).from_tooth <
-           -2 * kLevel_mm;
+    const double x = lo + kStep_mm * (i + 0.5), y = y0 + kStep_mm * (j + 0.5);
+    return About(necks_[0], x, y).from_tooth < -2 * kLevel_mm ||
+           MaterialAt(x, y, Height_mm(x, y)) >= render::kGingiva + render::kGingivaDark;
   };
   std::vector<render::GroupMesh> out;
   for (int i0 = 0; i0 < nx; i0 += kPiece) {

@@ -110,7 +110,8 @@ std::optional<Neck> NeckOf(const TissueAt& tissue, const glm::dvec2& middle_mm, 
 }
 
 Neck WithMargin(const TissueAt& tissue, const glm::dvec2& middle_mm, const Around& margin_mm) {
-  Neck out{middle_mm, margin_mm, {}};
+  constexpr double kScallop_rad = 0.5;
+  Neck out{middle_mm, margin_mm, {}, margin_mm.Smoothed(kScallop_rad)};
   for (size_t i = 0; i < Around::kCount; ++i) {
     out.radius_mm[i] = RadiusAt_mm(tissue, middle_mm, Around::Angle(i), margin_mm[i]);
   }

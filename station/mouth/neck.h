@@ -40,6 +40,7 @@ struct Neck {
   glm::dvec2 middle_mm{0};
   Around margin_mm;  // height of the gingival margin
   Around radius_mm;  // of the tooth there, from its middle
+  Around ridge_mm;   // the margin without its scallops, as the ridge farther out follows it
 };
 
 // A healthy margin is this far above the cement line: the junctional epithelium, 0.97, ends there,

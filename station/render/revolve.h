@@ -21,7 +21,8 @@ enum Material : uint8_t {
   kTargetLine = 11,
   kGingiva = 12,  // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
 };
-inline constexpr int kGingivaShades = 201;  // as in the shaders
+// As in the shaders; from kGingivaDark on nothing is seen.
+inline constexpr int kGingivaShades = 201, kGingivaDark = 190;
 
 struct Shape {
   std::vector<GpuVertex> vertices;
