@@ -22,6 +22,7 @@ render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   render::ViewOptions view;
   view.bur = prepared.exercise.bur().metric();
   view.aside = kAside;
+  view.crown_aside = prepared.scene.up == scene::Up::kBuccal;
   view.mesial_x = scene::MesialX(prepared.scene.tooth);
   const scene::CavityTarget& target = prepared.exercise.target;
   if (const auto at = prepared.scene.landmarks.find(target.landmark);

@@ -10,7 +10,7 @@
 namespace enamel::station::mouth {
 
 // What of the mouth is drawn around a tooth: gingiva at its neck and at its neighbours', and, where the
-// scene has no neighbours of its own, crowns beside it that a built-in tooth stands in for. Nothing of
+// scene has no neighbours of its own, crowns beside it in the shape of built-in teeth. Nothing of
 // it is in the volume: the bur passes through it, no force and no score knows it.
 //
 // Empty where the scene has no tooth number, or the tooth shows no cement line. `outline`: where the

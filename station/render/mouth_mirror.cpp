@@ -9,9 +9,11 @@
 namespace enamel::station::render {
 namespace {
 
-// How it is held at first, from the place of work: beside and behind it, its rim clear of a molar of
+// Where it is at first, from the place of work: beside and behind it, its rim clear of a molar of
 // 11 mm, so that the handpiece has room before it.
 constexpr float kBeside_mm = 11, kBehind_mm = 5, kAbove_mm = 3;
+constexpr glm::vec3 kBeyondCrown_mm{0, -13, 3};
+constexpr float kBesideCrown_mm = 6;
 // The picture draws back to have room for it, in notches of the wheel: 1.37 times as much is seen.
 constexpr float kRoom = 3;
 // It stays in the mouth: within reach of the place of work.
@@ -32,6 +34,10 @@ void MouthMirror::Show(bool shown, Camera& camera) {
   shown_ = shown;
   camera.Zoom(shown ? -kRoom : kRoom);
   if (!shown) return;
+  if (crown_aside_) {
+    middle_mm_ = work_mm_ + kBeyondCrown_mm + kBesideCrown_mm * camera.Right();
+    return Aim(camera);
+  }
   // Level, away from the viewer; from right above that is the picture's upward.
   glm::vec3 away = glm::vec3(UpOf(camera));
   away.z = 0;

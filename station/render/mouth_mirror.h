@@ -12,17 +12,19 @@ struct Shape;
 // Plane mouth mirror of size 4, which makers give as 22 mm across: the usual one.
 inline constexpr float kMirrorRadius_mm = 11;
 
-// The mirror in the other hand: shown or not, where it is, how it is held. It belongs to the
+// The mirror in the other hand, its place and its tilt. It belongs to the
 // picture alone: nothing collides with it, nothing records it. Moved, it turns so that the viewer
 // sees the place of work in it; tilted, it looks around that. Millimetres, scene frame. Not
 // thread-safe.
 class MouthMirror {
  public:
-  // `work_mm`: the place of work.
-  explicit MouthMirror(const glm::vec3& work_mm) : work_mm_(work_mm) {}
+  // `work_mm`: the place of work. `crown_aside`: the crown is toward -y, a face of it is up.
+  explicit MouthMirror(const glm::vec3& work_mm, bool crown_aside = false)
+      : work_mm_(work_mm), crown_aside_(crown_aside) {}
 
   bool shown() const { return shown_; }
-  // Shown, it begins at the right of the place of work, behind it. `camera` draws back meanwhile.
+  // Shown, it begins at the right of the place of work, behind it, or beyond a crown that is aside:
+  // nowhere in the gingiva. `camera` draws back meanwhile.
   void Show(bool shown, Camera& camera);
   // In the picture's plane, as fractions of the picture's height: right, down.
   void Move(float dx, float dy, const Camera& camera);
@@ -37,7 +39,7 @@ class MouthMirror {
   void Aim(const Camera& camera);
 
   glm::vec3 work_mm_, middle_mm_{0}, normal_{0, 0, 1}, hand_{0, 1, 0};
-  bool shown_ = false;
+  bool crown_aside_ = false, shown_ = false;
 };
 
 // From a point to its image in the mirror, scene frame.

@@ -99,7 +99,7 @@ class Picture {
   PictureWork work_;
   std::optional<glm::mat4> last_view_;
   int still_ = kStillPictures;  // pictures since the camera moved
-  // At rest and, smaller, while the camera turns: neither is made anew each time.
+  // At rest, and a smaller one while the camera turns. Both keep their buffers.
   Sight still_sight_, turning_sight_;
   std::unique_ptr<Sight> reflected_;  // null: nothing is reflected
   std::unique_ptr<Target> result_;    // at the window's size

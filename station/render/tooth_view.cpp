@@ -61,7 +61,8 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
                  ? std::min(static_cast<float>(options.work_radius_m * 1000), camera_.radius_mm())
                  : camera_.radius_mm(),
              0, options.mesial_x),
-      mirror_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0)),
+      mirror_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0),
+              options.crown_aside),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
       picture_(options.bur, mesher_.group_count()) {

@@ -21,6 +21,8 @@ struct ViewOptions {
   // The place to cut and how far around it to look, for ToothView::Still; radius 0: the whole view.
   dvec3 work_m{0};
   double work_radius_m = 0;
+  // The crown is toward -y: a face of the tooth is up, not its occlusal side.
+  bool crown_aside = false;
   int mesial_x = 1;  // scene::MesialX, for the view from there
 };
 

@@ -75,6 +75,7 @@ int main(int argc, char** argv) {
   options.view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
   options.heading = "Class I cavity, molar 46";
   options.time_limit_s = 600;
+  options.view.crown_aside = built->scene.up == scene::Up::kBuccal;
   options.view.view = ViewOf(argc > 3 ? argv[3] : "oblique");
   auto window = station::render::Window::Create(options, volume);
   if (!window.ok()) {

@@ -39,6 +39,10 @@ TEST(MouthMirrorTest, ShowsThePlaceOfWorkInItsMiddle) {
   Camera camera(glm::vec3(0), 8, 0.16f);
   for (View view : {View::kOblique, View::kOcclusal, View::kBuccal, View::kMesial}) {
     camera.SetView(view);
+    MouthMirror aside(work, true);
+    aside.Show(true, camera);
+    EXPECT_LT(aside.SceneFromMirror()[3].y, work.y - 6) << "beyond the crown";
+    aside.Show(false, camera);
     MouthMirror mirror(work);
     mirror.Show(true, camera);
     for (int move = 0; move < 4; ++move) {
