@@ -40,6 +40,10 @@ struct Agreement {
   Interval interval;  // 95 %
 };
 
+// To show a coefficient, of which 1 is perfect: cut off after two decimals, or .996 would be shown
+// as certain.
+Agreement CutOff(const Agreement& coefficient);
+
 // What was marked (rows) by whom (columns), all of the same width. No row may lack a mark:
 // CompleteRows leaves out those that do.
 using MarkTable = std::vector<std::vector<double>>;

@@ -17,6 +17,12 @@ double FQuantile(double d1, double d2) {
 
 }  // namespace
 
+Agreement CutOff(const Agreement& coefficient) {
+  // The room is for what 100 times .29 is short of 29.
+  auto cut = [](double value) { return std::floor(100 * value + 1e-9) / 100; };
+  return {cut(coefficient.value), {cut(coefficient.interval.low), cut(coefficient.interval.high)}};
+}
+
 MarkTable CompleteRows(const std::vector<std::vector<std::optional<double>>>& rows) {
   MarkTable out;
   for (const auto& row : rows) {

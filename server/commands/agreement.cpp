@@ -44,7 +44,7 @@ std::string Shown(const Agreement& a, const char* unit = "") {
 }
 
 void Show(const char* name, const Figure& figure) {
-  Say("  {:<24} {}\n", name, figure.value ? Shown(*figure.value) : "none: " + figure.why);
+  Say("  {:<24} {}\n", name, figure.value ? Shown(CutOff(*figure.value)) : "none: " + figure.why);
 }
 
 void Show(const CriterionAgreement& c) {

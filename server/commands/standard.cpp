@@ -36,7 +36,7 @@ std::string FigureText(const Agreement& a) {
   return fmt::format("{:.2f} ({:.2f} to {:.2f})", a.value, a.interval.low, a.interval.high);
 }
 std::string FigureText(const Figure& figure) {
-  return figure.value ? FigureText(*figure.value) : "none: " + figure.why;
+  return figure.value ? FigureText(CutOff(*figure.value)) : "none: " + figure.why;
 }
 
 void Show(const StandardSetting& s) {

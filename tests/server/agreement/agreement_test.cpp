@@ -195,5 +195,12 @@ TEST(AgreementTest, WorkThatSomebodyDidNotMarkIsLeftOut) {
   EXPECT_EQ(CompleteRows({{1, 2}, {std::nullopt, 3}, {4, 5}}), (MarkTable{{1, 2}, {4, 5}}));
 }
 
+TEST(AgreementTest, WhatIsAlmostPerfectIsNotShownAsPerfect) {
+  const Agreement shown = CutOff({.996, {.29, 1}});
+  EXPECT_DOUBLE_EQ(shown.value, .99);
+  EXPECT_DOUBLE_EQ(shown.interval.low, .29);
+  EXPECT_DOUBLE_EQ(shown.interval.high, 1);
+}
+
 }  // namespace
 }  // namespace enamel::server

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { complete, draftFrom, filled, kNoMark, missing, nextOf, totalOf } from "./mark";
-import { lineWithin, marksTable, ratedPoints } from "./results";
+import { formatCoefficient, lineWithin, marksTable, ratedPoints } from "./results";
 
 const kCriteria = [
   { name: "floor_mm", title: "Floor", max_points: 20 },
@@ -91,4 +91,8 @@ test("marks are saved as `enamel-server agreement` reads them", () => {
   assert.deepEqual(rows[0], ["attempt", "Floor", 20, "Ann", 14]);
   assert.deepEqual(rows[2], ["attempt", "rating", 5, "Ann", 2]);
   assert.equal(rows[3]?.[3], "n", "somebody without a name by id");
+});
+
+test("agreement that is almost perfect is not shown as perfect", () => {
+  assert.deepEqual([0.996, 0.29, 1, 0.5, -0.126].map(formatCoefficient), ["0.99", "0.29", "1", "0.5", "−0.13"]);
 });

@@ -2,11 +2,11 @@ import { wordedTitle } from "../../api/builtin_words";
 import type { AgreementFigure, Marking, MarkingResults } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
-import { formatNumber, formatPoints, formatScore } from "../../base/format";
+import { formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { marksTable, ratedPoints } from "./results";
+import { formatCoefficient, marksTable, ratedPoints } from "./results";
 import { StandardPlot } from "./standard_plot";
 
 interface Props {
@@ -66,8 +66,9 @@ export function MarkingResultsView({ marking, results }: Props) {
 }
 
 // "0.82 (0.64 to 0.92)", or why there is no such figure.
-function figureText({ value, low, high, why }: AgreementFigure, form = formatNumber): string {
+function figureText({ value, low, high, why }: AgreementFigure): string {
   if (value === null) return why ?? "–";
+  const form = formatCoefficient;
   return low === undefined || high === undefined
     ? form(value)
     : say("marking.interval", { value: form(value), low: form(low), high: form(high) });
@@ -106,7 +107,7 @@ function PassMark({ results: { standard, works } }: { readonly results: MarkingR
             })}
           </p>
           <p>{say("marking.borderline_text", { count: borderline.works ?? points.length })}</p>
-          {phi.value !== null && <p>{say("marking.phi_text", { phi: formatNumber(phi.value) })}</p>}
+          {phi.value !== null && <p>{say("marking.phi_text", { phi: formatCoefficient(phi.value) })}</p>}
           <StandardPlot points={points} cut={borderline.value} slope={borderline.points_per_rating ?? 0} />
         </>
       )}

@@ -1,5 +1,6 @@
 import type { Marking, MarkingResults } from "../../api/types";
 import type { Cell } from "../../base/csv";
+import { formatNumber } from "../../base/format";
 
 // The marks as schemas/marks.md has them, which `enamel-server agreement` and `standard` read.
 export function marksTable(
@@ -42,4 +43,10 @@ export function lineWithin(at: number, value: number, slope: number, from: numbe
   const ratingOf = (points: number) => at + (points - value) / slope;
   const [low, high] = slope > 0 ? [ratingOf(0), ratingOf(100)] : [from, to];
   return [Math.max(from, low), Math.min(to, high)] as const;
+}
+
+// Of agreement, where 1 is perfect: cut off after two decimals, or 0.996 would be shown as certain. The room is for what
+// 100 times 0.29 is short of 29.
+export function formatCoefficient(value: number): string {
+  return formatNumber(Math.floor(100 * value + 1e-9) / 100);
 }
