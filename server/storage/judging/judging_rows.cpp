@@ -11,6 +11,7 @@
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/row_checks.h"
 #include "server/storage/engine/sql_names.h"
+#include "server/storage/judging/marking_rows.h"
 #include "server/storage/teaching/assignment_rows.h"
 
 // What people decide about an attempt, and scoring it again.
@@ -32,6 +33,12 @@ Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> 
   return row;
 }
 
+// Marks that are given after a score is known are not blind.
+Status Release(Db& db, const Uuid& attempt, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(MustNotBeMarkedNow(db, attempt));
+  return SetReleased(db, attempt, true, by);
+}
+
 }  // namespace
 
 Status JudgingRows::ReleaseAttempt(const Uuid& attempt, const Actor& by,
@@ -43,7 +50,7 @@ Status JudgingRows::ReleaseAttempt(const Uuid& attempt, const Actor& by,
                                          AttemptStateName(row.state) +
                                          ", only a scored one can be released");
     }
-    return row.released ? Status::Ok() : SetReleased(db, attempt, true, by);
+    return row.released ? Status::Ok() : Release(db, attempt, by);
   });
 }
 
@@ -137,7 +144,7 @@ Result<uint32_t> JudgingRows::ReleaseAssignment(const Uuid& id, const Actor& by)
       while (q.Next()) attempts.push_back(q.Id(0));
       ENAMEL_RETURN_IF_ERROR(q.status());
     }
-    for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(SetReleased(db, attempt, true, by));
+    for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(Release(db, attempt, by));
     released = static_cast<uint32_t>(attempts.size());
     return Status::Ok();
   });

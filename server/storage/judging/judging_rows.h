@@ -21,13 +21,12 @@ class JudgingRows {
  public:
   JudgingRows(Transactions& rows, SealRows& seals) : rows_(rows), seals_(seals) {}
 
-  // Judging: each of these, and another score, raises AttemptRow::revision when it changes
-  // something. `revision`: the one that was seen; none: whatever it is. Errors also: kConflict with
-  // field kStale.
+  // Errors: kConflict (not scored, a blind marking of it is under way).
   Status ReleaseAttempt(const Uuid& attempt, const Actor& by, std::optional<int32_t> revision = {});
   Status WithdrawRelease(const Uuid& attempt, const Actor& by,
                          std::optional<int32_t> revision = {});
-  // Releases every scored attempt under it; how many were not before.
+  // Releases every scored attempt under it; how many were not before. Errors: kConflict (a blind
+  // marking of one is under way).
   Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by);
   // None: the computed score counts again. Errors: kNotFound, kConflict (not scored).
   Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,

@@ -57,16 +57,18 @@ Result<std::vector<MarkingWork>> FindWorks(Db& db, const Uuid& marking) {
   return out;
 }
 
-Status MustNotBeReleased(Db& db, const Uuid& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
-  if (!row.released) return Status::Ok();
-  return Status(Code::kConflict, "attempt " + attempt.Text() +
-                                     " is released: its score is known, and marks of it are not "
-                                     "blind any more");
+Result<bool> IsUnderWay(Db& db, const Uuid& marking) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, marking));
+  return row.ended_ms == 0 && !row.done();
 }
 
 Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt) {
-  ENAMEL_RETURN_IF_ERROR(MustNotBeReleased(db, attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
+  if (row.released) {
+    return Status(Code::kConflict, "attempt " + attempt.Text() +
+                                       " is released: its score is known, and marks of it are not "
+                                       "blind any more");
+  }
   Query q(db, "INSERT INTO marking_works (tenant, id, marking, attempt) VALUES (?1, ?2, ?3, ?4)");
   // Random, and not the time's as other ids: it would tell the order in which they were made.
   Uuid id;
@@ -77,6 +79,24 @@ Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt) {
 
 }  // namespace
 
+Status MustNotBeMarkedNow(Db& db, const Uuid& attempt) {
+  std::vector<Uuid> markings;
+  {
+    Query q(db, "SELECT marking FROM marking_works WHERE tenant = ?1 AND attempt = ?2");
+    for (q.Bind(attempt); q.Next();) markings.push_back(q.Id(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  for (const Uuid& marking : markings) {
+    ENAMEL_ASSIGN_OR_RETURN(const bool under_way, IsUnderWay(db, marking));
+    if (!under_way) continue;
+    return Status(Code::kConflict,
+                  "a blind marking of attempt " + attempt.Text() +
+                      " is under way, which needs scores that nobody knows: release it when every "
+                      "marker is done, or give the marking up first");
+  }
+  return Status::Ok();
+}
+
 Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
                                              const std::vector<Uuid>& attempts,
                                              const std::vector<Uuid>& markers, const Actor& by) {
@@ -84,8 +104,8 @@ Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
   const Status status = rows_.Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto earlier, IdsOfMarkings(db, assignment));
     for (const Uuid& marking : earlier) {
-      ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, marking));
-      if (row.ended_ms != 0 || row.done()) continue;
+      ENAMEL_ASSIGN_OR_RETURN(const bool under_way, IsUnderWay(db, marking));
+      if (!under_way) continue;
       return Status(Code::kConflict,
                     "a blind marking of this assignment is under way; finish it or give it up");
     }
@@ -138,22 +158,19 @@ Result<MarkingWork> MarkingRows::WorkById(const Uuid& work) {
 
 Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
-    Uuid attempt;
     {
       Query q(db,
-              "SELECT w.attempt, m.ended_ms FROM marking_works w JOIN markings m ON m.tenant = "
+              "SELECT m.ended_ms FROM marking_works w JOIN markings m ON m.tenant = "
               "w.tenant AND m.id = w.marking JOIN marking_people p ON p.tenant = w.tenant AND "
               "p.marking = w.marking WHERE w.tenant = ?1 AND w.id = ?2 AND p.person = ?3");
       if (!q.Bind(mark.work).Bind(mark.marker).Next()) {
         ENAMEL_RETURN_IF_ERROR(q.status());
         return NoSuchWork(mark.work);
       }
-      if (q.Int(1) != 0) {
+      if (q.Int(0) != 0) {
         return Status(Code::kConflict, "this blind marking was given up; nothing more is marked");
       }
-      attempt = q.Id(0);
     }
-    ENAMEL_RETURN_IF_ERROR(MustNotBeReleased(db, attempt));
     Query q(db,
             "INSERT INTO marks (tenant, work, marker, rating, criteria, made_ms) VALUES (?1, ?2, "
             "?3, ?4, ?5, ?6)");

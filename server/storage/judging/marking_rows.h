@@ -26,7 +26,7 @@ class MarkingRows {
   Result<std::vector<MarkingWork>> WorksOf(const Uuid& marking);  // by id
   Result<MarkingWork> WorkById(const Uuid& work);
   // Once by each marker. Errors: kNotFound (no such work, or not this marker's), kConflict (marked
-  // before, the marking is given up, the attempt is released).
+  // before, the marking is given up).
   Status AddMark(const BlindMark& mark, const Actor& by);
   Result<std::vector<BlindMark>> MarksOf(const Uuid& marking);  // by work and marker
   // The criteria of this marker's newest marks (BlindMark::criteria), at most 500, newest first.
@@ -40,5 +40,8 @@ class MarkingRows {
  private:
   Transactions& rows_;
 };
+
+// Inside a transaction. Errors: kConflict (a blind marking of the attempt is under way).
+Status MustNotBeMarkedNow(Db& db, const Uuid& attempt);
 
 }  // namespace enamel::server

@@ -187,20 +187,32 @@ TEST_F(MarkingTest, MarksThatAreNoneOrTwiceOrOfOthersWorkAreRefused) {
   EXPECT_EQ(Mark("ben", work, Body(4, 6)).status, 204);
 }
 
-TEST_F(MarkingTest, WhatIsReleasedOrGivenUpIsMarkedNoMore) {
+// A released score is known, and no mark of it would be blind: the marking would never be done.
+TEST_F(MarkingTest, WhatIsBeingMarkedIsNotReleased) {
+  const std::string marking = Begin();
+  const auto refused = school_.store->judging.ReleaseAttempt(attempts_[0], kBy);
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.message().find("give the marking up"), std::string::npos);
+  const RawResponse answer = By("root").Post(OfAssignment("/release"), "");
+  EXPECT_EQ(answer.status, 409) << answer.body;
+  EXPECT_NE(answer.body.find("give the marking up"), std::string::npos);
+  EXPECT_FALSE(school_.store->attempts.AttemptById(attempts_[1])->released);
+  MarkAll(marking);
+  EXPECT_EQ(By("root").Post(OfAssignment("/release"), "").status, 200);
+  EXPECT_TRUE(school_.store->attempts.AttemptById(attempts_[0])->released);
+}
+
+TEST_F(MarkingTest, WhatIsGivenUpIsMarkedNoMoreAndMayBeReleased) {
   const std::string marking = Begin();
   const auto works = WorksOf("ada", marking);
-  for (const Uuid& attempt : attempts_) {
-    ASSERT_TRUE(school_.store->judging.ReleaseAttempt(attempt, kBy).ok());
-  }
-  const RawResponse released = Mark("ada", works[0], Body(3, 5));
-  EXPECT_EQ(released.status, 409) << released.body;
-  EXPECT_NE(released.body.find("released"), std::string::npos);
   const std::string path = "/api/v1/markings/" + marking;
   const std::string csrf = "X-Enamel-Csrf: " + By("ada").csrf + "\r\n";
   EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 204);
   EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 409) << "given up before";
   EXPECT_EQ(Mark("ada", works[0], Body(3, 5)).status, 409);
+  for (const Uuid& attempt : attempts_) {
+    ASSERT_TRUE(school_.store->judging.ReleaseAttempt(attempt, kBy).ok());
+  }
   EXPECT_FALSE(
       Parsed(By("ada").Get("/api/v1/attempts/" + attempts_[0].Text())).at("score").is_null());
   EXPECT_EQ(By("ada").Post(OfAssignment("/markings"), Markers({school_.ada, school_.ben})).status,
