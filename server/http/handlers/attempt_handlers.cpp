@@ -83,6 +83,7 @@ Result<AttemptFilter> FilterFor(const Call& call) {
     // Their own they see in any case, those of others by a shared cohort.
     filter.visible_to_instructor = viewer.id;
   }
+  if (viewer.role != Role::kStudent) filter.not_to_be_marked_by = viewer.id;
   return filter;
 }
 

@@ -102,6 +102,14 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
         "EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
         "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = ",
         ")");
+  where(filter.not_to_be_marked_by,
+        "NOT EXISTS (SELECT 1 FROM marking_works w JOIN markings m ON m.tenant = w.tenant AND m.id "
+        "= w.marking JOIN marking_people b ON b.tenant = m.tenant AND b.marking = m.id WHERE "
+        "w.tenant = a.tenant AND w.attempt = a.id AND m.ended_ms = 0 AND EXISTS (SELECT 1 FROM "
+        "marking_works o WHERE o.tenant = m.tenant AND o.marking = m.id AND NOT EXISTS (SELECT 1 "
+        "FROM marks k WHERE k.tenant = o.tenant AND k.work = o.id AND k.marker = b.person)) AND "
+        "b.person = ",
+        ")");
   where(filter.exercise, "a.exercise = ", "");
   where(filter.assignment, "a.assignment = ", "");
   // Ids rise with time: a list continues where the last page ended, whatever came in meanwhile.

@@ -17,6 +17,8 @@ struct AttemptFilter {
   std::optional<Uuid> person{};
   std::optional<Uuid> cohort{};                 // attempts of its students
   std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
+  // Without those that this person has yet to mark blind: a list says whose they are.
+  std::optional<Uuid> not_to_be_marked_by{};
   std::optional<Uuid> exercise{};
   std::optional<Uuid> assignment{};
   std::optional<AttemptState> state{};

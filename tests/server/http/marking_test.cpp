@@ -17,7 +17,7 @@ namespace json = boost::json;
 class MarkingTest : public testing::Test {
  protected:
   MarkingTest() {
-    for (const char* login : {"ada", "ben", "root", "sam"}) {
+    for (const char* login : {"ada", "ben", "root", "sam", "sue"}) {
       visitors_.emplace(login, Visitor(server_.port(), login));
     }
     AssignmentRow row;
@@ -187,6 +187,28 @@ TEST_F(MarkingTest, MarksThatAreNoneOrTwiceOrOfOthersWorkAreRefused) {
   EXPECT_EQ(Mark("ben", work, Body(4, 6)).status, 204);
 }
 
+// A list says who made an attempt and how long it is, and so is the tooth that a marker looks at.
+TEST_F(MarkingTest, AMarkersListsLeaveOutWhatIsToBeMarked) {
+  auto listed = [&](const std::string& login, const std::string& query) {
+    const RawResponse answer = By(login).Get("/api/v1/attempts?limit=200" + query);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return Parsed(answer).at("attempts").as_array().size();
+  };
+  const std::string of_assignment = "&assignment=" + assignment_.Text();
+  const size_t all = listed("ada", ""), works = attempts_.size();
+  ASSERT_GT(all, works);
+  const std::string marking = Begin();
+  EXPECT_EQ(listed("ada", ""), all - works);
+  EXPECT_EQ(listed("ada", of_assignment), 0U);
+  EXPECT_EQ(listed("ada", of_assignment + "&person=" + school_.sue.Text()), 0U);
+  EXPECT_EQ(listed("root", of_assignment), works) << "who marks nothing";
+  EXPECT_EQ(listed("sue", of_assignment), works / 2) << "whose they are";
+  MarkAllBy("ben", marking);
+  EXPECT_EQ(listed("ada", of_assignment), 0U) << "whose own marks are missing";
+  MarkAllBy("ada", marking);
+  EXPECT_EQ(listed("ada", of_assignment), works);
+}
+
 // A released score is known, and no mark of it would be blind: the marking would never be done.
 TEST_F(MarkingTest, WhatIsBeingMarkedIsNotReleased) {
   const std::string marking = Begin();
@@ -215,6 +237,8 @@ TEST_F(MarkingTest, WhatIsGivenUpIsMarkedNoMoreAndMayBeReleased) {
   }
   EXPECT_FALSE(
       Parsed(By("ada").Get("/api/v1/attempts/" + attempts_[0].Text())).at("score").is_null());
+  const RawResponse listed = By("ada").Get("/api/v1/attempts?assignment=" + assignment_.Text());
+  EXPECT_EQ(Parsed(listed).at("attempts").as_array().size(), attempts_.size());
   EXPECT_EQ(By("ada").Post(OfAssignment("/markings"), Markers({school_.ada, school_.ben})).status,
             409)
       << "nothing is left to mark blind";
