@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/program/log.h"
+#include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/movement/provenance.h"
 #include "common/scoring/task.h"
@@ -33,11 +34,14 @@ struct Options {
   std::vector<int> voxels_um = {50};
   uint64_t ticks = 600'000;
   int repeats = 3;
+  int references = 3;
 };
 
-constexpr double kTotalGoal_s = 4, kProvenanceGoal_percent = 10, kVoxelGoal_bytes = 2;
+constexpr double kTotalGoal_s = 3, kProvenanceGoal_percent = 10, kVoxelGoal_bytes = 2;
 // The attempt's faults, so that the score has work to do.
 constexpr double kMesialExtra_m = 0.3e-3, kFloorExtra_m = 0.2e-3;
+// A dentist's cut differs from the next one's by so much.
+constexpr double kBetweenReferences_m = 0.05e-3;
 
 // The minimum of several runs.
 class Least {
@@ -53,10 +57,14 @@ class Least {
 };
 
 struct Figures {
-  Least verify, replay, replay_with_provenance, measure, measure_all, deductions, encode;
+  Least verify, replay, replay_with_provenance, measure, measure_all, judge, deductions, encode;
   size_t removed_voxels = 0, blob_bytes = 0;
   double Total_s() const {
     return verify.s() + replay_with_provenance.s() + measure_all.s() + deductions.s() + encode.s();
+  }
+  // With several references, as the server does it: by the exercise's plan.
+  double WithReferences_s() const {
+    return verify.s() + replay_with_provenance.s() + judge.s() + deductions.s() + encode.s();
   }
   double ProvenanceShare_percent() const {
     return 100 * (replay_with_provenance.s() / replay.s() - 1);
@@ -144,8 +152,45 @@ void FindDeductions(const Attempt& attempt, const Replayed& replayed, const Repl
       score);
 }
 
-Status MeasureOnce(const Attempt& attempt, const Attempt& reference_attempt,
-                   const Replayed& reference, Figures& out) {
+struct Reference {
+  Attempt attempt;
+  Replayed cut;
+};
+
+// Measured against every reference, and placed among them by what those are against the first: the
+// server keeps that.
+Status JudgeByAll(const Attempt& attempt, const std::vector<Reference>& references,
+                  const std::vector<scoring::MetricSet>& among, Replayed& replayed, Least& time) {
+  const auto plan = scoring::MetricPlan::For(attempt.exercise.rubric);
+  const double from = Now_s();
+  replayed.mesh = surface::ExtractSurface(replayed.core->volume());
+  std::optional<scoring::MetricSet> first;
+  for (const Reference& reference : references) {
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto metrics,
+        scoring::ComputeMetrics(attempt.built.scene, attempt.exercise, replayed.Data(attempt),
+                                reference.cut.Data(reference.attempt), {}, plan));
+    auto score = scoring::ApplyRubric(attempt.exercise.rubric, metrics);
+    if (!score.ok()) return score.status();
+    if (!first) first = std::move(metrics);
+  }
+  if (references.size() > 1) {
+    std::vector<scoring::EnvelopeMember> members;
+    for (size_t i = 0; i < references.size(); ++i) {
+      members.push_back({std::to_string(i), &references[i].cut.core->volume(), among[i]});
+    }
+    auto envelope =
+        scoring::PlaceInEnvelope(attempt.built.volume, replayed.core->volume(), *first, members);
+    if (!envelope.ok()) return envelope.status();
+  }
+  time.Take(from);
+  return Status::Ok();
+}
+
+Status MeasureOnce(const Attempt& attempt, const std::vector<Reference>& references,
+                   const std::vector<scoring::MetricSet>& among, Figures& out) {
+  const Attempt& reference_attempt = references.front().attempt;
+  const Replayed& reference = references.front().cut;
   double from = Now_s();
   ENAMEL_RETURN_IF_ERROR(Verify(attempt));
   out.verify.Take(from);
@@ -165,6 +210,8 @@ Status MeasureOnce(const Attempt& attempt, const Attempt& reference_attempt,
                                               scoring::MetricPlan::All()));
   out.measure_all.Take(from);
 
+  ENAMEL_RETURN_IF_ERROR(JudgeByAll(attempt, references, among, replayed, out.judge));
+
   from = Now_s();
   const scoring::Provenance provenance = replayed.provenance->Take();
   FindDeductions(attempt, replayed, reference, provenance, score);
@@ -183,21 +230,35 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   AttemptOptions how;
   how.voxel_nm = voxel_um * 1000;
   how.ticks = options.ticks;
-  ENAMEL_ASSIGN_OR_RETURN(auto reference_attempt, RecordAttempt(how, [&](double ratio) {
-                            progress.Show("reference" + at, ratio);
-                          }));
+  std::vector<Reference> references;
+  std::vector<scoring::MetricSet> among;
+  Least unused;
+  for (int i = 0; i < options.references; ++i) {
+    how.mesial_extra_m = how.floor_extra_m = i * kBetweenReferences_m;
+    ENAMEL_ASSIGN_OR_RETURN(auto recorded, RecordAttempt(how, [&](double ratio) {
+                              progress.Show("reference" + at, ratio);
+                            }));
+    ENAMEL_ASSIGN_OR_RETURN(auto cut, Replay(recorded, false, unused));
+    cut.mesh = surface::ExtractSurface(cut.core->volume());
+    references.push_back({std::move(recorded), std::move(cut)});
+  }
+  for (const Reference& reference : references) {
+    const Attempt& first = references.front().attempt;
+    ENAMEL_ASSIGN_OR_RETURN(
+        among.emplace_back(),
+        scoring::ComputeMetrics(first.built.scene, first.exercise, reference.cut.Data(first),
+                                references.front().cut.Data(first), {},
+                                scoring::MetricPlan::For(first.exercise.rubric)));
+  }
   how.mesial_extra_m = kMesialExtra_m;
   how.floor_extra_m = kFloorExtra_m;
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, RecordAttempt(how, [&](double ratio) {
                             progress.Show("attempt" + at, ratio);
                           }));
-  Least unused;
-  ENAMEL_ASSIGN_OR_RETURN(auto reference, Replay(reference_attempt, false, unused));
-  reference.mesh = surface::ExtractSurface(reference.core->volume());
   Figures out;
   for (int r = 0; r < options.repeats; ++r) {
     progress.Show("scoring" + at, static_cast<double>(r) / options.repeats);
-    ENAMEL_RETURN_IF_ERROR(MeasureOnce(attempt, reference_attempt, reference, out));
+    ENAMEL_RETURN_IF_ERROR(MeasureOnce(attempt, references, among, out));
   }
   return out;
 }
@@ -210,12 +271,12 @@ int Run(const Options& options) {
       "recorded through the core, against one cut as asked for; on one core: signatures and chain "
       "of "
       "every chunk, replay with process metrics, without and with provenance in turn, surface, "
-      "metrics and points, by the exercise's plan and all there are, deductions, provenance "
-      "packed; "
+      "metrics and points, by the exercise's plan and all there are, by the plan against all "
+      "references with their envelope, deductions, provenance packed; "
       "total: with all metrics; seconds of the thread: the least of several runs";
-  std::printf("Method: %s.\n\n%6s %8s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n", method.c_str(),
-              "voxel", "ticks", "verify s", "replay s", "with it", "by plan s", "all s", "lost s",
-              "pack s", "total s", "voxels", "B/voxel");
+  std::printf("Method: %s.\n\n%6s %8s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n",
+              method.c_str(), "voxel", "ticks", "verify s", "replay s", "with it", "by plan s",
+              "all s", "refs s", "lost s", "pack s", "total s", "voxels", "B/voxel");
   Rows rows("score", method);
   std::string goals;
   for (int voxel_um : options.voxels_um) {
@@ -226,13 +287,15 @@ int Run(const Options& options) {
       return 1;
     }
     progress.Clear();
-    std::printf("%6.3f %8llu %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9zu %9.2f\n",
+    std::printf("%6.3f %8llu %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9zu %9.2f\n",
                 voxel_um * 1e-3, static_cast<unsigned long long>(options.ticks), f->verify.s(),
                 f->replay.s(), f->replay_with_provenance.s(), f->measure.s(), f->measure_all.s(),
-                f->deductions.s(), f->encode.s(), f->Total_s(), f->removed_voxels,
+                f->judge.s(), f->deductions.s(), f->encode.s(), f->Total_s(), f->removed_voxels,
                 f->BytesPerVoxel());
     if (voxel_um == 50) {
       goals = "  verified and scored at 0.05 mm, s: " + AgainstGoal(f->Total_s(), kTotalGoal_s) +
+              "\n  the same with " + std::to_string(options.references) +
+              " references, s: " + AgainstGoal(f->WithReferences_s(), kTotalGoal_s) +
               "\n  provenance, % of the replay: " +
               AgainstGoal(f->ProvenanceShare_percent(), kProvenanceGoal_percent) +
               "\n  provenance, bytes per removed voxel: " +
@@ -246,6 +309,8 @@ int Run(const Options& options) {
               {"provenance_share_percent", f->ProvenanceShare_percent()},
               {"measure_s", f->measure.s()},
               {"measure_all_s", f->measure_all.s()},
+              {"references", options.references},
+              {"references_s", f->judge.s()},
               {"deductions_s", f->deductions.s()},
               {"pack_s", f->encode.s()},
               {"total_s", f->Total_s()},
@@ -272,6 +337,9 @@ void RegisterScore(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   score->add_option("--repeats", options->repeats, "Identical runs")
       ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  score->add_option("--references", options->references, "Cuts that judge it")
+      ->check(CLI::Range(1, static_cast<int>(scoring::kMaxEnvelopeMembers)))
       ->capture_default_str();
   score->add_option("--json", options->json, "Write the rows to this file");
   score->callback([options, exit_code] { *exit_code = Run(*options); });
