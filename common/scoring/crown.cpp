@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/math/trig.h"
+#include "common/scoring/causes/planes.h"
 
 namespace enamel::scoring {
 namespace {
@@ -180,21 +181,22 @@ struct Line {
   double slope = 0;  // dr / dz
   double median_radius_m = 0;
 };
-// The wall of a half plane between two heights, by least squares.
+// The wall of a half plane between two heights, by most of it: a pit in it is no lean.
 std::optional<Line> WallLine(const Profile& profile, const Direction& d, double lo_z_m,
                              double hi_z_m) {
   std::vector<double> radii;
-  double n = 0, sz = 0, sr = 0, szz = 0, szr = 0, looked = 0;
+  std::vector<Height> heights;
+  double looked = 0;
   for (double z = lo_z_m; z <= hi_z_m; z += profile.step_m()) {
     ++looked;
     const std::optional<double> r = profile.Radius_m(d, z);
     if (!r) continue;
-    const double up = z - lo_z_m;
-    ++n, sz += up, sr += *r, szz += up * up, szr += up * *r;
+    heights.push_back({.d = *r, .area = 1, .s = z});
     radii.push_back(*r);
   }
+  const auto n = static_cast<double>(radii.size());
   if (n < 3 || n < (1 - kMostMissing) * looked) return std::nullopt;
-  return Line{(n * szr - sz * sr) / (n * szz - sz * sz), Median(std::move(radii))};
+  return Line{FitPlaneToMost(heights, 0.5 * profile.step_m()).b, Median(std::move(radii))};
 }
 
 // Where the wall of a half plane ends at the top, at least a wall's height above the finish line.
@@ -248,7 +250,7 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
     if (widths[k] >= kCompleteWidth_m) made += square;
   }
   out.waviness_m = std::sqrt(sum / kPlaces);
-  out.waviness_made_m = 2 * complete >= kPlaces ? std::sqrt(made / complete) : out.waviness_m;
+  out.waviness_made_m = complete > 0 ? std::sqrt(made / complete) : 0;
   out.complete = complete / kPlaces;
   // Twice around, so that a stretch may run over the first place.
   size_t stretch = 0, longest = 0;
@@ -442,8 +444,8 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
     }
   }
   for (size_t k = 0; k < section.size(); ++k) {
-    const double lo = std::max(lines_z[k], lines_z[k + kSections]) + kWallMargin_m;
-    const double apart = (slope[k] + slope[k + kSections]) * (*top - kWallMargin_m - lo);
+    const double lo = std::max(lines_z[k], lines_z[k + kSections]);
+    const double apart = (slope[k] + slope[k + kSections]) * (*top - lo);
     out.overhang_m = std::max(out.overhang_m, apart);
   }
   out.mesiodistal_deg = section[0];

@@ -49,7 +49,7 @@ struct CrownFigures {
   double width_m = 0, width_least_m = 0;  // median, and what 95 % exceed
   double depth_m = 0;                     // median below the reference's; - above
   double waviness_m = 0;                  // RMS of that about its median
-  // The same of the places with a width of at least 0.3 mm, if half of them have it.
+  // The same of the places with a width of at least 0.3 mm; 0 without any.
   double waviness_made_m = 0;
   double missing_deg = 0;  // longest stretch narrower than 0.1 mm or 0.75 mm too high
   double complete = 0;     // share of the places with a width of at least 0.3 mm

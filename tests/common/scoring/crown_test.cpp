@@ -26,6 +26,7 @@ struct StumpShape {
   double bevel_mm = 0;                  // off the top's edge at 45 degrees, so far in on the top
   double narrows = 0;                   // of the tooth's radius, to a mm below height 0
   double eightfold_deg = 0;             // how much the taper differs, eight times around
+  double pit_mm = 0;                    // radius of a ball that is taken out of the mesial wall
   bool cut = true;
 };
 
@@ -43,7 +44,9 @@ double Distance_mm(const StumpShape& s, const dvec3& p) {
     const double edge = s.foot_mm - Slope(s.taper_deg) * (s.top_mm - s.shoulder_mm);
     stump = std::max(stump, (rho - edge + s.bevel_mm + p.z - s.top_mm) / std::sqrt(2.0));
   }
-  return std::max(tooth, std::min(stump, p.z - floor));
+  const double prepared = std::max(tooth, std::min(stump, p.z - floor));
+  if (s.pit_mm == 0) return prepared;
+  return std::max(prepared, s.pit_mm - std::hypot(p.x - 3.3, p.y, p.z - 2));
 }
 
 struct Tooth {
@@ -116,6 +119,23 @@ TEST_P(CrownTest, ConvergenceFollowsTheWalls) {
     EXPECT_NEAR(f.least_deg, 2 * taper, 0.5);
     EXPECT_NEAR(f.most_deg, 2 * taper, 0.5);
   }
+}
+
+// From the top of the walls to the finish line, whose edges are round.
+TEST_P(CrownTest, TheOverhangIsThatOfTheWholeWall) {
+  for (double taper : {-1.0, -3.0}) {
+    const double overhang_mm = 2 * Slope(-taper) * kStumpTop_mm;
+    EXPECT_NEAR(Measure({.taper_deg = taper}).overhang_m, overhang_mm * 1e-3, 2 * quarter_m());
+  }
+  EXPECT_EQ(Measure({}).overhang_m, 0);
+}
+
+TEST_P(CrownTest, APitInAWallIsNoLeanAndNoOverhang) {
+  const CrownFigures f = Measure({.pit_mm = 0.8});
+  ASSERT_TRUE(f.made);
+  EXPECT_NEAR(f.mesiodistal_deg, 12, 0.5);
+  EXPECT_NEAR(f.axis_deg, 0, 0.25);
+  EXPECT_EQ(f.overhang_m, 0);
 }
 
 // Every 45 degrees its walls are alike, and steeper half way between.
