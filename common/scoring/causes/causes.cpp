@@ -202,8 +202,7 @@ class Charges {
     double most = 0, rest = 0, leans_in = 0;
     for (size_t p = 0; p < kFloor; ++p) {
       const WallFigures& w = walls_[p];
-      if (!w.in_task) continue;
-      if (!w.made) return;
+      if (!Made(w)) continue;
       const double tilt = std::fabs(w.tilt_deg);
       most = std::max(most, tilt);
       leans_in = std::max(leans_in, -w.opens_deg);

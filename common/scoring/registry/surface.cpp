@@ -16,15 +16,19 @@ template <Part kPart>
 constexpr auto WithWall = OfWall<kPart, &WallFigures::begun>;
 template <Part kPart>
 constexpr auto WithMadeWall = OfWall<kPart, &WallFigures::made>;
+// A wall that was cut away has no shape. One that the work has not come to is missed as that, and
+// the others are judged.
 State WithUprightWalls(const Measured& m) {
-  bool any = false;
+  bool in_task = false, made = false;
   for (size_t p = 0; p < kFloor; ++p) {
-    if (!m.walls[p].in_task) continue;
-    if (!m.walls[p].made) return NoValue::kNotMade;
-    any = true;
+    const WallFigures& w = m.walls[p];
+    if (!w.in_task) continue;
+    if (!w.made && w.begun && w.offset_m > 0) return NoValue::kNotMade;
+    in_task = true, made = made || w.made;
   }
-  return Unless(any);
-}  // The largest over the walls that are in the task.
+  return in_task && !made ? State{NoValue::kNotMade} : Unless(in_task);
+}
+// The largest over the walls that are in the task.
 template <typename F>
 double WorstWall(const Measured& m, F&& of) {
   double worst = 0;

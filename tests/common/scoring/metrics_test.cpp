@@ -146,6 +146,10 @@ TEST(MetricsTest, AWallThatWasNeverCutIsShortByItsDistanceFromWhatWas) {
   auto metrics = Compare(block, Cut(block, half), reference);
   EXPECT_LT(ValueOf(metrics, "wall_mesial_mm"), -0.7);
   EXPECT_NEAR(ValueOf(metrics, "wall_distal_mm"), 0, 0.025);
+  // It is missed as that: the walls that were made are judged.
+  for (const char* of_others : {"wall_tilt_deg", "undercut_deg"}) {
+    EXPECT_NEAR(ValueOf(metrics, of_others), 0, 0.5) << of_others;
+  }
 }
 
 TEST(MetricsTest, AnAttemptThatCutNothingHasNoWallsToMeasure) {
