@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/scoring/causes/explained.h"
+#include "common/scoring/metrics.h"
 
 namespace enamel::scoring {
 namespace {
@@ -17,6 +18,7 @@ constexpr std::array<std::string_view, kPartCount> kOffsets = {
 constexpr std::string_view kCloseness = "deviation_rms_mm", kSound = "sound_removed_mm3",
                            kDone = "task_done_percent", kTop = "reduction_top_percent",
                            kLine = "finish_depth_mm", kAxis = "crown_axis_deg",
+                           kCaries = "caries_left_percent", kOutside = "outside_removed_mm3",
                            kWallTilt = "wall_tilt_deg", kFloorTilt = "tilt_floor_deg",
                            kWallWaves = "wall_waviness_mm", kFloorWaves = "floor_waviness_mm";
 
@@ -55,7 +57,9 @@ class Charges {
         walls_(measured.crown.in_task ? Walls{} : measured.walls),
         explained_(walls_, inputs) {
     for (const OutlineFigures::Over& o : m_.outline.over_at) {
-      const double by = explained_.At(o.at_m, dvec3(0), o.by_m, false).by_m;
+      const bool scraped = o.by_m > Explained::kFarthest_m;
+      scraped_ = scraped_ || scraped;
+      const double by = scraped ? o.by_m : explained_.At(o.at_m, dvec3(0), o.by_m, false).by_m;
       outline_rest_.push_back({o.at_m, std::max(0.0, o.by_m - by)});
     }
     if (!measured.crown.in_task) return;
@@ -92,9 +96,17 @@ class Charges {
            const std::vector<std::string_view>& under) {
     if (!(std::fabs(value - charged) > least)) return;
     Charge charge{name, charged, {}};
-    for (std::string_view metric : under) {
+    auto put = [&](std::string_view metric) {
       const bool known = std::ranges::find(charge.under, metric) != charge.under.end();
-      if (!metric.empty() && metric != name && !known) charge.under.push_back(metric);
+      if (metric.empty() || metric == name || known || charge.under.size() == kMaxUnder) return;
+      charge.under.push_back(metric);
+    };
+    for (std::string_view metric : under) {
+      put(metric);
+      // A wall that is short because the cut is shifted is charged under the opposite one.
+      const auto short_of = std::ranges::find(out_, metric, &Charge::name);
+      if (short_of == out_.end() || short_of->under.empty()) continue;
+      if (std::ranges::count(kOffsets, short_of->under.front())) put(short_of->under.front());
     }
     if (!charge.under.empty()) out_.push_back(std::move(charge));
   }
@@ -325,7 +337,7 @@ class Charges {
     const double deepest_mm = m_.deepest_over.depth_m * kMm;
     std::vector<std::string_view> under;
     if (by_elsewhere > std::max(by_patches, by_outline)) {
-      under = {"outside_removed_mm3", kSound};
+      under = {kOutside, kSound};
     } else if (by_outline > by_patches) {
       under = {"outline_over_mm"};
     } else {
@@ -360,8 +372,11 @@ class Charges {
       return;
     }
     if (IsShoulder(patch)) squares_[kShoulderOff] += without(height);
+    // Along its length a wall lies off where the cut is turned: nothing but closeness is about that.
+    const double lean = std::fabs(
+        sheet.AtHeight_m(std::clamp(Dot(point_m, sheet.up), sheet.s_least_m, sheet.s_most_m)));
     squares_[patch.upright() ? kWallLean : kFloorLean] +=
-        without(height - std::fabs(OffsetOf_m(sheet)));
+        without((patch.upright() ? lean : height) - std::fabs(OffsetOf_m(sheet)));
     squares_[patch.upright() ? kWallWave : kFloorWave] += weight * sheet.waves_m * sheet.waves_m;
   }
 
@@ -423,7 +438,7 @@ class Charges {
     for (size_t i = rest.size(); i < m_.outline.points; ++i) rest.push_back({0, 1});
     const double value = m_.outline.over_m * kMm;
     Add("outline_over_mm", value, std::min(value, WeightedQuantile(std::move(rest), 0.95) * kMm),
-        kLeast_mm, {cause_over_, most_over_, kCloseness});
+        kLeast_mm, {scraped_ ? kOutside : "", cause_over_, most_over_, kCloseness});
   }
 
   // What a wall or floor that lies elsewhere leaves or takes.
@@ -431,40 +446,49 @@ class Charges {
     const double voxel_m = in_.reference.volume->spec().voxel_m();
     constexpr double kMeanOfCrests = 0.45;  // sqrt(2) / pi of the root mean square
     double missed = 0, standing = 0, outside = 0;
+    const double top_short_m = std::max(0.0, 1 - m_.stump.top_done) * m_.stump.top_asked_m;
     for (const Patch& patch : explained_.patches()) {
       for (size_t i : patch.vertices) {
         double d = patch.sheet.At_m(dvec3(in_.reference.mesh->position_m[i]));
-        // Beside the wall above it a shoulder's nearest distances are less than its depth.
-        if (IsShoulder(patch)) d = std::max(d, m_.crown.depth_m);
+        // Beside the walls nearest distances are less than how far a shoulder or a top lies off.
+        if (IsShoulder(patch)) {
+          d = m_.crown.depth_m > 0 ? std::max(d, m_.crown.depth_m) : std::min(d, m_.crown.depth_m);
+        }
+        if (IsTop(patch) && top_short_m > 0) d = std::min(d, -top_short_m);
         const double area = (*in_.reference.areas_m2)[i];
         // Of a wave, the mean of what stands over its middle.
         missed += area * (std::max(0.0, -d) + kMeanOfCrests * patch.sheet.waves_m);
-        standing += area * std::max(0.0, -d - TaskVolumes::kStanding_m);
-        // Whole voxels are within the leeway or not.
+        // Whole voxels are within such a distance or not.
+        if (-d > TaskVolumes::kStanding_m)
+          standing += area * (-d - TaskVolumes::kStanding_m + voxel_m);
         if (d > in_.leeway_m) outside += area * (d - in_.leeway_m + voxel_m);
       }
     }
     const TaskVolumes& t = m_.task;
+    constexpr auto kLesion = static_cast<size_t>(cutting::Tissue::kCaries);
     if (const double task = t.task_m3(); task > 0) {
       const double done = 100 * t.done_m3() / task;
       Add(kDone, done, std::min(100.0, done + 100 * missed / task), kLeast_percent,
           {cause_left_, most_left_, kCloseness});
       // Caries that a wall or floor in the wrong place leaves. Elsewhere it counts.
-      constexpr auto kCaries = static_cast<size_t>(cutting::Tissue::kCaries);
-      if (const double all_missed = Sum_m3(t.missed); all_missed > 0 && t.task[kCaries] > 0) {
+      if (const double all_missed = Sum_m3(t.missed); all_missed > 0 && t.task[kLesion] > 0) {
         const double share = std::min(1.0, missed / all_missed);
-        const double caries = 100 * t.missed[kCaries] / t.task[kCaries];
-        Add("caries_left_percent", caries, caries * (1 - share), kLeast_percent,
-            {cause_left_, most_left_});
+        const double caries = 100 * t.missed[kLesion] / t.task[kLesion];
+        Add(kCaries, caries, caries * (1 - share), kLeast_percent, {cause_left_, most_left_});
       }
     }
     const double left = Sum_m3(t.standing) * kMm3;
     const double beyond =
         (Sum_m3(t.outside) - t.outside[static_cast<size_t>(cutting::Tissue::kNeighbour)]) * kMm3;
     Add("left_standing_mm3", left, std::max(0.0, left - standing * kMm3), kLeast_mm3,
-        {cause_left_, most_left_, kCloseness, kDone});
-    Add("outside_removed_mm3", beyond, std::max(0.0, beyond - outside * kMm3), kLeast_mm3,
+        {cause_left_, most_left_, kCloseness, t.task[kLesion] > 0 ? kCaries : kDone});
+    Add(kOutside, beyond, std::max(0.0, beyond - outside * kMm3), kLeast_mm3,
         {cause_over_, most_over_, kCloseness, kSound});
+    if (const double task_mm3 = t.task_m3() * kMm3; task_mm3 > 0) {
+      const double damage = 100 * Sum_m3(t.outside) * kMm3 / task_mm3;
+      Add("damage_percent", damage, std::max(0.0, damage - 100 * outside * kMm3 / task_mm3),
+          kLeast_percent, {cause_over_, most_over_, kCloseness, kSound});
+    }
   }
 
   // A floor or wall that is too deep is nearer to the pulp.
@@ -486,6 +510,8 @@ class Charges {
   const Walls walls_;
   const Explained explained_;
   std::vector<OutlineFigures::Over> outline_rest_;  // less what patches explain
+  // The outline is so wide that the surface around the cavity was scraped, and no wall moved.
+  bool scraped_ = false;
   double top_from_m_ = 0;
   enum Kind { kWallLean, kFloorLean, kWallWave, kFloorWave, kTopOff, kShoulderOff, kKinds };
   std::array<double, kKinds> squares_{};  // of the distances, area-weighted, m^4

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <random>
 #include <set>
@@ -271,6 +272,48 @@ TEST(GradesTest, AWallAndAFloorThatAreTooFarMakeNoGougeWhereTheyMeet) {
       EXPECT_EQ(gouge->points, gouge->max_points)
           << floor_mm << " " << wall_mm << ": " << gouge->value << ", charged " << gouge->charged;
     }
+  }
+}
+
+// Large ones, of which most follows from the one mistake: a gate that closes, what stands, what the
+// work has not come to.
+TEST(GradesTest, ALargeMistakeIsNamedAndChargedAsItself) {
+  using Change = std::function<void(BoxCavity&)>;
+  auto moved = [](scoring::Part part, double mm) -> Change {
+    return [=](BoxCavity& box) { box.faces[part].moved_m = 1e-3 * mm; };
+  };
+  const struct {
+    const char *scene, *exercise, *fault;
+    std::string_view said;
+    Change change;
+  } rows[] = {
+      {"molar", "class-1", "shift_buccal", "over_extended",
+       [&](BoxCavity& box) {
+         moved(scoring::kBuccal, 0.5)(box), moved(scoring::kLingual, -0.5)(box);
+       }},
+      {"molar-caries", "caries", "wall_buccal", "caries_left", moved(scoring::kBuccal, -0.5)},
+      {"molar-buccal", "class-5", "floor", "too_deep", moved(scoring::kFloor, 1)},
+      {"molar-buccal", "class-5", "floor", "too_shallow", moved(scoring::kFloor, -0.5)},
+  };
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.fault + std::string(" of ") + row.exercise);
+    const Made made = Build(row.scene, 2 * kVoxel_nm);
+    const auto exercise = std::ranges::find_if(
+        made.exercises, [&](const auto& e) { return e.name.starts_with(row.exercise); });
+    ASSERT_NE(exercise, made.exercises.end());
+    const auto graded = GradedExercise::Make(made.built, *exercise);
+    ASSERT_TRUE(graded.ok());
+    BoxCavity box = graded->task().box;
+    row.change(box);
+    Fault fault;
+    fault.name = row.fault;
+    fault.taken = [box](const dvec3& p) { return box.Distance_m(p); };
+    const auto found = graded->Grade(fault);
+    ASSERT_TRUE(found.ok());
+    EXPECT_EQ(found->judged.said_fault, row.said)
+        << boost::json::value_from(found->judged.lost_for);
+    EXPECT_GE(found->judged.own_share.value_or(0), 0.85)
+        << boost::json::value_from(found->judged.lost_for);
   }
 }
 

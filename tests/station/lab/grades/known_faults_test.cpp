@@ -240,6 +240,15 @@ TEST_P(KnownFaults, AHoleElsewhereIsChargedAsThatAndAPitAsAGouge) {
   EXPECT_NEAR(pit.charged.value_or(pit.value), 0.6, 2 * tolerance_mm());
 }
 
+// A wall that lies off along its length does not lean: no criterion of lean would charge it.
+TEST_P(KnownFaults, WhatATurnIsOffByIsChargedUnderNoLean) {
+  const MetricSet m = Measure(Cut(Turned(Taken(FaultBlockCavity()), 12)));
+  const auto closeness = std::ranges::find(m.values, "deviation_rms_mm", &MetricValue::name);
+  ASSERT_NE(closeness, m.values.end());
+  EXPECT_GT(closeness->value, 0.05);
+  EXPECT_GT(closeness->charged.value_or(closeness->value), 0.8 * closeness->value);
+}
+
 TEST_P(KnownFaults, ShavingTheWholeBlockCostsAndImprovesNoStatistic) {
   const double shaved_mm = 0.05;
   MetricSet m = Measure(CutAlso([&](const dvec3& p) { return -shaved_mm * kMm - p.z; }));
