@@ -92,6 +92,7 @@ class FaultMaker {
   void AddCritical(const char* error, Hollow taken, Neighbours neighbours = Neighbours::kSpared);
   bool Is(std::initializer_list<const char*> kinds) const;
   void LookAtTissues();
+  void AddPartsOf(const dvec3& voxel_m, std::vector<dvec3>& out) const;
   bool IsAtNeighbour(const dvec3& p) const;
   double LimitOf(std::string_view error) const;  // in the rubric
   void AddPulpExposed();
@@ -107,9 +108,10 @@ class FaultMaker {
   const bool few_;
   double quarter_m_ = 0, near_m_ = 0;
   dvec3 landmark_m_{0}, grid_lo_m_{0}, grid_hi_m_{0};
-  surface::Mesh surface_;                             // of the tooth, computed on first use
-  std::vector<float> heights_;                        // of points of the task
-  std::vector<dvec3> pulp_m_, caries_m_, contact_m_;  // voxels; caries and contact: of the task
+  surface::Mesh surface_;                  // of the tooth, computed on first use
+  std::vector<float> heights_;             // of points of the task
+  std::vector<dvec3> pulp_m_, contact_m_;  // voxels; contact: of the task
+  std::vector<dvec3> caries_m_;            // parts of voxels, of the task
   double highest_m_ = 0;
   std::vector<Fault> out_;
 };

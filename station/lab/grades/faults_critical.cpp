@@ -79,10 +79,20 @@ void FaultMaker::LookAtTissues() {
         if (tissue != Tissue::kNeighbour) highest_m_ = std::max(highest_m_, z);
         if (tissue == Tissue::kPulp) pulp_m_.push_back(p);
         if (tissue == Tissue::kNeighbour || task_.Distance_m(p) >= 0) continue;
-        if (tissue == Tissue::kCaries) caries_m_.push_back(p);
+        // A share of the lesion is held against a limit: by the parts of its voxels.
+        if (tissue == Tissue::kCaries) AddPartsOf(p, caries_m_);
         if (IsAtNeighbour(p)) contact_m_.push_back(p);
       }
     }
+  }
+}
+
+// The middles of a voxel's 27 parts that are in the tooth and of the task.
+void FaultMaker::AddPartsOf(const dvec3& voxel_m, std::vector<dvec3>& out) const {
+  const double third = volume_.spec().voxel_m() / 3;
+  for (int k = 0; k < 27; ++k) {
+    const dvec3 p = voxel_m + (dvec3(k % 3, k / 3 % 3, k / 9) - 1.0) * third;
+    if (volume_.DistanceAt_m(p) < 0 && task_.Distance_m(p) < 0) out.push_back(p);
   }
 }
 
@@ -201,7 +211,11 @@ std::string FaultMaker::CommittedBy(const Fault& fault) const {
   // The lower half of all walls is untouched.
   if (fault.name == "stopped early" && Is({"crown"})) return "finish_line_missing";
   if (fault.name == "stopped early" && Is({"veneer"})) return "one_axial_wall_untouched";
-  if (fault.name == "undercut" && Is({"crown"})) return "cannot_seat";
+  if (fault.name == "undercut" && Is({"crown"})) {
+    const double height_mm = kMm * (task_.crown.top_z_m - task_.crown.shoulder_z_m);
+    const double overhang_mm = 2 * std::tan(-fault.size / 2 * kPi / 180) * height_mm;
+    if (overhang_mm > LimitOf("cannot_seat")) return "cannot_seat";
+  }
   return {};
 }
 
