@@ -220,8 +220,9 @@ async function blindMarking({ assignment, attempts }, page) {
     assert.equal(seen.mine.length, 20);
     for (const part of ["", "/timeline", "/score", "/surface", "/series", "/ticks", "/signed-result", "/annotations"])
       await marker.get(`/attempts/${attempts[0].id}${part}`, 403);
-    const { attempts: listed } = await marker.get(`/attempts?assignment=${assignment}&limit=100`);
-    assert.ok(listed.length === 20 && listed.every((row) => row.score === null && row.computed_score === null));
+    const inLists = async () => (await marker.get(`/attempts?assignment=${assignment}&limit=100`)).attempts;
+    assert.deepEqual(await inLists(), [], "no list says whose they are");
+    await vega.post(`/assignments/${assignment}/release`, undefined, 409); // marks would not be blind
     await marker.get(`/assignments/${assignment}/insight`, 403);
     assert.equal(seen.criteria.some(({ name }) => ["time_s", "force_sent_p95_n"].includes(name)), false);
     for (const [i, { id }] of seen.mine.entries()) {
@@ -238,6 +239,8 @@ async function blindMarking({ assignment, attempts }, page) {
       marks.set(`${attempt} ${marker.id}`, mark);
     }
     if (marker === dean) {
+      const listed = await inLists();
+      assert.ok(listed.length === 20 && listed.every((row) => row.score === null && row.computed_score === null));
       assert.equal((await dean.get(`/attempts/${attempts[0].id}`)).score, null, "opened, without its score");
       await dean.get(`/attempts/${attempts[0].id}/score`, 403);
       const { audit } = await root.get("/audit?action=marking.mark&limit=100");
