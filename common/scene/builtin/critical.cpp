@@ -83,8 +83,9 @@ std::vector<RubricCritical> CriticalOfCrown() {
                 "of a crown's cement and fit is tolerated")};
 }
 
+// A third as for a crown's walls.
 std::vector<RubricCritical> CriticalOfFace() {
-  return {Below("one_axial_wall_untouched", "side_done_least_percent", "%", 40, kOurs)};
+  return {Below("one_axial_wall_untouched", "side_done_least_percent", "%", 33, kOurs)};
 }
 
 void AddCritical(Rubric& rubric, const std::vector<RubricCritical>& critical) {

@@ -185,7 +185,8 @@ RubricGate CariesGate() {
 }
 
 RubricCriterion NoCariesCriterion(double points) {
-  return AtMost("caries_left_percent", "No caries left", "%", points, 0.5, 6,
+  // As far as where the gate begins: a criterion that ends before it tells 6 from 10 % by nothing.
+  return AtMost("caries_left_percent", "No caries left", "%", points, 0.5, 10,
                 "Caries was left: it would progress under the filling.");
 }
 

@@ -275,8 +275,7 @@ TEST(GradesTest, AWallAndAFloorThatAreTooFarMakeNoGougeWhereTheyMeet) {
   }
 }
 
-// Large ones, of which most follows from the one mistake: a gate that closes, what stands, what the
-// work has not come to.
+// A gate closes, much stands, or a wall is missing: all because of the one mistake.
 TEST(GradesTest, ALargeMistakeIsNamedAndChargedAsItself) {
   using Change = std::function<void(BoxCavity&)>;
   auto moved = [](scoring::Part part, double mm) -> Change {
