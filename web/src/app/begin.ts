@@ -13,6 +13,10 @@ let begun: Worker | undefined;
 if (thing !== undefined) {
   try {
     begun = startWorker();
+    // Nobody listens yet who could tell; another attempt is made when a tooth is to be shown.
+    begun.onerror = () => {
+      begun = undefined;
+    };
   } catch {
     // Told where the tooth would be.
   }
