@@ -24,9 +24,12 @@ export class Ahead {
     this.answers.delete(key);
     return answer;
   }
+  forgotten = false; // what was begun with these answers is no longer for anybody here
+
   // What was asked for belongs to somebody who is not here any more.
   forget(): void {
     this.answers.clear();
+    this.forgotten = true;
   }
 }
 

@@ -47,8 +47,11 @@ export function playbackOf(client: Client, attempt: string, changed: () => void)
   const ahead = begun;
   if (ahead?.client !== client || ahead.attempt !== attempt) return new Playback(client, attempt, changed);
   begun = undefined;
-  // Refused perhaps because nobody was signed in yet.
-  if (ahead.playback.state.state === "failed") return new Playback(client, attempt, changed);
+  // Refused perhaps because nobody was signed in yet; or for somebody else who was.
+  if (ahead.playback.state.state === "failed" || client.http.ahead.forgotten) {
+    ahead.playback.dispose();
+    return new Playback(client, attempt, changed);
+  }
   ahead.playback.changed = changed;
   return ahead.playback;
 }
