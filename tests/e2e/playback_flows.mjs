@@ -12,6 +12,7 @@ export const playbackFlows = [
     name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis",
     run: forceArrow,
   },
+  { name: "an attempt's tooth is asked for before the page's scripts are there", run: askedAhead },
   { name: "a link's moment is opened once, also without a playback", run: linkIsOpenedOnce },
   { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
@@ -22,6 +23,18 @@ export const playbackFlows = [
 ];
 
 const kAttempt = `/attempts/${id(105)}`;
+
+async function askedAhead(world) {
+  const html = async (path) => (await fetch(new URL(path, world.baseUrl))).text();
+  const preloaded = /modulepreload" href="\/assets\/attempt_page-/;
+  assert.match(await html(kAttempt), preloaded);
+  assert.doesNotMatch(await html("/attempts"), preloaded, "a list needs no attempt's page");
+  const page = await signedIn(world, "instructor", "/attempts");
+  await page.route("**/assets/app-*", () => undefined); // which never comes
+  const asked = page.waitForRequest("**/timeline");
+  await page.goto(kAttempt, { waitUntil: "commit" });
+  await asked;
+}
 
 const isArrow = ([r, g, b]) => r > 170 && g > 40 && g < 90 && b < 40;
 
