@@ -38,7 +38,7 @@ constexpr size_t kMostStatus = 64;
 
 // The firmware switches the motors off when it hears no force for so long. In its unit, which is 125 us.
 constexpr unsigned char kWatchdog = ForceKeeper::kGone_us / 125;
-// Whether a call of dhdGetStatus takes an exchange on the bus is not published: so it is called seldom.
+// The maker does not say whether dhdGetStatus takes an exchange on the bus. The driver calls it seldom.
 constexpr std::chrono::milliseconds kStatusEvery{10};
 
 struct Dhd {

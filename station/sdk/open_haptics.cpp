@@ -109,7 +109,7 @@ Result<Hd> Load(const std::string& file) {
 
 dvec3 ToScene(const double* v) { return {v[0], -v[2], v[1]}; }
 
-// The stylus' frame in the scene. It is taken to point along its own -z, as a bur does; no source says so.
+// The stylus' frame in the scene. No source gives its axis: here it points along its own -z, as a bur does.
 Quat Turned(const std::array<double, 16>& columns) {
   return QuatOfColumns(ToScene(&columns[0]), ToScene(&columns[4]), ToScene(&columns[8]));
 }

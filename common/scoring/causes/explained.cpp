@@ -100,7 +100,7 @@ void Explained::Assign(const Walls& walls) {
   }
 }
 
-// What lies beside a wall or floor is its own. A floor with more beside it than it has itself is
+// What is beside a wall or floor belongs to it. A floor with more beside it than it has itself is
 // some of a round face, whose plane says nothing of the rest.
 void Explained::Join(const std::vector<size_t>& beside, Patch& patch) {
   double area_m2 = 0;

@@ -33,7 +33,7 @@ class ReferenceRows {
   Result<std::vector<ReferenceRow>> Counting(const Uuid& exercise);
   // Scores made with it stay until a rescore.
   Status WithdrawReference(const Uuid& id, const Actor& by);
-  // The newest of them: an exercise shows it, and a target is made from it.
+  // The newest of them, which an exercise shows and makes a target from.
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise);
   // Those for which ReferenceFor finds one, in one question.
   Result<std::set<Uuid>> ExercisesWithReference();

@@ -44,7 +44,7 @@ class TimelineRows {
   Status FailTimeline(const Uuid& attempt, const std::string& problem, bool again);
   // Errors: kNotFound (not scored, or the recording was removed).
   Result<TimelineRow> TimelineOf(const Uuid& attempt);
-  // The same for somebody who wants to see it: where it waits, it is made before those that nobody
+  // The same for somebody who wants to see it. A worker then makes it before those that nobody
   // asked for.
   Result<TimelineRow> AskForTimeline(const Uuid& attempt);
   // The start tooth of a volume; zero: not made yet.

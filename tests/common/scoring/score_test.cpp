@@ -293,7 +293,7 @@ TEST(ApplyRubricTest, OneMistakeIsChargedUnderOneCriterion) {
   EXPECT_TRUE(alone.criteria[1].under.empty());
 }
 
-// A gate takes the value whatever explains it, and says what to do about what explains it.
+// A gate takes the value as measured. Its advice is that of the wall which explains the value.
 TEST(ApplyRubricTest, AGateThatAWallClosedAdvisesAsTheWallDoes) {
   Rubric rubric{"class-1", 3, {Wall()}, {}};
   rubric.criteria.push_back({"crown_axis_deg", "Upright", "deg", 3, {{8, 1}, {18, 0}}, "", {}});

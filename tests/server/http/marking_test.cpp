@@ -130,7 +130,7 @@ TEST_F(MarkingTest, AMarkersOtherPagesHideTheScoresUntilAllAreDone) {
   EXPECT_EQ(By("ada").Get(attempt + "/score").status, 200);
 }
 
-// Whoever teaches the class could look up whose tooth it is.
+// A teacher of the class could look up whose tooth it is.
 TEST_F(MarkingTest, AMarkerOpensNoAttemptByNameUntilTheOwnMarksAreIn) {
   const std::string attempt = "/api/v1/attempts/" + attempts_[0].Text();
   EXPECT_NE(By("ada").Get(attempt + "/timeline").status, 403);
