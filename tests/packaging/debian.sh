@@ -1,9 +1,18 @@
 #!/usr/bin/env bash
-# The Debian packages in a bare Debian 12: every command that docs/for_it.md has in a block of "sh", as it is written there,
+# The Debian packages in a bare Debian: every command that docs/for_it.md has in a block of "sh", as it is written there,
 # each unit with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a
 # Debian archive.
-# ENAMEL_DEBIAN=FOLDER names a Debian that debootstrap has made before, to start from a copy of it.
+#   debian.sh [12]  the packages of this checkout's build, on the machine's own Debian 12
+#   debian.sh 13    packages that packaging/build makes in a second bare Debian 13, from HEAD; an hour on two cores
+# ENAMEL_DEBIAN=FOLDER names a Debian that debootstrap has made before, to start from a copy of it. ENAMEL_BUILDER=FOLDER
+# names the Debian 13 to build in, which keeps its compiler's cache.
 set -euo pipefail
+version=${1:-12}
+case $version in
+  12) suite=bookworm ;;
+  13) suite=trixie ;;
+  *) echo "debian.sh: expected 12 or 13, found \"$version\"" >&2; exit 2 ;;
+esac
 root=$(cd "$(dirname "$0")/../.." && pwd)
 . "$root/tests/packaging/guide_blocks.sh"
 build=${ENAMEL_BUILD:-$root/build/release}
@@ -12,10 +21,10 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 step() { printf '\n==> %s (%d s)\n' "$*" $SECONDS; }
 [ "${ENAMEL_FULL:-}" = 1 ] || skip "ENAMEL_FULL=1 runs it"
 [ "$(id -u)" = 0 ] || skip "needs root, for a chroot"
-for program in debootstrap cpack dpkg-shlibdeps ip; do
-  command -v $program >/dev/null || skip "$program is not installed"
-done
-grep -q '^VERSION_ID="12"' /etc/os-release || skip "packages for Debian 12 are built on Debian 12"
+needed=(debootstrap ip)
+[ $version = 13 ] || needed+=(cpack dpkg-shlibdeps)
+for program in "${needed[@]}"; do command -v $program >/dev/null || skip "$program is not installed"; done
+[ $version = 13 ] || grep -q '^VERSION_ID="12"' /etc/os-release || skip "packages for Debian 12 are built on Debian 12"
 
 work=$(mktemp -d)
 debian=$work/debian
@@ -28,27 +37,42 @@ inside() {
     exec chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"
   ' _ "$debian" "$@"
 }
-online() { # the same with the archive at hand
+online() { online_in "$debian" "$@"; }
+online_in() { # online_in FOLDER COMMAND…: in that Debian, with the archive at hand
   unshare -m -p --fork --kill-child bash -c '
     debian=$1; shift
     mount -t proc proc "$debian/proc"; mount --bind /dev "$debian/dev"
     exec chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"
-  ' _ "$debian" "$@"
+  ' _ "$@"
 }
+logged() { "$@" >"$work/log" 2>&1 || { tail -n 30 "$work/log"; fail "$*"; }; }
 trap 'rm -rf --one-file-system "$work"' EXIT
 
 step "packages"
-cmake --build "$build" --target enamel_manuals enamel_sbom >"$work/log" 2>&1 || { tail "$work/log"; fail "building"; }
-commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || date +%s)
-SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B "$work/packages" >"$work/cpack.log" 2>&1 ||
-  { cat "$work/cpack.log"; fail "cpack"; }
+if [ $version = 13 ]; then
+  builder=${ENAMEL_BUILDER:-$work/builder}
+  [ -d "$builder/usr" ] || logged debootstrap --variant=minbase --include=git,ca-certificates,dpkg-dev $suite "$builder"
+  rm -rf "$builder/src"
+  logged git clone --no-local "$root" "$builder/src"
+  logged git -C "$builder/src" checkout "$(git -C "$root" rev-parse HEAD)"
+  chown -R root: "$builder/src"
+  # Authorities that this machine trusts beside Debian's: npm asks its registry through the same network.
+  cp -r /usr/local/share/ca-certificates "$builder/usr/local/share/"
+  logged online_in "$builder" update-ca-certificates
+  logged online_in "$builder" /src/packaging/build
+  mv "$builder/src/build/release/packages" "$work/packages"
+else
+  logged cmake --build "$build" --target enamel_manuals enamel_sbom
+  commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || date +%s)
+  SOURCE_DATE_EPOCH=$commit_time logged cpack --config "$build/CPackConfig.cmake" -B "$work/packages"
+fi
 if command -v lintian >/dev/null; then
   lintian --allow-root --fail-on error "$work"/packages/*.deb || fail "lintian found an error"
 fi
 
-step "a bare Debian"
+step "a bare Debian $version"
 if [ -n "${ENAMEL_DEBIAN:-}" ]; then cp -a "$ENAMEL_DEBIAN" "$debian"
-else debootstrap --variant=minbase bookworm "$debian" >"$work/log" 2>&1 || { tail "$work/log"; fail "debootstrap"; }
+else logged debootstrap --variant=minbase $suite "$debian"
 fi
 mkdir "$debian/packages"
 cp "$work"/packages/*.deb "$debian/packages"
