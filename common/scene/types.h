@@ -72,6 +72,9 @@ struct TouchCueSpec {
   bool operator==(const TouchCueSpec&) const = default;
 };
 
+// What keeps the work dry. Only the picture shows it: no force and no score knows it.
+enum class Isolation : uint8_t { kNone, kRubberDam };
+
 // The stump that a part of outline kStump leaves in its middle: a rectangle with rounded corners
 // whose middle and half sizes change evenly from the foot, on the part's floor, to the table.
 struct Stump {
@@ -342,6 +345,7 @@ struct Exercise {
   int32_t bur_neck_um = 0;
   HandpieceSpec handpiece;
   TouchCueSpec touch_cues;
+  Isolation isolation = Isolation::kNone;
   haptics::LawKind law = haptics::kDefaultLaw;
   int32_t rate_hz = 1000;
   int32_t time_limit_s = 0;  // 0: none

@@ -156,6 +156,7 @@ export function makeExercises() {
     bur: { shape: "cylinder", radius_um: 500, length_um: 4000, shank_radius_um: 800, neck_um: 2000 },
     law: "maxwell",
     rate_hz: 1000,
+    rubber_dam: false,
     target: { ...target, parts: graded ? [] : [disc] },
     rubric,
     ...changes,

@@ -78,6 +78,7 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("crown", scene);
   e.title = "Crown preparation";
+  e.isolation = Isolation::kNone;
   e.bur_shape = cutting::BurShape::kCone;  // "taper-16"
   e.bur_radius_um = 800;
   e.bur_length_um = 8'000;

@@ -187,6 +187,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   target.leeway_bottom_um = e.target.leeway_bottom_um;
   target.container_um = e.target.container_um;
   e.target = std::move(target);
+  e.isolation = Isolation::kNone;
   e.graded = false;
   e.touch_cues = kPracticeCues;
   const std::string rubric = "practice-" + shape.name;
@@ -270,6 +271,7 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
                    " is right, and tissue that must stay begins " + Mm(target.leeway_side_um) +
                    " beyond it.";
   e.target = target;
+  e.isolation = Isolation::kNone;
   e.time_limit_s = 1'800;
   e.rubric = ShapeRubric("prepared-tooth", 25, 10, {1'200, 2'400});
   auto& criteria = e.rubric.criteria;
@@ -319,6 +321,8 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   e.bur_radius_um = 500;
   e.bur_length_um = 4'000;
   e.time_limit_s = 900;
+  // The rule for operative and endodontic work; impressions and margins of crowns need the gingiva.
+  if (tooth) e.isolation = Isolation::kRubberDam;
   e.target.half_size_um = {2'000, 1'200, 0};
   // Otherwise its ends would be in the marginal ridges, 5.2 mm apart.
   if (scene.name.starts_with("premolar")) e.target.half_size_um = {1'600, 1'100, 0};

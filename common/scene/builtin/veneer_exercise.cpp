@@ -76,6 +76,7 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("veneer", scene);
   e.title = "Veneer, reduction of the labial face";
+  e.isolation = Isolation::kNone;
   e.bur_shape = cutting::BurShape::kSphere;  // "round-16"
   e.bur_radius_um = kVeneerBur_um;
   e.bur_length_um = 0;

@@ -82,6 +82,18 @@ json::object TouchCuesJson(const TouchCueSpec& c) {
           {"power_uw", c.power_uw}};
 }
 
+constexpr std::string_view kRubberDam = "rubber_dam";
+
+void ReadIsolation(ObjectReader& in, Exercise& e) {
+  if (!in.Has("isolation")) return;
+  const std::string name = in.Name("isolation");
+  if (name != kRubberDam) {
+    in.Refuse("isolation", std::string(kRubberDam) + ", or no isolation at all",
+              "\"" + name + "\"");
+  }
+  e.isolation = Isolation::kRubberDam;
+}
+
 void ReadLaw(ObjectReader& in, Exercise& e) {
   std::string name = in.Name("law");
   const haptics::LawEntry* law = haptics::FindLaw(std::string_view(name));
@@ -136,6 +148,7 @@ std::string ToJson(const Exercise& e) {
                    {"bur", BurJson(e.bur())}};
   if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
   if (cues) out["touch_cues"] = TouchCuesJson(e.touch_cues);
+  if (e.isolation == Isolation::kRubberDam) out["isolation"] = kRubberDam;
   out["law"] = law->name;
   out["rate_hz"] = e.rate_hz;
   out["time_limit_s"] = e.time_limit_s;
@@ -159,6 +172,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   ReadExerciseBur(in, e);
   ReadHandpiece(in, e);
   ReadTouchCues(in, e);
+  ReadIsolation(in, e);
   ReadLaw(in, e);
   e.rate_hz = static_cast<int32_t>(in.Int("rate_hz", 100, 20'000));
   e.time_limit_s = static_cast<int32_t>(in.Int("time_limit_s", 0, 86'400));

@@ -153,6 +153,7 @@ void AddWhole(StoredBlobs& blobs, const ExerciseRow& row, const scene::Exercise&
   out.emplace("rate_hz", exercise.rate_hz);
   out.emplace("handpiece", HandpieceJson(exercise.handpiece));
   out.emplace("touch_cues", TouchCuesJson(exercise.touch_cues));
+  out.emplace("rubber_dam", exercise.isolation == scene::Isolation::kRubberDam);
   out.emplace("scene_sha256", row.scene.Hex());
   out.emplace("document_sha256", row.content.Hex());
   json::object target = TargetJson(exercise.target);

@@ -219,6 +219,24 @@ TEST(BuiltinTest, MemoryThatHoldsNoVoxelAtAllIsSaidSo) {
 
 // Practice has gentle touch cues; graded work has none unless somebody writes an exercise that
 // does.
+TEST(BuiltinExercisesTest, OperativeAndEndodonticWorkHasARubberDam) {
+  std::map<std::string, bool> found;
+  for (const char* name : {"block", "molar", "molar-class-2", "molar-buccal", "incisor-labial"}) {
+    auto built = BuildBuiltinScene(name, 200'000);
+    ASSERT_TRUE(built.ok()) << built.status().message();
+    for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+      const bool practice = built->scene.tooth == 0;
+      found[practice ? "practice" : e.name.substr(0, e.name.find('-'))] =
+          e.isolation == Isolation::kRubberDam;
+    }
+  }
+  EXPECT_EQ(found, (std::map<std::string, bool>{{"access", true},
+                                                {"class", true},
+                                                {"crown", false},
+                                                {"practice", false},
+                                                {"veneer", false}}));
+}
+
 TEST(BuiltinExercisesTest, PracticeHasTouchCuesAndGradedWorkHasNone) {
   bool practice = false, graded = false;
   for (const char* name : {"block", "molar-class-2"}) {

@@ -261,6 +261,17 @@ TEST(SceneJsonTest, ARubricByItselfSaysWhatItSaysInAnExercise) {
   EXPECT_FALSE(RubricFromJson("").ok());
 }
 
+TEST(SceneJsonTest, IsolationIsARubberDamOrNothing) {
+  const std::string text = ReadText("golden/scene_exercise_restoration.json");
+  Exercise e = *ExerciseFromJson(text);
+  EXPECT_EQ(e.isolation, Isolation::kRubberDam);
+  const auto refused = ExerciseFromJson(Replaced(text, "\"rubber_dam\"", "\"cotton\""));
+  EXPECT_EQ(refused.status().field(), "/isolation");
+  e.isolation = Isolation::kNone;
+  EXPECT_EQ(ToJson(e).find("isolation"), std::string::npos);
+  EXPECT_EQ(ExerciseFromJson(ToJson(e))->isolation, Isolation::kNone);
+}
+
 TEST(SceneJsonTest, TouchCuesNeedAForce) {
   const std::string text = ReadText("golden/scene_exercise_cues.json");
   auto field = [&](const char* from, const char* to) {

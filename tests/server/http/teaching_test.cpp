@@ -327,6 +327,7 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   document_.bur_neck_um = 900;
   document_.handpiece = {2000, 300, 50000};
   document_.touch_cues = {300, 0, 150, 900};
+  document_.isolation = scene::Isolation::kRubberDam;
   document_.time_limit_s = 600;
   Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(document_)));
   ExerciseRow row;
@@ -345,6 +346,7 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   EXPECT_EQ(shown.at("touch_cues").at("chatter_mn"), 0);
   EXPECT_EQ(shown.at("touch_cues").at("energy_uj"), 150);
   EXPECT_EQ(shown.at("touch_cues").at("power_uw"), 900);
+  EXPECT_EQ(shown.at("rubber_dam"), true);
   EXPECT_EQ(shown.at("time_limit_s"), 600);
   EXPECT_EQ(shown.at("rate_hz"), document_.rate_hz);
   EXPECT_EQ(shown.at("target").at("landmark"), document_.target.landmark.c_str());

@@ -272,6 +272,13 @@ function General({ form }: { readonly form: DocumentForm }) {
             hint={say("editor.graded_hint")}
           />
         </div>
+        <Part
+          form={form}
+          on={form.edit.at(["isolation"]) !== undefined}
+          member="isolation"
+          label={say("exercise_page.rubber_dam")}
+          fresh="rubber_dam"
+        />
       </div>
     </Card>
   );
@@ -372,7 +379,7 @@ function Part({
   readonly member: string;
   readonly label: string;
   readonly fresh: Json;
-  readonly children: ComponentChildren;
+  readonly children?: ComponentChildren;
 }) {
   const [id] = useState(() => `part_${member}`);
   return (
@@ -387,7 +394,7 @@ function Part({
         />
         <label for={id}>{say("editor.yes")}</label>
       </div>
-      {on && <div class="form-grid">{children}</div>}
+      {on && children !== undefined && <div class="form-grid">{children}</div>}
     </fieldset>
   );
 }

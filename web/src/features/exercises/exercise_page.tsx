@@ -151,6 +151,12 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
         <dt>{say("exercise_page.cues")}</dt>
         <dd>{touchCuesText(touch_cues)}</dd>
       </div>
+      {exercise.rubber_dam && (
+        <div>
+          <dt>{say("exercise_page.rubber_dam")}</dt>
+          <dd>{say("editor.yes")}</dd>
+        </div>
+      )}
       <div>
         <dt>{say("exercise_page.time_limit")}</dt>
         <dd>{timeLimitText(exercise.time_limit_s)}</dd>
