@@ -78,6 +78,11 @@ double Tapered(double taper, double round, double place) {
   return (1 + slope * place) / (1 + slope * slope / round);
 }
 
+// From one value at -1 to another at 1.
+double Turned(double from, double to, double place) {
+  return from + (to - from) * Ramp(place, -1, 1);
+}
+
 double SideDistance(const ToothShape& shape, double x, double y, double z) {
   const Sections& s = shape.sections;
   double u = SectionPlace(s, z);
@@ -89,8 +94,12 @@ double SideDistance(const ToothShape& shape, double x, double y, double z) {
   b *= Tapered(s.distal_taper, s.round, w);
   double p = Square(x / a), q = Square(dy / b);
   double r = std::sqrt(std::sqrt(p * p + q * q + s.round * p * q));
-  // No distance, but of the right sign; TrueDistance makes one of it near the surface.
-  double d = (r - 1) * std::min(a, b);
+  // No distance, but of the right sign; TrueDistance makes one of it near the surface. The other half
+  // extent takes over gradually: where the scale jumped, the gradient across would be far too large.
+  constexpr double kOver = 0.5;
+  const double wide = Turned(Curve(s.distal, u), Curve(s.mesial, u), x / kOver),
+               deep = Turned(Curve(s.lingual, u), Curve(s.buccal, u), dy / kOver);
+  double d = (r - 1) * std::min(wide, deep);
   for (const SideGroove& g : shape.grooves) d += GrooveDepth(g, x, dy, z);
   return d;
 }
