@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "station/mouth/patches.h"
 #include "station/render/revolve.h"
 
 namespace enamel::station::mouth {
@@ -12,8 +13,6 @@ namespace {
 // At 1.25 mm from the tooth, the mean thickness of attached gingiva (Goaslind et al., J. Periodontol.
 // 48, 1977), it has fallen 1.4 mm.
 constexpr double kFall = 2.2, kRound_mm = 0.9;
-// The scallops of the margin end this far from the tooth.
-constexpr double kScallops_mm = 3;
 // Over how much height two teeth's slopes blend (SmoothMax).
 constexpr double kBlend_mm = 4 * kPapilla_mm;
 // A ridge is about this much lower in the first months without a tooth (Schropp et al., Int. J.
@@ -28,9 +27,6 @@ constexpr double kFree_mm = 0.7, kRise = 0.5, kSoftLimit_mm = 1;
 constexpr double kAttached_mm = 4, kFold_mm = 12;
 // The picture of the mouth ends in the dark this far from the ridge.
 constexpr double kLit_mm = 3.5, kHalfWidth_mm = 17, kBeyondTeeth_mm = 7;
-// Squares of the mesh, and of its pieces.
-constexpr double kStep_mm = 0.3;
-constexpr int kPiece = 24;
 
 double SmoothMax(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0);
@@ -41,8 +37,7 @@ struct Polar {
   double angle = 0, from_tooth = 0;
 };
 Polar About(const Neck& neck, double x, double y) {
-  const double dx = x - neck.middle_mm.x, dy = y - neck.middle_mm.y, angle = std::atan2(dy, dx);
-  return {angle, std::hypot(dx, dy) - neck.radius_mm.At(angle)};
+  return {std::atan2(y - neck.middle_mm.y, x - neck.middle_mm.x), FromTooth_mm(neck, x, y)};
 }
 
 // Over a neighbour's root it is closed and sunken, as after a tooth is lost: a crown may be left out.
@@ -66,14 +61,17 @@ Gingiva::Gingiva(std::vector<Neck> necks, const Around& limit_mm)
   floor_mm_ = necks_.at(0).margin_mm.Mean() - kFold_mm;
 }
 
+double HighestAt_mm(const Neck& own, const Around& limit_mm, double x, double y) {
+  const Polar at = About(own, x, y);
+  return limit_mm.At(at.angle) - kClearOfTarget_mm +
+         kRise * std::max(at.from_tooth - kFree_mm, 0.0);
+}
+
 double Gingiva::Height_mm(double x, double y) const {
   double z = floor_mm_;
   for (const Neck& neck : necks_) z = SmoothMax(z, HeightAt(neck, x, y), kBlend_mm);
-  const Polar own = About(necks_[0], x, y);
-  const double limit = limit_mm_.At(own.angle) - kClearOfTarget_mm +
-                       kRise * std::max(own.from_tooth - kFree_mm, 0.0);
   // The lesser, rounded downward.
-  return -SmoothMax(-z, -limit, kSoftLimit_mm);
+  return -SmoothMax(-z, -HighestAt_mm(necks_[0], limit_mm_, x, y), kSoftLimit_mm);
 }
 
 uint8_t Gingiva::MaterialAt(double x, double y, double z) const {
@@ -92,58 +90,29 @@ uint8_t Gingiva::MaterialAt(double x, double y, double z) const {
                               std::lround(0.5 * shade * (render::kGingivaShades - 1)));
 }
 
-void Gingiva::Colour(render::GroupMesh& mesh) const {
-  for (render::GpuVertex& v : mesh.vertices) {
-    v.tissue = MaterialAt(v.position_mm[0], v.position_mm[1], v.position_mm[2]);
-  }
-}
-
 std::vector<render::GroupMesh> Gingiva::Pieces() const {
   double lo = 1e3, hi = -1e3;
   for (const Neck& neck : necks_) {
     lo = std::min(lo, neck.middle_mm.x - neck.radius_mm.Mean() - kBeyondTeeth_mm);
     hi = std::max(hi, neck.middle_mm.x + neck.radius_mm.Mean() + kBeyondTeeth_mm);
   }
-  const int nx = static_cast<int>((hi - lo) / kStep_mm),
-            ny = static_cast<int>(2 * kHalfWidth_mm / kStep_mm);
+  const int nx = static_cast<int>((hi - lo) / kSquare_mm),
+            ny = static_cast<int>(2 * kHalfWidth_mm / kSquare_mm);
   const double y0 = necks_[0].middle_mm.y - kHalfWidth_mm;
   auto vertex = [&](int i, int j) {
-    const double x = lo + kStep_mm * i, y = y0 + kStep_mm * j, z = Height_mm(x, y);
-    constexpr double kSide = 0.5 * kStep_mm;
-    const dvec3 normal =
-        glm::normalize(dvec3(Height_mm(x - kSide, y) - Height_mm(x + kSide, y),
-                             Height_mm(x, y - kSide) - Height_mm(x, y + kSide), 2 * kSide));
-    auto byte = [](double v) { return static_cast<int8_t>(std::lround(127 * v)); };
-    return render::GpuVertex{{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)},
-                             {byte(normal.x), byte(normal.y), byte(normal.z)},
-                             render::kGingiva};
+    const double x = lo + kSquare_mm * i, y = y0 + kSquare_mm * j, z = Height_mm(x, y);
+    constexpr double kSide = 0.5 * kSquare_mm;
+    return VertexAt({x, y, z}, (Height_mm(x + kSide, y) - Height_mm(x - kSide, y)) / kSquare_mm,
+                    (Height_mm(x, y + kSide) - Height_mm(x, y - kSide)) / kSquare_mm,
+                    MaterialAt(x, y, z));
   };
   // None deep inside the first tooth, and none where the dark hides it.
   auto hidden = [&](int i, int j) {
-    const double x = lo + kStep_mm * (i + 0.5), y = y0 + kStep_mm * (j + 0.5);
+    const double x = lo + kSquare_mm * (i + 0.5), y = y0 + kSquare_mm * (j + 0.5);
     return About(necks_[0], x, y).from_tooth < -2 * kLevel_mm ||
            MaterialAt(x, y, Height_mm(x, y)) >= render::kGingiva + render::kGingivaDark;
   };
-  std::vector<render::GroupMesh> out;
-  for (int i0 = 0; i0 < nx; i0 += kPiece) {
-    for (int j0 = 0; j0 < ny; j0 += kPiece) {
-      const int i1 = std::min(i0 + kPiece, nx), j1 = std::min(j0 + kPiece, ny), row = j1 - j0 + 1;
-      render::GroupMesh mesh;
-      for (int i = i0; i <= i1; ++i) {
-        for (int j = j0; j <= j1; ++j) mesh.vertices.push_back(vertex(i, j));
-      }
-      for (int i = i0; i < i1; ++i) {
-        for (int j = j0; j < j1; ++j) {
-          if (hidden(i, j)) continue;
-          const auto a = static_cast<uint32_t>((i - i0) * row + j - j0),
-                     b = a + static_cast<uint32_t>(row);
-          mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
-        }
-      }
-      if (!mesh.indices.empty()) out.push_back(std::move(mesh));
-    }
-  }
-  return out;
+  return Patches(nx, ny, vertex, hidden);
 }
 
 }  // namespace enamel::station::mouth

@@ -17,9 +17,11 @@ using cutting::Tissue;
 
 // Where a cement line is sought: the origin is the middle of the crown, which is 12 mm high at most.
 constexpr double kLowest_mm = -9, kHighest_mm = 1;
-// What limits the gingiva does so this many directions to either side, half a millimetre of a molar's
-// neck. Farther aside it may rise by so much per mm: a papilla's side.
-constexpr int kAside = 2;
+// What limits the gingiva does so this many directions to either side, a millimetre of a molar's
+// neck. Farther aside it may rise by so much per mm: a papilla's side. Smoothed, because a fold in it
+// would go on outward.
+constexpr int kAside = 4;
+constexpr double kSmooth_rad = 0.1;
 constexpr double kNeckRadius_mm = 4.5, kRiseAside = 3;
 constexpr double kNoLimit_mm = 1e3;
 // Errors of the meshes: a pixel of a picture 1080 high that shows 16 mm, and five while it moves.
@@ -43,10 +45,8 @@ class Maker {
     } else {
       AddCrowns(own, necks);
     }
-    const Gingiva gingiva(std::move(necks), limit);
-    for (render::GroupMesh& piece : gingiva.Pieces()) {
+    for (render::GroupMesh& piece : Gingiva(std::move(necks), limit).Pieces()) {
       Reduce(piece);
-      gingiva.Colour(piece);
       out_.fixed.push_back(InScene(std::move(piece)));
     }
     for (size_t i = 0; i < outline.size(); i += std::max<size_t>(outline.size() / kWorkPoints, 1)) {
@@ -95,7 +95,7 @@ class Maker {
         here = std::min(here, lowest[there] + kPerSample_mm * std::max(std::abs(k) - kAside, 0));
       }
     }
-    return out;
+    return out.Smoothed(kSmooth_rad);
   }
 
   // The margin recedes from what is to be cut, smoothly.

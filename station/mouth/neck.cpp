@@ -111,11 +111,19 @@ std::optional<Neck> NeckOf(const TissueAt& tissue, const glm::dvec2& middle_mm, 
 
 Neck WithMargin(const TissueAt& tissue, const glm::dvec2& middle_mm, const Around& margin_mm) {
   constexpr double kScallop_rad = 0.5;
-  Neck out{middle_mm, margin_mm, {}, margin_mm.Smoothed(kScallop_rad)};
+  Neck out{middle_mm, margin_mm, {}, {}, margin_mm.Smoothed(kScallop_rad)};
   for (size_t i = 0; i < Around::kCount; ++i) {
     out.radius_mm[i] = RadiusAt_mm(tissue, middle_mm, Around::Angle(i), margin_mm[i]);
   }
+  out.girth_mm = out.radius_mm.Smoothed(kScallop_rad);
   return out;
+}
+
+double FromTooth_mm(const Neck& neck, double x, double y) {
+  const double dx = x - neck.middle_mm.x, dy = y - neck.middle_mm.y, angle = std::atan2(dy, dx),
+               away = std::hypot(dx, dy), out = away - neck.radius_mm.At(angle);
+  const double share = std::clamp(out / kScallops_mm, 0.0, 1.0);
+  return glm::mix(out, away - neck.girth_mm.At(angle), share * share * (3 - 2 * share));
 }
 
 }  // namespace enamel::station::mouth

@@ -40,8 +40,15 @@ struct Neck {
   glm::dvec2 middle_mm{0};
   Around margin_mm;  // height of the gingival margin
   Around radius_mm;  // of the tooth there, from its middle
+  Around girth_mm;   // that without its hollows, as what is farther out follows it
   Around ridge_mm;   // the margin without its scallops, as the ridge farther out follows it
 };
+
+// Distance from the tooth's side at its margin, seen along its axis: its outline at the tooth, and
+// rounder farther out. Less than 0 inside.
+double FromTooth_mm(const Neck& neck, double x, double y);
+// Over how far.
+inline constexpr double kScallops_mm = 3;
 
 // A healthy margin is this far above the cement line: the junctional epithelium, 0.97, ends there,
 // and the sulcus, 0.69, is above it (Gargiulo, Wentz & Orban, J. Periodontol. 32, 1961: means of

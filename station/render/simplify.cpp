@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "station/render/revolve.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -66,6 +68,14 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
   return all > 0 ? wrong / all : 0;
 }
 
+// Materials that shade into each other (revolve.h) are one within such a band of shades, so that a
+// large triangle's colours are no coarser than that.
+constexpr int kBand = 20;
+uint8_t KindOf(uint8_t material) {
+  if (material < kGingiva) return material;
+  return static_cast<uint8_t>(kGingiva + (material - kGingiva) / kBand);
+}
+
 // Triangles of one tissue or material without edges, by it; and all others.
 struct Parts {
   std::array<std::vector<uint32_t>, 256> smooth;
@@ -80,8 +90,9 @@ Parts Split(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>&
                     &c = vertices[indices[i + 2]];
     glm::vec3 n[] = {NormalOf(a), NormalOf(b), NormalOf(c)};
     float least = std::min({glm::dot(n[0], n[1]), glm::dot(n[1], n[2]), glm::dot(n[2], n[0])});
-    bool smooth = a.tissue == b.tissue && b.tissue == c.tissue && least >= least_crease;
-    auto& part = smooth ? parts.smooth[a.tissue] : parts.others;
+    const uint8_t kind = KindOf(a.tissue);
+    bool smooth = kind == KindOf(b.tissue) && kind == KindOf(c.tissue) && least >= least_crease;
+    auto& part = smooth ? parts.smooth[kind] : parts.others;
     part.insert(part.end(), indices.begin() + static_cast<ptrdiff_t>(i),
                 indices.begin() + static_cast<ptrdiff_t>(i) + 3);
   }

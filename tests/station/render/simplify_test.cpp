@@ -7,6 +7,8 @@
 #include <map>
 #include <tuple>
 
+#include "station/render/revolve.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -161,6 +163,22 @@ TEST(SimplifyTest, NothingStaysNothing) {
   GroupMesh mesh;
   Simplify(mesh, 0.004f);
   EXPECT_TRUE(mesh.indices.empty());
+}
+
+// Large triangles would smear colours that change across them.
+TEST(SimplifyTest, NoTriangleSpansMoreShadesThanBefore) {
+  GroupMesh mesh = Patch();
+  for (GpuVertex& v : mesh.vertices) {
+    v.tissue = static_cast<uint8_t>(kGingiva + std::lround(60 * (v.position_mm[0] + 1)));
+  }
+  const size_t before = mesh.indices.size();
+  Simplify(mesh, 0.004f);
+  EXPECT_LT(mesh.indices.size(), before);
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    auto shade = [&](size_t k) { return mesh.vertices[mesh.indices[i + k]].tissue; };
+    EXPECT_LT(std::max({shade(0), shade(1), shade(2)}) - std::min({shade(0), shade(1), shade(2)}),
+              20);
+  }
 }
 
 }  // namespace
