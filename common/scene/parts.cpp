@@ -74,6 +74,14 @@ Part Mouth(const Scene& scene, const Use& use) {
                   : "the scene has no tooth number"};
 }
 
+Part RubberDam(const Part& mouth, const Exercise& exercise) {
+  const bool dam = exercise.isolation == Isolation::kRubberDam;
+  return {PartId::kRubberDam, "rubber dam", mouth.kept && dam,
+          !mouth.kept ? mouth.why
+          : dam       ? "the exercise asks for it; it takes the gingiva's place"
+                      : "the exercise does not ask for it"};
+}
+
 Part BusWrite(const Use& use) {
   return {PartId::kBusWrite, "bus write", !use.replay,
           use.replay ? "a replay has no device" : "the device gets its force every tick"};
@@ -84,6 +92,7 @@ Part BusWrite(const Use& use) {
 // Decisions only; what each costs is measured elsewhere, on the machine at hand
 // (station/app/explain.h).
 std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const Use& use) {
+  const Part mouth = Mouth(scene, use);
   return {
       Labels(scene),
       {PartId::kUniform, "uniform bricks", false,
@@ -96,7 +105,8 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
       TouchCues(exercise),
       OtherBurs(exercise),
       Surface(use),
-      Mouth(scene, use),
+      mouth,
+      RubberDam(mouth, exercise),
       {PartId::kMirror, "mirror", false, "drawn only while the other hand holds it"},
       BusWrite(use),
       {PartId::kForceBounds, "force bounds", true,

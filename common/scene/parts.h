@@ -21,6 +21,7 @@ enum class PartId {
   kOtherBurs,    // tables of burs the exercise does not use
   kSurface,      // triangles for the window
   kMouth,        // gingiva and neighbours that are only drawn
+  kRubberDam,    // in place of the gingiva
   kMirror,       // the scene once more, in a mirror
   kBusWrite,     // force to the device
   kForceBounds,

@@ -28,11 +28,13 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
   return surface::ZeroLines(mesh, beyond_mm);
 }
 
-Surroundings::Surroundings(const scene::Scene& scene, const scene::CavityTarget& target,
+Surroundings::Surroundings(const scene::Scene& scene, const scene::Exercise& exercise,
                            const cutting::Volume& initial, bool mouth)
-    : coming_(std::async(std::launch::async, [&scene, &target, &initial, mouth] {
-        Found found{OutlineOf(scene, target, initial), {}};
-        if (mouth) found.mouth = mouth::MakeMouth(scene, initial, found.outline);
+    : coming_(std::async(std::launch::async, [&scene, &exercise, &initial, mouth] {
+        Found found{OutlineOf(scene, exercise.target, initial), {}};
+        if (mouth) {
+          found.mouth = mouth::MakeMouth(scene, initial, found.outline, {exercise.isolation});
+        }
         return found;
       })) {}
 

@@ -27,7 +27,7 @@ class Surroundings {
     render::Scenery mouth;
   };
   // All three outlive this. Without `mouth` there is none.
-  Surroundings(const scene::Scene& scene, const scene::CavityTarget& target,
+  Surroundings(const scene::Scene& scene, const scene::Exercise& exercise,
                const cutting::Volume& initial, bool mouth);
 
   bool done() const;

@@ -8,6 +8,7 @@
 #include "common/scene/tooth_number.h"
 #include "station/mouth/crowns.h"
 #include "station/mouth/gingiva.h"
+#include "station/mouth/rubber_dam.h"
 #include "station/render/simplify.h"
 
 namespace enamel::station::mouth {
@@ -34,7 +35,7 @@ class Maker {
   Maker(const scene::Scene& scene, const cutting::Volume& volume)
       : scene_(scene), volume_(volume) {}
 
-  render::Scenery Make(std::span<const surface::LineSegment> outline) {
+  render::Scenery Make(std::span<const surface::LineSegment> outline, const MouthOptions& options) {
     const TissueAt own = [this](const dvec3& p) { return At(p, false); };
     auto neck = NeckOf(own, {0, 0}, kLowest_mm, kHighest_mm);
     if (!neck) return {};
@@ -45,7 +46,10 @@ class Maker {
     } else {
       AddCrowns(own, necks);
     }
-    for (render::GroupMesh& piece : Gingiva(std::move(necks), limit).Pieces()) {
+    auto pieces = options.isolation == scene::Isolation::kRubberDam
+                      ? RubberDam(necks, limit)
+                      : Gingiva(std::move(necks), limit).Pieces();
+    for (render::GroupMesh& piece : pieces) {
       Reduce(piece);
       out_.fixed.push_back(InScene(std::move(piece)));
     }
@@ -173,9 +177,10 @@ class Maker {
 }  // namespace
 
 render::Scenery MakeMouth(const scene::Scene& scene, const cutting::Volume& initial,
-                          std::span<const surface::LineSegment> outline) {
+                          std::span<const surface::LineSegment> outline,
+                          const MouthOptions& options) {
   if (!scene::IsToothNumber(scene.tooth)) return {};
-  return Maker(scene, initial).Make(outline);
+  return Maker(scene, initial).Make(outline, options);
 }
 
 }  // namespace enamel::station::mouth

@@ -31,6 +31,8 @@ std::array<glm::vec3, 16> Colours() {
   c[kGingiva] = Linear(226, 148, 138);
   c[kGingiva + 1] = Linear(168, 70, 66);
   c[kGingiva + 2] = Linear(26, 22, 24);
+  // Dark green, the makers' usual colour beside blue: the target's line is blue.
+  c[15] = Linear(38, 112, 92);
   return c;
 }
 
@@ -43,6 +45,7 @@ std::array<float, 16> Gloss() {
   g[kForceArrow] = g[kTargetLine] = 0.1f;
   // Wet, and duller into the dark.
   g[kGingiva] = 0.4f, g[kGingiva + 1] = 0.3f, g[kGingiva + 2] = 0;
+  g[15] = 0.06f;  // matt
   return g;
 }
 

@@ -19,10 +19,11 @@ enum Material : uint8_t {
   kBurShank = 9,
   kForceArrow = 10,
   kTargetLine = 11,
-  kGingiva = 12,  // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
+  kGingiva = 12,     // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
+  kRubberDam = 213,  // the first of kRubberDamShades: from the sheet to nothing
 };
 // As in the shaders; from kGingivaDark on nothing is seen.
-inline constexpr int kGingivaShades = 201, kGingivaDark = 190;
+inline constexpr int kGingivaShades = 201, kGingivaDark = 190, kRubberDamShades = 20;
 
 struct Shape {
   std::vector<GpuVertex> vertices;

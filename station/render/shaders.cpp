@@ -5,8 +5,10 @@ namespace enamel::station::render {
 const char* const kLooks = R"(#version 330 core
 uniform vec3 colours[16];
 uniform float gloss[16];
-// Colour and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14.
+// Colour and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14. 213 to 232 is the rubber
+// dam.
 vec4 Looks(uint material) {
+  if (material >= 213u) return vec4(colours[15], gloss[15]);
   if (material < 12u) return vec4(colours[material], gloss[material]);
   float at = float(material - 12u) / 100.0;
   int first = at < 1.0 ? 12 : 13;
@@ -14,8 +16,9 @@ vec4 Looks(uint material) {
   return vec4(mix(colours[first], colours[first + 1], part),
               mix(gloss[first], gloss[first + 1], part));
 }
-// The dark of the mouth fades into the background.
+// The dark of the mouth and the rest of the sheet fade into the background.
 float Opacity(uint material) {
+  if (material >= 213u) return 1.0 - smoothstep(0.0, 1.0, float(material - 213u) / 19.0);
   return material < 12u ? 1.0 : 1.0 - smoothstep(1.2, 1.9, float(material - 12u) / 100.0);
 }
 )";

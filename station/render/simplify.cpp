@@ -73,7 +73,8 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
 constexpr int kBand = 20;
 uint8_t KindOf(uint8_t material) {
   if (material < kGingiva) return material;
-  return static_cast<uint8_t>(kGingiva + (material - kGingiva) / kBand);
+  const uint8_t first = material < kRubberDam ? kGingiva : kRubberDam;
+  return static_cast<uint8_t>(first + (material - first) / kBand);
 }
 
 // Triangles of one tissue or material without edges, by it; and all others.

@@ -103,7 +103,9 @@ class Appraiser {
         return {ns, c.mb, "triangles of the touched bricks, on another thread"};
       }
       case PartId::kMouth:
-        return Mouth();
+        return Mouth({s_.exercise.isolation}, std::nullopt);
+      case PartId::kRubberDam:
+        return Mouth({scene::Isolation::kRubberDam}, mouth::MouthOptions{});
       case PartId::kMirror:
         return {{}, {}, "off the tick's thread; 'bench frames' prints pictures with it"};
       case PartId::kBusWrite:
@@ -239,16 +241,33 @@ class Appraiser {
     return {{}, HeapMb() - before_mb, note};
   }
 
-  Worth Mouth() const {
+  struct Made {
+    render::Scenery scenery;
+    double ms = 0;
+  };
+  Made MakeMouth(const mouth::MouthOptions& options) const {
     const auto from = std::chrono::steady_clock::now();
-    const render::Scenery mouth = mouth::MakeMouth(s_.built.scene, s_.built.volume, {});
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - from;
-    if (mouth.empty()) return {{}, {}, "there is none"};
+    Made out{mouth::MakeMouth(s_.built.scene, s_.built.volume, {}, options)};
+    out.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+    return out;
+  }
+
+  // More than `without`; none: than nothing.
+  Worth Mouth(const mouth::MouthOptions& with,
+              const std::optional<mouth::MouthOptions>& without) const {
+    const Made more = MakeMouth(with), less = without ? MakeMouth(*without) : Made{};
+    if (more.scenery.empty()) return {{}, {}, "there is none"};
     char note[120];
     std::snprintf(note, sizeof note,
-                  "%zu triangles on the graphics card, made in %.0f ms off the tick's thread",
-                  mouth.triangle_count(), took.count());
-    return {{}, 1e-6 * static_cast<double>(mouth.bytes()), note};
+                  "%+lld triangles on the graphics card, made in %+.0f ms off the tick's thread",
+                  static_cast<long long>(more.scenery.triangle_count()) -
+                      static_cast<long long>(less.scenery.triangle_count()),
+                  more.ms - less.ms);
+    return {{},
+            1e-6 * (static_cast<double>(more.scenery.bytes()) -
+                    static_cast<double>(less.scenery.bytes())),
+            note};
   }
 
   Worth BusWrite() const {

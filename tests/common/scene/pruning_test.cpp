@@ -248,6 +248,16 @@ TEST(PartsTest, TheMouthIsDrawnAroundAToothInAWindowAndTheMirrorOnlyWhileItIsHel
   EXPECT_FALSE(Find(ListParts(scene, e, {true, false}), PartId::kMirror).kept);
 }
 
+TEST(PartsTest, TheDamIsThereWhereTheExerciseAsksForItAndTheMouthIsDrawn) {
+  Scene scene;
+  Exercise e;
+  scene.tooth = 46;
+  EXPECT_FALSE(Find(ListParts(scene, e, {true, false}), PartId::kRubberDam).kept);
+  e.isolation = Isolation::kRubberDam;
+  EXPECT_TRUE(Find(ListParts(scene, e, {true, false}), PartId::kRubberDam).kept);
+  EXPECT_FALSE(Find(ListParts(scene, e, {false, false}), PartId::kRubberDam).kept);
+}
+
 TEST(PartsTest, TorqueIsCarriedExactlyWhereTheDeviceDrivesRotation) {
   Scene scene;
   Exercise e;

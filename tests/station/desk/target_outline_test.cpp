@@ -69,8 +69,10 @@ TEST(TargetOutlineTest, WithoutATargetInTheSceneThereIsNone) {
 
 TEST(TargetOutlineTest, ItIsTakenOnceWhenItIsThere) {
   const Task task = TaskOf("molar", "class-1");
+  scene::Exercise exercise;
+  exercise.target = task.target;
   for (const bool mouth : {false, true}) {
-    Surroundings around(task.built.scene, task.target, task.built.volume, mouth);
+    Surroundings around(task.built.scene, exercise, task.built.volume, mouth);
     while (!around.done()) std::this_thread::yield();
     const auto found = around.Take();
     ASSERT_TRUE(found);

@@ -12,11 +12,14 @@
 #include "station/desk/target_outline.h"
 #include "station/mouth/crowns.h"
 #include "station/mouth/gingiva.h"
+#include "station/mouth/rubber_dam.h"
+#include "station/render/revolve.h"
 
 namespace enamel::station::mouth {
 namespace {
 
 constexpr int32_t kVoxel_nm = 100'000;
+constexpr auto kDam = scene::Isolation::kRubberDam;
 constexpr double kPi = std::numbers::pi;
 
 TissueAt ShapeOf(const scene::ToothShape& shape) {
@@ -66,6 +69,25 @@ TEST(GingivaTest, HidesTheRootAndFillsTheSpaceBetweenTeeth) {
             std::max(neck.margin_mm.At(0), next.margin_mm.At(kPi)) + kPapilla_mm);
 }
 
+// Below the clear margin where that is lower, and without a step beside it.
+TEST(RubberDamTest, HugsTheNeckAndFallsAwayFromIt) {
+  const scene::ToothShape& molar = scene::LowerFirstMolar();
+  const Neck neck = *NeckOf(ShapeOf(molar), {0, 0}, molar.cervical_z - 1, 1);
+  const double lowest = neck.margin_mm.Mean() - 3;
+  for (const double limit : {1e3, lowest}) {
+    double at_neck = 0, far = 0;
+    for (const render::GroupMesh& piece : RubberDam({&neck, 1}, Around(limit))) {
+      for (const render::GpuVertex& v : piece.vertices) {
+        const double x = v.position_mm[0], y = v.position_mm[1], z = v.position_mm[2];
+        const double out = FromTooth_mm(neck, x, y), margin = neck.margin_mm.At(std::atan2(y, x));
+        EXPECT_LE(z, HighestAt_mm(neck, Around(limit), x, y) + 1e-3);
+        if (limit > margin && out > 0 && out < 0.3) EXPECT_NEAR(z, margin, 0.5) << ++at_neck;
+        if (limit > margin && out > 12) EXPECT_LT(z, neck.margin_mm.Mean() - 2) << ++far;
+      }
+    }
+  }
+}
+
 TEST(CrownsTest, TheNextToothIsAcrossTheMidlineToo) {
   for (const auto& [tooth, mesial, distal] : {std::tuple{46, 45, 47},
                                               {11, 21, 12},
@@ -92,20 +114,26 @@ TEST(CrownsTest, NeighboursStandBesideTheTooth) {
 
 struct Work {
   const char *scene, *exercise;
+  scene::Isolation isolation = scene::Isolation::kNone;
 };
 void PrintTo(const Work& work, std::ostream* out) { *out << work.exercise; }
 class MouthOfTest : public testing::TestWithParam<Work> {};
 
 // Whatever the exercise: half a millimetre of tooth is seen below what is to be cut.
-TEST_P(MouthOfTest, TheGingivaKeepsClearOfTheTarget) {
+TEST_P(MouthOfTest, GingivaAndDamKeepClearOfTheTarget) {
   auto built = scene::BuildBuiltinScene(GetParam().scene, kVoxel_nm);
   ASSERT_TRUE(built.ok());
   for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, Sha256{})) {
     if (!e.name.starts_with(GetParam().exercise)) continue;
     const auto outline = desk::OutlineOf(built->scene, e.target, built->volume);
     ASSERT_FALSE(outline.empty());
-    const render::Scenery mouth = MakeMouth(built->scene, built->volume, outline);
+    const render::Scenery mouth =
+        MakeMouth(built->scene, built->volume, outline, {GetParam().isolation});
     ASSERT_FALSE(mouth.fixed.empty());
+    const bool dam = GetParam().isolation == scene::Isolation::kRubberDam;
+    for (const render::GpuVertex& v : mouth.fixed[0].vertices) {
+      ASSERT_EQ(v.tissue >= render::kRubberDam, dam) << "what the sheet hides is not built";
+    }
     const bool own = built->scene.name.find("class-2") != std::string::npos;
     EXPECT_EQ(mouth.giving_way.empty(), own) << "neighbours of the scene are not doubled";
     const bool buccal = built->scene.up == scene::Up::kBuccal;
@@ -130,7 +158,9 @@ TEST_P(MouthOfTest, TheGingivaKeepsClearOfTheTarget) {
 INSTANTIATE_TEST_SUITE_P(Exercises, MouthOfTest,
                          testing::Values(Work{"molar", "crown"}, Work{"molar-class-2", "class-2"},
                                          Work{"molar-buccal", "class-5"},
-                                         Work{"incisor-labial", "veneer"}));
+                                         Work{"incisor-labial", "veneer"},
+                                         Work{"molar-class-2", "class-2", kDam},
+                                         Work{"molar-buccal", "class-5", kDam}));
 
 TEST(MouthTest, WithoutAToothThereIsNone) {
   auto block = scene::BuildBuiltinScene("block", 200'000);

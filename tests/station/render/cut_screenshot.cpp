@@ -12,8 +12,9 @@
 
 // Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
 // people: cut_screenshot OUT.png [voxel_um [view [exercise [scene]]]]. With an exercise's kind
-// ("crown") it shows that outline on the uncut tooth. With --mirror also what the mirror shows, with --mouth the mouth around it;
-// --size=WxH is the window's.
+// ("crown") it shows that outline on the uncut tooth. With --mirror also what the mirror shows, with --mouth the mouth around it, with
+// --dam with the exercise's rubber dam;
+// --size=WxH is the window's; --eye moves the camera, by notches of the wheel and drags of the mouse.
 
 namespace {
 
@@ -48,19 +49,23 @@ station::render::View ViewOf(std::string_view name) {
 
 int main(int argc, char** argv) {
   station::render::WindowOptions options;
-  bool mirror = false, mouth = false;
+  bool mirror = false, mouth = false, dam = false;
+  float zoom = 0, turn = 0, tilt = 0;
   // Options come last.
   for (; argc > 2 && std::string_view(argv[argc - 1]).starts_with("--"); --argc) {
     const std::string_view last = argv[argc - 1];
     if (last == "--mirror") mirror = true;
-    if (last == "--mouth") mouth = true;
+    if (last == "--mouth" || last == "--dam") mouth = true;
+    if (last == "--dam") dam = true;
+    std::sscanf(argv[argc - 1], "--eye=%f,%f,%f", &zoom, &turn, &tilt);
     std::sscanf(argv[argc - 1], "--size=%dx%d", &options.screen.width_px,
                 &options.screen.height_px);
   }
   if (argc < 2) {
-    std::fprintf(stderr,
-                 "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial "
-                 "[EXERCISE [SCENE]]]] [--mirror] [--mouth] [--size=WxH]\n");
+    std::fprintf(
+        stderr,
+        "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial "
+        "[EXERCISE [SCENE]]]] [--mirror] [--mouth|--dam] [--size=WxH] [--eye=ZOOM,TURN,TILT]\n");
     return 2;
   }
   int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
@@ -83,6 +88,8 @@ int main(int argc, char** argv) {
     return 1;
   }
   auto& view = (*window)->tooth();
+  view.camera().Zoom(zoom);
+  view.camera().Orbit(turn, tilt);
   if (mirror) view.mirror().Show(true, view.camera());
   const std::string_view exercise = argc > 4 ? argv[4] : "class-1";
   for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, Sha256{})) {
@@ -91,7 +98,8 @@ int main(int argc, char** argv) {
     (*window)->tooth().SetOutline(outline);
     if (mouth) {
       const auto began = std::chrono::steady_clock::now();
-      const auto around = station::mouth::MakeMouth(built->scene, built->volume, outline);
+      const auto around = station::mouth::MakeMouth(built->scene, built->volume, outline,
+                                                    {dam ? e.isolation : scene::Isolation::kNone});
       std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
       std::printf("mouth: %zu triangles, %.2f MB, %.0f ms\n", around.triangle_count(),
                   static_cast<double>(around.bytes()) * 1e-6, 1e3 * took.count());
