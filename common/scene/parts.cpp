@@ -82,6 +82,11 @@ Part RubberDam(const Part& mouth, const Exercise& exercise) {
                       : "the exercise does not ask for it"};
 }
 
+Part Antagonist(const Part& mouth) {
+  return {PartId::kAntagonist, "antagonist", mouth.kept,
+          mouth.kept ? "drawn only where the view or the mirror meets it" : mouth.why};
+}
+
 Part BusWrite(const Use& use) {
   return {PartId::kBusWrite, "bus write", !use.replay,
           use.replay ? "a replay has no device" : "the device gets its force every tick"};
@@ -107,6 +112,7 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
       Surface(use),
       mouth,
       RubberDam(mouth, exercise),
+      Antagonist(mouth),
       {PartId::kMirror, "mirror", false, "drawn only while the other hand holds it"},
       BusWrite(use),
       {PartId::kForceBounds, "force bounds", true,

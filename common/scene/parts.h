@@ -22,6 +22,7 @@ enum class PartId {
   kSurface,      // triangles for the window
   kMouth,        // gingiva and neighbours that are only drawn
   kRubberDam,    // in place of the gingiva
+  kAntagonist,   // the opposite teeth, only drawn
   kMirror,       // the scene once more, in a mirror
   kBusWrite,     // force to the device
   kForceBounds,

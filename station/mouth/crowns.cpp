@@ -23,8 +23,6 @@ constexpr double kFrontRadius_mm = 27, kSideRadius_mm = 80;
 constexpr int kEachSide = 2;
 // How far below its cement line a crown is drawn: the gingiva hides the rest.
 constexpr double kBelowCementLine_mm = 2.5;
-// Of its mesh. The picture shows about a tooth's width: ten pixels and more a voxel, but the normals are smooth.
-constexpr int32_t kVoxel_nm = 200'000;
 
 // Stand-ins: canines are incisors with a tip, upper molars have the lower one's crown.
 scene::ToothShape ShapeOf(int tooth) {
@@ -45,6 +43,14 @@ glm::dvec2 SizeOf(int tooth) {
 
 glm::dvec2 Turned(const glm::dvec2& p, double turn) {
   return {std::cos(turn) * p.x - std::sin(turn) * p.y, std::sin(turn) * p.x + std::cos(turn) * p.y};
+}
+
+Crown CrownOf(int tooth) {
+  Crown crown;
+  crown.shape = ShapeOf(tooth);
+  const int model = tooth % 10 <= 3 ? 11 : tooth % 10 <= 5 ? 14 : 46;
+  crown.scale = SizeOf(tooth) / SizeOf(model);
+  return crown;
 }
 
 }  // namespace
@@ -76,11 +82,11 @@ Neck Crown::neck() const {
   return WithMargin(tissue(), middle, Around(line + kAboveCementLine_mm));
 }
 
-render::GroupMesh Crown::Mesh() const {
+render::GroupMesh Crown::Mesh(int32_t voxel_nm) const {
   auto [lo, hi] = scene::BoundsOf_m(shape);
   lo.z = 1e-3 * (shape.cervical_z - kBelowCementLine_mm);
   const cutting::Volume volume =
-      scene::BuildVolume(scene::GridAround(lo, hi, kVoxel_nm),
+      scene::BuildVolume(scene::GridAround(lo, hi, voxel_nm),
                          [&](const dvec3& p) { return scene::ToothField(shape, p); });
   const surface::Mesh surface = surface::ExtractSurface(volume);
   render::GroupMesh out;
@@ -113,10 +119,7 @@ std::vector<Crown> NeighboursOf(int tooth, const std::array<double, 2>& half_mm)
       if (next == 0) break;
       if (next / 10 != number / 10) toward_middle = false;
       number = next;
-      Crown crown;
-      crown.shape = ShapeOf(number);
-      const int model = number % 10 <= 3 ? 11 : number % 10 <= 5 ? 14 : 46;
-      crown.scale = SizeOf(number) / SizeOf(model);
+      Crown crown = CrownOf(number);
       const double half = 0.5 * SizeOf(number).x;
       along += half + kGap_mm;
       const double angle = curve * along;
@@ -126,6 +129,13 @@ std::vector<Crown> NeighboursOf(int tooth, const std::array<double, 2>& half_mm)
       out.push_back(std::move(crown));
     }
   }
+  return out;
+}
+
+std::vector<Crown> RowOf(int tooth) {
+  const double half = 0.5 * SizeOf(tooth).x;
+  std::vector<Crown> out = NeighboursOf(tooth, {half, half});
+  out.insert(out.begin(), CrownOf(tooth));
   return out;
 }
 

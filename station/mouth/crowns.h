@@ -18,12 +18,17 @@ struct Crown {
 
   TissueAt tissue() const;
   Neck neck() const;
-  render::GroupMesh Mesh() const;
+  // 200 um: the picture shows about a tooth's width, ten pixels and more a voxel, but the normals are
+  // smooth.
+  render::GroupMesh Mesh(int32_t voxel_nm = 200'000) const;
 };
 
 // The neighbours of a tooth, two on each side where the jaw has them, on an arch through it.
 // `half_mm`: how far the tooth reaches toward +x and -x. None for deciduous teeth.
 std::vector<Crown> NeighboursOf(int tooth, const std::array<double, 2>& half_mm);
+
+// A permanent tooth's own crown, then its neighbours', in its frame.
+std::vector<Crown> RowOf(int tooth);
 
 // The tooth next to it, mesially or distally, across the midline too; 0: none.
 int NextTooth(int tooth, bool mesially);

@@ -6,6 +6,7 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/tooth_number.h"
+#include "station/mouth/antagonist.h"
 #include "station/mouth/crowns.h"
 #include "station/mouth/gingiva.h"
 #include "station/mouth/rubber_dam.h"
@@ -53,6 +54,9 @@ class Maker {
       Reduce(piece);
       out_.fixed.push_back(InScene(std::move(piece)));
     }
+    if (options.antagonist) AddAntagonist();
+    // Without an outline the middle of the crown.
+    if (outline.empty()) out_.work_mm.emplace_back(0);
     for (size_t i = 0; i < outline.size(); i += std::max<size_t>(outline.size() / kWorkPoints, 1)) {
       out_.work_mm.push_back(outline[i].from_m * 1e3f);
     }
@@ -148,6 +152,25 @@ class Maker {
       Reduce(mesh);
       out_.giving_way.push_back(InScene(std::move(mesh)));
     }
+  }
+
+  void AddAntagonist() {
+    for (render::GroupMesh& mesh : AntagonistOf(scene_.tooth, Top_mm())) {
+      Reduce(mesh);
+      out_.opposite.push_back(InScene(std::move(mesh)));
+    }
+  }
+
+  double Top_mm() const {
+    constexpr double kApart_mm = 0.25, kHigh_mm = 8, kAside_mm = 5;
+    for (double z = kHigh_mm; z > 0; z -= kApart_mm) {
+      for (double x = -kAside_mm; x <= kAside_mm; x += kApart_mm) {
+        for (double y = -kAside_mm; y <= kAside_mm; y += kApart_mm) {
+          if (At({x, y, z}, false) != Tissue::kAir) return z;
+        }
+      }
+    }
+    return 0;
   }
 
   static void Reduce(render::GroupMesh& mesh) {

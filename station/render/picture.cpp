@@ -101,8 +101,10 @@ void Picture::SetScenery(const Scenery& scenery) {
   };
   keep(scenery.fixed, fixed_);
   keep(scenery.giving_way, giving_way_);
+  keep(scenery.opposite, opposite_);
   boxes_.clear();
-  for (const GroupMesh& mesh : scenery.giving_way) boxes_.push_back(BoxOf(mesh.vertices));
+  for (const GroupMesh& mesh : scenery.giving_way) boxes_.push_back(BoxOf({&mesh, 1}));
+  opposite_box_ = BoxOf(scenery.opposite);
   work_mm_ = scenery.work_mm;
 }
 
@@ -114,11 +116,14 @@ void Picture::ChooseBodies(const PictureState& state) {
   if (!state.scenery) return;
   for (const auto& body : fixed_) bodies_.push_back(body.get());
   const glm::vec3 eye(glm::inverse(state.view_from_scene)[3]);
+  auto covers = [&](const Box& box) {
+    return std::ranges::any_of(work_mm_, [&](const glm::vec3& p) { return Covers(box, p, eye); });
+  };
   for (size_t i = 0; i < giving_way_.size(); ++i) {
-    const bool covers = std::ranges::any_of(
-        work_mm_, [&](const glm::vec3& p) { return Covers(boxes_[i], p, eye); });
-    if (!covers) bodies_.push_back(giving_way_[i].get());
+    if (!covers(boxes_[i])) bodies_.push_back(giving_way_[i].get());
   }
+  if (covers(opposite_box_)) return;
+  for (const auto& body : opposite_) bodies_.push_back(body.get());
 }
 
 Quality Picture::QualityNow(const PictureState& state, const Quality& wanted) {

@@ -90,8 +90,9 @@ class Picture {
   const ToothLayer::Programs programs_;
   Program solid_, shadow_, mirror_;
   std::vector<std::unique_ptr<Body>> groups_;
-  std::vector<std::unique_ptr<Body>> fixed_, giving_way_;  // of the scenery
-  std::vector<Box> boxes_;                                 // of what gives way
+  std::vector<std::unique_ptr<Body>> fixed_, giving_way_, opposite_;  // of the scenery
+  std::vector<Box> boxes_;                                            // of what gives way
+  Box opposite_box_;
   std::vector<glm::vec3> work_mm_;
   std::vector<const Body*> bodies_;  // chosen
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_, glass_, setting_;

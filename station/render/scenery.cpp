@@ -11,6 +11,7 @@ template <typename Visit>
 void ForEachMesh(const Scenery& scenery, Visit&& visit) {
   for (const GroupMesh& mesh : scenery.fixed) visit(mesh);
   for (const GroupMesh& mesh : scenery.giving_way) visit(mesh);
+  for (const GroupMesh& mesh : scenery.opposite) visit(mesh);
 }
 
 }  // namespace
@@ -30,12 +31,14 @@ size_t Scenery::bytes() const {
   return out;
 }
 
-Box BoxOf(std::span<const GpuVertex> vertices) {
+Box BoxOf(std::span<const GroupMesh> meshes) {
   Box out{glm::vec3(1e30f), glm::vec3(-1e30f)};
-  for (const GpuVertex& v : vertices) {
-    const glm::vec3 p(v.position_mm[0], v.position_mm[1], v.position_mm[2]);
-    out.lo_mm = glm::min(out.lo_mm, p);
-    out.hi_mm = glm::max(out.hi_mm, p);
+  for (const GroupMesh& mesh : meshes) {
+    for (const GpuVertex& v : mesh.vertices) {
+      const glm::vec3 p(v.position_mm[0], v.position_mm[1], v.position_mm[2]);
+      out.lo_mm = glm::min(out.lo_mm, p);
+      out.hi_mm = glm::max(out.hi_mm, p);
+    }
   }
   return out;
 }

@@ -103,9 +103,13 @@ class Appraiser {
         return {ns, c.mb, "triangles of the touched bricks, on another thread"};
       }
       case PartId::kMouth:
-        return Mouth({s_.exercise.isolation}, std::nullopt);
+        return Mouth({s_.exercise.isolation, false}, std::nullopt);
       case PartId::kRubberDam:
-        return Mouth({scene::Isolation::kRubberDam}, mouth::MouthOptions{});
+        return Mouth({scene::Isolation::kRubberDam, false},
+                     mouth::MouthOptions{.antagonist = false});
+      case PartId::kAntagonist:
+        return Mouth({s_.exercise.isolation, true},
+                     mouth::MouthOptions{s_.exercise.isolation, false});
       case PartId::kMirror:
         return {{}, {}, "off the tick's thread; 'bench frames' prints pictures with it"};
       case PartId::kBusWrite:

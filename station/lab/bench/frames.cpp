@@ -32,7 +32,7 @@ struct FrameBenchOptions {
   int frames = 120;  // of each kind
   int voxel_um = 50;
   std::string quality;  // empty: as it begins on this computer
-  bool mouth = true;
+  bool mouth = true, parts = false;
   std::filesystem::path json;
 };
 
@@ -83,10 +83,12 @@ class FrameBench {
     first_s_ = std::chrono::duration<double>(Clock::now() - began).count();
     if (!options.mouth) return;
     began = Clock::now();
-    const render::Scenery mouth = mouth::MakeMouth(built.scene, built.volume, {});
+    whole_ = mouth::MakeMouth(built.scene, built.volume, {});
     mouth_s_ = std::chrono::duration<double>(Clock::now() - began).count();
-    mouth_triangles_ = mouth.triangle_count();
-    view_.SetScenery(mouth);
+    view_.SetScenery(whole_);
+    if (!options.parts) return;
+    without_ = mouth::MakeMouth(built.scene, built.volume, {}, {.antagonist = false});
+    dam_ = mouth::MakeMouth(built.scene, built.volume, {}, {scene::Isolation::kRubberDam, true});
   }
 
   Figures Rest(const char* kind = "at rest") {
@@ -138,10 +140,36 @@ class FrameBench {
     return out;
   }
 
+  // Turning, with parts of the mouth, picture by picture in turn: as an attempt begins, and from so
+  // far that the antagonist is in the picture.
+  std::vector<Figures> Parts() {
+    std::array<Times, 6> times{{{"mouth", {}, {}},
+                                {"no antagonist", {}, {}},
+                                {"rubber dam", {}, {}},
+                                {"far", {}, {}},
+                                {"far, none", {}, {}},
+                                {"far, dam", {}, {}}}};
+    constexpr float kFar = 14, kLevel = -0.2f;
+    for (const bool far : {false, true}) {
+      if (far) view_.camera().Zoom(-kFar), view_.camera().Orbit(0, kLevel);
+      for (int i = 0; i < options_.frames; ++i) {
+        size_t row = far ? 3 : 0;
+        for (const render::Scenery* scenery : {&whole_, &without_, &dam_}) {
+          view_.SetScenery(*scenery);
+          view_.camera().Orbit(0.004f, 0);
+          Frame(quality_, times[row++]);
+        }
+      }
+    }
+    std::vector<Figures> out;
+    for (Times& t : times) out.push_back(t.Of());
+    return out;
+  }
+
   // From the volume to its first picture; and to the mouth.
   double first_s() const { return first_s_; }
   double mouth_s() const { return mouth_s_; }
-  size_t mouth_triangles() const { return mouth_triangles_; }
+  size_t mouth_triangles() const { return whole_.triangle_count(); }
   size_t triangles() const { return view_.work().triangles; }
 
  private:
@@ -203,7 +231,7 @@ class FrameBench {
   render::FrameState state_;
   dvec3 centre_{0};
   double along_ = 0, first_s_ = 0, mouth_s_ = 0;
-  size_t mouth_triangles_ = 0;
+  render::Scenery whole_, without_, dam_;
   uint64_t waves_ = 0;
 };
 
@@ -277,6 +305,9 @@ Status BenchFrames(const FrameBenchOptions& options) {
     std::vector<Figures> all{bench.Rest(), bench.Cut()};
     for (const Figures& f : bench.Turn()) all.push_back(f);
     for (const Figures& f : bench.WithMirror()) all.push_back(f);
+    if (options.mouth && options.parts) {
+      for (const Figures& f : bench.Parts()) all.push_back(f);
+    }
     return Print(options, bench, screen, quality, all);
   } catch (const std::exception& e) {
     // Windows and drivers throw; the error gets a remedy here.
@@ -299,6 +330,8 @@ void RegisterFrames(CLI::App& app, int* exit_code) {
   frames->add_option("--quality", options->quality,
                      "best, good, fair or low; else what this computer begins with");
   frames->add_flag("!--no-mouth", options->mouth, "Draw the tooth alone, as open --no-mouth");
+  frames->add_flag("--parts", options->parts,
+                   "Also turning without the antagonist and with a rubber dam, in turn");
   frames->add_option("--json", options->json, "Write the figures to this file");
   frames->callback([options, exit_code] {
     Status status = BenchFrames(*options);

@@ -253,9 +253,11 @@ TEST(PartsTest, TheDamIsThereWhereTheExerciseAsksForItAndTheMouthIsDrawn) {
   Exercise e;
   scene.tooth = 46;
   EXPECT_FALSE(Find(ListParts(scene, e, {true, false}), PartId::kRubberDam).kept);
+  EXPECT_TRUE(Find(ListParts(scene, e, {true, false}), PartId::kAntagonist).kept);
   e.isolation = Isolation::kRubberDam;
   EXPECT_TRUE(Find(ListParts(scene, e, {true, false}), PartId::kRubberDam).kept);
   EXPECT_FALSE(Find(ListParts(scene, e, {false, false}), PartId::kRubberDam).kept);
+  EXPECT_FALSE(Find(ListParts(scene, e, {false, false}), PartId::kAntagonist).kept);
 }
 
 TEST(PartsTest, TorqueIsCarriedExactlyWhereTheDeviceDrivesRotation) {

@@ -10,6 +10,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/builtin/teeth.h"
 #include "station/desk/target_outline.h"
+#include "station/mouth/antagonist.h"
 #include "station/mouth/crowns.h"
 #include "station/mouth/gingiva.h"
 #include "station/mouth/rubber_dam.h"
@@ -86,6 +87,38 @@ TEST(RubberDamTest, HugsTheNeckAndFallsAwayFromIt) {
       }
     }
   }
+}
+
+TEST(AntagonistTest, TheMouthIsOpenByTheFigureAtTheIncisorsAndByLessFartherBack) {
+  double before = 2 * kOpening_mm;
+  for (const int tooth : {11, 14, 46}) {
+    constexpr double kTop_mm = 4;
+    double lowest = 1e3;
+    for (const render::GroupMesh& mesh : AntagonistOf(tooth, kTop_mm)) {
+      for (const render::GpuVertex& v : mesh.vertices) {
+        if (std::hypot(v.position_mm[0], v.position_mm[1]) > 30) continue;
+        lowest = std::min<double>(lowest, v.position_mm[2]);
+      }
+    }
+    if (tooth == 11) EXPECT_NEAR(lowest - kTop_mm, kOpening_mm, 5);
+    EXPECT_GT(lowest - kTop_mm, 0.4 * kOpening_mm) << tooth;
+    EXPECT_LT(lowest, before) << tooth;
+    before = lowest;
+  }
+  EXPECT_TRUE(AntagonistOf(55, 4).empty());
+}
+
+TEST(AntagonistTest, ItGivesWayToAnEyeBehindItAndIsNoneWhereNobodyAsks) {
+  auto built = scene::BuildBuiltinScene("molar", 200'000);
+  ASSERT_TRUE(built.ok());
+  const render::Scenery mouth = MakeMouth(built->scene, built->volume, {});
+  ASSERT_FALSE(mouth.opposite.empty());
+  ASSERT_FALSE(mouth.work_mm.empty());
+  const render::Box box = render::BoxOf(mouth.opposite);
+  EXPECT_TRUE(render::Covers(box, mouth.work_mm[0], {0, 0, 60}));
+  // As an attempt begins: 55 degrees up, from the tongue's side.
+  EXPECT_FALSE(render::Covers(box, mouth.work_mm[0], {8, -17, 26}));
+  EXPECT_TRUE(MakeMouth(built->scene, built->volume, {}, {.antagonist = false}).opposite.empty());
 }
 
 TEST(CrownsTest, TheNextToothIsAcrossTheMidlineToo) {
