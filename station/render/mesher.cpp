@@ -1,9 +1,12 @@
 #include "station/render/mesher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
+#include "station/render/revolve.h"
 #include "station/render/simplify.h"
 
 namespace enamel::station::render {
@@ -200,6 +203,36 @@ bool Mesher::CoarsenOne() {
   return true;
 }
 
+// Where enamel ends the labels of voxels make a staircase. The share of enamel within some voxels
+// around a point of the surface, just under it, is the same line without the steps.
+uint8_t Mesher::MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8_t tissue) const {
+  using cutting::Tissue;
+  if (tissue != static_cast<uint8_t>(Tissue::kEnamel) &&
+      tissue != static_cast<uint8_t>(Tissue::kDentin)) {
+    return tissue;
+  }
+  constexpr double kReach = 3;  // voxels
+  constexpr std::array<double, 2> kRings = {0.4, 1};
+  constexpr int kOfRing = 8;
+  const double voxel_m = replica_.spec().voxel_m();
+  const dvec3 n(normal), p = dvec3(at_m) - voxel_m * n;
+  const dvec3 u =
+      glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+  const dvec3 v = glm::cross(n, u);
+  int enamel = 0, both = 0;
+  for (const double ring : kRings) {
+    for (int i = 0; i < kOfRing; ++i) {
+      const double turn = 2 * std::numbers::pi * (i + ring) / kOfRing;
+      const Tissue there = replica_.TissueAtPoint(
+          p + kReach * ring * voxel_m * (std::cos(turn) * u + std::sin(turn) * v));
+      enamel += there == Tissue::kEnamel;
+      both += there == Tissue::kEnamel || there == Tissue::kDentin;
+    }
+  }
+  if (enamel == 0 || enamel == both) return tissue;
+  return static_cast<uint8_t>(kCementLine + enamel * (kCementShades - 1) / both);
+}
+
 GroupMesh Mesher::Assemble(size_t group) const {
   GroupMesh out;
   out.group = group;
@@ -208,8 +241,9 @@ GroupMesh Mesher::Assemble(size_t group) const {
     auto base = static_cast<uint32_t>(out.vertices.size());
     for (size_t i = 0; i < mesh.position_m.size(); ++i) {
       glm::vec3 p = mesh.position_m[i] * 1000.0f, n = mesh.normal[i];
-      out.vertices.push_back(
-          {{p.x, p.y, p.z}, {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)}, mesh.tissue[i]});
+      out.vertices.push_back({{p.x, p.y, p.z},
+                              {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)},
+                              MaterialAt(mesh.position_m[i], n, mesh.tissue[i])});
     }
     for (const auto& t : mesh.triangles) {
       for (uint32_t i : t) out.indices.push_back(base + i);

@@ -79,6 +79,7 @@ class Mesher {
   bool CoarsenOne();  // false when there is nothing to do
   void LetWatch();
   GroupMesh Assemble(size_t group) const;
+  uint8_t MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8_t tissue) const;
   void Deliver(GroupMesh mesh);
   size_t GroupOf(const ivec3& brick) const;
 

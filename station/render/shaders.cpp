@@ -6,8 +6,12 @@ const char* const kLooks = R"(#version 330 core
 uniform vec3 colours[16];
 uniform float gloss[16];
 // Colour and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14. 213 to 232 is the rubber
-// dam.
+// dam, 233 to 255 from dentin to enamel.
 vec4 Looks(uint material) {
+  if (material >= 233u) {
+    float enamel = float(material - 233u) / 22.0;
+    return vec4(mix(colours[2], colours[1], enamel), mix(gloss[2], gloss[1], enamel));
+  }
   if (material >= 213u) return vec4(colours[15], gloss[15]);
   if (material < 12u) return vec4(colours[material], gloss[material]);
   float at = float(material - 12u) / 100.0;
@@ -18,6 +22,7 @@ vec4 Looks(uint material) {
 }
 // The dark of the mouth and the rest of the sheet fade into the background.
 float Opacity(uint material) {
+  if (material >= 233u) return 1.0;
   if (material >= 213u) return 1.0 - smoothstep(0.0, 1.0, float(material - 213u) / 19.0);
   return material < 12u ? 1.0 : 1.0 - smoothstep(1.2, 1.9, float(material - 12u) / 100.0);
 }

@@ -72,7 +72,7 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
 // large triangle's colours are no coarser than that.
 constexpr int kBand = 20;
 uint8_t KindOf(uint8_t material) {
-  if (material < kGingiva) return material;
+  if (material < kGingiva || material >= kCementLine) return material;
   const uint8_t first = material < kRubberDam ? kGingiva : kRubberDam;
   return static_cast<uint8_t>(first + (material - first) / kBand);
 }

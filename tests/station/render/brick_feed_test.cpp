@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <set>
 #include <thread>
 
 #include "common/cutting/cutter.h"
 #include "station/render/mesher.h"
+#include "station/render/revolve.h"
 
 namespace enamel::station::render {
 namespace {
@@ -169,6 +172,41 @@ TEST(MesherTest, LeavesOutOnlyTrianglesThatFaceAway) {
     }
   }
   EXPECT_GE(left_out, 3u);
+}
+
+// Enamel over dentin; their border rises by a voxel in ten.
+TEST(MesherTest, ThereIsNoStaircaseWhereEnamelEnds) {
+  Volume volume = SolidBlock({6, 2, 6});
+  const GridSpec spec = volume.spec();
+  constexpr int kMiddle = 20, kPerVoxel = 10;
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    ASSERT_TRUE(volume.Materialise(b));
+    const int x0 = b % spec.bricks.x * 8, z0 = b / (spec.bricks.x * spec.bricks.y) * 8;
+    std::array<uint8_t, cutting::kBrickVoxels> labels;
+    for (int i = 0; i < cutting::kBrickVoxels; ++i) {
+      const int x = x0 + i % 8, z = z0 + i / 64;
+      labels[static_cast<size_t>(i)] =
+          static_cast<uint8_t>(z >= kMiddle + x / kPerVoxel ? Tissue::kEnamel : Tissue::kDentin);
+    }
+    volume.SetBrick(b, volume.Phi(b).phi, labels, static_cast<Tissue>(labels[0]));
+  }
+  BrickFeed feed(spec.brick_count(), 8);
+  Mesher mesher(volume, feed);
+  ASSERT_TRUE(mesher.WaitIdle(std::chrono::seconds(30)));
+  size_t between = 0;
+  for (const GroupMesh& g : mesher.TakeReady()) {
+    for (const GpuVertex& v : g.vertices) {
+      const double over =
+          v.position_mm[2] / 0.05 - kMiddle + 0.5 - (v.position_mm[0] / 0.05) / kPerVoxel;
+      const bool mixed = v.tissue >= kCementLine;
+      if (std::abs(over) > 5) EXPECT_FALSE(mixed) << over;
+      if (!mixed) continue;
+      ++between;
+      const double enamel = static_cast<double>(v.tissue - kCementLine) / (kCementShades - 1);
+      EXPECT_NEAR(enamel, std::clamp(0.5 + over / 6, 0.0, 1.0), 0.3) << over;
+    }
+  }
+  EXPECT_GT(between, 200u);
 }
 
 }  // namespace
