@@ -102,9 +102,8 @@ void Picture::SetScenery(const Scenery& scenery) {
   keep(scenery.fixed, fixed_);
   keep(scenery.giving_way, giving_way_);
   keep(scenery.opposite, opposite_);
-  boxes_.clear();
-  for (const GroupMesh& mesh : scenery.giving_way) boxes_.push_back(BoxOf({&mesh, 1}));
-  opposite_box_ = BoxOf(scenery.opposite);
+  giving_way_boxes_ = BoxesOf(scenery.giving_way);
+  opposite_boxes_ = BoxesOf(scenery.opposite);
   work_mm_ = scenery.work_mm;
 }
 
@@ -120,9 +119,9 @@ void Picture::ChooseBodies(const PictureState& state) {
     return std::ranges::any_of(work_mm_, [&](const glm::vec3& p) { return Covers(box, p, eye); });
   };
   for (size_t i = 0; i < giving_way_.size(); ++i) {
-    if (!covers(boxes_[i])) bodies_.push_back(giving_way_[i].get());
+    if (!covers(giving_way_boxes_[i])) bodies_.push_back(giving_way_[i].get());
   }
-  if (covers(opposite_box_)) return;
+  if (std::ranges::any_of(opposite_boxes_, covers)) return;
   for (const auto& body : opposite_) bodies_.push_back(body.get());
 }
 

@@ -91,8 +91,7 @@ class Picture {
   Program solid_, shadow_, mirror_;
   std::vector<std::unique_ptr<Body>> groups_;
   std::vector<std::unique_ptr<Body>> fixed_, giving_way_, opposite_;  // of the scenery
-  std::vector<Box> boxes_;                                            // of what gives way
-  Box opposite_box_;
+  std::vector<Box> giving_way_boxes_, opposite_boxes_;
   std::vector<glm::vec3> work_mm_;
   std::vector<const Body*> bodies_;  // chosen
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_, glass_, setting_;

@@ -31,13 +31,14 @@ size_t Scenery::bytes() const {
   return out;
 }
 
-Box BoxOf(std::span<const GroupMesh> meshes) {
-  Box out{glm::vec3(1e30f), glm::vec3(-1e30f)};
+std::vector<Box> BoxesOf(std::span<const GroupMesh> meshes) {
+  std::vector<Box> out;
   for (const GroupMesh& mesh : meshes) {
+    Box& box = out.emplace_back(Box{glm::vec3(1e30f), glm::vec3(-1e30f)});
     for (const GpuVertex& v : mesh.vertices) {
       const glm::vec3 p(v.position_mm[0], v.position_mm[1], v.position_mm[2]);
-      out.lo_mm = glm::min(out.lo_mm, p);
-      out.hi_mm = glm::max(out.hi_mm, p);
+      box.lo_mm = glm::min(box.lo_mm, p);
+      box.hi_mm = glm::max(box.hi_mm, p);
     }
   }
   return out;

@@ -14,7 +14,7 @@ struct Scenery {
   std::vector<GroupMesh> fixed;
   // Each of these is left out while it would stand between the viewer and a point of the work.
   std::vector<GroupMesh> giving_way;
-  // All of these are left out while the box around them would stand there.
+  // All of these are left out while one of them would stand there.
   std::vector<GroupMesh> opposite;
   std::vector<glm::vec3> work_mm;
 
@@ -26,7 +26,7 @@ struct Scenery {
 struct Box {
   glm::vec3 lo_mm{0}, hi_mm{0};
 };
-Box BoxOf(std::span<const GroupMesh> meshes);
+std::vector<Box> BoxesOf(std::span<const GroupMesh> meshes);
 // Whether the straight way from a point to the eye meets the box.
 bool Covers(const Box& box, const glm::vec3& point_mm, const glm::vec3& eye_mm);
 
