@@ -47,6 +47,7 @@ class Maker {
     } else {
       AddCrowns(own, necks);
     }
+    HideBelow(necks[0]);
     auto pieces = options.isolation == scene::Isolation::kRubberDam
                       ? RubberDam(necks, limit)
                       : Gingiva(std::move(necks), limit).Pieces();
@@ -152,6 +153,15 @@ class Maker {
       Reduce(mesh);
       out_.giving_way.push_back(InScene(std::move(mesh)));
     }
+  }
+
+  // A unit normal, so that the plane measures distances.
+  void HideBelow(const Neck& own) {
+    constexpr double kUnder_mm = 1;
+    double lowest = kNoLimit_mm;
+    for (size_t i = 0; i < Around::kCount; ++i) lowest = std::min(lowest, own.margin_mm[i]);
+    out_.hides_below =
+        glm::vec4(glm::vec3(ToScene({0, 0, 1})), static_cast<float>(kUnder_mm - lowest));
   }
 
   void AddAntagonist() {

@@ -105,12 +105,16 @@ void Picture::SetScenery(const Scenery& scenery) {
   giving_way_boxes_ = BoxesOf(scenery.giving_way);
   opposite_boxes_ = BoxesOf(scenery.opposite);
   work_mm_ = scenery.work_mm;
+  hides_below_ = scenery.hides_below;
 }
 
 void Picture::ChooseBodies(const PictureState& state) {
   bodies_.clear();
   for (const auto& group : groups_) {
-    if (group) bodies_.push_back(group.get());
+    const bool hidden =
+        group && state.scenery &&
+        glm::dot(hides_below_, glm::vec4(group->bounds.middle_mm, 1)) < -group->bounds.radius_mm;
+    if (group && !hidden) bodies_.push_back(group.get());
   }
   if (!state.scenery) return;
   for (const auto& body : fixed_) bodies_.push_back(body.get());

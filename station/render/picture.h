@@ -92,6 +92,7 @@ class Picture {
   std::vector<std::unique_ptr<Body>> groups_;
   std::vector<std::unique_ptr<Body>> fixed_, giving_way_, opposite_;  // of the scenery
   std::vector<Box> giving_way_boxes_, opposite_boxes_;
+  glm::vec4 hides_below_{0};
   std::vector<glm::vec3> work_mm_;
   std::vector<const Body*> bodies_;  // chosen
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_, glass_, setting_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct Scenery {
   // All of these are left out while one of them would stand there.
   std::vector<GroupMesh> opposite;
   std::vector<glm::vec3> work_mm;
+  // Of the tooth only what reaches where dot(hides_below, (p, 1)) >= 0 is drawn: the rest is under
+  // the scenery.
+  glm::vec4 hides_below{0};
 
   bool empty() const { return fixed.empty() && giving_way.empty() && opposite.empty(); }
   size_t triangle_count() const;

@@ -183,6 +183,9 @@ TEST_P(MouthOfTest, GingivaAndDamKeepClearOfTheTarget) {
     const bool own = built->scene.name.find("class-2") != std::string::npos;
     EXPECT_EQ(mouth.giving_way.empty(), own) << "neighbours of the scene are not doubled";
     const bool buccal = built->scene.up == scene::Up::kBuccal;
+    for (const surface::LineSegment& line : outline) {
+      ASSERT_GT(glm::dot(mouth.hides_below, glm::vec4(1e3f * line.from_m, 1)), 1);
+    }
     auto upright = [&](const dvec3& p) { return buccal ? scene::FromBuccalUp(p) : p; };
     size_t near = 0;
     for (size_t i = 0; i < outline.size(); i += 3) {
