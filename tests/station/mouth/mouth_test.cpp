@@ -108,7 +108,9 @@ TEST(AntagonistTest, TheMouthIsOpenByTheFigureAtTheIncisorsAndByLessFartherBack)
         lowest = std::min<double>(lowest, v.position_mm[2]);
       }
     }
-    if (tooth == 11) EXPECT_NEAR(lowest - kTop_mm, kOpening_mm, 5);
+    if (tooth == 11) {
+      EXPECT_NEAR(lowest - kTop_mm, kOpening_mm, 5);
+    }
     EXPECT_GT(lowest - kTop_mm, 0.4 * kOpening_mm) << tooth;
     EXPECT_LT(lowest, before) << tooth;
     before = lowest;
