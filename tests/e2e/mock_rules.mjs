@@ -98,7 +98,13 @@ function signIn({ world, body }) {
   const person = world.people.find(
     ({ login, password, disabled }) => login === body.login && password === body.password && !disabled,
   );
-  if (person === undefined) return refused(401, "unauthenticated", "Login and password do not match.");
+  return person === undefined
+    ? refused(401, "unauthenticated", "Login and password do not match.")
+    : newSession(world, person);
+}
+
+// With a csrf value of its own, as each session of the real server has.
+function newSession(world, person) {
   const [token, csrf] = [randomBytes(32).toString("hex"), randomBytes(16).toString("hex")];
   const session = added(world, world.sessions, {
     person,
@@ -114,11 +120,11 @@ function signIn({ world, body }) {
   });
 }
 
-function changePassword({ world, session, person, body }) {
+function changePassword({ world, person, body }) {
   if (body.old_password !== person.password) return forbidden("That is not your password.", "old_password");
   Object.assign(person, { password: body.new_password, must_change_password: false });
-  world.sessions = world.sessions.filter((other) => other.person !== person || other === session);
-  return sessionOf(session);
+  world.sessions = world.sessions.filter((other) => other.person !== person);
+  return newSession(world, person);
 }
 
 const withPassword = ({ world }, person, password) => ({

@@ -58,6 +58,19 @@ test("what changes something repeats the session's csrf value; sign-in and reads
   assert.equal(calls[2]?.init.method, "POST");
 });
 
+test("a changed password begins a session whose csrf value counts from then on", async () => {
+  const { client, calls } = clientThatGets([
+    session(),
+    Response.json({ person: {}, csrf: "next" }),
+    new Response(null, { status: 204 }),
+  ]);
+  await client.signIn("a", "b");
+  await client.changePassword("b", "c");
+  await client.signOut();
+  assert.equal(header(calls[1], "X-Enamel-Csrf"), "token");
+  assert.equal(header(calls[2], "X-Enamel-Csrf"), "next");
+});
+
 test("no answer, a body that is no JSON and all of a file where a part was asked for are each an error, never a throw", async () => {
   const { client } = clientThatGets([
     new Error("refused"),

@@ -77,6 +77,13 @@ export class Client {
     return result;
   }
 
+  // Ends every session of this person and begins another, with a csrf value of its own.
+  async changePassword(old: string, fresh: string): Promise<ApiResult<Session>> {
+    return this.keepCsrf(
+      await this.http.json<Session>("POST", "/session/password", { body: { old_password: old, new_password: fresh } }),
+    );
+  }
+
   // In which language this person reads the page; empty: the browser's.
   setLanguage(language: LanguageChoice): Promise<ApiResult<Session>> {
     return this.http.json<Session>("PUT", "/session/language", { body: { language } });

@@ -8,7 +8,6 @@ import type {
   PersonWithPassword,
   Role,
   RosterOutcome,
-  Session,
   SessionEntry,
 } from "./types";
 
@@ -61,9 +60,6 @@ export class PeopleApi {
   // One's own, or as an admin anybody's.
   endSession(session: string) {
     return this.http.empty("DELETE", `/sessions/${segment(session)}`);
-  }
-  changePassword(old: string, fresh: string) {
-    return this.http.json<Session>("POST", "/session/password", { body: { old_password: old, new_password: fresh } });
   }
   // It signs exams at a chair.
   choosePin(pin: string) {

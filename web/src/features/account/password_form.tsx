@@ -29,7 +29,7 @@ export function PasswordForm({
     event.preventDefault();
     setChecked(true);
     if (problem !== undefined) return;
-    const result = await change.run(() => client.people.changePassword(old, fresh));
+    const result = await change.run(() => client.changePassword(old, fresh));
     if (result?.ok !== true) return;
     setOld("");
     setFresh("");
