@@ -313,15 +313,22 @@ async function firstAdmin(world) {
   assert.equal(new URL(page.url()).hash, "", "the token does not stay in the address");
   await accessible(page, "the first steps");
   await pictures(world, page, "first_steps");
-  await page.getByLabel("Built-in tooth").selectOption("molar");
-  await page.getByRole("button", { name: "Add it" }).click();
+  // Also for the second tooth, when the first step is done.
+  await page.getByRole("link", { name: "Add a tooth…" }).click();
+  const dialog = page.getByRole("dialog", { name: "Add a tooth" });
+  for (const tooth of ["molar", "block"]) {
+    await dialog.getByLabel("Built-in tooth").selectOption(tooth);
+    await dialog.getByRole("button", { name: "Add it" }).click();
+    await dialog.getByText(/exercises? published/).waitFor();
+  }
+  await page.goto("/health");
   await page.locator(".steps li", { hasText: "Teeth and exercises" }).getByText("done").waitFor();
 }
 
 async function importTooth(world) {
   const page = await signedIn(world, "admin", "/exercises");
-  await page.getByRole("button", { name: "Import a tooth…" }).click();
-  const dialog = page.getByRole("dialog", { name: "Import a tooth" });
+  await page.getByRole("button", { name: "Add a tooth…" }).click();
+  const dialog = page.getByRole("dialog", { name: "Add a tooth" });
   await dialog
     .getByLabel("Mesh of a crown or tooth")
     .setInputFiles({ name: "Crown.STL", mimeType: "model/stl", buffer: Buffer.alloc(700_000, "x") });

@@ -12,7 +12,7 @@ import { DataTable } from "../../widgets/table";
 import { Copying } from "./copying";
 import { DocumentForm } from "./document_form";
 
-// Most people never import.
+// Most people never add one.
 const ToothImport = part("tooth_import", () => import("./tooth_import"));
 import { burText, ownerText, timeLimitText, versionText } from "./exercise_text";
 
@@ -176,9 +176,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
         ))}
       {importing && (
         <Dialog title={say("tooth_import.title")} onClose={closeImport}>
-          <ToothImport
-            show={({ ToothImportForm }) => <ToothImportForm client={client} onDone={reload} onClose={closeImport} />}
-          />
+          <ToothImport show={({ AddTooth }) => <AddTooth client={client} onDone={reload} onClose={closeImport} />} />
         </Dialog>
       )}
       {adding && (

@@ -6,6 +6,7 @@ import { say } from "../../base/words";
 import { ErrorNotice, Notice, Progress } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { FileField, SelectField, TextField } from "../../widgets/form";
+import { BuiltinTooth } from "./builtin_tooth";
 
 const kPollMs = 700;
 const kUnits: ReadonlyArray<{ readonly value: ToothImportUnit; readonly title: string }> = [
@@ -71,8 +72,18 @@ interface Props {
   readonly onClose: () => void;
 }
 
-// A mesh of the admin's becomes a tooth with its exercises.
-export function ToothImportForm({ client, onDone, onClose }: Props) {
+// A built-in tooth, or a mesh of the admin's, with its exercises.
+export function AddTooth(props: Props) {
+  return (
+    <>
+      <BuiltinTooth client={props.client} onDone={props.onDone} />
+      <h3>{say("tooth_import.own")}</h3>
+      <ToothImportForm {...props} />
+    </>
+  );
+}
+
+function ToothImportForm({ client, onDone, onClose }: Props) {
   const [file, setFile] = useState<File>();
   const [title, setTitle] = useState("");
   const [unit, setUnit] = useState<ToothImportUnit>("mm");

@@ -1,20 +1,13 @@
-import type { ComponentChildren } from "preact";
-import { useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
-import { Button, needed } from "../../widgets/button";
-import { SelectField } from "../../widgets/form";
+import { Badge, Card } from "../../widgets/basics";
 
 interface Step {
   readonly title: string;
   readonly text: string;
   readonly done: boolean;
-  readonly action?: ComponentChildren;
   readonly link?: { readonly path: string; readonly title: string };
 }
 
@@ -28,7 +21,7 @@ export function FirstSteps({
   readonly backedUp: boolean;
   readonly stations: number;
 }) {
-  const { loaded, reload } = useRequest("first steps", async (signal) => {
+  const { loaded } = useRequest("first steps", async (signal) => {
     const [exercises, students, cohorts, assignments] = await Promise.all([
       client.teaching.exercises("published", signal),
       client.people.list({ role: "student", limit: 1 }, signal),
@@ -54,8 +47,7 @@ export function FirstSteps({
       title: say("steps.teeth"),
       text: say("steps.teeth_text"),
       done: exercises > 0,
-      action: <PutTooth client={client} onPut={reload} />,
-      link: { path: "/exercises?import=tooth", title: say("steps.import_scan") },
+      link: { path: "/exercises?import=tooth", title: say("tooth_import.ask") },
     },
     {
       title: say("nav.people"),
@@ -102,49 +94,9 @@ export function FirstSteps({
                 – {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}
               </>
             )}
-            {!step.done && step.action}
           </li>
         ))}
       </ol>
     </Card>
-  );
-}
-
-function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: () => void }) {
-  const teeth = useRequest("teeth", (signal) => client.operations.teeth(signal));
-  const [chosen, setChosen] = useState("");
-  const [put, setPut] = useState<string>();
-  const change = useChange();
-  if (teeth.loaded.state !== "ready") return null;
-  const name = chosen === "" ? (teeth.loaded.value[0]?.name ?? "") : chosen;
-  const submit = async (event: Event) => {
-    event.preventDefault();
-    const result = await change.run(() => client.operations.putTooth(name));
-    if (result?.ok !== true) return;
-    setPut(say("steps.put", { title: wordedTitle(result.value.title), count: result.value.exercises.length }));
-    onPut();
-  };
-  const summary = teeth.loaded.value.find((tooth) => tooth.name === name)?.summary;
-  return (
-    <form class="filters" onSubmit={(event) => void submit(event)}>
-      <SelectField
-        label={say("steps.tooth")}
-        value={name}
-        onValue={setChosen}
-        hint={summary === undefined ? undefined : wordedTitle(summary)}
-        options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))}
-      />
-      <Button busy={change.busy} blocked={needed({ [say("steps.tooth")]: name })}>
-        {change.busy ? say("steps.making") : say("steps.put_it")}
-      </Button>
-      {change.error !== undefined && <ErrorNotice title={say("steps.not_put")} message={change.error.message} />}
-      <div aria-live="polite">
-        {put !== undefined && (
-          <Notice tone="good">
-            <p>{put}</p>
-          </Notice>
-        )}
-      </div>
-    </form>
   );
 }
