@@ -567,6 +567,7 @@ async function release(world) {
 async function markReference(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(106)}`);
   await page.getByRole("button", { name: "Mark as reference…" }).click();
+  await page.getByText("Still needed: Dentist who made this cut, The dentist agrees").waitFor();
   await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
   await accessible(page, "naming the dentist");
   const mark = page.getByRole("button", { name: "Mark as reference", exact: true });
