@@ -22,10 +22,14 @@ chmod 0755 "$work"
 as_user=()
 [ "$(id -u)" -ne 0 ] || as_user=(setpriv --reuid 65534 --regid 65534 --clear-groups)
 [ ${#as_user[@]} -gt 0 ] || chmod 0555 "$work/locked"
+mkdir -m 0700 "$work/closed"
+[ ${#as_user[@]} -gt 0 ] || chmod 0 "$work/closed"
 may_run() { "${as_user[@]}" "$1" --version >/dev/null 2>&1 || "${as_user[@]}" "$1" --help >/dev/null 2>&1; }
 if may_run "$enamel_server" && may_run "$enamel_station"; then
   expect_failure "data folder that may not be written" "name a folder this user may write" \
     "${as_user[@]}" "$enamel_server" serve --data "$work/locked/data" --http 127.0.0.1:0 --stations 127.0.0.1:0
+  expect_failure "data folder that another user made" "name a folder this user may write" \
+    "${as_user[@]}" "$enamel_server" serve --data "$work/closed" --http 127.0.0.1:0 --stations 127.0.0.1:0
   expect_failure "station folder that may not be written" "choose another with --data" \
     "${as_user[@]}" "$enamel_station" enrol --data "$work/locked/station" --server "127.0.0.1:$((port + 1))" --code "c@$(printf 'a%.0s' $(seq 64))"
   expect_failure "scene folder that may not be written" "name a place that this user may write" \

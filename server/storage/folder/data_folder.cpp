@@ -69,6 +69,10 @@ Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool rest
                                       made.message() + "; name a folder this user may write");
   }
   ENAMEL_RETURN_IF_ERROR(MustNotBeRootForAnother(folder));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    return Status(Code::kStorage, "the data folder " + folder.string() + " is not writable: " +
+                                      std::strerror(errno) + "; name a folder this user may write");
+  }
   if (!restoring && std::filesystem::exists(folder / kRestoreMark)) {
     return Status(Code::kConflict, folder.string() +
                                        " holds a restore that did not finish; empty the folder and "
@@ -80,7 +84,8 @@ Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool rest
                                        "command, which continues where it stopped");
   }
   if (const auto to = ReadMark(folder / kMovedMark); to.ok() && !restoring) {
-    if (std::filesystem::exists(std::filesystem::path(*to) / kMoveMark)) {
+    std::error_code unseen;
+    if (std::filesystem::exists(std::filesystem::path(*to) / kMoveMark, unseen)) {
       return Status(Code::kConflict,
                     "this school is being moved to " + *to +
                         "; repeat the move command, or, to use this folder again, delete " +
@@ -91,10 +96,6 @@ Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool rest
                       "; use that place. To use this folder again, without changes made there and "
                       "with people who were erased there, delete " +
                       (folder / kMovedMark).string());
-  }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    return Status(Code::kStorage, "the data folder " + folder.string() + " is not writable: " +
-                                      std::strerror(errno) + "; name a folder this user may write");
   }
   ENAMEL_RETURN_IF_ERROR(KeepOthersOut(folder));
   ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(folder / "blobs"));
