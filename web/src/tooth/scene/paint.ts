@@ -1,6 +1,6 @@
 import { deviationScalePixels, kUntouchedColor } from "../deviation_scale";
 import type { Effort } from "../messages";
-import { linearColor, palette, type Rgb, screenColor } from "./colors";
+import { linearColor, palette, screenColor } from "./colors";
 import { type Gl, Program, type Uniform } from "./gl";
 import {
   kFullFragment,
@@ -12,6 +12,7 @@ import {
   kQuickVertex,
   kStripeFragment,
   kStripeVertex,
+  lampWays,
 } from "./shaders";
 import { kUnmoved, type Matrix } from "./vec";
 
@@ -76,12 +77,13 @@ export class Paint {
 
   tooth(effort: Effort, frame: Frame): void {
     const color = effort === "full" ? linearColor : screenColor;
-    this.use(effort, frame, { ...kTooth, ...this.colors(color), palette: this.palettes[effort] });
+    const colors = { untouched: color(kUntouchedColor), inside: screenColor(kInsideColor) };
+    this.use(effort, frame, { ...kTooth, ...colors, palette: this.palettes[effort] }, this.heat ? "HEAT" : "TISSUE");
   }
   bur(frame: Frame, model: Matrix): void {
     const { color, roughness, metal } = kSteel;
     const whole = { ...frame, plane: undefined };
-    this.use("full", whole, { roughness, metal, model, heat: 0, palette: linearColor(color) });
+    this.use("full", whole, { roughness, metal, model, palette: linearColor(color) }, "TISSUE");
   }
   ghost(frame: Frame, tint: readonly number[]): void {
     this.use("ghost", frame, { tint });
@@ -91,28 +93,27 @@ export class Paint {
     this.use("count", frame, {});
   }
   stripes(tint: readonly number[], width: number): void {
-    this.program("stripes", false).use({ tint, width });
+    this.program("stripes").use({ tint, width });
   }
   // In one colour (`tint`), where `model` puts it.
   plain({ view, projection }: Frame): Program {
-    const program = this.program("plain", false);
+    const program = this.program("plain");
     program.use({ view, projection, model: kUnmoved, dash: 0 });
     return program;
   }
 
-  private colors(color: (hex: string) => Rgb) {
-    return { heat: this.heat ? 1 : 0, untouched: color(kUntouchedColor), inside: screenColor(kInsideColor) };
-  }
-  private use(kind: Kind, { view, projection, plane, toSlice }: Frame, more: Readonly<Record<string, Uniform>>): void {
-    const program = this.program(kind, plane !== undefined);
-    program.use({ view, projection, model: kUnmoved, ...(plane === undefined ? {} : { plane, toSlice }), ...more });
+  private use(kind: Kind, frame: Frame, more: Readonly<Record<string, Uniform>>, ...defines: readonly string[]): void {
+    const { plane, toSlice, ...matrices } = frame;
+    const program = this.program(kind, plane === undefined ? defines : [...defines, "CUT"]);
+    program.use({ ...matrices, model: kUnmoved, wayTo: lampWays(frame.view), ...more });
+    if (plane !== undefined) program.use({ plane, toSlice });
     this.gl.bindTexture(this.gl.TEXTURE_2D, this.scale);
   }
-  private program(kind: Kind, cut: boolean): Program {
-    const key = `${kind} ${cut}`;
+  private program(kind: Kind, defines: readonly string[] = []): Program {
+    const key = [kind, ...defines].join(" ");
     const known = this.programs.get(key);
     if (known !== undefined) return known;
-    const made = this.make(kind, cut ? ["CUT"] : []);
+    const made = this.make(kind, defines);
     this.programs.set(key, made);
     return made;
   }

@@ -1,5 +1,6 @@
 import { kContourStepMm, kDeviationRangeMm } from "../deviation_scale";
 import { kTissues } from "../tissue_color";
+import { type Matrix, unit } from "./vec";
 
 // What vertices and pixels of a tooth are made of. Two lamps hang at the camera and shine at the scene's origin; a
 // third light comes from everywhere. Their sizes are such that π lights a matt surface fully.
@@ -12,12 +13,13 @@ const kLamps = [
 const kGlossShare = 0.03; // what the gloss adds where light is worked out at the vertices
 
 const glsl = (value: number) => value.toFixed(6);
-const vec3 = (value: readonly number[]) => `vec3(${value.map(glsl).join(", ")})`;
 
-// Where each lamp is seen from the scene's origin, in the camera's frame.
+// Where each lamp is seen from the scene's origin, in the camera's frame. The same for a whole picture: a shader would
+// work it out for each vertex and pixel.
+export const lampWays = (view: Matrix): number[] =>
+  kLamps.flatMap(({ at: [x, y, z] }) => unit([x - view[12]!, y - view[13]!, z - view[14]!]));
 const kLampWays = `
-uniform mat4 view;
-vec3 wayTo(vec3 lamp) { return normalize(lamp - view[3].xyz); }
+uniform vec3 wayTo[${kLamps.length}];
 `;
 // CUT: what lies before a plane is not drawn.
 const kCutVertex = `
@@ -46,13 +48,15 @@ const kDiscard = `
   if (vBehind < 0.0) discard;
 #endif
 `;
+// TISSUE, HEAT: the colours are those of the tissues, or of the deviation. Whatever is handed from vertices to pixels
+// takes time for each triangle, so only what is needed is.
 const kScale = `
-uniform float heat;
 uniform sampler2D scale;
 uniform vec3 untouched;
 in vec2 vDeviation;
 vec3 onScale(float mm) { return texture(scale, vec2(0.5 + 0.5 * mm / ${glsl(kDeviationRangeMm)}, 0.5)).rgb; }
 `;
+const kTissueColor = `palette[min(int(tissue + 0.5), ${kTissues - 1})]`;
 
 export const kFullVertex = `
 ${kCutVertex}
@@ -64,16 +68,22 @@ uniform mat4 projection;
 uniform mat4 view;
 uniform mat4 model;
 uniform vec3 palette[${kTissues}];
-out vec3 vColor;
 out vec3 vNormal;
 out vec3 vPlace;
+#ifdef HEAT
 out vec2 vDeviation;
+#else
+out vec3 vColor;
+#endif
 void main() {
   vec4 place = view * model * vec4(position, 1.0);
-  vColor = palette[int(tissue + 0.5) % ${kTissues}];
   vNormal = mat3(view) * mat3(model) * normal;
   vPlace = place.xyz;
+#ifdef HEAT
   vDeviation = deviation;
+#else
+  vColor = ${kTissueColor};
+#endif
 #ifdef CUT
   vBehind = dot(plane, vec4(position, 1.0));
 #endif
@@ -86,8 +96,6 @@ void main() {
 export const kFullFragment = `
 ${kCutFragment}
 ${kLampWays}
-${kScale}
-in vec3 vColor;
 in vec3 vNormal;
 in vec3 vPlace;
 uniform float roughness;
@@ -97,7 +105,9 @@ out vec4 pixel;
 vec3 linear(vec3 color) { return mix(color / 12.92, pow((color + 0.055) / 1.055, vec3(2.4)), step(0.04045, color)); }
 vec3 shown(vec3 color) { return mix(12.92 * color, 1.055 * pow(color, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, color)); }
 
-vec3 deviationColor() {
+#ifdef HEAT
+${kScale}
+vec3 ownColor() {
   if (vDeviation.y < 0.5) return untouched;
   float mm = vDeviation.x / vDeviation.y;
   float level = mm / ${glsl(kContourStepMm)};
@@ -106,6 +116,10 @@ vec3 deviationColor() {
   float strength = 0.45 * step(0.5, abs(level)) * smoothstep(0.05, 0.14, slope) * (1.0 - smoothstep(0.4, 1.2, line));
   return linear(onScale(mm)) * (1.0 - strength);
 }
+#else
+in vec3 vColor;
+vec3 ownColor() { return vColor; }
+#endif
 
 vec3 lit(vec3 color, vec3 n, vec3 eye, float rough, vec3 way, float light) {
   vec3 half_ = normalize(way + eye);
@@ -125,12 +139,12 @@ ${kDiscard}
 #ifdef CUT
   if (!gl_FrontFacing) { pixel = vec4(onCut(), 1.0); return; }
 #endif
-  vec3 color = heat > 0.5 ? deviationColor() : vColor;
+  vec3 color = ownColor();
   vec3 n = normalize(vNormal), eye = normalize(-vPlace);
   vec3 bend = max(abs(dFdx(n)), abs(dFdy(n)));
   float rough = min(1.0, roughness + max(max(bend.x, bend.y), bend.z));
   vec3 sum = ${glsl(kAround / Math.PI)} * color * (1.0 - metal);
-${kLamps.map(({ at, light }) => `  sum += lit(color, n, eye, rough, wayTo(${vec3(at)}), ${glsl(light)});\n`).join("")}
+${kLamps.map(({ light }, i) => `  sum += lit(color, n, eye, rough, wayTo[${i}], ${glsl(light)});\n`).join("")}
   pixel = vec4(shown(sum), 1.0);
 }`;
 
@@ -147,35 +161,49 @@ in vec3 position;
 in vec3 normal;
 in float tissue;
 in vec2 deviation;
-uniform mat4 projection;
+uniform mat4 view;
+uniform mat4 picture;
 uniform vec3 palette[${kTissues}];
+#ifdef TISSUE
 out vec3 vColor;
+#else
 out float vLight;
+#endif
+#ifdef HEAT
 out vec2 vDeviation;
+#endif
 void main() {
-  vec3 n = normalize(mat3(view) * normal);
-  float light = ${glsl(kAround / Math.PI + kGlossShare)}
-${kLamps.map(({ at, light }) => `    + ${glsl(light / Math.PI)} * max(0.0, dot(n, wayTo(${vec3(at)})))`).join("\n")};
-  vLight = pow(light, 1.0 / 2.2);
-  vColor = palette[int(tissue + 0.5) % ${kTissues}];
+  vec3 n = mat3(view) * normal;
+  float light = pow(${glsl(kAround / Math.PI + kGlossShare)}
+${kLamps.map(({ light }, i) => `    + ${glsl(light / Math.PI)} * max(0.0, dot(n, wayTo[${i}]))`).join("\n")}, 1.0 / 2.2);
+#ifdef TISSUE
+  vColor = light * ${kTissueColor};
+#else
+  vLight = light;
+#endif
+#ifdef HEAT
   vDeviation = deviation;
+#endif
 #ifdef CUT
   vBehind = dot(plane, vec4(position, 1.0));
 #endif
-  gl_Position = projection * view * vec4(position + SHIFT * normal, 1.0);
+  gl_Position = picture * vec4(position + SHIFT * normal, 1.0);
 }`;
 
 export const kQuickFragment = `
 ${kCutFragment}
+#ifdef HEAT
 ${kScale}
-in vec3 vColor;
 in float vLight;
+vec3 ownColor() { return vLight * (vDeviation.y < 0.5 ? untouched : onScale(vDeviation.x / vDeviation.y)); }
+#else
+in vec3 vColor;
+vec3 ownColor() { return vColor; }
+#endif
 out vec4 pixel;
 void main() {
 ${kDiscard}
-  vec3 color = vColor;
-  if (heat > 0.5) color = vDeviation.y < 0.5 ? untouched : onScale(vDeviation.x / vDeviation.y);
-  color *= vLight;
+  vec3 color = ownColor();
 #ifdef CUT
   if (!gl_FrontFacing) color = onCut();
 #endif
