@@ -21,7 +21,9 @@ export interface BlockMesh {
   readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
 
-const kStep = Int32Array.of(1, kSide, kSide * kSide);
+const kMixed = 1; // is no whole brick's sample: those are all deep or all far out
+const kWholeRow = (1 << kBrickSide) - 1; // of a brick's samples
+const kLastOfRow = 1 << (kBrickSide - 1);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
 const kNextTo = 1 / 16; // of a cell
 const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
@@ -33,6 +35,10 @@ export class ToothMesher {
   private readonly samples = new Int8Array(kSide ** 3);
   // Of the block's bricks and their neighbours: bit 0: some samples are solid; bit 1: some are air. 0: nothing needs it.
   private readonly sides = new Uint8Array(kNear ** 3);
+  // What all samples of each are, as the last mesh left them; kMixed: they differ.
+  private readonly filled = new Int8Array(kNear ** 3).fill(kMixed);
+  // Of each row of samples, a byte for each brick along it: a bit for each sample, set where it is solid.
+  private readonly solid = new Uint8Array(kNear * kSide ** 2);
   private readonly vertexOf = new Int32Array(kCells ** 3);
   private readonly position = new Float32Array(3 * kCells ** 3);
   private readonly normal = new Int8Array(4 * kCells ** 3);
@@ -136,59 +142,77 @@ export class ToothMesher {
     const [bx, by, bz] = this.part.bricks.grid.bricks;
     const [fx, fy, fz] = [this.first[0]! >> 3, this.first[1]! >> 3, this.first[2]! >> 3];
     let all = 0;
-    for (let n = 0; n < this.sides.length; ++n) {
-      if (this.sides[n] === 0) continue;
-      const [x, y, z] = [n % kNear, Math.floor(n / kNear) % kNear, Math.floor(n / (kNear * kNear))];
-      const [i, j, k] = [fx + x, fy + y, fz + z];
-      const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
-      const samples = inside ? this.part.samples((k * by + j) * bx + i) : kFarOut;
-      const [lx, ly, lz] = [x, y, z].map((m) => (m - 1) * kBrickSide + 1) as [number, number, number];
-      if (typeof samples === "number") {
-        this.fillBrick(samples, lx, ly, lz);
-        this.sides[n] = samples < 0 ? 1 : 2;
-      } else this.sides[n] = this.copyBrick(samples, lx, ly, lz);
-      all |= this.sides[n]!;
+    for (let z = 0, n = 0; z < kNear; ++z) {
+      for (let y = 0; y < kNear; ++y) {
+        for (let x = 0; x < kNear; ++x, ++n) {
+          if (this.sides[n] === 0) continue;
+          const i = fx + x;
+          const j = fy + y;
+          const k = fz + z;
+          const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
+          const samples = inside ? this.part.samples((k * by + j) * bx + i) : kFarOut;
+          if (typeof samples !== "number") {
+            this.sides[n] = this.copyBrick(samples, x, y, z);
+            this.filled[n] = kMixed;
+          } else {
+            if (this.filled[n] !== samples) this.fillBrick(samples, x, y, z);
+            this.sides[n] = samples < 0 ? 1 : 2;
+            this.filled[n] = samples;
+          }
+          all |= this.sides[n]!;
+        }
+      }
     }
     return all === 3;
   }
 
-  // `x`, `y`, `z`: local place of the brick's first sample; what lies outside the block is left
-  // out.
-  private fillBrick(q: number, x: number, y: number, z: number): void {
-    for (let k = Math.max(0, z); k < Math.min(kSide, z + kBrickSide); ++k) {
-      for (let j = Math.max(0, y); j < Math.min(kSide, y + kBrickSide); ++j) {
-        const row = (k * kSide + j) * kSide;
-        this.samples.fill(q, row + Math.max(0, x), row + Math.min(kSide, x + kBrickSide));
-      }
-    }
-  }
-  // Bit 0: some are solid; bit 1: some are air.
+  // `x`, `y`, `z`: which one it is of those near the block. What lies outside the block is left out. Bit 0: some are
+  // solid; bit 1: some are air.
   private copyBrick(from: Int8Array, x: number, y: number, z: number): number {
-    const to = this.samples;
-    const [x0, x1] = [Math.max(0, x), Math.min(kSide, x + kBrickSide)];
-    const [y0, y1] = [Math.max(0, y), Math.min(kSide, y + kBrickSide)];
-    const [z0, z1] = [Math.max(0, z), Math.min(kSide, z + kBrickSide)];
-    let any = 0;
-    let all = -1;
+    const { samples, solid } = this;
+    const [ox, oy, oz] = [(x - 1) * kBrickSide + 1, (y - 1) * kBrickSide + 1, (z - 1) * kBrickSide + 1];
+    const [first, last] = [Math.max(0, -ox), Math.min(kBrickSide, kSide - ox)];
+    const [y0, y1] = [Math.max(0, oy), Math.min(kSide, oy + kBrickSide)];
+    const [z0, z1] = [Math.max(0, oz), Math.min(kSide, oz + kBrickSide)];
+    const every = (1 << last) - (1 << first);
+    let some = 0;
+    let all = every;
     for (let k = z0; k < z1; ++k) {
       for (let j = y0; j < y1; ++j) {
-        const row = (k * kSide + j) * kSide;
-        const own = (k - z) * 64 + (j - y) * 8 - x;
-        for (let i = x0; i < x1; ++i) {
+        const row = k * kSide + j;
+        const to = row * kSide + ox;
+        const own = (k - oz) * 64 + (j - oy) * 8;
+        let bits = 0;
+        for (let i = first; i < last; ++i) {
           const q = from[own + i]!;
-          to[row + i] = q;
-          any |= q;
-          all &= q;
+          samples[to + i] = q;
+          bits |= (q >>> 31) << i;
         }
+        solid[row * kNear + x] = bits;
+        some |= bits;
+        all &= bits;
       }
     }
-    return (any < 0 ? 1 : 0) | (all >= 0 ? 2 : 0);
+    return (some === 0 ? 0 : 1) | (all === every ? 0 : 2);
+  }
+  // The same, of a brick all of whose samples are `q`.
+  private fillBrick(q: number, x: number, y: number, z: number): void {
+    const [ox, oy, oz] = [(x - 1) * kBrickSide + 1, (y - 1) * kBrickSide + 1, (z - 1) * kBrickSide + 1];
+    const [x0, x1] = [Math.max(0, ox), Math.min(kSide, ox + kBrickSide)];
+    const bits = q < 0 ? (1 << (x1 - ox)) - (1 << (x0 - ox)) : 0;
+    for (let k = Math.max(0, oz); k < Math.min(kSide, oz + kBrickSide); ++k) {
+      for (let j = Math.max(0, oy); j < Math.min(kSide, oy + kBrickSide); ++j) {
+        const row = k * kSide + j;
+        for (let at = row * kSide + x0; at < row * kSide + x1; ++at) this.samples[at] = q;
+        this.solid[row * kNear + x] = bits;
+      }
+    }
   }
 
   // Of the bricks that change, in the block.
   private quads(at: readonly [number, number, number]): void {
     this.eachOwn(at, (i, j, k) => {
-      const first = [i, j, k].map((n, axis) => at[axis] === 0 && n === 0) as [boolean, boolean, boolean];
+      const first = [at[0] === 0 && i === 0, at[1] === 0 && j === 0, at[2] === 0 && k === 0] as const;
       if (this.mayCross(i, j, k, first)) this.brickQuads(i, j, k, first);
     });
   }
@@ -222,22 +246,28 @@ export class ToothMesher {
   // Of the crossed edges whose first sample is the brick's; with those one voxel below the grid, where the brick
   // is the grid's first.
   private brickQuads(i: number, j: number, k: number, first: readonly [boolean, boolean, boolean]): void {
-    const s = this.samples;
-    const [fx, fy, fz] = [i, j, k].map((n, axis) => n * kBrickSide + (first[axis] ? 0 : 1)) as [number, number, number];
-    const [lx, ly, lz] = [i, j, k].map((n) => (n + 1) * kBrickSide) as [number, number, number];
-    for (let z = fz; z <= lz; ++z) {
-      for (let y = fy; y <= ly; ++y) {
-        let n = (z * kSide + y) * kSide + fx;
-        for (let x = fx; x <= lx; ++x, ++n) {
-          const side = s[n]! >> 7;
-          const crossed =
-            (side ^ (s[n + 1]! >> 7)) | (side ^ (s[n + kSide]! >> 7)) | (side ^ (s[n + kSide * kSide]! >> 7));
-          if (crossed === 0) continue;
-          for (let axis = 0; axis < 3; ++axis) {
-            if (s[n + kStep[axis]!]! >> 7 !== side) this.quad(x, y, z, axis, side < 0);
-          }
-        }
+    for (let z = k * kBrickSide + (first[2] ? 0 : 1); z <= (k + 1) * kBrickSide; ++z) {
+      for (let y = j * kBrickSide + (first[1] ? 0 : 1); y <= (j + 1) * kBrickSide; ++y) {
+        if (first[0]) this.rowQuads(0, y, z, kLastOfRow);
+        this.rowQuads(i + 1, y, z, kWholeRow);
       }
+    }
+  }
+  // Of the samples of a row that are in the near brick `nx`; `which`: a bit for each that counts.
+  private rowQuads(nx: number, y: number, z: number, which: number): void {
+    const { solid } = this;
+    const at = (z * kSide + y) * kNear + nx;
+    const own = solid[at]!;
+    const alongX = own ^ ((own >> 1) | ((solid[at + 1]! & 1) << (kBrickSide - 1)));
+    const alongY = own ^ solid[at + kNear]!;
+    const alongZ = own ^ solid[at + kNear * kSide]!;
+    for (let left = (alongX | alongY | alongZ) & which; left !== 0; left &= left - 1) {
+      const bit = 31 - Math.clz32(left & -left);
+      const x = (nx - 1) * kBrickSide + 1 + bit;
+      const inside = ((own >> bit) & 1) === 1;
+      if ((alongX >> bit) & 1) this.quad(x, y, z, 0, inside);
+      if ((alongY >> bit) & 1) this.quad(x, y, z, 1, inside);
+      if ((alongZ >> bit) & 1) this.quad(x, y, z, 2, inside);
     }
   }
 
@@ -287,15 +317,15 @@ export class ToothMesher {
     const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
     const under = this.place(n, index, vx, vy, vz);
     this.tissue[index] = this.tissueAt(vx + (under & 1), vy + ((under >> 1) & 1), vz + (under >> 2));
-    if (this.deviation !== undefined) this.compare(index, [vx, vy, vz], this.deviation);
+    if (this.deviation !== undefined) this.compare(index, vx, vy, vz, this.deviation);
     return index;
   }
-  private compare(index: number, cell: readonly [number, number, number], deviation: ToothDeviation): void {
-    const um = this.deviationOf(cell, deviation) ?? this.deviationBeside(cell, deviation);
+  private compare(index: number, x: number, y: number, z: number, deviation: ToothDeviation): void {
+    const um = this.deviationOf(x, y, z, deviation) ?? this.deviationBeside([x, y, z], deviation);
     this.compared[2 * index] = um === undefined ? 0 : um / 1000;
     this.compared[2 * index + 1] = um === undefined ? 0 : 1;
   }
-  private deviationOf([x, y, z]: readonly [number, number, number], { bricks }: ToothDeviation): number | undefined {
+  private deviationOf(x: number, y: number, z: number, { bricks }: ToothDeviation): number | undefined {
     const [nx, ny] = this.part.bricks.grid.bricks;
     if (x < 0 || y < 0 || z < 0) return undefined;
     const um = bricks.get(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3))?.[(z & 7) * 64 + (y & 7) * 8 + (x & 7)];
@@ -319,7 +349,7 @@ export class ToothMesher {
       if (step === 0) continue;
       const beside = [x, y, z] as [number, number, number];
       beside[axis]! += step;
-      const um = this.deviationOf(beside, deviation);
+      const um = this.deviationOf(...beside, deviation);
       if (um !== undefined && !this.isCrossed(beside)) return um;
     }
     return undefined;
