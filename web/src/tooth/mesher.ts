@@ -21,7 +21,6 @@ export interface BlockMesh {
   readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
 
-const kMixed = 1; // is no whole brick's sample: those are all deep or all far out
 const kWholeRow = (1 << kBrickSide) - 1; // of a brick's samples
 const kLastOfRow = 1 << (kBrickSide - 1);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
@@ -35,8 +34,6 @@ export class ToothMesher {
   private readonly samples = new Int8Array(kSide ** 3);
   // Of the block's bricks and their neighbours: bit 0: some samples are solid; bit 1: some are air. 0: nothing needs it.
   private readonly sides = new Uint8Array(kNear ** 3);
-  // What all samples of each are, as the last mesh left them; kMixed: they differ.
-  private readonly filled = new Int8Array(kNear ** 3).fill(kMixed);
   // Of each row of samples, a byte for each brick along it: a bit for each sample, set where it is solid.
   private readonly solid = new Uint8Array(kNear * kSide ** 2);
   private readonly vertexOf = new Int32Array(kCells ** 3);
@@ -150,63 +147,50 @@ export class ToothMesher {
           const j = fy + y;
           const k = fz + z;
           const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
-          const samples = inside ? this.part.samples((k * by + j) * bx + i) : kFarOut;
-          if (typeof samples !== "number") {
-            this.sides[n] = this.copyBrick(samples, x, y, z);
-            this.filled[n] = kMixed;
-          } else {
-            if (this.filled[n] !== samples) this.fillBrick(samples, x, y, z);
-            this.sides[n] = samples < 0 ? 1 : 2;
-            this.filled[n] = samples;
-          }
-          all |= this.sides[n]!;
+          all |= this.sides[n] = this.copyBrick(inside ? this.part.samples((k * by + j) * bx + i) : kFarOut, x, y, z);
         }
       }
     }
     return all === 3;
   }
 
-  // `x`, `y`, `z`: which one it is of those near the block. What lies outside the block is left out. Bit 0: some are
-  // solid; bit 1: some are air.
-  private copyBrick(from: Int8Array, x: number, y: number, z: number): number {
-    const { samples, solid } = this;
+  // `from`: its samples, or what all of them are; `x`, `y`, `z`: which one it is of those near the block. What lies
+  // outside the block is left out. Bit 0: some are solid; bit 1: some are air.
+  private copyBrick(from: Int8Array | number, x: number, y: number, z: number): number {
+    const to = this.samples;
     const [ox, oy, oz] = [(x - 1) * kBrickSide + 1, (y - 1) * kBrickSide + 1, (z - 1) * kBrickSide + 1];
-    const [first, last] = [Math.max(0, -ox), Math.min(kBrickSide, kSide - ox)];
-    const [y0, y1] = [Math.max(0, oy), Math.min(kSide, oy + kBrickSide)];
-    const [z0, z1] = [Math.max(0, oz), Math.min(kSide, oz + kBrickSide)];
-    const every = (1 << last) - (1 << first);
+    const x0 = Math.max(0, ox);
+    const x1 = Math.min(kSide, ox + kBrickSide);
+    const y0 = Math.max(0, oy);
+    const y1 = Math.min(kSide, oy + kBrickSide);
+    const z0 = Math.max(0, oz);
+    const z1 = Math.min(kSide, oz + kBrickSide);
+    const every = (1 << (x1 - ox)) - (1 << (x0 - ox));
     let some = 0;
-    let all = every;
+    let air = 0;
     for (let k = z0; k < z1; ++k) {
       for (let j = y0; j < y1; ++j) {
         const row = k * kSide + j;
-        const to = row * kSide + ox;
-        const own = (k - oz) * 64 + (j - oy) * 8;
-        let bits = 0;
-        for (let i = first; i < last; ++i) {
-          const q = from[own + i]!;
-          samples[to + i] = q;
-          bits |= (q >>> 31) << i;
+        const end = row * kSide + x1;
+        let at = row * kSide + x0;
+        let solid = 0;
+        if (typeof from === "number") {
+          for (; at < end; ++at) to[at] = from;
+          if (from < 0) solid = every;
+        } else {
+          let own = (k - oz) * 64 + (j - oy) * 8 + x0 - ox;
+          for (let bit = x0 - ox; at < end; ++at, ++own, ++bit) {
+            const q = from[own]!;
+            to[at] = q;
+            solid |= (q >>> 31) << bit;
+          }
         }
-        solid[row * kNear + x] = bits;
-        some |= bits;
-        all &= bits;
+        this.solid[row * kNear + x] = solid;
+        some |= solid;
+        air |= every & ~solid;
       }
     }
-    return (some === 0 ? 0 : 1) | (all === every ? 0 : 2);
-  }
-  // The same, of a brick all of whose samples are `q`.
-  private fillBrick(q: number, x: number, y: number, z: number): void {
-    const [ox, oy, oz] = [(x - 1) * kBrickSide + 1, (y - 1) * kBrickSide + 1, (z - 1) * kBrickSide + 1];
-    const [x0, x1] = [Math.max(0, ox), Math.min(kSide, ox + kBrickSide)];
-    const bits = q < 0 ? (1 << (x1 - ox)) - (1 << (x0 - ox)) : 0;
-    for (let k = Math.max(0, oz); k < Math.min(kSide, oz + kBrickSide); ++k) {
-      for (let j = Math.max(0, oy); j < Math.min(kSide, oy + kBrickSide); ++j) {
-        const row = k * kSide + j;
-        for (let at = row * kSide + x0; at < row * kSide + x1; ++at) this.samples[at] = q;
-        this.solid[row * kNear + x] = bits;
-      }
-    }
+    return (some === 0 ? 0 : 1) | (air === 0 ? 0 : 2);
   }
 
   // Of the bricks that change, in the block.
