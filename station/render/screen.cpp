@@ -176,6 +176,8 @@ class Screen::Impl {
     clicked_.reset();
     // A key that came and went between two frames is down for one.
     for (size_t key = 0; key < keys_.size(); ++key) io.KeysDown[key] = keys_[key] || tapped_[key];
+    // Held, Enter would count again in the field that it led to, which then loses a letter.
+    for (const size_t key : {kKeyEnter, kKeyPadEnter}) io.KeysDown[key] = tapped_[key];
     tapped_.reset();
     ImGui::NewFrame();
     return !glfwWindowShouldClose(glfw_.get());
@@ -292,7 +294,7 @@ class Screen::Impl {
       case InputEvent::Kind::kKey:
         if (event.code < 0 || event.code > GLFW_KEY_LAST) return;
         keys_[static_cast<size_t>(event.code)] = event.pressed;
-        if (event.pressed) tapped_[static_cast<size_t>(event.code)] = true;
+        if (event.pressed && !event.repeat) tapped_[static_cast<size_t>(event.code)] = true;
         return ImGui_ImplGlfw_KeyCallback(window, event.code, 0,
                                           event.pressed ? GLFW_PRESS : GLFW_RELEASE, event.mods);
       case InputEvent::Kind::kCharacter:

@@ -230,6 +230,29 @@ TEST_F(UiTest, ABadgeReaderSignsInWithinAFrame) {
   EXPECT_EQ(page.tried, (std::vector<std::string>{"ada/secret"}));
 }
 
+// Where a picture takes longer than a key is held, Dear ImGui would take Enter for held down: a
+// second Enter in the next field, which then loses a letter.
+TEST_F(UiTest, SlowPicturesLoseNoLetter) {
+  // As if every frame took longer than both.
+  ImGui::GetIO().KeyRepeatDelay = ImGui::GetIO().KeyRepeatRate = 1e-6f;
+  std::string pin, again, kept;
+  int entered = 0;
+  auto page = [&] {
+    ui_->Begin("reserve");
+    if (ui_->Field("PIN", pin, true)) ui_->Focus("Again");
+    const bool go = ui_->Field("Again", again, true);
+    ui_->End();
+    if (!go) return;
+    ++entered;
+    kept = again;
+  };
+  Play(page);
+  screen_->Inject(Typed("804217\n804217\n"));
+  for (int i = 0; i < 4; ++i) Play(page);
+  EXPECT_EQ(kept, "804217");
+  EXPECT_EQ(entered, 1) << "Enter counts in the field in which it was pressed";
+}
+
 TEST_F(UiTest, NoButtonLeavesThePage) {
   auto page = [&] {
     ui_->Begin("page");
