@@ -118,7 +118,7 @@ bool Pages::Draw() {
 }
 
 void Pages::SignIn() {
-  ui_.Begin("sign-in", {0.27f, 0.10f, 0.46f, 0.86f, false});
+  ui_.Begin("sign-in", {0.2f, 0.03f, 0.6f, 0.95f, false});
   ui_.Title("Enamel");
   ui_.Note(Say("sign_in.station", {{"station", station_}}));
   ui_.Gap();
@@ -132,11 +132,12 @@ void Pages::SignIn() {
   ui_.Gap(12);
   go |= ui_.Button(Say(flow_.busy() ? "sign_in.going" : "sign_in.go"), Ui::Look::kMain,
                    !flow_.busy());
+  ui_.SameLine();
+  bool offline = !flow_.reserved().empty() &&
+                 ui_.Button(Say("sign_in.offline"), Ui::Look::kPlain, !flow_.busy());
   ui_.Gap(8);
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
-  bool offline = !flow_.reserved().empty() &&
-                 ui_.Button(Say("sign_in.offline"), Ui::Look::kPlain, !flow_.busy());
   ui_.Note(Say("sign_in.keys"));
   Languages();
   if (go) {

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "station/desk/layout.h"
+
 namespace enamel::station::desk {
 namespace {
 
@@ -79,7 +81,10 @@ bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
   // One step a frame, and none before the window has processed the last one.
   if (steps_.empty() || screen.injecting()) return false;
   Line line = steps_.front();
-  if (line.verb == "quit") return true;
+  if (line.verb == "quit") {
+    if (!unreadable_.empty()) status_ = Status(Code::kInternal, unreadable_, "script");
+    return true;
+  }
   ++waited_;
   if (Take(line, screen, ui, flow)) {
     steps_.pop_front();
@@ -129,6 +134,9 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow
   if (line.verb == "frames") return waited_ >= std::atoi(line.rest.c_str());
   if (line.verb == "removed") return Removed_mm3(flow) >= std::atof(line.rest.c_str());
   if (line.verb == "until") return std::filesystem::exists(line.rest);
+  for (const std::string& fault : LayoutFaults()) {
+    unreadable_ += (unreadable_.empty() ? "" : "\n") + line.rest + ": " + fault;
+  }
   if (Status written = screen.WriteScreenshot(line.rest); !written.ok()) status_ = written;
   return true;
 }

@@ -27,7 +27,8 @@ namespace enamel::station::desk {
 //   frames N           waits
 //   removed MM3        waits until this volume of the tooth has been removed
 //   until FILE         waits until this file exists, for events outside the window
-//   picture FILE       writes the current picture as PNG
+//   picture FILE       writes the current picture as PNG; words on it that are cut off or over each
+//                      other (LayoutFaults) fail the script at its end
 //   quit               ends the program
 //
 // Input enters where the window system's does (Screen::Inject). Nothing depends on the computer's
@@ -67,7 +68,8 @@ class Script {
 
   std::deque<Line> steps_;
   Status status_;
-  int waited_ = 0;  // frames of the step in hand
+  std::string unreadable_;  // what pictures have shown, a line each
+  int waited_ = 0;          // frames of the step in hand
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
 };
 

@@ -339,10 +339,18 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
 bool Ui::Row(const std::string& title, const std::string& detail, const std::string& right,
              bool chosen_row) {
   Say(title + " | " + detail + " | " + right);
-  float height = fonts().far->FontSize + fonts().text->FontSize + 30 * px();
-  float inset = 12 * px();
+  const ImFont *far = fonts().far, *text = fonts().text;
+  auto size_of = [](const ImFont* font, const std::string& words, float wrap) {
+    return font->CalcTextSizeA(font->FontSize, FLT_MAX, wrap, words.c_str());
+  };
+  const float inset = 12 * px(), side = 26 * px(), between = 6 * px();
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
-  float width = ImGui::GetContentRegionAvail().x - inset;
+  const float width = ImGui::GetContentRegionAvail().x - inset;
+  const ImVec2 right_size = size_of(text, right, 0);
+  // The word on the right says what choosing does.
+  const float wrap = width - 2 * side - (right.empty() ? 0 : right_size.x + 16 * px());
+  const float title_height = size_of(far, title, wrap).y;
+  const float height = title_height + size_of(text, detail, wrap).y + between + 24 * px();
   PushButtonColours(chosen_row ? kChosenRow : kRow);
   // Distinguishes rows with the same title.
   ImGui::PushID(static_cast<int>(std::ranges::count(choices_, title, &Choice::label)));
@@ -356,21 +364,31 @@ bool Ui::Row(const std::string& title, const std::string& detail, const std::str
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text),
         quiet = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-  const ImFont *far = fonts().far, *text = fonts().text;
-  ImVec2 side = text->CalcTextSizeA(text->FontSize, 1e6f, 0, right.c_str());
-  float x = lo.x + 26 * px(), end = hi.x - 26 * px() - side.x;
-  // A long title ends before the word on the right, which says what choosing does.
-  list->PushClipRect({lo.x, lo.y}, {right.empty() ? hi.x : end - 16 * px(), hi.y}, true);
-  list->AddText(far, far->FontSize, {x, lo.y + 8 * px()}, plain, title.c_str());
-  list->AddText(text, text->FontSize, {x, lo.y + 14 * px() + far->FontSize}, quiet, detail.c_str());
-  list->PopClipRect();
-  list->AddText(text, text->FontSize, {end, lo.y + 0.5f * (height - side.y)}, plain, right.c_str());
+  const float x = lo.x + side, top = lo.y + 8 * px();
+  list->AddText(far, far->FontSize, {x, top}, plain, title.c_str(), nullptr, wrap);
+  list->AddText(text, text->FontSize, {x, top + title_height + between}, quiet, detail.c_str(),
+                nullptr, wrap);
+  list->AddText(text, text->FontSize,
+                {hi.x - side - right_size.x, lo.y + 0.5f * (height - right_size.y)}, plain,
+                right.c_str());
   return chosen || focus.chosen;
 }
 
 bool Ui::Check(const std::string& label, bool& value) {
   Say(std::string(value ? "[x] " : "[ ] ") + label);
-  bool changed = ImGui::Checkbox(label.c_str(), &value);
+  // The box does not wrap its label.
+  ImGui::BeginGroup();
+  bool changed = ImGui::Checkbox(("##" + label).c_str(), &value);
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(label.c_str());
+  ImGui::PopTextWrapPos();
+  if (ImGui::IsItemClicked()) {
+    value = !value;
+    changed = true;
+  }
+  ImGui::EndGroup();
   Focused focus = Next(label);
   Listed(label, false);
   if (focus.has) Ring();

@@ -11,6 +11,15 @@ using language::Words;
 // Few enough for one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
 
+// Problems that many people meet, in their language; others in the words of who reported them.
+std::string ProblemText(const Words& words, const Status& status) {
+  if (status.field() == kServerAway) return words.Say("sign_in.away");
+  if (status.field() != "pin") return status.message();
+  if (status.code() == Code::kInvalidInput) return words.Say("pin.weak");
+  if (status.code() == Code::kUnauthenticated) return words.Say("pin.wrong");
+  return status.message();
+}
+
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
 }  // namespace
@@ -42,7 +51,19 @@ void Workflow::Fail(const Status& status) {
     come_back_to_ = shown;
     return;
   }
-  problem_ = status.message();
+  problem_ = ProblemText(words_, status);
+}
+
+// The same for a wrong password, an unknown login and a one-time password that was used: who guesses
+// learns nothing, and who has one learns what it was good for.
+void Workflow::FailToSignIn(const Status& status) {
+  if (status.field() == kChooseOwnPassword) {
+    problem_ = words_.Say("sign_in.choose_own", {{"page", workplace_.page()}});
+  } else if (status.code() == Code::kUnauthenticated && status.field().empty()) {
+    problem_ = words_.Say("sign_in.wrong");
+  } else {
+    Fail(status);
+  }
 }
 
 void Workflow::Tick(Clock::time_point now, bool active) {
@@ -77,13 +98,14 @@ void Workflow::Tick(Clock::time_point now, bool active) {
 void Workflow::SignIn(const std::string& login, const std::string& password) {
   if (busy()) return;
   problem_.clear();
+  notice_.clear();  // of the sign-out before
   if (login.empty() || password.empty()) {
     problem_ = words_.Say(login.empty() ? "sign_in.no_login" : "sign_in.no_password");
     return;
   }
   task_.Start("task.sign_in", [this, login, password]() -> BackgroundTask::After {
     auto person = workplace_.SignIn(login, password);
-    if (!person.ok()) return [this, s = person.status()] { Fail(s); };
+    if (!person.ok()) return [this, s = person.status()] { FailToSignIn(s); };
     auto catalogue = workplace_.Exercises();
     if (catalogue.ok()) workplace_.Describe(*catalogue);
     return [this, p = *person, c = std::move(catalogue), k = KeptOf(person->id)] {

@@ -193,6 +193,7 @@ class Workflow {
   void WatchScore(Clock::time_point now);
   void Take(const AttemptProgress& progress);
   void Fail(const Status& status);
+  void FailToSignIn(const Status& status);
   void LeaveAttempt();
   void LeaveAttemptFor(const Status& problem);
 

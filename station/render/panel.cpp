@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
@@ -12,7 +13,8 @@ namespace enamel::station::render {
 namespace {
 
 constexpr float kMargin_px = 28, kPanelWidth_px = 505, kBar_px = 20;  // at the reference height
-constexpr double kShown_mm3 = 0.005;                                  // less would be shown as 0.00
+constexpr float kWarningsHeight = 0.3f;  // of the picture, at most in the large letters
+constexpr double kShown_mm3 = 0.005;     // less would be shown as 0.00
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
@@ -37,9 +39,13 @@ struct Panel {
 
   float width() const { return kPanelWidth_px * px; }
 
+  // The value at the right, a line lower where both have no room in one.
   void Value(const std::string& name, const std::string& value) const {
+    const float left = ImGui::GetCursorPosX(), apart = ImGui::GetStyle().ItemSpacing.x,
+                value_px = ImGui::CalcTextSize(value.c_str()).x;
     ImGui::TextUnformatted(name.c_str());
-    ImGui::SameLine(ImGui::GetCursorPosX() + width() - ImGui::CalcTextSize(value.c_str()).x);
+    if (ImGui::GetItemRectSize().x + apart + value_px <= width()) ImGui::SameLine();
+    ImGui::SetCursorPosX(left + width() - value_px);
     ImGui::TextUnformatted(value.c_str());
   }
 
@@ -158,24 +164,30 @@ struct Panel {
   }
 };
 
-void DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts, float width,
-                  float px) {
+// Ends at the height that is returned.
+float DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts, float width,
+                   float height, float px) {
   std::string text = WarningText(words, content);
-  if (text.empty()) return;
-  ImGui::PushFont(fonts.far);
+  if (text.empty()) return 0;
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
+  const float wrap = width - left - 3 * kMargin_px * px;
+  // Several at a time in smaller letters: the tooth is below them.
+  const ImVec2 large = fonts.far->CalcTextSizeA(fonts.far->FontSize, FLT_MAX, wrap, text.c_str());
+  ImGui::PushFont(large.y > kWarningsHeight * height ? fonts.text : fonts.far);
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
   // This warning is no cause for alarm, if it is alone.
   bool calm = content.fault.empty() && content.state.warnings == kWarnResumed;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
-  ImGui::PushTextWrapPos(width - left - 3 * kMargin_px * px);
+  ImGui::PushTextWrapPos(wrap);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopTextWrapPos();
+  const float end = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopFont();
+  return end;
 }
 
 void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float height, float px) {
@@ -192,15 +204,15 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
                 {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
 
-// At the picture's edge, so large that it is found at a glance.
-void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, float width,
-                 float height, float px) {
+// At the edge of what warnings and keys leave free, so large that it is found at a glance.
+void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, float top,
+                 float width, float bottom, float px) {
   const float inset = 70 * px, size = 34 * px;
   // Beside the panel, which is at the left.
   const float left_px = (kPanelWidth_px + 4 * kMargin_px) * px;
-  const glm::vec2 middle(0.5f * (left_px + width), 0.5f * height);
+  const glm::vec2 middle(0.5f * (left_px + width), 0.5f * (top + bottom));
   const float to_side = (0.5f * (width - left_px) - inset) / std::max(std::fabs(away.x), 1e-3f),
-              to_top = (middle.y - inset) / std::max(std::fabs(away.y), 1e-3f);
+              to_top = (0.5f * (bottom - top) - inset) / std::max(std::fabs(away.y), 1e-3f);
   const glm::vec2 tip = middle + away * std::min(to_side, to_top), across(-away.y, away.x);
   const glm::vec2 left = tip - away * (1.6f * size) + across * size,
                   right = tip - away * (1.6f * size) - across * size;
@@ -218,9 +230,10 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
   list->AddText(fonts.far, fonts.far->FontSize, lo, IM_COL32(255, 255, 255, 255), name.c_str());
 }
 
-// On its own background, because roots and a neighbour's crown reach down to it.
-void DrawHint(const std::string& hint, const Fonts& fonts, float width, float height, float px) {
-  if (hint.empty()) return;
+// On its own background, because roots and a neighbour's crown reach down to it. Begins at the height
+// that is returned.
+float DrawHint(const std::string& hint, const Fonts& fonts, float width, float height, float px) {
+  if (hint.empty()) return height;
   const float size = fonts.near->FontSize, wrap = width - 2 * kMargin_px * px;
   const ImVec2 text = fonts.near->CalcTextSizeA(size, 1e6f, wrap, hint.c_str());
   const ImVec2 at{kMargin_px * px, height - kMargin_px * px - text.y};
@@ -229,6 +242,7 @@ void DrawHint(const std::string& hint, const Fonts& fonts, float width, float he
                       {at.x + text.x + 12 * px, at.y + text.y + 6 * px}, IM_COL32(15, 17, 20, 200),
                       8 * px);
   list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str(), nullptr, wrap);
+  return at.y;
 }
 
 }  // namespace
@@ -299,10 +313,12 @@ void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fon
   ImGui::Begin("panel", nullptr, kOverlay);
   panel.All();
   ImGui::End();
-  DrawWarnings(content, words, fonts, w, fonts.scale);
+  const float top = DrawWarnings(content, words, fonts, w, h, fonts.scale);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
-  DrawHint(content.hint, fonts, w, h, fonts.scale);
-  if (content.bur_away) DrawBurAway(*content.bur_away, words, fonts, w, h, fonts.scale);
+  const float bottom = DrawHint(content.hint, fonts, w, h, fonts.scale);
+  if (content.bur_away) {
+    DrawBurAway(*content.bur_away, words, fonts, top, w, bottom, fonts.scale);
+  }
 }
 
 }  // namespace enamel::station::render

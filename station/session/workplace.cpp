@@ -127,7 +127,8 @@ Status Workplace::ConnectForPeople(ServerLink& link) {
         "the server is away: an attempt needs it to begin. Recordings made earlier are "
         "safe in " +
             data_.string() +
-            " ('enamel-station upload' sends them). In the network's words: " + s.message());
+            " ('enamel-station upload' sends them). In the network's words: " + s.message(),
+        kServerAway);
   }
   if (link.may_begin_attempts()) return Status::Ok();
   link.Close();
@@ -161,14 +162,17 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
   if (!person.ok()) return person.status();
   uploader_.Retry();
   if (person->must_change_password) {
-    std::string page =
-        link->page_url().empty() ? "the page of " + credentials_.server.host : link->page_url();
+    const std::string page = link->page_url().empty() ? credentials_.server.host : link->page_url();
     link->Close();
+    {
+      MutexLock lock(mutex_);
+      page_ = page;
+    }
     return Status(Code::kForbidden,
                   "this password is only good for choosing your own. Open " + page +
                       " on any computer, sign in there and choose your own; then sign in here "
                       "again",
-                  "password");
+                  kChooseOwnPassword);
   }
   MutexLock lock(mutex_);
   // Signed out during the request: the next person must not find this one signed in.
@@ -176,6 +180,11 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
     return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
   person_ = *person;
   return *person;
+}
+
+std::string Workplace::page() const {
+  MutexLock lock(mutex_);
+  return page_;
 }
 
 void Workplace::ForgetPerson(const char* how) {

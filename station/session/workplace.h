@@ -54,6 +54,8 @@ struct WorkplaceOptions {
 //
 // Errors of the steps: the server's refusals in its words, kUnavailable when it cannot be reached
 // (the message says what to do), kUnauthenticated when nobody is signed in.
+inline constexpr char kServerAway[] = "server_away", kChooseOwnPassword[] = "own_password";
+
 class Workplace {
  public:
   // Loads the credentials, opens the spool. Errors: LoadCredentials', the spool's.
@@ -65,8 +67,10 @@ class Workplace {
   const std::filesystem::path& data() const { return data_; }  // the station's folder
   // Connects if needed. Errors also: kVersion when the server's core differs (recordings can be
   // uploaded, attempts not begun); kForbidden for a one-time password, with where to change it (the
-  // page's address, if the server gives it).
+  // page's address, if the server gives it). Fields: kServerAway, kChooseOwnPassword.
   Result<Person> SignIn(const std::string& login, const std::string& password);
+  // Where the person whom a sign-in refused with kChooseOwnPassword chooses one.
+  std::string page() const;
   // Ends the connection and with it the sign-in, at once: a step waiting for the server ends with
   // kUnavailable (field "cancelled").
   void SignOut();
@@ -197,6 +201,7 @@ class Workplace {
   std::shared_ptr<ServerLink> link_ ENAMEL_GUARDED_BY(mutex_) = std::make_shared<ServerLink>();
   std::condition_variable_any changed_;
   std::optional<Person> person_ ENAMEL_GUARDED_BY(mutex_);
+  std::string page_ ENAMEL_GUARDED_BY(mutex_);
   Uuid unused_ ENAMEL_GUARDED_BY(mutex_);  // taken by TakeTicket and not used
   bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;
   std::thread keep_alive_;

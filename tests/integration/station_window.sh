@@ -203,7 +203,7 @@ type once
 key Tab
 type $once
 key Enter
-see choosing your own. Open https://school.example/enamel
+see Open https://school.example/enamel
 frames 2
 picture PICTURES/14-once.png
 quit
@@ -371,7 +371,7 @@ type 123456
 key Enter
 type 123456
 key Enter
-see easy to guess
+see not all the same
 frames 2
 picture PICTURES/19-reserve.png
 click Cancel

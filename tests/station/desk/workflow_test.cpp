@@ -107,7 +107,7 @@ TEST_F(WorkflowTest, WithoutTheServerThePersonIsToldAndMayTryAgain) {
   flow_->SignIn("ada", "secret");
   Settle();
   EXPECT_EQ(flow_->place(), Place::kSignIn);
-  EXPECT_NE(flow_->problem().find("the server is away"), std::string::npos) << flow_->problem();
+  EXPECT_NE(flow_->problem().find("The server is away"), std::string::npos) << flow_->problem();
   server_.emplace(folder_, port);
   server_->person = person;
   SignIn();
@@ -232,6 +232,39 @@ TEST_F(WorkflowTest, WhoHasToChooseAPasswordIsToldWhereOnTheSignInPage) {
   Settle();
   EXPECT_EQ(flow_->place(), Place::kSignIn);
   EXPECT_NE(flow_->problem().find("Open https://enamel.example.edu"), std::string::npos);
+}
+
+// The server says the same of a wrong password, an unknown login and a one-time password that is used
+// up.
+TEST_F(WorkflowTest, WhoseOneTimePasswordIsUsedUpIsToldWhatToUse) {
+  server_->refuse_sign_ins = Status(Code::kUnauthenticated, "login or password is wrong");
+  flow_->SignIn("ada", "used up");
+  Settle();
+  EXPECT_NE(flow_->problem().find("one-time password works until you have chosen your own"),
+            std::string::npos)
+      << flow_->problem();
+}
+
+TEST_F(WorkflowTest, CommonProblemsAreSaidInThePersonsLanguage) {
+  flow_->Speak(language::Language::kGerman);
+  server_->SetPageUrl("https://enamel.example.edu");
+  server_->refuse_sign_ins = Status(Code::kUnauthenticated, "login or password is wrong");
+  flow_->SignIn("ada", "wrong");
+  Settle();
+  EXPECT_NE(flow_->problem().find("Passwort ist falsch"), std::string::npos) << flow_->problem();
+  server_->refuse_sign_ins.reset();
+  server_->must_change_password = true;
+  flow_->SignIn("ada", "once");
+  Settle();
+  EXPECT_NE(flow_->problem().find("Sie dazu https://enamel.example.edu"), std::string::npos)
+      << flow_->problem();
+  Kept();
+  flow_->SignOut();
+  flow_->ToReserved();
+  flow_->AskPin(0);
+  flow_->GiveBack("804218");
+  Settle();
+  EXPECT_NE(flow_->problem().find("Falsche PIN"), std::string::npos) << flow_->problem();
 }
 
 TEST_F(WorkflowTest, NobodyStaysSignedInWhereNothingHappens) {

@@ -7,6 +7,7 @@
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/write.hpp>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -127,8 +128,12 @@ class FakeServer {
   Uuid person = Uuid::New();
   // The password is for one use.
   bool must_change_password = false;
+  // What sign-ins are refused with.
+  std::optional<Status> refuse_sign_ins;
   // Exercises in the list, one entry for each; zero: none.
   std::vector<Uuid> assignments;
+  // Fills in the entry of that place in the list.
+  std::function<void(size_t, wire::ExerciseRef&)> describe;
   // The last request for a ticket; all are refused. Read it after the answer.
   const wire::RequestTicket& asked_for() const { return asked_for_; }
 
@@ -162,6 +167,8 @@ class FakeServer {
   }
   // Attempts visible to the person who signs in. Not while it answers.
   std::set<Uuid> seen;
+  // The score of those that it sees, as JSON; empty: not scored yet.
+  std::string result_json;
 
  private:
   wire::RequestTicket asked_for_;
@@ -254,7 +261,8 @@ class FakeServer {
       }
     } else if (request.has_attempt_status()) {
       if (seen.contains(*protocol::ReadUuid(request.attempt_status().attempt(), "attempt"))) {
-        reply.mutable_attempt_state()->set_state("ticketed");
+        reply.mutable_attempt_state()->set_state(result_json.empty() ? "ticketed" : "scored");
+        reply.mutable_attempt_state()->set_result_json(result_json);
       } else {
         *reply.mutable_error() = protocol::ToError(Status(Code::kNotFound, "no such attempt"));
       }
@@ -278,6 +286,8 @@ class FakeServer {
       ++live_;
       last_live_tick_ = request.live_state().tick();
       return;
+    } else if (request.has_sign_in() && refuse_sign_ins) {
+      *reply.mutable_error() = protocol::ToError(*refuse_sign_ins);
     } else if (request.has_sign_in()) {
       wire::SignedIn& in = *reply.mutable_signed_in();
       in.set_person_id(protocol::ToField(person.view()));
@@ -290,6 +300,7 @@ class FakeServer {
           *hash = protocol::ToField(Sha256{}.view());
         }
         if (!assignment.IsZero()) ref.set_assignment(protocol::ToField(assignment.view()));
+        if (describe) describe(static_cast<size_t>(&assignment - assignments.data()), ref);
       }
       reply.mutable_exercises();
     } else if (request.has_request_ticket()) {

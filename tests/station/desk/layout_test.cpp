@@ -1,0 +1,387 @@
+#include "station/desk/layout.h"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include "common/scene/builtin/builtin.h"
+#include "station/desk/exercise_words.h"
+#include "station/desk/pages.h"
+#include "station/render/panel.h"
+#include "tests/station/render/virtual_display.h"
+#include "tests/station/session/kept_attempt.h"
+#include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
+
+// No page cuts words off or draws them over each other: at the sizes that stations have, in every
+// language, with the longest texts that it shows. Nothing is rasterized.
+namespace enamel::station::desk {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = Workflow::Clock;
+using language::Language;
+
+constexpr char kKeptPin[] = "804217";
+constexpr int kFrames = 4;  // until a page's sizes have settled
+
+struct Size {
+  int width_px, height_px;
+};
+
+class LayoutTest : public testing::TestWithParam<Size> {
+ protected:
+  void SetUp() override {
+    if (!display_.ok()) GTEST_SKIP() << "skipped: Xvfb is not installed";
+    screen_.emplace(render::ScreenOptions{.width_px = GetParam().width_px,
+                                          .height_px = GetParam().height_px,
+                                          .visible = false,
+                                          .paced = false});
+    // With these letters the window can say every language.
+    if (render::FindChineseFont()) screen_->Speak(Language::kChinese);
+    ui_.emplace(*screen_);
+  }
+
+  std::vector<Language> languages() const {
+    std::vector<Language> out = {Language::kEnglish, Language::kGerman};
+    if (render::FindChineseFont()) out.push_back(Language::kChinese);
+    return out;
+  }
+  template <typename Page>
+  void Expect(const std::string& what, Page&& page) {
+    for (int i = 0; i < kFrames; ++i) {
+      (void)screen_->Begin();
+      page();
+      ImGui::Render();
+    }
+    for (const std::string& fault : LayoutFaults()) ADD_FAILURE() << what << ": " << fault;
+  }
+
+  void ExpectPanel();
+  void ExpectCards();
+
+  render::VirtualDisplay display_;
+  std::optional<render::Screen> screen_;
+  std::optional<Ui> ui_;
+};
+
+// A person's way through the window, with a server on loopback.
+class PagesLayoutTest : public LayoutTest {
+ protected:
+  void SetUp() override {
+    LayoutTest::SetUp();
+    if (IsSkipped()) return;
+    server_.emplace(folder_);
+    const trace::KeyPair keys = trace::NewKeyPair();
+    Credentials credentials = server_->NewStation();
+    credentials.ticket_key = keys.public_key;
+    ASSERT_TRUE(SaveCredentials(data(), credentials).ok());
+    workplace_ = std::move(*Workplace::Open({.data = data()}));
+    KeepAttempt(data(), workplace_->spool(), credentials, keys.secret_key, server_->person,
+                "pointer", kKeptPin);
+    flow_.emplace(*workplace_, WorkflowOptions{});
+    pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
+  }
+  void TearDown() override {
+    pages_.reset();
+    flow_.reset();
+    workplace_.reset();
+  }
+
+  fs::path data() const { return folder_ / "data"; }
+  template <typename Until>
+  void Await(Until&& until) {
+    const auto patience = Clock::now() + std::chrono::seconds(100);
+    while (!until() && Clock::now() < patience) {
+      (void)screen_->Begin();
+      flow_->Tick(Clock::now(), true);
+      (void)pages_->Draw();
+      ImGui::Render();
+    }
+    ASSERT_TRUE(until()) << flow_->problem();
+  }
+  void Settle() {
+    Await([&] { return !flow_->busy(); });
+  }
+  void ExpectPage(const std::string& what) {
+    for (Language language : languages()) {
+      flow_->Speak(language);
+      Expect(what + ", " + std::string(NameOf(language)), [&] { (void)pages_->Draw(); });
+    }
+  }
+  void ExpectDialog(Dialog dialog, const std::string& what) {
+    flow_->Open(dialog);
+    ExpectPage(what);
+    flow_->CloseDialog();
+  }
+  Uuid Recorded(bool ended) {
+    trace::Header header = HeaderOf(server_->person);
+    EXPECT_TRUE(workplace_->spool().BeginAttempt(header, "class-2", "phantom_desktop").ok());
+    trace::Seal seal;
+    seal.attempt = header.ticket.attempt;
+    if (ended) EXPECT_TRUE(workplace_->spool().PutSeal(seal).ok());
+    return header.ticket.attempt;
+  }
+
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
+  std::optional<FakeServer> server_;
+  std::unique_ptr<Workplace> workplace_;
+  std::optional<Workflow> flow_;
+  std::optional<Pages> pages_;
+};
+
+std::vector<scene::Exercise> AllExercises() {
+  std::vector<scene::Exercise> all;
+  for (const std::string& name : scene::BuiltinSceneNames()) {
+    auto built = scene::BuildBuiltinScene(name, 500'000);
+    ENAMEL_CHECK(built.ok());
+    for (scene::Exercise& exercise : scene::BuiltinExercises(built->scene, {})) {
+      all.push_back(std::move(exercise));
+    }
+  }
+  return all;
+}
+
+// Everything lost, and three errors that fail.
+std::string WorstScore() {
+  const scene::Exercise exercise = AllExercises().front();
+  scoring::ScoreResult score;
+  for (const auto& criterion : exercise.rubric.criteria) {
+    scoring::CriterionResult c;
+    c.name = criterion.metric;
+    c.title = criterion.title;
+    c.max_points = criterion.points;
+    c.reason = "0 points";
+    score.criteria.push_back(c);
+  }
+  score.critical_fail = true;
+  for (const char* error : {"neighbour_damaged", "pulp_exposed", "gross_overextension"}) {
+    scoring::CriticalResult c;
+    c.error = error;
+    c.above = true;
+    c.value = 12.5;
+    c.limit = 0.05;
+    c.unit = "mm3";
+    score.critical.push_back(c);
+  }
+  return scoring::ToJson(score);
+}
+
+// One test for each size, which needs fonts of its own.
+TEST_P(PagesLayoutTest, ShowsAllWords) {
+  ExpectPanel();
+  ExpectCards();
+  server_->SetPageUrl("https://enamel.dental-school.example.edu/enamel");
+  for (Language language : languages()) {
+    flow_->Speak(language);
+    flow_->SignOut(flow_->words().Say("signed_out.lost"));  // looks for what was kept
+    server_->must_change_password = true;
+    flow_->SignIn("ada", "once");
+    Settle();
+    ASSERT_FALSE(flow_->problem().empty());
+    ExpectPage("sign-in, one-time password");
+    server_->refuse_sign_ins = Status(Code::kUnauthenticated, "login or password is wrong");
+    flow_->SignIn("ada", "wrong");
+    Settle();
+    ExpectPage("sign-in, wrong password");
+    server_->refuse_sign_ins.reset();
+  }
+  ExpectDialog(Dialog::kClose, "close");
+
+  flow_->ToReserved();
+  ExpectPage("reserved");
+  flow_->AskPin(0);
+  flow_->OpenReserved("804218");
+  Settle();
+  ASSERT_FALSE(flow_->problem().empty());
+  ExpectPage("pin");
+  flow_->OpenReserved(kKeptPin);
+  Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  ExpectPage("exercise kept");
+  flow_->Start(false);
+  Await([&] { return flow_->place() == Place::kReady && !flow_->busy(); });
+  ExpectPage("ready");
+  Await([&] { return flow_->place() == Place::kRunning; });
+  ExpectPage("running");
+  ExpectDialog(Dialog::kPaused, "paused");
+  ExpectDialog(Dialog::kFinish, "finish");
+  ExpectDialog(Dialog::kGiveUp, "give up");
+  server_->silent = true;
+  flow_->EndAttempt();
+  ExpectPage("hand-in");
+  server_->silent = false;
+  Await([&] { return flow_->place() == Place::kSignIn; });
+
+  server_->must_change_password = false;
+  Recorded(false);
+  const Uuid handed_in = Recorded(true);
+  server_->seen.insert(handed_in);
+  const std::vector<scene::Exercise> exercises = AllExercises();
+  server_->assignments.assign(exercises.size(), Uuid::New());
+  server_->describe = [&](size_t i, wire::ExerciseRef& ref) {
+    ref.set_name(exercises[i].name);
+    ref.set_title(exercises[i].title);
+    ref.set_due_unix_ms(4'000'000'000'000);
+    ref.set_attempt_limit(3);
+    ref.set_attempts_left(2);
+    ref.set_exam(i % 2 == 0);
+    ref.set_best_score(99);
+  };
+  flow_->SignIn("ada", "secret");
+  Await([&] { return flow_->place() == Place::kExercises && !flow_->busy(); });
+  ExpectPage("exercises");
+  flow_->OpenCutOff(0);
+  ExpectPage("cut off");
+  flow_->CloseDialog();
+  flow_->ChooseExercise(0);
+  ExpectPage("exercise");
+  Settle();
+  ExpectPage("exercise that cannot be had");
+  ExpectDialog(Dialog::kReserve, "reserve");
+  ExpectDialog(Dialog::kSignOff, "sign-off");
+  ExpectDialog(Dialog::kReference, "reference");
+  flow_->Back();
+  Settle();
+  flow_->OpenHandedIn(0);
+  Await([&] { return flow_->progress().has_value() && !flow_->busy(); });
+  ExpectPage("result on its way");
+  flow_->ToExercises();
+  Settle();
+  server_->result_json = WorstScore();
+  flow_->OpenHandedIn(0);
+  Await([&] { return flow_->score().has_value(); });
+  ExpectPage("result");
+
+  pages_.reset();
+  flow_.reset();
+  workplace_.reset();
+  for (const char* end : {"-wal", "-shm"}) fs::remove((data() / "spool.sqlite").string() + end);
+  std::ofstream(data() / "spool.sqlite") << std::string(4096, 'Z');
+  Opening opening({.data = data()});
+  ASSERT_EQ(opening.workplace(), nullptr);
+  for (Language language : languages()) {
+    const Words words(language);
+    Expect("trouble, " + std::string(NameOf(language)),
+           [&] { (void)DrawOpeningProblem(*ui_, words, opening); });
+  }
+}
+
+void LayoutTest::ExpectPanel() {
+  render::PanelContent content;
+  content.has_state = true;
+  content.state.time_s = 3607;
+  content.time_limit_s = 5400;
+  for (cutting::Tissue tissue :
+       {cutting::Tissue::kEnamel, cutting::Tissue::kDentin, cutting::Tissue::kPulp,
+        cutting::Tissue::kCaries, cutting::Tissue::kNeighbour}) {
+    content.state.removed_mm3[static_cast<size_t>(tissue)] = 12.34;
+  }
+  content.zones = render::ZoneShares{100, 100, 12.34, 12.34};
+  content.reach.leeway = render::Reach::Leeway{-1.23, 0.5, "place.mesial_wall"};
+  content.reach.pulp_mm = 0.12;
+  for (Language language : languages()) {
+    const Words words(language);
+    content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");
+    content.hint = words.Say("hint.pointer") + "   " + words.Say("hint.outline") + "   " +
+                   words.Say("hint.mirror_held");
+    const std::string name(NameOf(language));
+    auto panel = [&] {
+      render::DrawPanel(content, words, screen_->fonts(), screen_->width(), screen_->height());
+    };
+    for (uint32_t warning = 0; warning < render::kWarningCount; ++warning) {
+      content.state.warnings = 1U << warning;
+      content.bur_away = {{-0.6F, 0.8F}};
+      Expect("warning " + std::to_string(warning) + ", " + name, panel);
+    }
+    content.state.warnings = render::kWarnDisk | render::kWarnOffline | render::kWarnTime;
+    for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kUnplugged,
+                        Fault::kSwitchedOff}) {
+      content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(fault))}});
+      Expect(std::string(FaultKey(fault)) + ", " + name, panel);
+    }
+    content.fault.clear();
+  }
+}
+
+void LayoutTest::ExpectCards() {
+  std::vector<Catalogue::Exercise> all;
+  for (const scene::Exercise& exercise : AllExercises()) {
+    Catalogue::Exercise& ref = all.emplace_back();
+    ref.title = exercise.title;
+    ref.due_unix_ms = 4'000'000'000'000;
+    ref.attempt_limit = 12;
+    ref.exam = true;
+    ref.best_score = 100;
+    ref.facts.emplace();
+    ref.facts->tooth = 46;
+    ref.facts->landmark = exercise.target.landmark;
+    ref.facts->caries = ref.facts->neighbours = ref.facts->graded = true;
+  }
+  for (Language language : languages()) {
+    const Words words(language);
+    std::vector<Card> cards;
+    for (const auto& exercise : all) cards.push_back(CardOf(words, exercise, 0));
+    for (size_t from = 0; from < cards.size(); from += 4) {
+      const auto some = std::span(cards).subspan(from, std::min<size_t>(4, cards.size() - from));
+      Expect("cards, " + std::string(NameOf(language)), [&] {
+        ui_->Begin("exercises", kWidePage);
+        (void)ui_->Cards(some);
+        ui_->End();
+        ui_->EndFrame();
+      });
+    }
+  }
+}
+
+// What it finds, so that the test above can fail.
+TEST_P(LayoutTest, FindsWordsThatCannotBeRead) {
+  const auto w = static_cast<float>(screen_->width()), h = static_cast<float>(screen_->height());
+  auto faults = [&](auto&& draw) {
+    for (int i = 0; i < kFrames; ++i) {
+      (void)screen_->Begin();
+      ImGui::SetNextWindowPos({0, 0});
+      ImGui::SetNextWindowSize({w, h});
+      ImGui::Begin("page", nullptr, ImGuiWindowFlags_NoDecoration);
+      draw(*ImGui::GetWindowDrawList());
+      ImGui::End();
+      ImGui::Render();
+    }
+    return LayoutFaults();
+  };
+  constexpr ImU32 kWhite = 0xffffffff;
+  auto at = [&](float x, float y) {
+    return [=](ImDrawList& list) { list.AddText({x * w, y * h}, kWhite, "Back"); };
+  };
+  EXPECT_TRUE(faults(at(0.5F, 0.5F)).empty());
+  EXPECT_EQ(faults(at(0.99F, 0.5F)).size(), 1U) << "beyond the window";
+  const auto twice = faults([&](ImDrawList& list) {
+    list.AddText({0.5F * w, 0.5F * h}, kWhite, "Back");
+    list.AddText({0.5F * w + 2, 0.5F * h + 2}, kWhite, "Next");
+  });
+  ASSERT_FALSE(twice.empty());
+  EXPECT_NE(twice[0].find("over each other: 'Back"), std::string::npos) << twice[0];
+  const auto boxed = faults([&](ImDrawList& list) {
+    list.PushClipRect({0.5F * w, 0}, {0.5F * w + 0.5F * ImGui::CalcTextSize("F").x, h}, true);
+    list.AddText({0.5F * w, 0.5F * h}, kWhite, "Find devices");
+    list.PopClipRect();
+  });
+  ASSERT_EQ(boxed.size(), 1U);
+  EXPECT_NE(boxed[0].find("cut off: 'F"), std::string::npos) << boxed[0];
+  const auto tall = faults([&](ImDrawList&) { ImGui::Dummy({10, 2 * h}); });
+  ASSERT_EQ(tall.size(), 1U);
+  EXPECT_EQ(tall[0], "longer than its place: page");
+}
+
+constexpr Size kSizes[] = {{900, 600}, {1366, 768}, {1920, 1080}, {3840, 2160}};
+std::string SizeName(const testing::TestParamInfo<Size>& size) {
+  return std::to_string(size.param.width_px) + "x" + std::to_string(size.param.height_px);
+}
+INSTANTIATE_TEST_SUITE_P(Smallest, LayoutTest, testing::Values(kSizes[0]), SizeName);
+INSTANTIATE_TEST_SUITE_P(Sizes, PagesLayoutTest, testing::ValuesIn(kSizes), SizeName);
+
+}  // namespace
+}  // namespace enamel::station::desk
