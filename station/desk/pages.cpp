@@ -118,10 +118,10 @@ bool Pages::Draw() {
 }
 
 void Pages::SignIn() {
-  ui_.Begin("sign-in", {0.2f, 0.03f, 0.6f, 0.95f, false});
+  ui_.Begin("sign-in", {0.18f, 0.015f, 0.64f, 0.975f, false});
   ui_.Title("Enamel");
   ui_.Note(Say("sign_in.station", {{"station", station_}}));
-  ui_.Gap();
+  ui_.Gap(10);
   bool go = ui_.Field(Say("sign_in.login"), login_);
   // Enter in the first field moves to the second.
   if (go && password_.empty()) {
