@@ -319,12 +319,12 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
   // After checking the old password, so that this reveals nothing to somebody who does not know it.
   if (change.new_password == change.old_password) {
     return Status(Code::kInvalidInput, "that is already your password; choose another",
-                  "new_password");
+                  kNewPassword);
   }
   auto verifier = NewVerifier(change.new_password, person.login, person.display_name);
   if (!verifier.ok()) {
     const Status& why = verifier.status();
-    return Status(why.code(), why.message(), why.field().empty() ? "" : "new_password");
+    return Status(why.code(), why.message(), why.field().empty() ? "" : kNewPassword);
   }
   ENAMEL_RETURN_IF_ERROR(
       store_.people.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));

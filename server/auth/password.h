@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/password.h"
 #include "common/base/result.h"
 
 // Passwords: argon2id by libsodium. Thread safety: functions, any thread. Blocks for about 50 ms
@@ -14,9 +15,6 @@ struct PasswordCost {
   unsigned long long passes = 2;
   size_t memory_bytes = size_t{64} << 20;
 };
-
-inline constexpr size_t kMinPasswordLength = 8;
-inline constexpr size_t kMaxPasswordLength = 256;
 
 // A password has to withstand this many guesses (guesses.h). At the sign-in that is years: a login
 // gets at most some 650 000 tries a month from all addresses together (throttle.h). Somebody who

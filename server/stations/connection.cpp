@@ -234,6 +234,23 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
       return session_->FinishSignIn(request, signed_in);
     });
   }
+  if (session_->welcomed() && request.has_choose_password()) {
+    auto wanted = co_await pool_.Run([&] {
+      const LogRequest logged(id_);
+      return session_->PasswordWanted(request);
+    });
+    Result<auth::SignedIn> signed_in = Status(Code::kInternal, "no password was chosen");
+    if (!wanted.ok()) {
+      signed_in = wanted.status();
+    } else {
+      signed_in = co_await session_->authenticator().ChangePassword(std::move(wanted->identity),
+                                                                    std::move(wanted->change));
+    }
+    co_return co_await pool_.Run([&] {
+      const LogRequest logged(id_);
+      return session_->FinishSignIn(request, signed_in);
+    });
+  }
   if (auto who = session_->SignOffWanted(request)) {
     auto signer = co_await session_->authenticator().CheckPin(std::move(*who));
     co_return co_await pool_.Run([&] {

@@ -232,6 +232,10 @@ Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::Si
   }
   if (!admitted.ok()) return AnswerOf(request, admitted, true);
   if (!result.ok()) return AnswerOf(request, result.status(), false);
+  // The new password has ended it.
+  if (request.has_choose_password()) {
+    signed_in_.erase(auth::TokenHash(AsBytes(request.choose_password().session())));
+  }
   if (signed_in_.size() >= kMaxSignedIn) {
     (void)services_.authenticator.SignOut(result->identity.token_hash);
     return AnswerOf(request,
@@ -269,14 +273,31 @@ void Session::End() {
   signed_in_.clear();
 }
 
-Result<Person> Session::PersonOf(const std::string& session_token) {
+Result<auth::Identity> Session::IdentityOf(const std::string& session_token) {
   // On this connection: a token that was read elsewhere does not work here.
   if (!signed_in_.contains(auth::TokenHash(AsBytes(session_token)))) {
     return Status(Code::kUnauthenticated,
                   "nobody is signed in with this session here; sign in again", "session");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto identity,
-                          services_.authenticator.Authenticate(AsBytes(session_token)));
+  return services_.authenticator.Authenticate(AsBytes(session_token));
+}
+
+Result<Session::PasswordChoice> Session::PasswordWanted(const wire::Request& request) {
+  const wire::ChoosePassword& choice = request.choose_password();
+  ENAMEL_RETURN_IF_ERROR(StillAdmitted());
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, IdentityOf(choice.session()));
+  if (!identity.person.must_change_password) {
+    return Status(Code::kForbidden,
+                  "only a one-time password is replaced at a station; change yours on the page",
+                  "session");
+  }
+  return PasswordChoice{identity,
+                        {choice.old_password(), choice.new_password(), peer_address_,
+                         auth::kViaStation, station_->name}};
+}
+
+Result<Person> Session::PersonOf(const std::string& session_token) {
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, IdentityOf(session_token));
   if (identity.person.must_change_password) {
     return Status(Code::kForbidden,
                   "this password is only good for choosing your own: open the page" +

@@ -79,12 +79,19 @@ class Session {
   bool IsQuick(const wire::Request& request) const {
     return (request.has_live_state() || request.has_ping()) && KnownAdmitted();
   }
-  // Everything but sign-in and sign-off, which wait for the hashing threads:
+  // Everything but sign-in, ChoosePassword and sign-off, which wait for the hashing threads:
   //   if (auto who = session.SignInWanted(request)) answer = session.FinishSignIn(request, co_await
   //   …);
   Answer Handle(const wire::Request& request);
   std::optional<auth::SignInRequest> SignInWanted(const wire::Request& request) const;
   Answer FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result);
+  // A one-time password is replaced: with Authenticator::ChangePassword, then FinishSignIn. Blocks.
+  // Errors: kForbidden when it is another kind of password; PersonOf's.
+  struct PasswordChoice {
+    auth::Identity identity;
+    auth::Authenticator::PasswordChange change;
+  };
+  Result<PasswordChoice> PasswordWanted(const wire::Request& request);
   // The same of a sign-off, with Authenticator::CheckPin.
   std::optional<auth::SignInRequest> SignOffWanted(const wire::Request& request) const;
   Answer FinishSignOff(const wire::Request& request, const Result<Person>& signer);
@@ -120,6 +127,7 @@ class Session {
   Status StillAdmitted();
   // It has said something.
   void NoteHeard();
+  Result<auth::Identity> IdentityOf(const std::string& session_token);
   Result<Person> PersonOf(const std::string& session_token);
   // An attempt that the person of this session may see. Errors: kNotFound for others' attempts, as
   // if they did not exist, so that nobody learns of them; PersonOf's.

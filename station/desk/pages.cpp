@@ -40,6 +40,7 @@ bool Pages::Draw() {
   // Typed text belongs to the person who typed it: the next person at this window must not find it.
   if (flow_.place() != before_) {
     password_.clear();
+    password_again_.clear();
     dentist_.clear();
     consent_ = false;
     said_.reset();
@@ -58,6 +59,9 @@ bool Pages::Draw() {
   switch (flow_.place()) {
     case Place::kSignIn:
       SignIn();
+      break;
+    case Place::kFirstPassword:
+      FirstPassword();
       break;
     case Place::kReserved:
       Reserved();

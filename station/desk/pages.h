@@ -27,6 +27,7 @@ class Pages {
 
  private:
   void SignIn();
+  void FirstPassword();
   void Languages();
   void Exercises();
   Card AttemptCard(const SpooledAttempt& attempt, std::string_view title, const std::string& text,
@@ -61,7 +62,7 @@ class Pages {
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, dentist_, anyway_, pin_, pin_again_, signer_;
+  std::string login_, password_, password_again_, dentist_, anyway_, pin_, pin_again_, signer_;
   bool consent_ = false, as_reference_ = false;
   // A message sent to this chair, until the person dismisses it.
   struct Said {

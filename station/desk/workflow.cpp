@@ -36,6 +36,7 @@ void Workflow::Go(Place place) {
   dialog_ = Dialog::kNone;
   // A pending step belongs to the place being left.
   once_free_ = {};
+  if (place != Place::kFirstPassword) signing_in_ = {};
   problem_.clear();
   notice_.clear();
 }
@@ -57,9 +58,7 @@ void Workflow::Fail(const Status& status) {
 // The same for a wrong password, an unknown login and a one-time password that was used: who guesses
 // learns nothing, and who has one learns what it was good for.
 void Workflow::FailToSignIn(const Status& status) {
-  if (status.field() == kChooseOwnPassword) {
-    problem_ = words_.Say("sign_in.choose_own", {{"page", workplace_.page()}});
-  } else if (status.code() == Code::kUnauthenticated && status.field().empty()) {
+  if (status.code() == Code::kUnauthenticated && status.field().empty()) {
     problem_ = words_.Say("sign_in.wrong");
   } else {
     Fail(status);
@@ -88,8 +87,9 @@ void Workflow::Tick(Clock::time_point now, bool active) {
       break;
   }
   // Not during an attempt or while handing in: the person may be thinking, or waiting for us.
-  bool may_idle = place_ == Place::kExercises || place_ == Place::kExercise ||
-                  place_ == Place::kResult || place_ == Place::kReserved;
+  bool may_idle = place_ == Place::kFirstPassword || place_ == Place::kExercises ||
+                  place_ == Place::kExercise || place_ == Place::kResult ||
+                  place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
     SignOut(words_.Say("signed_out.idle"));
   }
@@ -104,19 +104,29 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
     return;
   }
   task_.Start("task.sign_in", [this, login, password]() -> BackgroundTask::After {
-    auto person = workplace_.SignIn(login, password);
-    if (!person.ok()) return [this, s = person.status()] { FailToSignIn(s); };
-    auto catalogue = workplace_.Exercises();
-    if (catalogue.ok()) workplace_.Describe(*catalogue);
-    return [this, p = *person, c = std::move(catalogue), k = KeptOf(person->id)] {
-      person_ = p;
-      Go(Place::kExercises);
-      TakeExercises(c, k);
-      const Shown shown = std::exchange(come_back_to_, {});
-      // Another person must not see whose result was open here.
-      if (!shown.attempt.IsZero() && shown.person == p.id) ShowResult(shown);
-    };
+    return SignedIn(workplace_.SignIn(login, password), {login, password});
   });
+}
+
+// In the background task of a sign-in.
+BackgroundTask::After Workflow::SignedIn(const Result<Person>& person, const SigningIn& who) {
+  if (!person.ok()) {
+    return [this, s = person.status(), who] {
+      if (s.code() != Code::kForbidden || s.field() != kOneTimePassword) return FailToSignIn(s);
+      Go(Place::kFirstPassword);
+      signing_in_ = who;
+    };
+  }
+  auto catalogue = workplace_.Exercises();
+  if (catalogue.ok()) workplace_.Describe(*catalogue);
+  return [this, p = *person, c = std::move(catalogue), k = KeptOf(person->id)] {
+    person_ = p;
+    Go(Place::kExercises);
+    TakeExercises(c, k);
+    const Shown shown = std::exchange(come_back_to_, {});
+    // Another person must not see whose result was open here.
+    if (!shown.attempt.IsZero() && shown.person == p.id) ShowResult(shown);
+  };
 }
 
 Workflow::Kept Workflow::KeptOf(const Uuid& person) {
@@ -455,6 +465,7 @@ void Workflow::Back() {
       preview_.reset();
       if (offline_) return SignOut();
       return Go(Place::kExercises);
+    case Place::kFirstPassword:
     case Place::kReserved:
       return SignOut();
     case Place::kReady:

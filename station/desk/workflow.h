@@ -15,7 +15,17 @@
 
 namespace enamel::station::desk {
 
-enum class Place { kSignIn, kReserved, kExercises, kExercise, kReady, kRunning, kHandIn, kResult };
+enum class Place {
+  kSignIn,
+  kFirstPassword,  // in place of a one-time password
+  kReserved,
+  kExercises,
+  kExercise,
+  kReady,
+  kRunning,
+  kHandIn,
+  kResult
+};
 enum class Dialog {
   kNone,
   kPaused,
@@ -127,6 +137,8 @@ class Workflow {
 
   // --- steps ---
   void SignIn(const std::string& login, const std::string& password);
+  // Replaces the one-time password, and shows the exercises. Until then it works.
+  void ChoosePassword(const std::string& chosen, const std::string& again);
   void SignOut(const std::string& why = {});
   void Refresh();  // the exercises
   void ChooseExercise(size_t index);
@@ -171,7 +183,12 @@ class Workflow {
     Uuid person, attempt;  // zero: none
     std::string title;
   };
+  // A person signing in, whose one-time password is kept until another is chosen.
+  struct SigningIn {
+    std::string login, one_time;
+  };
   void Go(Place place);
+  BackgroundTask::After SignedIn(const Result<Person>& person, const SigningIn& who);
   void WhenFree(std::function<void()> step);
   void FreeAgain();
   Kept KeptOf(const Uuid& person);
@@ -205,6 +222,7 @@ class Workflow {
   Dialog dialog_ = Dialog::kNone;
   std::string problem_, notice_;
   Person person_;
+  SigningIn signing_in_;
   Catalogue catalogue_;
   Catalogue::Exercise chosen_;
   Way way_ = Way::kTicket;

@@ -138,8 +138,7 @@ Status Workplace::ConnectForPeople(ServerLink& link) {
 }
 
 // A failed sign-in is logged without the typed login: it may be a password in the wrong field.
-Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
-  auto person = SignInAtServer(login, password);
+Result<Person> Workplace::Logged(Result<Person> person) const {
   if (person.ok()) {
     spdlog::info("person {} ({}) has signed in", person->id.Text(), person->role);
   } else if (!IsStopped(person.status())) {
@@ -148,7 +147,18 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
   return person;
 }
 
-Result<Person> Workplace::SignInAtServer(const std::string& login, const std::string& password) {
+Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
+  return Logged(SignInAtServer(login, password, {}));
+}
+
+Result<Person> Workplace::SignInChoosing(const std::string& login, const std::string& one_time,
+                                         const std::string& chosen) {
+  return Logged(SignInAtServer(login, one_time, chosen));
+}
+
+// `chosen`: in place of a one-time password; empty: none is chosen.
+Result<Person> Workplace::SignInAtServer(const std::string& login, const std::string& password,
+                                         const std::string& chosen) {
   auto link = UseLink();
   const bool kept = link->connected();
   if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
@@ -161,18 +171,21 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
   }
   if (!person.ok()) return person.status();
   uploader_.Retry();
+  if (person->must_change_password && !chosen.empty()) {
+    person = link->ChoosePassword(*person, password, chosen);
+    // Ends the session that the one-time password began.
+    if (!person.ok()) link->Close();
+    if (!person.ok()) return person.status();
+  }
   if (person->must_change_password) {
-    const std::string page = link->page_url().empty() ? credentials_.server.host : link->page_url();
+    const std::string page =
+        link->page_url().empty() ? "the page of " + credentials_.server.host : link->page_url();
     link->Close();
-    {
-      MutexLock lock(mutex_);
-      page_ = page;
-    }
     return Status(Code::kForbidden,
                   "this password is only good for choosing your own. Open " + page +
                       " on any computer, sign in there and choose your own; then sign in here "
                       "again",
-                  kChooseOwnPassword);
+                  kOneTimePassword);
   }
   MutexLock lock(mutex_);
   // Signed out during the request: the next person must not find this one signed in.
@@ -180,11 +193,6 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
     return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
   person_ = *person;
   return *person;
-}
-
-std::string Workplace::page() const {
-  MutexLock lock(mutex_);
-  return page_;
 }
 
 void Workplace::ForgetPerson(const char* how) {

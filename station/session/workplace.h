@@ -33,6 +33,9 @@ enum class HandedBack {
 // Field of MarkReference's kConflict that a reason would resolve.
 inline constexpr const char* kNeedsReason = protocol::kAnyway;
 
+// Field of SignIn's kForbidden for a one-time password.
+inline constexpr const char* kOneTimePassword = "one_time_password";
+
 struct WorkplaceOptions {
   std::filesystem::path data;
   std::string server = {};  // HOST:PORT when it has moved since enrolment; else empty
@@ -54,7 +57,7 @@ struct WorkplaceOptions {
 //
 // Errors of the steps: the server's refusals in its words, kUnavailable when it cannot be reached
 // (the message says what to do), kUnauthenticated when nobody is signed in.
-inline constexpr char kServerAway[] = "server_away", kChooseOwnPassword[] = "own_password";
+inline constexpr char kServerAway[] = "server_away";
 
 class Workplace {
  public:
@@ -66,11 +69,13 @@ class Workplace {
 
   const std::filesystem::path& data() const { return data_; }  // the station's folder
   // Connects if needed. Errors also: kVersion when the server's core differs (recordings can be
-  // uploaded, attempts not begun); kForbidden for a one-time password, with where to change it (the
-  // page's address, if the server gives it). Fields: kServerAway, kChooseOwnPassword.
+  // uploaded, attempts not begun); kForbidden with field kOneTimePassword for such a password, with
+  // where to change it (the page's address, if the server gives it).
   Result<Person> SignIn(const std::string& login, const std::string& password);
-  // Where the person whom a sign-in refused with kChooseOwnPassword chooses one.
-  std::string page() const;
+  // The same with a one-time password, which `chosen` replaces. Until it does, the one-time
+  // password works. Errors also: ServerLink::ChoosePassword's.
+  Result<Person> SignInChoosing(const std::string& login, const std::string& one_time,
+                                const std::string& chosen);
   // Ends the connection and with it the sign-in, at once: a step waiting for the server ends with
   // kUnavailable (field "cancelled").
   void SignOut();
@@ -165,7 +170,9 @@ class Workplace {
 
  private:
   Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
-  Result<Person> SignInAtServer(const std::string& login, const std::string& password);
+  Result<Person> SignInAtServer(const std::string& login, const std::string& password,
+                                const std::string& chosen);
+  Result<Person> Logged(Result<Person> person) const;
   Status ConnectForPeople(ServerLink& link);
   Status CheckTicket(const trace::Ticket& ticket) const;
   Status MeasureGap(PreparedAttempt& prepared);
@@ -201,7 +208,6 @@ class Workplace {
   std::shared_ptr<ServerLink> link_ ENAMEL_GUARDED_BY(mutex_) = std::make_shared<ServerLink>();
   std::condition_variable_any changed_;
   std::optional<Person> person_ ENAMEL_GUARDED_BY(mutex_);
-  std::string page_ ENAMEL_GUARDED_BY(mutex_);
   Uuid unused_ ENAMEL_GUARDED_BY(mutex_);  // taken by TakeTicket and not used
   bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;
   std::thread keep_alive_;

@@ -156,6 +156,20 @@ Result<Person> ServerLink::SignIn(const std::string& login, const std::string& p
   wire::Request request;
   request.mutable_sign_in()->set_login(login);
   request.mutable_sign_in()->set_password(password);
+  return CallForPerson(request);
+}
+
+Result<Person> ServerLink::ChoosePassword(const Person& person, const std::string& one_time,
+                                          const std::string& chosen) {
+  wire::Request request;
+  auto* choose = request.mutable_choose_password();
+  choose->set_session(person.session);
+  choose->set_old_password(one_time);
+  choose->set_new_password(chosen);
+  return CallForPerson(request);
+}
+
+Result<Person> ServerLink::CallForPerson(wire::Request& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_signed_in()) return Unexpected("SignedIn");
   const wire::SignedIn& in = reply.signed_in();

@@ -28,7 +28,7 @@ struct Person {
   std::string role;
   std::string session;  // opaque
   // The password was for one use: the server allows nothing here until the person chooses another
-  // on the page.
+  // (ChoosePassword, or on the page).
   bool must_change_password = false;
 };
 
@@ -133,6 +133,12 @@ class ServerLink {
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
 
   Result<Person> SignIn(const std::string& login, const std::string& password);
+  // Replaces the one-time password that `person` signed in with on this connection. Returns the
+  // person with another session. Errors: kInvalidInput with field kNewPassword (the server's
+  // rules), kForbidden (the old one is wrong); kUnavailable also while tries are slowed
+  // down.
+  Result<Person> ChoosePassword(const Person& person, const std::string& one_time,
+                                const std::string& chosen);
   Result<Catalogue> ListExercises(const Person& person);
   // From the cache if possible. Errors: kConflict when the answer is not the requested blob.
   Result<Bytes> FetchBlob(const Sha256& name, const BlobCache& cache);
@@ -195,6 +201,8 @@ class ServerLink {
   Status Send(wire::Request& request);
   Result<wire::Reply> Receive(uint32_t reply_to);
   Result<wire::Reply> Call(wire::Request& request);
+  // A request that SignedIn answers.
+  Result<Person> CallForPerson(wire::Request& request);
 
   // Closes a connection on which nothing has moved for too long.
   Status LeaveSilent();

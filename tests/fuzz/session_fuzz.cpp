@@ -35,15 +35,7 @@ struct Target {
   }
 
   wire::Reply Carry(const wire::Request& request) {
-    Answer answer;
-    if (auto who = session->SignInWanted(request)) {
-      answer = session->FinishSignIn(request, world.authenticator.SignInHere(*who));
-    } else if (auto signer = session->SignOffWanted(request)) {
-      answer = session->FinishSignOff(request, world.authenticator.CheckPinHere(*signer));
-    } else {
-      answer = session->Handle(request);
-    }
-    return answer.reply.value_or(wire::Reply());
+    return world_of::CarryTo(*session, request).reply.value_or(wire::Reply());
   }
 
   void Restart() { session.emplace(world.services, "127.0.0.1"); }

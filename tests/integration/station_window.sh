@@ -16,7 +16,7 @@ export LC_ALL=C.UTF-8  # it reads English
 "$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 port=$(free_ports)
-start_server "$work/server" "$port" --page-url https://school.example/enamel
+start_server "$work/server" "$port"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
   --code "$("$bin/enamel-server" admin enrol-code --data "$work/server")" >/dev/null
 ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$station" --exercise "$exercise" --quiet \
@@ -203,9 +203,21 @@ type once
 key Tab
 type $once
 key Enter
-see Open https://school.example/enamel
+page first-password
 frames 2
 picture PICTURES/14-once.png
+type kettle orbit plum fence
+key Enter
+type kettle orbit plum fence
+key Enter
+page exercises
+key Escape
+page sign-in
+type once
+key Tab
+type kettle orbit plum fence
+key Enter
+page exercises
 quit
 EOF
 

@@ -45,6 +45,7 @@ std::vector<Line> Lines() {
     {"hello",          In({     "ok",   "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
     {"enrol",          In({     kNo,    "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
     {"sign_in",        In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         kNo,          kNo})},
+    {"choose_password", In({    kNo,    kNo,          "forbidden",  "forbidden",  "forbidden",  "ok",         kNo,          kNo})},
     {"list_exercises", In({     kNo,    kNo,          "ok",         "ok",         "ok",         "forbidden",  kNo,          kNo})},
     {"get_blob",       In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"request_ticket", In({     kNo,    kNo,          "ok",         "forbidden",  "ok",         "forbidden",  kNo,          kNo})},
@@ -83,13 +84,7 @@ class LinkAuthorisationTest : public ::testing::Test {
   }
 
   std::optional<wire::Reply> Carry(const wire::Request& request) {
-    if (auto who = session_.SignInWanted(request)) {
-      return session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
-    }
-    if (auto who = session_.SignOffWanted(request)) {
-      return session_.FinishSignOff(request, world_.authenticator.CheckPinHere(*who)).reply;
-    }
-    return session_.Handle(request).reply;
+    return CarryTo(session_, request).reply;
   }
   void Reconnect() {
     session_.End();
@@ -128,6 +123,10 @@ class LinkAuthorisationTest : public ::testing::Test {
     } else if (message == "sign_in") {
       out.mutable_sign_in()->set_login("student");
       out.mutable_sign_in()->set_password(kPassword);
+    } else if (message == "choose_password") {
+      out.mutable_choose_password()->set_session(station_.session);
+      out.mutable_choose_password()->set_old_password(kPassword);
+      out.mutable_choose_password()->set_new_password("kettle orbit plum fence");
     } else if (message == "list_exercises") {
       out.mutable_list_exercises()->set_session(station_.session);
     } else if (message == "get_blob") {
@@ -248,6 +247,41 @@ TEST_F(LinkAuthorisationTest, PasswordForOneUseIsToldAtSignIn) {
   ASSERT_NO_FATAL_FAILURE(Become("nobody"));
   EXPECT_TRUE(station_.SignIn("once").signed_in().must_change_password());
   EXPECT_FALSE(station_.SignIn("student").signed_in().must_change_password());
+}
+
+TEST_F(LinkAuthorisationTest, OneTimePasswordIsUsedUpOnlyByTheNewOne) {
+  constexpr char kNew[] = "kettle orbit plum fence";
+  ASSERT_NO_FATAL_FAILURE(Become("once"));
+  const auto refused = [&](const std::string& old, const std::string& fresh) {
+    const wire::Error error = station_.ChoosePassword(old, fresh).error();
+    return error.code() + " " + error.field();
+  };
+  EXPECT_EQ(refused(kPassword, "short"), "invalid_input new_password");
+  EXPECT_EQ(refused(kPassword, std::string(300, 'x')), "invalid_input new_password");
+  EXPECT_EQ(refused(kPassword, kPassword), "invalid_input new_password");
+  EXPECT_EQ(refused("another one", kNew), "forbidden password");
+  EXPECT_EQ(refused(std::string(300, 'x'), kNew), "forbidden password");
+  EXPECT_TRUE(station_.SignIn("once").signed_in().must_change_password()) << "it still works";
+
+  const std::string before = station_.session;
+  const wire::Reply chosen = station_.ChoosePassword(kPassword, kNew);
+  ASSERT_TRUE(chosen.has_signed_in()) << chosen.error().message();
+  EXPECT_FALSE(chosen.signed_in().must_change_password());
+  EXPECT_TRUE(Carry(RequestOf("list_exercises"))->has_exercises());
+  EXPECT_EQ(refused(kNew, "another plum fence kettle"), "forbidden session") << "only at first";
+  station_.session = before;
+  EXPECT_EQ(Carry(RequestOf("list_exercises"))->error().code(), kNo) << "its session has ended";
+  EXPECT_EQ(station_.SignIn("once").error().code(), kNo);
+  EXPECT_TRUE(station_.SignIn("once", kNew).has_signed_in());
+}
+
+TEST_F(LinkAuthorisationTest, WrongOneTimePasswordsSlowDownAsSignInsDo) {
+  ASSERT_NO_FATAL_FAILURE(Become("once"));
+  wire::Reply reply;
+  for (int i = 0; i < 100 && reply.error().field() != "throttled"; ++i) {
+    reply = station_.ChoosePassword("another one", "kettle orbit plum fence");
+  }
+  EXPECT_EQ(reply.error().code(), "unavailable") << "tries without an end";
 }
 
 TEST_F(LinkAuthorisationTest, StationIsToldWhereThePageIs) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
@@ -72,6 +75,32 @@ struct LinkWorld {
   ExerciseRow exercise;
 };
 
+// Carries a request to the session as a connection does.
+inline Answer CarryTo(Session& session, const wire::Request& request) {
+  auth::Authenticator& authenticator = session.authenticator();
+  if (auto who = session.SignInWanted(request)) {
+    return session.FinishSignIn(request, authenticator.SignInHere(*who));
+  }
+  if (session.welcomed() && request.has_choose_password()) {
+    auto wanted = session.PasswordWanted(request);
+    if (!wanted.ok()) return session.FinishSignIn(request, wanted.status());
+    boost::asio::io_context io;
+    std::optional<Result<auth::SignedIn>> changed;
+    boost::asio::co_spawn(
+        io,
+        [&]() -> boost::asio::awaitable<void> {
+          changed.emplace(co_await authenticator.ChangePassword(wanted->identity, wanted->change));
+        },
+        [](const std::exception_ptr& failed) { EXPECT_FALSE(failed); });
+    io.run();
+    return session.FinishSignIn(request, *changed);
+  }
+  if (auto who = session.SignOffWanted(request)) {
+    return session.FinishSignOff(request, authenticator.CheckPinHere(*who));
+  }
+  return session.Handle(request);
+}
+
 // Makes requests; `Ask` carries one to the server and back, over a Session or over TLS.
 class ScriptedStation {
  public:
@@ -116,6 +145,17 @@ class ScriptedStation {
     wire::Request request;
     request.mutable_sign_in()->set_login(login);
     request.mutable_sign_in()->set_password(password);
+    wire::Reply reply = Send(request);
+    if (reply.has_signed_in()) session = reply.signed_in().session();
+    return reply;
+  }
+
+  wire::Reply ChoosePassword(const std::string& old_password, const std::string& new_password) {
+    wire::Request request;
+    wire::ChoosePassword& body = *request.mutable_choose_password();
+    body.set_session(session);
+    body.set_old_password(old_password);
+    body.set_new_password(new_password);
     wire::Reply reply = Send(request);
     if (reply.has_signed_in()) session = reply.signed_in().session();
     return reply;
@@ -292,13 +332,7 @@ class StudentAtStation : public ::testing::Test {
   }
 
   wire::Reply Carry(const wire::Request& request) {
-    if (auto who = session_.SignInWanted(request)) {
-      return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
-    }
-    if (auto who = session_.SignOffWanted(request)) {
-      return *session_.FinishSignOff(request, world_.authenticator.CheckPinHere(*who)).reply;
-    }
-    return session_.Handle(request).reply.value_or(wire::Reply());
+    return CarryTo(session_, request).reply.value_or(wire::Reply());
   }
 
   LinkWorld world_;

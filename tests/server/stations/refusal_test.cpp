@@ -23,11 +23,7 @@ class ChunkRefusalTest : public ::testing::Test {
   }
 
   wire::Reply Carry(const wire::Request& request) {
-    if (auto who = session_->SignInWanted(request)) {
-      auto result = world_.authenticator.SignInHere(*who);
-      return *session_->FinishSignIn(request, result).reply;
-    }
-    return session_->Handle(request).reply.value_or(wire::Reply());
+    return CarryTo(*session_, request).reply.value_or(wire::Reply());
   }
 
   Recording NewRecording() {

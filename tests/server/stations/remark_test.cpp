@@ -17,13 +17,7 @@ class RemarkTest : public ::testing::Test {
 
   wire::Reply Carry(const wire::Request& request) {
     if (!session_) session_.emplace(world_.services, "127.0.0.1");
-    Answer answer;
-    if (auto who = session_->SignInWanted(request)) {
-      answer = session_->FinishSignIn(request, world_.authenticator.SignInHere(*who));
-    } else {
-      answer = session_->Handle(request);
-    }
-    return answer.reply.value_or(wire::Reply());
+    return CarryTo(*session_, request).reply.value_or(wire::Reply());
   }
 
   void Hello(bool shows_remarks = true) {

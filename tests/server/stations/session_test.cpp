@@ -14,12 +14,7 @@ using namespace testing;
 class SessionTest : public ::testing::Test {
  protected:
   wire::Reply Carry(const wire::Request& request) {
-    Answer answer;
-    if (auto who = session_.SignInWanted(request)) {
-      answer = session_.FinishSignIn(request, world_.authenticator.SignInHere(*who));
-    } else {
-      answer = session_.Handle(request);
-    }
+    const Answer answer = CarryTo(session_, request);
     closed_ = answer.close;
     EXPECT_TRUE(answer.reply.has_value());
     return answer.reply.value_or(wire::Reply());

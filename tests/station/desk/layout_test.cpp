@@ -182,8 +182,12 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
     server_->must_change_password = true;
     flow_->SignIn("ada", "once");
     Settle();
+    ASSERT_EQ(flow_->place(), Place::kFirstPassword);
+    flow_->ChoosePassword("short", "short");
     ASSERT_FALSE(flow_->problem().empty());
-    ExpectPage("sign-in, one-time password");
+    ExpectPage("first password");
+    flow_->Back();
+    server_->must_change_password = false;
     server_->refuse_sign_ins = Status(Code::kUnauthenticated, "login or password is wrong");
     flow_->SignIn("ada", "wrong");
     Settle();

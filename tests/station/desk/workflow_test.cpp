@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/base/password.h"
+#include "station/desk/first_password.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
@@ -225,13 +227,65 @@ TEST_F(WorkflowTest, TicketKeptForLaterIsGivenBackWithItsPinAlone) {
   EXPECT_EQ(flow_->place(), Place::kSignIn);
 }
 
-TEST_F(WorkflowTest, WhoHasToChooseAPasswordIsToldWhereOnTheSignInPage) {
+TEST_F(WorkflowTest, FirstPasswordIsChosenAtTheChair) {
+  constexpr char kOneTime[] = "k7mq-2xhd", kNew[] = "kettle orbit plum fence";
   server_->must_change_password = true;
-  server_->SetPageUrl("https://enamel.example.edu");
-  flow_->SignIn("ada", "once");
+  server_->assignments = {Uuid::New()};
+  flow_->SignIn("ada", kOneTime);
+  Settle();
+  ASSERT_EQ(flow_->place(), Place::kFirstPassword) << flow_->problem();
+  EXPECT_TRUE(flow_->problem().empty()) << flow_->problem();
+  EXPECT_FALSE(workplace_->person().has_value()) << "nobody is signed in with it";
+
+  flow_->ChoosePassword(kNew, "kettle orbit plum fench");
+  EXPECT_FALSE(flow_->busy()) << "nothing is sent of two that differ";
+  EXPECT_EQ(flow_->problem(), "The two passwords do not match. Enter the new password again.");
+  server_->refuse_passwords = Status(Code::kInvalidInput, "among the first", kNewPassword);
+  flow_->ChoosePassword("password1", "password1");
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kFirstPassword);
+  EXPECT_NE(flow_->problem().find("easy to guess"), std::string::npos) << flow_->problem();
+
+  server_->refuse_passwords.reset();
+  flow_->ChoosePassword(kNew, kNew);
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kExercises) << flow_->problem();
+  EXPECT_EQ(flow_->exercises().size(), 1u);
+  EXPECT_EQ(server_->password_choice().session(), "once");
+  EXPECT_EQ(server_->password_choice().old_password(), kOneTime);
+  EXPECT_EQ(server_->password_choice().new_password(), kNew);
+  EXPECT_EQ(workplace_->person()->session, "own");
+}
+
+TEST_F(WorkflowTest, WhoLeavesTheFirstPasswordSignsInWithTheOldOneAgain) {
+  server_->must_change_password = true;
+  flow_->SignIn("ada", "k7mq-2xhd");
+  Settle();
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_TRUE(server_->password_choice().new_password().empty());
+  flow_->SignIn("ada", "k7mq-2xhd");
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kFirstPassword);
+  server_->refuse_passwords = Status(Code::kUnauthenticated, "it has expired");
+  flow_->ChoosePassword("kettle orbit plum fence", "kettle orbit plum fence");
   Settle();
   EXPECT_EQ(flow_->place(), Place::kSignIn);
-  EXPECT_NE(flow_->problem().find("Open https://enamel.example.edu"), std::string::npos);
+  EXPECT_EQ(flow_->problem(), "it has expired");
+}
+
+TEST(ProblemOfPasswordTest, SaysWhatThePageSays) {
+  const language::Words words(language::Language::kEnglish);
+  const auto problem = [&](const std::string& chosen, const std::string& again) {
+    return ProblemOfPassword(words, "k7mq-2xhd", chosen, again);
+  };
+  EXPECT_EQ(problem("sechsü", "sechsü"), "Use at least 8 characters. This password has 6.");
+  EXPECT_EQ(problem("k7mq-2xhd", "k7mq-2xhd"), "That is already your password. Choose another.");
+  const std::string longest(kMaxPasswordLength, 'x');
+  EXPECT_EQ(problem(longest, longest), "");
+  EXPECT_EQ(problem(longest + "x", longest + "x"),
+            "This password is too long. Choose a shorter one.");
+  EXPECT_EQ(problem("achtzehn", "achtzehn"), "");
 }
 
 // The server says the same of a wrong password, an unknown login and a one-time password that is used
@@ -247,17 +301,11 @@ TEST_F(WorkflowTest, WhoseOneTimePasswordIsUsedUpIsToldWhatToUse) {
 
 TEST_F(WorkflowTest, CommonProblemsAreSaidInThePersonsLanguage) {
   flow_->Speak(language::Language::kGerman);
-  server_->SetPageUrl("https://enamel.example.edu");
   server_->refuse_sign_ins = Status(Code::kUnauthenticated, "login or password is wrong");
   flow_->SignIn("ada", "wrong");
   Settle();
   EXPECT_NE(flow_->problem().find("Passwort ist falsch"), std::string::npos) << flow_->problem();
   server_->refuse_sign_ins.reset();
-  server_->must_change_password = true;
-  flow_->SignIn("ada", "once");
-  Settle();
-  EXPECT_NE(flow_->problem().find("Sie dazu https://enamel.example.edu"), std::string::npos)
-      << flow_->problem();
   Kept();
   flow_->SignOut();
   flow_->ToReserved();

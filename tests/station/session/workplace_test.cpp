@@ -100,6 +100,7 @@ TEST_F(WorkplaceTest, WhoHasToChooseAPasswordIsToldWhere) {
   workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
   Status refused = workplace_->SignIn("ada", "secret").status();
   EXPECT_EQ(refused.code(), Code::kForbidden);
+  EXPECT_EQ(refused.field(), kOneTimePassword);
   EXPECT_NE(refused.message().find("Open https://enamel.example.edu on"), std::string::npos)
       << refused.message();
 }

@@ -126,8 +126,12 @@ class FakeServer {
 
   // The person who signs in, for any login.
   Uuid person = Uuid::New();
-  // The password is for one use.
-  bool must_change_password = false;
+  // The password is for one use, until ChoosePassword replaces it.
+  std::atomic<bool> must_change_password{false};
+  // What ChoosePassword is refused with; set it before one comes.
+  std::optional<Status> refuse_passwords;
+  // The last that came. Read it after the answer.
+  const wire::ChoosePassword& password_choice() const { return password_choice_; }
   // What sign-ins are refused with.
   std::optional<Status> refuse_sign_ins;
   // Exercises in the list, one entry for each; zero: none.
@@ -172,6 +176,7 @@ class FakeServer {
 
  private:
   wire::RequestTicket asked_for_;
+  wire::ChoosePassword password_choice_;
   using Stream = asio::ssl::stream<asio::ip::tcp::socket>;
   void Break() {
     std::lock_guard lock(mutex_);
@@ -288,10 +293,17 @@ class FakeServer {
       return;
     } else if (request.has_sign_in() && refuse_sign_ins) {
       *reply.mutable_error() = protocol::ToError(*refuse_sign_ins);
-    } else if (request.has_sign_in()) {
+    } else if (request.has_choose_password() && refuse_passwords) {
+      *reply.mutable_error() = protocol::ToError(*refuse_passwords);
+    } else if (request.has_sign_in() || request.has_choose_password()) {
+      if (request.has_choose_password()) {
+        password_choice_ = request.choose_password();
+        must_change_password = false;
+      }
       wire::SignedIn& in = *reply.mutable_signed_in();
       in.set_person_id(protocol::ToField(person.view()));
       in.set_role("student");
+      in.set_session(must_change_password ? "once" : "own");
       in.set_must_change_password(must_change_password);
     } else if (request.has_list_exercises()) {
       for (const Uuid& assignment : assignments) {
