@@ -234,7 +234,13 @@ class Desk {
   void Sound() {
     if (!speaker_) return;
     DeskAttempt* attempt = flow_.attempt();
-    if (flow_.place() != Place::kRunning || attempt == nullptr) return speaker_->Set(0, 0);
+    if (flow_.place() != Place::kRunning || attempt == nullptr) {
+      speaker_->Warn(sound::Hazard::kPulp, 0);
+      return speaker_->Set(0, 0);
+    }
+    // As the bars: a student who heard it would cut to the tone.
+    const Warned warned = MayShowProgress(attempt->prepared()) ? attempt->warned() : Warned{};
+    speaker_->Warn(warned.about, warned.nearness);
     // The voice gets a share of the peak force, so that it sounds the same on weak and strong
     // devices.
     double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;

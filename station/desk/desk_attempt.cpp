@@ -91,10 +91,13 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   ENAMEL_RETURN_IF_ERROR(UseHandOf(attempt->prepared_, *device));
   attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
+  attempt->nearness_ = std::make_unique<NearnessWatch>(p.exercise.bur().metric(), p.volume);
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
         ViewOf(p), p.core ? p.core->volume().Unpacked() : p.volume,
-        [zones = attempt->zones_.get(), reach = attempt->reach_.get()](const cutting::Volume& now) {
+        [zones = attempt->zones_.get(), reach = attempt->reach_.get(),
+         nearness = attempt->nearness_.get()](const cutting::Volume& now) {
+          nearness->Look();
           zones->Look(now);
           reach->Look(now);
         });
@@ -108,6 +111,12 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
 }
 
 DeskAttempt::~DeskAttempt() = default;
+
+Warned DeskAttempt::warned() const {
+  const render::FrameState& now = view_->state();
+  if (!view_->has_state() || !now.bur_on) return {};
+  return nearness_->Near(now.anchor);
+}
 
 bool DeskAttempt::drawn() {
   if (auto found = surroundings_->Take()) {

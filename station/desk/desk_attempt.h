@@ -7,6 +7,7 @@
 #include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
 #include "station/desk/target_outline.h"
+#include "station/desk/watch/nearness.h"
 #include "station/desk/watch/reach_watch.h"
 #include "station/desk/watch/tick_feed.h"
 #include "station/desk/watch/zone_watch.h"
@@ -38,6 +39,8 @@ class DeskAttempt {
   bool simulated() const { return simulated_ != nullptr; }
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
+  // What the turning bur is near to; nothing while it rests.
+  Warned warned() const;
 
   // Shows the target's outline on the tooth once it is computed.
   void ShowOutline(bool shown) { view_->ShowOutline(shown); }
@@ -67,6 +70,7 @@ class DeskAttempt {
   std::unique_ptr<HeldDevice> held_;
   std::unique_ptr<ZoneWatch> zones_;
   std::unique_ptr<ReachWatch> reach_;
+  std::unique_ptr<NearnessWatch> nearness_;
   std::unique_ptr<render::ToothView> view_;
   std::shared_ptr<const render::Target> before_, after_;
   std::unique_ptr<Surroundings> surroundings_;

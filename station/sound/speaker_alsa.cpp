@@ -41,17 +41,21 @@ class Speaker::Impl {
     if (card_ != nullptr) snd_pcm_close(card_);
   }
 
-  std::atomic<float> speed_krpm_{0}, load_{0};
+  std::atomic<float> speed_krpm_{0}, load_{0}, nearness_{0};
+  std::atomic<Hazard> hazard_{Hazard::kPulp};
 
   bool audible() const { return audible_; }
 
  private:
   void Play() {
     HandpieceVoice voice(kRate_hz);
+    WarningTone warning(kRate_hz);
     std::array<float, kBlock> block{};
     while (!stop_) {
       voice.Set(speed_krpm_, load_);
       voice.Fill(block);
+      warning.Set(hazard_, nearness_);
+      warning.AddTo(block);
       snd_pcm_sframes_t written = snd_pcm_writei(card_, block.data(), block.size());
       if (written < 0 && snd_pcm_recover(card_, static_cast<int>(written), 1) < 0) {
         audible_ = false;  // the card was removed
@@ -71,6 +75,10 @@ Speaker::~Speaker() = default;
 void Speaker::Set(double speed_krpm, double load) {
   impl_->speed_krpm_ = static_cast<float>(speed_krpm);
   impl_->load_ = static_cast<float>(load);
+}
+void Speaker::Warn(Hazard hazard, double nearness) {
+  impl_->hazard_ = hazard;
+  impl_->nearness_ = static_cast<float>(nearness);
 }
 bool Speaker::audible() const { return impl_->audible(); }
 
