@@ -161,9 +161,11 @@ class Desk {
     // Also below a dialog: the pointer device must hold still then.
     attempt->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*attempt, dt_s);
-    ShowOutline(*attempt, dialog);
+    TakeHelpKeys(dialog);
+    attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
+    if (depth_ && MayShowProgress(attempt->prepared())) attempt->WriteDepth(flow_.words(), screen_);
     return &attempt->view().result();
   }
 
@@ -188,14 +190,14 @@ class Desk {
     return desk::MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor());
   }
 
-  // A line to cut along is help, like the zones.
-  void ShowOutline(DeskAttempt& attempt, bool dialog) {
+  // A line to cut along and the depth are help, like the zones.
+  void TakeHelpKeys(bool dialog) {
     for (const render::InputEvent& event : screen_.events()) {
-      const bool key = event.kind == render::InputEvent::Kind::kKey && event.code == 'T' &&
-                       event.pressed && !event.repeat;
-      if (key && !dialog) outline_ = !outline_;
+      const bool pressed =
+          event.kind == render::InputEvent::Kind::kKey && event.pressed && !event.repeat && !dialog;
+      if (pressed && event.code == 'T') outline_ = !outline_;
+      if (pressed && event.code == 'G') depth_ = !depth_;
     }
-    attempt.ShowOutline(outline_ && MayShowProgress(attempt.prepared()));
   }
 
   void DrawStatus(DeskAttempt& attempt) {
@@ -225,7 +227,9 @@ class Desk {
     if (content.state.warnings & render::kWarnDisk) render::HideProgress(content);
     content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
-    if (MayShowProgress(prepared)) content.hint += "   " + words.Say("hint.outline");
+    if (MayShowProgress(prepared)) {
+      content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
+    }
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
@@ -266,7 +270,7 @@ class Desk {
   StationWatch station_;
   std::optional<sound::Speaker> speaker_;
   bool panel_ = false;
-  bool outline_ = true;  // the target's, as last chosen
+  bool outline_ = true, depth_ = true;  // shown, as last chosen
   Clock::time_point last_ = Clock::now();
 };
 

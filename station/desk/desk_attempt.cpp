@@ -92,6 +92,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   attempt->nearness_ = std::make_unique<NearnessWatch>(p.exercise.bur().metric(), p.volume);
+  attempt->gauge_.emplace(p.exercise.target, p.volume);
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
         ViewOf(p), p.core ? p.core->volume().Unpacked() : p.volume,
@@ -116,6 +117,15 @@ Warned DeskAttempt::warned() const {
   const render::FrameState& now = view_->state();
   if (!view_->has_state() || !now.bur_on) return {};
   return nearness_->Near(now.anchor);
+}
+
+void DeskAttempt::WriteDepth(const language::Words& words, const Screen& screen) const {
+  if (!view_->has_state()) return;
+  const dvec3& tip_m = view_->state().anchor.tip_m;
+  const std::optional<double> depth_m = gauge_->Depth_m(tip_m);
+  if (!depth_m) return;
+  WriteBeside(tip_m, gauge_->Text(words, *depth_m), view_->camera(), screen.fonts(), screen.width(),
+              screen.height());
 }
 
 bool DeskAttempt::drawn() {

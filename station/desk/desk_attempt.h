@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "station/desk/depth_gauge.h"
 #include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
 #include "station/desk/target_outline.h"
@@ -41,6 +42,8 @@ class DeskAttempt {
   render::Reach reach() const { return reach_->reach(); }
   // What the turning bur is near to; nothing while it rests.
   Warned warned() const;
+  // Writes how deep the bur's tip is beside it, where it is under the uncut surface.
+  void WriteDepth(const language::Words& words, const render::Screen& screen) const;
 
   // Shows the target's outline on the tooth once it is computed.
   void ShowOutline(bool shown) { view_->ShowOutline(shown); }
@@ -71,6 +74,7 @@ class DeskAttempt {
   std::unique_ptr<ZoneWatch> zones_;
   std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<NearnessWatch> nearness_;
+  std::optional<DepthGauge> gauge_;
   std::unique_ptr<render::ToothView> view_;
   std::shared_ptr<const render::Target> before_, after_;
   std::unique_ptr<Surroundings> surroundings_;
