@@ -153,7 +153,7 @@ class Desk {
   // The tooth, if there is one to cut; null: none.
   const render::Target* Picture(double dt_s) {
     DeskAttempt* attempt = flow_.attempt();
-    bool running = flow_.place() == Place::kRunning && attempt != nullptr;
+    bool running = flow_.cutting() && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
     screen_.CaptureCursor(running && !dialog && attempt->by_pointer());
     // The view stays with its attempt: returning from a dialog builds nothing.
@@ -203,17 +203,21 @@ class Desk {
   void DrawStatus(DeskAttempt& attempt) {
     const PreparedAttempt& prepared = attempt.prepared();
     render::PanelContent content;
-    content.heading = WordedTitle(flow_.words(), prepared.exercise.title);
+    content.heading = flow_.place() == Place::kWarmUp
+                          ? flow_.words().Say("warm_up.title")
+                          : WordedTitle(flow_.words(), prepared.exercise.title);
     content.state = attempt.view().state();
     content.has_state = attempt.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
     content.time_limit_s = prepared.exercise.time_limit_s;
     // No scale bar: a perspective picture does not have a single scale.
     content.mm_per_pixel = 0;
-    content.state.warnings |=
-        AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
+    if (attempt.run() != nullptr) {
+      content.state.warnings |=
+          AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
+    }
     const Words& words = flow_.words();
-    const Snapshot& newest = attempt.run()->snapshot();
+    const Snapshot newest = attempt.newest();
     if (newest.fault != Fault::kNone) {
       content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(newest.fault))}});
     } else if (newest.put_down) {
@@ -238,7 +242,7 @@ class Desk {
   void Sound() {
     if (!speaker_) return;
     DeskAttempt* attempt = flow_.attempt();
-    if (flow_.place() != Place::kRunning || attempt == nullptr) {
+    if (!flow_.cutting() || attempt == nullptr) {
       speaker_->Warn(sound::Hazard::kPulp, 0);
       return speaker_->Set(0, 0);
     }
@@ -256,7 +260,7 @@ class Desk {
     times_.Add(screen_.drawing_s());
     // Pages take less time than a tooth: they would raise the quality just before the tooth needs
     // it.
-    if (flow_.place() == Place::kRunning) governor_.Note(screen_.drawing_s());
+    if (flow_.cutting()) governor_.Note(screen_.drawing_s());
   }
 
   const DeskOptions& options_;

@@ -136,13 +136,26 @@ bool DeskAttempt::drawn() {
   return surroundings_->done() && view_->WaitIdle(std::chrono::milliseconds(0));
 }
 
-Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
+AttemptOptions DeskAttempt::OptionsFor(int cpu) const {
   AttemptOptions options;
   options.cpu = cpu;
   // Lateness is dangerous only for a hand that a motor holds.
   options.faults_when_late = held_->has_motors() && !simulated();
   options.observer = feed_.get();
-  ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, options));
+  return options;
+}
+
+void DeskAttempt::Rehearse(int cpu) {
+  rehearsal_ = std::make_unique<UnrecordedRun>(prepared_, *held_, OptionsFor(cpu));
+}
+
+Snapshot DeskAttempt::newest() {
+  if (run_ != nullptr) return run_->snapshot();
+  return rehearsal_ != nullptr ? rehearsal_->snapshot() : Snapshot();
+}
+
+Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
+  ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, OptionsFor(cpu)));
   run_ = std::move(run);
   before_ = view_->Still(kStill_px);
   return Status::Ok();

@@ -15,6 +15,7 @@
 #include "station/devices/pointer_device.h"
 #include "station/devices/simulated_device.h"
 #include "station/render/window.h"
+#include "station/session/unrecorded_run.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
@@ -52,17 +53,24 @@ class DeskAttempt {
 
   // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
+  // Starts ticking with nothing recorded, to try the device (warm_up.h).
+  void Rehearse(int cpu);
   // The tooth as the attempt began; and as it ended, once the picture has it: null until then.
   const std::shared_ptr<const render::Target>& before() const { return before_; }
   const std::shared_ptr<const render::Target>& after();
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
+  // Null before Rehearse.
+  UnrecordedRun* rehearsal() { return rehearsal_.get(); }
+  // The newest tick of either; nothing before it.
+  Snapshot newest();
 
   // Turns this frame's mouse and key input into the device's pose. `held`: ignore it (a dialog is
   // open).
   void Point(const render::Screen& screen, double dt_s, bool held);
 
  private:
+  AttemptOptions OptionsFor(int cpu) const;
   explicit DeskAttempt(PreparedAttempt prepared) : prepared_(std::move(prepared)) {}
 
   PreparedAttempt prepared_;
@@ -79,7 +87,8 @@ class DeskAttempt {
   std::shared_ptr<const render::Target> before_, after_;
   std::unique_ptr<Surroundings> surroundings_;
   std::unique_ptr<TickFeed> feed_;
-  std::unique_ptr<RunningAttempt> run_;  // first to go
+  std::unique_ptr<RunningAttempt> run_;  // first to go, with
+  std::unique_ptr<UnrecordedRun> rehearsal_;
 };
 
 }  // namespace enamel::station::desk

@@ -72,6 +72,9 @@ bool Pages::Draw() {
     case Place::kExercise:
       Exercise();
       break;
+    case Place::kWarmUp:
+      WarmUp();
+      break;
     case Place::kReady:
       Ready();
       break;
@@ -301,6 +304,10 @@ void Pages::ExerciseChoices(bool prepared) {
     if (ui_.Button(Say("exercise.keep"), Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
     ui_.SameLine();
   }
+  if (ui_.Button(Say("warm_up.try"), Ui::Look::kPlain, prepared && has_device && !flow_.busy())) {
+    flow_.TryDevice();
+  }
+  ui_.SameLine();
   if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kPlain, !flow_.busy()))
     flow_.LookForDevices();
   ui_.SameLine();

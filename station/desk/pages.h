@@ -34,6 +34,7 @@ class Pages {
                    std::string_view right) const;
   void Exercise();
   void ExerciseFacts(const PreparedAttempt& prepared);
+  void WarmUp();
   void Ready();
   void Running();
   void Remark(RunningAttempt& run);

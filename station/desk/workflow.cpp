@@ -71,6 +71,9 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   task_.Poll();
   FreeAgain();
   switch (place_) {
+    case Place::kWarmUp:
+      WatchWarmUp(now);
+      break;
     case Place::kReady:
       CheckDevice(now);
       break;
@@ -468,6 +471,8 @@ void Workflow::Back() {
     case Place::kFirstPassword:
     case Place::kReserved:
       return SignOut();
+    case Place::kWarmUp:
+      return EndWarmUp();
     case Place::kReady:
       LeaveAttempt();
       if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();

@@ -21,6 +21,7 @@ enum class Place {
   kReserved,
   kExercises,
   kExercise,
+  kWarmUp,  // trying the device: nothing is recorded
   kReady,
   kRunning,
   kHandIn,
@@ -116,6 +117,8 @@ class Workflow {
     return attempt_ ? &attempt_->prepared() : preview_.get();
   }
   DeskAttempt* attempt() { return attempt_.get(); }
+  // The bur is in the person's hand: the picture is the tooth.
+  bool cutting() const { return place_ == Place::kRunning || place_ == Place::kWarmUp; }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
   // Whether the whole tooth is in the picture.
   bool tooth_drawn() { return attempt_ && attempt_->drawn(); }
@@ -145,6 +148,10 @@ class Workflow {
   void LookForDevices();
   void ChooseOffer(size_t index);
   void Start(bool as_reference);
+  // Ten seconds of cutting on a block with this exercise's bur; then, or by EndWarmUp, back to the
+  // exercise, with what was found in `notice`.
+  void TryDevice();
+  void EndWarmUp();
   void OpenHandedIn(size_t index);  // its result
   void OpenCutOff(size_t index);
   void GoOnWithCutOff();
@@ -198,7 +205,11 @@ class Workflow {
   void TakeOffers(std::vector<DeviceOffer> offers);
   void TakeExercises(Result<Catalogue> catalogue, Kept kept);
   void TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way);
+  // In a background task, then `show` with what was opened: null for mouse and simulated hands.
+  void OpenDevice(std::function<void(std::unique_ptr<Device>)> show);
   void ShowAttempt(std::unique_ptr<Device> attached);
+  void ShowWarmUp(std::unique_ptr<Device> attached);
+  void WatchWarmUp(Clock::time_point now);
   void TakeTicket();
   void Begin();
   void LookForReserved();

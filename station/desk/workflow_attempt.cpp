@@ -18,7 +18,11 @@ void Workflow::Start(bool as_reference) {
   if (busy() || !preview_ || offer_ >= offers_.size()) return;
   problem_.clear();
   as_reference_ = as_reference;
-  if (offers_[offer_].device.empty()) return ShowAttempt(nullptr);
+  OpenDevice([this](std::unique_ptr<Device> attached) { ShowAttempt(std::move(attached)); });
+}
+
+void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
+  if (offers_[offer_].device.empty()) return show(nullptr);
   hid::DeviceChoice choice = options_.device;
   choice.device = offers_[offer_].device;
   choice.pedal = offers_[offer_].pedal;
@@ -26,15 +30,15 @@ void Workflow::Start(bool as_reference) {
   // makes the loop late. If refused, the loop's own request reports it.
   choice.thread_setup = [] { (void)RequestRealtime(); };
   task_.Start("task.device",
-              [this, choice, profile = preview_->profile,
+              [this, choice, show = std::move(show), profile = preview_->profile,
                tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
                 auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
                     sdk::OpenChosenDevice(choice, profile, tick_s));
                 // Here rather than in ShowAttempt, which the window waits for.
                 if (opened->ok()) (void)AwaitAnswerTime(***opened);
-                return [this, opened] {
+                return [this, opened, show] {
                   if (!opened->ok()) return Fail(opened->status());
-                  ShowAttempt(std::move(**opened));
+                  show(std::move(**opened));
                 };
               });
 }

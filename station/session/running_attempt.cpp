@@ -30,7 +30,9 @@ trace::ChainState PlaceOf(const PreparedAttempt& prepared) {
   return {HashSha256(trace::EncodeHeader(prepared.header)), 0, 0, 0};
 }
 
-TickLoopOptions LoopOptions(const PreparedAttempt& prepared, const AttemptOptions& options) {
+}  // namespace
+
+TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOptions& options) {
   TickLoopOptions out;
   out.rate_hz = prepared.header.params.rate_hz;
   out.lockstep = options.lockstep;
@@ -43,6 +45,8 @@ TickLoopOptions LoopOptions(const PreparedAttempt& prepared, const AttemptOption
   out.first_gap_ticks = prepared.gap_ticks;
   return out;
 }
+
+namespace {
 
 // The bound holds for every point of a scene.
 std::array<int32_t, 3> Rounded(const dvec3& v, double scale) noexcept {
@@ -73,7 +77,7 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       ring_(kRingTicks),
       recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key,
                 Recorder::TicksPerChunk(rate_hz_)),
-      loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
+      loop_(device, *core_, ring_, LoopOptionsOf(prepared, options), this) {
   // Before the first tick: everything the threads use is ready, and the uploader expects the
   // chunks.
   uploader_.Prefer(attempt_, live_);

@@ -23,6 +23,8 @@ struct AttemptOptions {
   int cpu = -1;                      // bind the loop to this processor; -1: to none
 };
 
+TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOptions& options);
+
 // An attempt from its first tick to its last acknowledgement: tick loop, recorder and uplink on
 // their own threads.
 //

@@ -68,6 +68,19 @@ page exercise
 see Bur:
 frames 3
 picture PICTURES/4-exercise.png
+# Tried first, on a block: nothing of it is an attempt.
+click Try the device
+page warm-up
+frames 10
+wheel 6
+hold Space
+wheel 6
+frames 30
+picture PICTURES/4-warm-up.png
+let Space
+key Escape
+page exercise
+see Device tried for
 # The focus is at Start.
 key Enter
 page running

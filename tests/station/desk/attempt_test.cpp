@@ -9,8 +9,10 @@
 
 #include "common/scene/cell.h"
 #include "station/desk/pages.h"
+#include "station/desk/warm_up.h"
 #include "station/desk/workflow.h"
 #include "station/hid/haptic_report.h"
+#include "tests/station/desk/english.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
@@ -122,8 +124,8 @@ class DeskAttemptTest : public testing::Test {
     while (!until() && Clock::now() < patience) Frame();
     return until();
   }
-  // Up to the first tick.
-  void Begin(const std::string& profile) {
+  // With the exercise chosen, and a device for it.
+  void Choose(const std::string& profile) {
     id_ = KeepAttempt(folder_ / "data", workplace_->spool(), workplace_->credentials(), ticket_key_,
                       server_->person, profile, kPin);
     ui_.emplace(*screen_);
@@ -137,6 +139,13 @@ class DeskAttemptTest : public testing::Test {
         << flow_->problem();
     ASSERT_LT(flow_->offer_index(), flow_->offers().size()) << flow_->problem();
     ASSERT_EQ(flow_->offers()[flow_->offer_index()].profile, profile);
+  }
+  // Up to the first tick.
+  void Begin(const std::string& profile) {
+    ASSERT_NO_FATAL_FAILURE(Choose(profile));
+    Start();
+  }
+  void Start() {
     flow_->Start(false);
     ASSERT_TRUE(Reached([&] {
       // On an overloaded machine the arm is not heard within its second: tries again.
@@ -185,6 +194,50 @@ TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
   EXPECT_FALSE(facts.at("lateness").at("ns").as_object().empty());
   EXPECT_TRUE(facts.at("faults").is_array());
   EXPECT_EQ(facts.at("device").at("name"), "mouse and keyboard");
+}
+
+TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
+  board_.emplace(folder_ / "board", "phantom_desktop");
+  ASSERT_NO_FATAL_FAILURE(Choose("phantom_desktop"));
+  flow_->TryDevice();
+  ASSERT_TRUE(Reached([&] {
+    // On an overloaded machine the arm is not heard within its second: tries again.
+    if (flow_->place() == Place::kExercise && !flow_->busy()) flow_->TryDevice();
+    return flow_->attempt() != nullptr && flow_->attempt()->rehearsal() != nullptr;
+  })) << flow_->problem();
+  EXPECT_EQ(flow_->place(), Place::kWarmUp);
+  UnrecordedRun& run = *flow_->attempt()->rehearsal();
+  ASSERT_TRUE(Reached([&] { return run.found().ticks >= 200; }));
+  EXPECT_EQ(run.found().turning_s, 0);
+  // A fault of a busy machine ends with the next press.
+  ASSERT_TRUE(Reached([&] {
+    board_->buttons = board_->buttons ^ 1;
+    for (int i = 0; i < 3; ++i) Frame();
+    return run.found().turning_s > 0.1;
+  }));
+  EXPECT_NE(ui_->words().find("Cut into the block"), std::string::npos) << ui_->words();
+  Picture("warm-up");
+  board_->buttons = 0;
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kExercise);
+  EXPECT_NE(flow_->notice().find("Device tried for"), std::string::npos) << flow_->notice();
+  EXPECT_TRUE(workplace_->spool().List()->empty());
+  ASSERT_NO_FATAL_FAILURE(Start()) << "and the attempt begins as before";
+  flow_->EndAttempt();
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+}
+
+TEST(WarmUpTextTest, ATriedDeviceIsReportedInALine) {
+  const auto text = [](uint64_t late, uint64_t faults, double turning_s) {
+    return WarmUpText(kEnglish, {10'000, late, faults, turning_s, 2.14});
+  };
+  EXPECT_EQ(text(0, 0, 10), "Device tried for 10 s: no late ticks, largest force 2.1 N.");
+  EXPECT_EQ(text(1, 0, 2.5), "Device tried for 2.5 s: 1 late tick, largest force 2.1 N.");
+  EXPECT_EQ(
+      text(7, 2, 10),
+      "Device tried for 10 s: 7 late ticks, largest force 2.1 N. The force was switched off 2 "
+      "times. Tell the person who looks after this station.");
+  EXPECT_EQ(text(0, 0, 0), "The bur did not turn. Check the pedal, then try again.");
 }
 
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {

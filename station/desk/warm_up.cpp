@@ -1,0 +1,108 @@
+// Trying a device on a block, before an attempt: its page, and its steps.
+#include "station/desk/warm_up.h"
+
+#include <utility>
+
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/plan.h"
+#include "station/desk/pages.h"
+#include "station/desk/workflow.h"
+#include "station/session/device_delay.h"
+#include "station/words/score_words.h"
+
+namespace enamel::station::desk {
+namespace {
+
+// Coarse: it is there at once, and what a hand feels is the law's, not the voxels'.
+constexpr int32_t kBlockVoxel_nm = 150'000;
+
+}  // namespace
+
+Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto block, scene::BuildBuiltinScene("block", kBlockVoxel_nm));
+  PreparedAttempt out;
+  out.exercise = exercise.exercise;
+  // Of this block, with any bur.
+  out.exercise.scene = {};
+  block.scene.burs.clear();
+  out.exercise.target = scene::ClassOneExercise(block.scene, {}).target;
+  out.exercise.time_limit_s = 0;
+  out.exercise.graded = false;
+  out.profile = exercise.profile;
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(block.scene, out.exercise, out.profile));
+  out.header = {{}, {}, block.scene.volume, params, SoftwareName(), {}};
+  out.scene = std::move(block.scene);
+  out.volume = std::move(block.volume);
+  return out;
+}
+
+std::string WarmUpText(const language::Words& words, const UnrecordedRun::Found& found) {
+  if (found.turning_s == 0 && found.faults == 0) return words.Say("warm_up.still");
+  const std::string text =
+      words.Say("warm_up.found", {{"seconds", NumberText(words, found.turning_s, 1)},
+                                  {"late", static_cast<int64_t>(found.late_ticks)},
+                                  {"force", words.Decimal(found.peak_force_n, 1)}});
+  if (found.faults == 0) return text;
+  return words.Say("warm_up.faults",
+                   {{"found", text}, {"faults", static_cast<int64_t>(found.faults)}});
+}
+
+void Workflow::TryDevice() {
+  if (busy() || place_ != Place::kExercise || !preview_ || offer_ >= offers_.size()) return;
+  problem_.clear();
+  OpenDevice([this](std::unique_ptr<Device> attached) { ShowWarmUp(std::move(attached)); });
+}
+
+void Workflow::ShowWarmUp(std::unique_ptr<Device> attached) {
+  auto block = WarmUpFor(*preview_);
+  if (!block.ok()) return Fail(block.status());
+  if (attached != nullptr) {
+    if (Status used = UseDelayOf(*block, *attached, workplace_.data()); !used.ok())
+      return Fail(used);
+  }
+  auto attempt =
+      DeskAttempt::Create(std::move(*block), offers_[offer_], std::move(attached), false);
+  if (!attempt.ok()) return Fail(attempt.status());
+  attempt_ = std::move(*attempt);
+  Go(Place::kWarmUp);
+}
+
+void Workflow::WatchWarmUp(Clock::time_point now) {
+  UnrecordedRun* run = attempt_->rehearsal();
+  if (run == nullptr) {
+    started_ = now;
+    if (tooth_drawn()) attempt_->Rehearse(options_.cpu);
+    return;
+  }
+  attempt_->held().SetPaused(dialog_ != Dialog::kNone);
+  const double waited_s = std::chrono::duration<double>(now - started_).count();
+  const UnrecordedRun::Found found = run->found();
+  // A simulated hand ends by itself.
+  if (found.turning_s >= kWarmUp_s || waited_s > kWarmUp_s + kWarmUpWait_s || !run->ticking()) {
+    EndWarmUp();
+  }
+}
+
+void Workflow::EndWarmUp() {
+  if (place_ != Place::kWarmUp) return;
+  UnrecordedRun* run = attempt_->rehearsal();
+  const std::string text = run == nullptr ? std::string() : WarmUpText(words_, run->found());
+  LeaveAttempt();
+  Go(Place::kExercise);
+  notice_ = text;
+}
+
+void Pages::WarmUp() {
+  Ui::Page page{0.605f, 0.72f, 0.38f, 0.2f, true};
+  page.keys = false;
+  ui_.Begin("warm-up", page);
+  ui_.OneLine(Say("warm_up.keys"));
+  UnrecordedRun* run = flow_.attempt()->rehearsal();
+  ui_.Bar(Say("warm_up.text"), run == nullptr ? 0 : run->found().turning_s / kWarmUp_s);
+  // The mouse is free where it is not the handpiece.
+  const bool back = !flow_.attempt()->by_pointer() && ui_.Button(Say("exercise.back"));
+  if (back || ui_.escape()) flow_.EndWarmUp();
+  ui_.End();
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "station/session/running_attempt.h"
+
+namespace enamel::station {
+
+// A loop of which nothing is kept: to try a device before an attempt. Needs no ticket, spool or
+// server. Its samples are read and dropped, so that it runs as an attempt's does. Thread safety:
+// one owner's thread. Real-time: never; only the loop inside is.
+class UnrecordedRun : private TickObserver {
+ public:
+  // What was seen so far.
+  struct Found {
+    uint64_t ticks = 0, late_ticks = 0, faults = 0;
+    double turning_s = 0;     // with the bur on
+    double peak_force_n = 0;  // largest sent
+  };
+
+  // Starts ticking. All arguments outlive this.
+  UnrecordedRun(PreparedAttempt& prepared, Device& device, const AttemptOptions& options);
+  ~UnrecordedRun() override;  // ends the loop: then the device holds zero force
+
+  bool ticking() const { return !loop_.finished(); }
+  // Newest tick, for one reader thread.
+  const Snapshot& snapshot() { return loop_.snapshot(); }
+  Found found();
+
+ private:
+  void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
+  void Drop();
+
+  TickObserver* const observer_;
+  const double tick_s_;
+  core::Core core_;
+  SampleRing ring_;
+  TickLoop loop_;
+  // Written by the tick.
+  std::atomic<uint64_t> turning_ticks_{0};
+  std::atomic<double> peak_force_n_{0};
+  std::thread dropper_, ticker_;
+};
+
+}  // namespace enamel::station
