@@ -41,6 +41,7 @@ bool Pages::Draw() {
   if (flow_.place() != before_) {
     password_.clear();
     password_again_.clear();
+    search_.clear();
     dentist_.clear();
     consent_ = false;
     said_.reset();
@@ -192,38 +193,13 @@ void Pages::Exercises() {
   ui_.Title(Say("exercises.hello", {{"name", flow_.person().display_name}}));
   ui_.Note(Say("exercises.choose"));
   ui_.Problem(flow_.problem());
-  ui_.BeginList("exercises");
-  std::vector<Card> cards;
-  for (const SpooledAttempt& attempt : flow_.cut_off()) {
-    cards.push_back(AttemptCard(attempt, "exercises.cut_off",
-                                CutOffText(flow_.words(), attempt, UnixMs()), "exercises.go_on"));
-  }
-  const auto& all = flow_.exercises();
-  for (const Catalogue::Exercise& exercise : all) {
-    cards.push_back(CardOf(flow_.words(), exercise, UnixMs()));
-  }
-  for (const SpooledAttempt& attempt : flow_.handed_in()) {
-    cards.push_back(AttemptCard(attempt, "exercises.result",
-                                HandedInText(flow_.words(), attempt, UnixMs()), "exercises.look"));
-  }
-  if (const std::optional<size_t> chosen = ui_.Cards(cards)) {
-    const size_t first = flow_.cut_off().size(), last = first + all.size();
-    if (*chosen < first) {
-      flow_.OpenCutOff(*chosen);
-    } else if (*chosen < last) {
-      flow_.ChooseExercise(*chosen - first);
-    } else {
-      flow_.OpenHandedIn(*chosen - last);
-    }
-  }
-  if (all.empty() && !flow_.busy()) {
-    ui_.Text(Say("exercises.none"));
-  }
-  ui_.EndList();
+  ExerciseList();
   Busy();
   if (ui_.Button(Say("exercises.again"), Ui::Look::kPlain, !flow_.busy())) flow_.Refresh();
   ui_.SameLine();
-  if (ui_.Button(Say("exercises.sign_out")) || ui_.escape()) flow_.SignOut();
+  const bool clear = ui_.escape() && !search_.empty();
+  if (clear) search_.clear();
+  if (ui_.Button(Say("exercises.sign_out")) || (ui_.escape() && !clear)) flow_.SignOut();
   ui_.End();
 }
 

@@ -30,6 +30,14 @@ class Pages {
   void FirstPassword();
   void Languages();
   void Exercises();
+  // Cards below a heading, and what choosing each does.
+  struct Section {
+    std::string heading;  // empty: none
+    std::vector<Card> cards;
+    std::vector<std::function<void()>> steps;
+  };
+  std::vector<Section> Sections(bool grouped);
+  void ExerciseList();
   Card AttemptCard(const SpooledAttempt& attempt, std::string_view title, const std::string& text,
                    std::string_view right) const;
   void Exercise();
@@ -63,7 +71,8 @@ class Pages {
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, password_again_, dentist_, anyway_, pin_, pin_again_, signer_;
+  std::string login_, password_, password_again_, search_, dentist_, anyway_, pin_, pin_again_,
+      signer_;
   bool consent_ = false, as_reference_ = false;
   // A message sent to this chair, until the person dismisses it.
   struct Said {

@@ -62,6 +62,7 @@ size_t Ui::Beside(size_t from, int down) const {
 void Ui::ReadKeys() {
   next_ = focus_;
   const size_t n = std::max<size_t>(shown_.size(), 1);
+  const bool typing = std::exchange(typing_, false);
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
@@ -91,7 +92,7 @@ void Ui::ReadKeys() {
       case render::kKeySpace:
         // Space is the pedal when the mouse is the handpiece: held down, it must not choose in a
         // dialog over the tooth.
-        choose_ |= once && !writing && spaced_;
+        choose_ |= once && !writing && !typing && spaced_;
         break;
       case render::kKeyEscape:
         escape_ |= once;

@@ -91,8 +91,12 @@ class Ui {
   // have the same title.
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
-  // Cards in two columns, as high as their words. The one chosen, or none.
-  std::optional<size_t> Cards(std::span<const Card> cards);
+  // Cards in two columns, as high as their words, below a heading of their own on this page. The one
+  // chosen, or none.
+  std::optional<size_t> Cards(std::span<const Card> cards, const std::string& heading = {});
+  // Adds the letters typed in this frame to `text`, and takes its last away with Backspace; not
+  // while a field takes them. While there is text the space bar writes, and chooses nothing.
+  void Typed(std::string& text);
   bool Check(const std::string& label, bool& value);
   // One line of text, which takes letters whenever it has the focus. True when Enter was pressed in
   // it.
@@ -156,6 +160,7 @@ class Ui {
   size_t next_ = 0;  // the focus after this frame's keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
   bool spaced_ = true;   // the space bar chooses
+  bool typing_ = false;  // and writes instead: in the last frame Typed had text
   bool beside_ = false;  // SameLine was called
   // Of a page's list: height of what follows it, as last drawn, and where the list ended.
   std::map<std::string, float> below_;

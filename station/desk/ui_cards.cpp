@@ -70,7 +70,13 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
   return chosen || focus.chosen;
 }
 
-std::optional<size_t> Ui::Cards(std::span<const Card> cards) {
+std::optional<size_t> Ui::Cards(std::span<const Card> cards, const std::string& heading) {
+  if (cards.empty()) return std::nullopt;
+  if (!heading.empty()) {
+    Gap(4);
+    Note(heading);
+  }
+  ImGui::PushID(heading.c_str());
   const float inset = 8 * px(), gap = kCardGap * px();  // for the ring
   const float width = 0.5f * (ImGui::GetContentRegionAvail().x - 2 * inset - gap);
   std::optional<size_t> chosen;
@@ -87,6 +93,7 @@ std::optional<size_t> Ui::Cards(std::span<const Card> cards) {
     if (DrawCard(cards[i], width, height)) chosen = i;
     ImGui::PopID();
   }
+  ImGui::PopID();
   return chosen;
 }
 

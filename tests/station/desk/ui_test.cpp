@@ -125,6 +125,43 @@ TEST_F(UiTest, TheMouseChoosesAnyOfSeveralRowsWithTheSameTitle) {
   EXPECT_EQ(chosen, (std::vector<int>{1, 1, 1}));
 }
 
+TEST_F(UiTest, LettersAreTakenWithoutAFieldAndTheSpaceBarWritesAmongThem) {
+  std::string typed;
+  int chosen = 0;
+  auto page = [&] {
+    ui_->Begin("list");
+    ui_->Typed(typed);
+    chosen += ui_->Button("Class I") ? 1 : 0;
+    ui_->End();
+  };
+  auto space = [&] {
+    Press(render::kKeySpace);
+    screen_->Inject(InputEvent::Character(' '));
+    Release(render::kKeySpace);
+  };
+  Play(page);
+  space();
+  Play(page);
+  EXPECT_EQ(chosen, 1) << "with nothing typed it chooses";
+  EXPECT_EQ(typed, "");
+  screen_->Inject(InputEvent::Character(0xe4));
+  Play(page);
+  space();
+  screen_->Inject(InputEvent::Character('4'));
+  Play(page);
+  EXPECT_EQ(typed, "\u00e4 4");
+  EXPECT_EQ(chosen, 1);
+  for (int i = 0; i < 4; ++i) {
+    Press(render::kKeyBackspace);
+    Release(render::kKeyBackspace);
+  }
+  Play(page);
+  EXPECT_EQ(typed, "") << "whole letters are taken away";
+  space();
+  Play(page);
+  EXPECT_EQ(chosen, 2);
+}
+
 TEST_F(UiTest, AKeyThatIsHeldChoosesOnce) {
   int chosen = 0, left = 0, finish = 0;
   auto page = [&] {

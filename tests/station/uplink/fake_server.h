@@ -308,6 +308,7 @@ class FakeServer {
     } else if (request.has_list_exercises()) {
       for (const Uuid& assignment : assignments) {
         wire::ExerciseRef& ref = *reply.mutable_exercises()->add_exercises();
+        ref.set_title("Exercise " + std::to_string(reply.exercises().exercises_size()));
         for (auto* hash : {ref.mutable_exercise(), ref.mutable_scene(), ref.mutable_volume()}) {
           *hash = protocol::ToField(Sha256{}.view());
         }
