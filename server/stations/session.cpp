@@ -349,11 +349,24 @@ Status Session::AddExercise(const ExerciseRow& row, const std::vector<SceneRow>&
   return Status::Ok();
 }
 
-// Of each assignment, of the scores that the person may see.
-Result<std::map<Uuid, double>> Session::BestScores(const Person& person,
-                                                   const std::vector<AssignedRow>& assigned) {
+Result<std::string> Session::LastRemark(const Uuid& attempt, const Uuid& person) {
+  constexpr size_t kMaxBytes = 200;
+  ENAMEL_ASSIGN_OR_RETURN(const auto remarks, services_.store.remarks.AnnotationsOf(attempt));
+  const AnnotationRow* newest = nullptr;
+  for (const AnnotationRow& row : remarks) {
+    if (row.author == person) continue;
+    if (newest == nullptr || row.created_ms >= newest->created_ms) newest = &row;
+  }
+  return newest == nullptr ? std::string() : ShortenedText(newest->text, kMaxBytes);
+}
+
+// Of each assignment, of the attempts whose scores the person may see.
+Result<std::map<Uuid, Session::Outcome>> Session::OutcomesOf(
+    const Person& person, const std::vector<AssignedRow>& assigned) {
   constexpr uint32_t kPage = 200;
-  std::map<Uuid, double> best;
+  // Older ones were about work that has been done again since.
+  constexpr int kLookedAt = 3;
+  std::map<Uuid, Outcome> out;
   AttemptFilter filter;
   filter.person = person.id;
   filter.state = AttemptState::kScored;
@@ -367,10 +380,13 @@ Result<std::map<Uuid, double>> Session::BestScores(const Person& person,
           assigned, [&](const AssignedRow& a) { return row.assignment == a.assignment.id; });
       if (!score || (row.flags & (kExcused | kReturned)) != 0 || under == assigned.end()) continue;
       if (!CanSeeScore(person, row, under->exercise.graded, false)) continue;
-      auto [at, first] = best.try_emplace(under->assignment.id, *score);
-      if (!first) at->second = std::max(at->second, *score);
+      Outcome& outcome = out[under->assignment.id];
+      outcome.best_score = std::max(outcome.best_score, *score);
+      // The newest attempts come first.
+      if (!outcome.last_remark.empty() || outcome.looked_at++ >= kLookedAt) continue;
+      ENAMEL_ASSIGN_OR_RETURN(outcome.last_remark, LastRemark(row.id, person.id));
     }
-    if (rows.size() < kPage) return best;
+    if (rows.size() < kPage) return out;
     filter.before = rows.back().id;
   }
 }
@@ -410,10 +426,13 @@ Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
     for (const AssignedRow& row : assigned) {
       ENAMEL_RETURN_IF_ERROR(AddAssigned(row, scenes, out));
     }
-    ENAMEL_ASSIGN_OR_RETURN(const auto best, BestScores(person, assigned));
+    ENAMEL_ASSIGN_OR_RETURN(const auto outcomes, OutcomesOf(person, assigned));
     for (wire::ExerciseRef& ref : *out.mutable_exercises()) {
       ENAMEL_ASSIGN_OR_RETURN(const auto id, protocol::ReadUuid(ref.assignment(), "assignment"));
-      if (const auto score = best.find(id); score != best.end()) ref.set_best_score(score->second);
+      const auto outcome = outcomes.find(id);
+      if (outcome == outcomes.end()) continue;
+      ref.set_best_score(outcome->second.best_score);
+      ref.set_last_remark(outcome->second.last_remark);
     }
   } else {
     ENAMEL_ASSIGN_OR_RETURN(auto exercises, ExercisesOf(person));

@@ -142,8 +142,15 @@ class Session {
   Result<std::string> StationsText(const AssignmentRow& assignment);
   Status AddExercise(const ExerciseRow& row, const std::vector<SceneRow>& scenes,
                      wire::Exercises& out);
-  Result<std::map<Uuid, double>> BestScores(const Person& person,
-                                            const std::vector<AssignedRow>& assigned);
+  struct Outcome {
+    double best_score = 0;
+    std::string last_remark;  // empty: none
+    int looked_at = 0;        // attempts, for a remark
+  };
+  Result<std::map<Uuid, Outcome>> OutcomesOf(const Person& person,
+                                             const std::vector<AssignedRow>& assigned);
+  // Somebody else's newest about this attempt; empty: none.
+  Result<std::string> LastRemark(const Uuid& attempt, const Uuid& person);
   Status AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
                      wire::Exercises& out);
   // The assignment that a ticket of this person for this exercise counts under; none: reference

@@ -73,6 +73,9 @@ Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now
     card.lines.push_back(
         words.Say("card.best", {{"score", words.Decimal(*exercise.best_score, 0)}}));
   }
+  if (!exercise.last_remark.empty()) {
+    card.lines.push_back(words.Say("card.remark", {{"text", exercise.last_remark}}));
+  }
   if (exercise.exam) card.right = words.Say("exercises.exam");
   if (exercise.facts) {
     card.picture = [facts = *exercise.facts](const Rect& at) { DrawToothSymbol(facts, at); };

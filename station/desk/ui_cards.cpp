@@ -34,6 +34,8 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
   std::string said = card.title;
   for (const std::string& line : card.lines) said += " | " + line;
   Say(said + " | " + card.right);
+  // Instructors write in any script.
+  screen_.Need(said);
   ImGui::PushStyleColor(ImGuiCol_Button, kCard);
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kCardBelowMouse);
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, kCardBelowMouse);

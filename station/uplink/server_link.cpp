@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/unix_time.h"
+#include "common/base/utf8.h"
 #include "common/core/params.h"
 #include "common/protocol/release.h"
 
@@ -14,6 +15,8 @@ using net::IsTimeout;
 // A volume of a whole tooth takes some megabytes; this limit only keeps a wrong `total` from using
 // up memory.
 constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
+
+constexpr size_t kMaxCardRemark = 200;  // as ExerciseRef.last_remark
 
 constexpr std::chrono::milliseconds kLook{500};  // for silence
 
@@ -200,6 +203,7 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
                              e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
     out.exercises.back().sign_off = e.sign_off();
     if (e.has_best_score()) out.exercises.back().best_score = e.best_score();
+    out.exercises.back().last_remark = ShortenedText(e.last_remark(), kMaxCardRemark);
   }
   for (const auto& p : reply.exercises().profiles()) {
     ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(p.profile(), "profile"));

@@ -35,6 +35,15 @@ class AssignmentTest : public StudentAtStation {
     ASSERT_TRUE(row.ok()) << row.status().message();
     open_ = *row;
   }
+  void Remark(const Uuid& attempt, const Uuid& author, uint64_t tick, const std::string& text) {
+    AnnotationRow row;
+    row.attempt = attempt;
+    row.author = author;
+    row.tick = tick;
+    row.text = text;
+    const Actor by{author, "page"};
+    ASSERT_TRUE(world_.store->remarks.AddAnnotation(row, by).ok());
+  }
   wire::Reply Ask() { return station_.RequestTicket(world_.exercise.content, profile_); }
   AttemptRow RowOf(const wire::Reply& ticket) {
     EXPECT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
@@ -202,6 +211,8 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   EXPECT_TRUE(state.exam());
   EXPECT_EQ(state.result_json(), "");
   EXPECT_FALSE(Listed().has_best_score());
+  Remark(recording.seal.attempt, world_.instructor, 1, "too steep");
+  EXPECT_EQ(Listed().last_remark(), "");
   ASSERT_EQ(state.flags_size(), 1);
   EXPECT_EQ(state.flags(0), "resumed");
   ASSERT_TRUE(world_.store->judging.ReleaseAttempt(recording.seal.attempt, kSystem).ok());
@@ -209,6 +220,11 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   EXPECT_TRUE(state.released());
   EXPECT_EQ(state.result_json(), "{}");
   EXPECT_EQ(Listed().best_score(), 84.5);
+  EXPECT_EQ(Listed().last_remark(), "too steep");
+  Remark(recording.seal.attempt, world_.student, 3, "I see");
+  EXPECT_EQ(Listed().last_remark(), "too steep") << "not one's own";
+  Remark(recording.seal.attempt, world_.instructor, 2, std::string(300, 'm'));
+  EXPECT_EQ(Listed().last_remark(), std::string(200, 'm')) << "the newest, not the last by tick";
 }
 
 TEST_F(AssignmentTest, GradedWorkBeginsOnlyWhereTheClockIsRight) {

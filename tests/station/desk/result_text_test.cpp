@@ -91,6 +91,8 @@ TEST(ResultTextTest, ExercisesOfOneTitleAreToldApart) {
   EXPECT_EQ(CardOf(kEnglish, e, 0).lines,
             (std::vector<std::string>{"Tooth 46, whole crown", "Graded: 2 attempts left",
                                       "Best score: 87 of 100"}));
+  e.last_remark = "too steep";
+  EXPECT_EQ(CardOf(kEnglish, e, 0).lines.back(), "Last remark: too steep");
   e.facts = Catalogue::Facts{46, "crown_top", true, true, false};
   EXPECT_EQ(CardOf(kEnglish, e, 0).lines[0],
             "Tooth 46, whole crown, with caries, between neighbours");
