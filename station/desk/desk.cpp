@@ -11,6 +11,7 @@
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
 #include "station/desk/script.h"
+#include "station/desk/view_hand.h"
 #include "station/render/panel.h"
 #include "station/sound/speaker.h"
 #include "station/words/score_words.h"
@@ -161,6 +162,8 @@ class Desk {
     // Also below a dialog: the pointer device must hold still then.
     attempt->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*attempt, dt_s);
+    view_hand_.Look(!dialog && attempt->held().turns_view(), attempt->view().state().device.tip_m,
+                    attempt->view().camera());
     TakeHelpKeys(dialog);
     attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
@@ -272,6 +275,7 @@ class Desk {
   Workflow flow_;
   Pages pages_;
   StationWatch station_;
+  ViewHand view_hand_;
   std::optional<sound::Speaker> speaker_;
   bool panel_ = false;
   bool outline_ = true, depth_ = true;  // shown, as last chosen

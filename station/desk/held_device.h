@@ -7,14 +7,17 @@
 namespace enamel::station::desk {
 
 // A device that the window can pause. While paused the pedal counts as released, so the bur stops
-// and the force fades as usual; poses continue, so the recording stays whole. Thread safety:
-// SetPaused and speed_krpm from any thread, the rest as Device. Real-time as Device.
+// and the force fades as usual; poses continue, so the recording stays whole. The same while the
+// device's second button is held: the hand turns the picture then. Thread safety: SetPaused,
+// speed_krpm and turns_view from any thread, the rest as Device. Real-time as Device.
 class HeldDevice final : public Device {
  public:
   // `inner` outlives this.
   explicit HeldDevice(Device& inner) : inner_(inner) {}
 
   void SetPaused(bool paused) noexcept { paused_.store(paused, std::memory_order_relaxed); }
+  // The device's second button is down.
+  bool turns_view() const noexcept { return turns_view_.load(std::memory_order_relaxed); }
   // Speed of the unloaded handpiece; 0 while the pedal is up.
   int speed_krpm() const noexcept { return speed_krpm_.load(std::memory_order_relaxed); }
 
@@ -23,7 +26,9 @@ class HeldDevice final : public Device {
   Hand hand() const override { return inner_.hand(); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
     DeviceSample sample = inner_.ReadSample();
-    if (paused_.load(std::memory_order_relaxed)) {
+    const bool second = (sample.buttons & kSecond) != 0;
+    turns_view_.store(second, std::memory_order_relaxed);
+    if (second || paused_.load(std::memory_order_relaxed)) {
       sample.buttons &= static_cast<uint8_t>(~kPedal);
       sample.bur_speed_krpm = 0;
     }
@@ -52,7 +57,7 @@ class HeldDevice final : public Device {
 
  private:
   Device& inner_;
-  std::atomic<bool> paused_{false};
+  std::atomic<bool> paused_{false}, turns_view_{false};
   std::atomic<int> speed_krpm_{0};
 };
 

@@ -18,6 +18,7 @@ enum DeviceButtons : uint8_t {
   kPedal = 1 << 0,    // pressed: the bur turns
   kFinish = 1 << 1,   // the hand has nothing left to do: end of the attempt (simulated ones only)
   kPutDown = 1 << 2,  // the handpiece lies in its holder: no force and no bur meanwhile
+  kSecond = 1 << 3,   // held: the hand's motion turns the picture, the bur is off (HeldDevice)
 };
 
 // Free speed of a handpiece that does not report it: a dental turbine's.

@@ -101,6 +101,7 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
     m.sample.buttons = kPedal;
     m.sample.bur_speed_krpm = kTurbineSpeed_krpm;
   }
+  if (attached && pose.second) m.sample.buttons |= kSecond;
   m.number = ++published_;
   m.sample.sequence = static_cast<uint32_t>(m.number);
   poses_.Write(m);

@@ -26,7 +26,7 @@ class PolledBus {
   struct Pose {
     dvec3 tip_m{0};    // scene axes
     Quat orientation;  // scene from tool
-    bool pedal = false;
+    bool pedal = false, second = false;  // buttons
     bool driven = true;  // as DeviceSample::driven
     // Of a device that answers, on the steady clock: when this was asked for, if that may have been in an
     // earlier exchange; else 0.

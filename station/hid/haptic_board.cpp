@@ -234,6 +234,7 @@ void HapticBoard::TakeReport(const InputReport& report) {
   sample_.buttons = 0;
   if (report.buttons & 1) sample_.buttons |= kPedal;
   if (report.buttons & 2) sample_.buttons |= kPutDown;
+  if (report.buttons & 4) sample_.buttons |= kSecond;
   bool down = (sample_.buttons & kPedal) != 0;
   uint16_t speed = report.bur_speed_krpm != 0 ? report.bur_speed_krpm : kTurbineSpeed_krpm;
   sample_.bur_speed_krpm = down ? speed : uint16_t{0};

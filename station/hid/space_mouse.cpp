@@ -129,6 +129,7 @@ DeviceSample SpaceMouse::ReadSample() noexcept {
     sample.buttons = kPedal;
     sample.bur_speed_krpm = kTurbineSpeed_krpm;
   }
+  if (newest.attached && (newest.state.buttons & 2) != 0) sample.buttons |= kSecond;
   sample.sequence = static_cast<uint32_t>(newest.number);
   return sample;
 }

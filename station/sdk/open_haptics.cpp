@@ -29,7 +29,7 @@ constexpr Handle kNoHandle = 0xFFFFFFFF;
 constexpr unsigned int kCurrentButtons = 0x2000, kCurrentTransform = 0x2052, kModelType = 0x2501,
                        kSerialNumber = 0x2504, kCalibrationStyle = 0x2555, kCurrentForce = 0x2700,
                        kForceOutput = 0x4000, kNeedsUpdate = 0x5001, kNeedsHand = 0x5002;
-constexpr int kButton1 = 1;
+constexpr int kButton1 = 1, kButton2 = 2;
 // Errors 0x0200 to 0x02FF: the library has switched the force off, since the motors are warm, or the
 // device was pushed or moved beyond what it bears.
 constexpr unsigned int kForceErrors = 0x0200, kDeviceErrors = 0x0300, kAlreadyInitiated = 0x0301,
@@ -231,6 +231,7 @@ class OpenHaptics final : public PolledBus {
       frame_.pose.tip_m = ToScene(&columns[12]) * 1e-3;
       frame_.pose.orientation = Turned(columns);
       frame_.pose.pedal = (buttons & kButton1) != 0;
+      frame_.pose.second = (buttons & kButton2) != 0;
     }
     ++frame_.number;
     frames_.Write(frame_);

@@ -12,7 +12,7 @@ class Handpiece final : public Device {
   DeviceSample ReadSample() noexcept override {
     DeviceSample sample;
     sample.counts = {3, 4, 5};
-    sample.buttons = kPedal | kFinish;
+    sample.buttons = buttons;
     sample.bur_speed_krpm = 200;
     return sample;
   }
@@ -23,7 +23,23 @@ class Handpiece final : public Device {
   }
   double still_before_force_s() const noexcept override { return 0.25; }
   dvec3 sent_n{0}, torque_sent_n_m{0};
+  uint8_t buttons = kPedal | kFinish;
 };
+
+TEST(HeldDeviceTest, WithTheSecondButtonHeldTheHandTurnsThePictureAndTheBurIsOff) {
+  Handpiece inner;
+  HeldDevice held(inner);
+  EXPECT_FALSE(held.turns_view());
+  inner.buttons = kPedal | kSecond;
+  const DeviceSample sample = held.ReadSample();
+  EXPECT_TRUE(held.turns_view());
+  EXPECT_EQ(sample.buttons & kPedal, 0);
+  EXPECT_EQ(sample.bur_speed_krpm, 0);
+  EXPECT_EQ(sample.counts[2], 5) << "the recording has where the hand was";
+  inner.buttons = kPedal;
+  EXPECT_EQ(held.ReadSample().buttons, kPedal);
+  EXPECT_FALSE(held.turns_view());
+}
 
 TEST(HeldDeviceTest, PausedTheBurStandsStillAndEverythingElseGoesOn) {
   Handpiece inner;

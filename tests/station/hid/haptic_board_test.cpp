@@ -527,6 +527,10 @@ TEST_F(HapticBoardTest, HandpieceInItsHolderIsPutDownAndEndsNothing) {
   lying.buttons = 2;
   Send(lying);
   EXPECT_EQ(Until([](const DeviceSample& d) { return d.sequence == 101; }).buttons, kPutDown);
+  InputReport second = At(102, 4001);
+  second.buttons = 4;
+  Send(second);
+  EXPECT_EQ(Until([](const DeviceSample& d) { return d.sequence == 102; }).buttons, kSecond);
 }
 
 TEST_F(HapticBoardTest, OrientationThatIsNoTurnLeavesTheToolAsItIs) {

@@ -157,6 +157,8 @@ TEST_F(SpaceMouseTest, StaysWithinItsReach) {
 }
 
 TEST_F(SpaceMouseTest, UnpluggedWhileDeflectedStopsWithThePedalUp) {
+  Send({3, 2});
+  EXPECT_EQ(Ticks(1).buttons, kSecond);
   Send({3, 1});
   EXPECT_EQ(Ticks(1).buttons, kPedal);
   Send({1, 0x5e, 0x01, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});

@@ -161,11 +161,11 @@ TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
   // Right 100 counts, up 200, toward the user 300.
   sdk.With([&](State& s) {
     s.position = {100 * count_mm, 200 * count_mm, 300 * count_mm};
-    s.button = true;
+    s.button = s.second = true;
   });
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 200; });
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{100, -300, 200}));
-  EXPECT_EQ(at.buttons, kPedal);
+  EXPECT_EQ(at.buttons, kPedal | kSecond);
   const Force wanted{1, 3, -2};
   EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3), wanted), wanted);
 }

@@ -11,7 +11,7 @@ class BehindLibrary {
   struct Pose {
     std::array<double, 3> position{};
     std::array<std::array<double, 3>, 3> frame{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // by rows
-    bool button = false;
+    bool button = false, second = false;
   };
   struct Facts {
     std::string name;

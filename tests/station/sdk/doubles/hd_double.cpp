@@ -97,7 +97,7 @@ void hdGetDoublev(unsigned int what, double* out) {
   out[15] = 1;
 }
 void hdGetIntegerv(unsigned int what, int* out) {
-  *out = what == 0x2000 ? (pose.button ? 1 : 0) : what == 0x2555 ? 4 : 0;
+  *out = what == 0x2000 ? (pose.button ? 1 : 0) + (pose.second ? 2 : 0) : what == 0x2555 ? 4 : 0;
 }
 void hdSetDoublev(unsigned int what, const double* in) {
   if (what == 0x2700) std::copy(in, in + 3, force.begin());

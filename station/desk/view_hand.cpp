@@ -1,0 +1,15 @@
+#include "station/desk/view_hand.h"
+
+namespace enamel::station::desk {
+
+void ViewHand::Look(bool held, const dvec3& hand_m, render::Camera& camera) {
+  if (held && last_m_) {
+    // The picture is two radii high, and its y points down.
+    const glm::vec3 moved = glm::vec3(hand_m - *last_m_) * (1e3f / (2 * camera.radius_mm()));
+    const glm::vec3 right = camera.Right(), up = glm::cross(camera.TowardViewer(), right);
+    camera.Orbit(glm::dot(moved, right), -glm::dot(moved, up));
+  }
+  last_m_ = held ? std::optional(hand_m) : std::nullopt;
+}
+
+}  // namespace enamel::station::desk
