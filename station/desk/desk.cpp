@@ -153,6 +153,7 @@ class Desk {
 
   // The tooth, if there is one to cut; null: none.
   const render::Target* Picture(double dt_s) {
+    if (flow_.place() == Place::kLoss) return LossPicture(dt_s);
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.cutting() && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
@@ -170,6 +171,15 @@ class Desk {
     DrawStatus(*attempt);
     if (depth_ && MayShowProgress(attempt->prepared())) attempt->WriteDepth(flow_.words(), screen_);
     return &attempt->view().result();
+  }
+
+  const render::Target* LossPicture(double dt_s) {
+    screen_.CaptureCursor(false);
+    LossView& loss = *flow_.loss();
+    loss.Advance(dt_s);
+    render::SteerCamera(screen_, loss.view().camera(), true);
+    loss.view().Draw(screen_.width(), screen_.height(), quality());
+    return &loss.view().result();
   }
 
   // With the mouse as the handpiece, the right button turns the picture and keys choose the view.

@@ -18,23 +18,6 @@ constexpr double kStartAbove_m = 2e-3, kCavity_m = 3e-3;
 constexpr double kWork_m = 4e-3;
 constexpr int kStill_px = 640;  // of a side
 
-render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
-  render::ViewOptions view;
-  view.bur = prepared.exercise.bur().metric();
-  view.aside = kAside;
-  view.crown_aside = prepared.scene.up == scene::Up::kBuccal;
-  view.mesial_x = scene::MesialX(prepared.scene.tooth);
-  const scene::CavityTarget& target = prepared.exercise.target;
-  if (const auto at = prepared.scene.landmarks.find(target.landmark);
-      at != prepared.scene.landmarks.end()) {
-    view.work_m = dvec3(at->second[0], at->second[1], at->second[2]) * 1e-6;
-    view.work_radius_m =
-        std::max(kWork_m, 2.6e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
-  }
-  view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
-  return view;
-}
-
 // The mouse begins above the place to cut, where its bur is seen: the device's centre is 8 mm up.
 // `around_m`: above what is highest within this distance too, so that a resumed attempt does not
 // begin within its cavity.
@@ -59,6 +42,23 @@ int Held(const Screen& screen, int more, int less) {
 }
 
 }  // namespace
+
+render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
+  render::ViewOptions view;
+  view.bur = prepared.exercise.bur().metric();
+  view.aside = kAside;
+  view.crown_aside = prepared.scene.up == scene::Up::kBuccal;
+  view.mesial_x = scene::MesialX(prepared.scene.tooth);
+  const scene::CavityTarget& target = prepared.exercise.target;
+  if (const auto at = prepared.scene.landmarks.find(target.landmark);
+      at != prepared.scene.landmarks.end()) {
+    view.work_m = dvec3(at->second[0], at->second[1], at->second[2]) * 1e-6;
+    view.work_radius_m =
+        std::max(kWork_m, 2.6e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
+  }
+  view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
+  return view;
+}
 
 Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepared,
                                                          const DeviceOffer& offer,

@@ -20,6 +20,9 @@
 
 namespace enamel::station::desk {
 
+// How an attempt's tooth is looked at: its bur, and the place to cut.
+render::ViewOptions ViewOf(const PreparedAttempt& prepared);
+
 // One attempt in the window: its documents, the device, the picture, and from Begin on the running
 // attempt. Owner's thread only; the tick sees the device and the feed.
 class DeskAttempt {

@@ -88,6 +88,9 @@ bool Pages::Draw() {
     case Place::kResult:
       Result();
       break;
+    case Place::kLoss:
+      ShownLoss();
+      break;
   }
   bool close = false;
   switch (flow_.dialog()) {

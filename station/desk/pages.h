@@ -49,6 +49,9 @@ class Pages {
   void HandIn();
   void Result();
   std::vector<Picture> ResultPictures();
+  std::string Points(const scoring::CriterionResult& criterion) const;
+  void Losses(const std::vector<Loss>& losses);
+  void ShownLoss();
   void Score(const scoring::ScoreResult& score);
   void ResultChoices();
   void Paused();
@@ -96,9 +99,5 @@ std::string BurText(const Words& words, const cutting::Bur& bur);
 
 // Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);
-
-// The one thing to work on next: what takes points of every criterion, else the criterion that lost
-// most. Empty: nothing lost any.
-std::string NextStep(const Words& words, const scoring::ScoreResult& score);
 
 }  // namespace enamel::station::desk

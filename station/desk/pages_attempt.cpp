@@ -1,31 +1,11 @@
 // The pages of one attempt: ready, running, handing in, its result, and their dialogs.
+#include <algorithm>
 #include <cmath>
 
 #include "station/desk/pages.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
-
-std::string NextStep(const Words& words, const scoring::ScoreResult& score) {
-  // What takes points of every criterion comes first.
-  const scoring::GateResult* gate = nullptr;
-  for (const scoring::GateResult& g : score.gates) {
-    if (g.share < 1 && (gate == nullptr || g.share < gate->share)) gate = &g;
-  }
-  if (gate != nullptr) {
-    return words.Say("result.next_all", {{"title", WordedTitle(words, gate->title)}});
-  }
-  const scoring::CriterionResult* dearest = nullptr;
-  double most = 0.05;  // half of the tenth that is shown
-  for (const scoring::CriterionResult& c : score.criteria) {
-    if (c.max_points - c.points <= most) continue;
-    most = c.max_points - c.points;
-    dearest = &c;
-  }
-  if (dearest == nullptr) return {};
-  return words.Say("result.next", {{"title", WordedTitle(words, dearest->title)},
-                                   {"points", NumberText(words, most, 1)}});
-}
 
 void Pages::Ready() {
   ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
@@ -190,21 +170,23 @@ void Pages::Score(const scoring::ScoreResult& score) {
   for (const scoring::CriticalResult& c : score.critical) {
     ui_.Problem(ReasonText(flow_.words(), c));
   }
-  for (const scoring::GateResult& g : score.gates) {
-    if (g.share < 1) ui_.Problem(ReasonText(flow_.words(), g));
-  }
   if (std::string next = NextStep(flow_.words(), score); !next.empty()) ui_.Text(next);
   ui_.BeginList("reasons");
+  const std::vector<Loss> dearest = DearestLosses(score);
+  Losses(dearest);
   for (const scoring::CriterionResult& c : score.criteria) {
     if (c.max_points == 0) continue;  // not in this exercise
-    ui_.Line(WordedTitle(flow_.words(), c.title),
-             Say("result.points", {{"points", NumberText(flow_.words(), c.points, 1)},
-                                   {"most", NumberText(flow_.words(), c.max_points, 1)}}),
-             // Half of the tenth that is shown: "10 of 10" with a reason would be puzzling.
-             c.max_points - c.points > 0.05 ? DetailText(flow_.words(), c) : "",
-             c.points + 0.05 < c.max_points);
+    if (std::ranges::find(dearest, &c, &Loss::criterion) != dearest.end()) continue;
+    const bool lost = c.max_points - c.points > kLossShown;
+    ui_.Line(WordedTitle(flow_.words(), c.title), Points(c),
+             lost ? DetailText(flow_.words(), c) : "", lost);
   }
   ui_.EndList();
+}
+
+std::string Pages::Points(const scoring::CriterionResult& criterion) const {
+  return Say("result.points", {{"points", NumberText(flow_.words(), criterion.points, 1)},
+                               {"most", NumberText(flow_.words(), criterion.max_points, 1)}});
 }
 
 void Pages::Result() {

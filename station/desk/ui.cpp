@@ -324,7 +324,10 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   }
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding, 12 * px()});
   ImGui::BeginDisabled(!enabled);
+  // Distinguishes buttons with the same label.
+  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, label, &Choice::label)));
   bool chosen = ImGui::Button(label.c_str());
+  ImGui::PopID();
   ImGui::EndDisabled();
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(3);

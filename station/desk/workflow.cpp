@@ -92,7 +92,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   // Not during an attempt or while handing in: the person may be thinking, or waiting for us.
   bool may_idle = place_ == Place::kFirstPassword || place_ == Place::kExercises ||
                   place_ == Place::kExercise || place_ == Place::kResult ||
-                  place_ == Place::kReserved;
+                  place_ == Place::kLoss || place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
     SignOut(words_.Say("signed_out.idle"));
   }
@@ -140,6 +140,7 @@ void Workflow::SignOut(const std::string& why) {
   // First of all: it ends waits for the server, so that the attempt can be left.
   workplace_.SignOut();
   LeaveAttempt();
+  ForgetResult();
   preview_.reset();
   person_ = {};
   catalogue_ = {};
@@ -438,6 +439,7 @@ void Workflow::GiveBack(const std::string& pin) {
 
 void Workflow::ToExercises() {
   LeaveAttempt();
+  ForgetResult();
   preview_.reset();
   Go(Place::kExercises);
   WhenFree([this] { Refresh(); });
@@ -482,6 +484,8 @@ void Workflow::Back() {
       return Open(Dialog::kPaused);
     case Place::kResult:
       return ToExercises();
+    case Place::kLoss:
+      return LeaveLoss();
     case Place::kExercises:
       return SignOut();
     default:

@@ -11,6 +11,8 @@
 #include "common/scoring/score.h"
 #include "station/desk/background_task.h"
 #include "station/desk/desk_attempt.h"
+#include "station/desk/result_loss_view.h"
+#include "station/desk/result_losses.h"
 #include "station/desk/watch/stillness.h"
 
 namespace enamel::station::desk {
@@ -25,7 +27,8 @@ enum class Place {
   kReady,
   kRunning,
   kHandIn,
-  kResult
+  kResult,
+  kLoss
 };
 enum class Dialog {
   kNone,
@@ -133,6 +136,9 @@ class Workflow {
   const std::optional<scoring::ScoreResult>& score() const { return score_; }
   // The score exists, but is not released to this person yet.
   bool held_back() const { return held_back_; }
+  // Of kLoss: what it shows. The loss is one of the score's.
+  LossView* loss() { return loss_.get(); }
+  const Loss& loss_shown() const { return loss_shown_; }
   bool marked_as_reference() const { return marked_; }
   // Refused as reference, but allowed with a reason.
   bool reference_needs_reason() const { return needs_reason_; }
@@ -178,7 +184,11 @@ class Workflow {
   void ToExercises();
   // `anyway`: the reason, where one is required.
   void MarkReference(const std::string& dentist, bool consent, const std::string& anyway);
-  void Back();  // one place back, if possible
+  // Goes to the place of a loss and makes its stroke again; asked there again, once more. `loss`: of
+  // score(), with a place.
+  void ShowLoss(const Loss& loss);
+  void LeaveLoss();  // to the result
+  void Back();       // one place back, if possible
 
  private:
   // This person's attempts at this station.
@@ -200,6 +210,7 @@ class Workflow {
   void FreeAgain();
   Kept KeptOf(const Uuid& person);
   void ShowResult(Shown shown);
+  void ForgetResult();
   const Catalogue::Profile* ProfileFor(const DeviceOffer& offer) const;
   void Fetch();
   void TakeOffers(std::vector<DeviceOffer> offers);
@@ -253,6 +264,9 @@ class Workflow {
   bool needs_start_ = false, needs_end_ = false;  // a signature (Dialog::kSignOff)
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;
+  std::shared_ptr<LookBack> look_back_;  // at the result's attempt, once it was asked for
+  Loss loss_shown_;
+  std::unique_ptr<LossView> loss_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};
   BackgroundTask task_;  // its thread ends before what it uses goes
 };

@@ -62,11 +62,10 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   attempt_ = std::move(*attempt);
   // Reserved and resumed attempts bring their ticket.
   ticketed_ = way_ != Way::kTicket;
-  joined_ = recorded_ = marked_ = held_back_ = needs_reason_ = false;
+  joined_ = recorded_ = false;
   needs_start_ = false;
   needs_end_ = attempt_->prepared().sign_off;
-  progress_.reset();
-  score_.reset();
+  ForgetResult();
   LookForStillness();
   Go(Place::kReady);
   notice_ = assumed;
@@ -204,10 +203,7 @@ void Workflow::WatchUpload() {
 
 void Workflow::ShowResult(Shown shown) {
   result_ = std::move(shown);
-  marked_ = held_back_ = needs_reason_ = false;
-  progress_.reset();
-  score_.reset();
-  next_look_ = {};
+  ForgetResult();
   Go(Place::kResult);
 }
 

@@ -47,6 +47,17 @@ void Camera::SetView(View view) {
   }
 }
 
+void Camera::LookAt(const glm::vec3& point_mm, const glm::vec3& toward_viewer, float radius_mm) {
+  // Straight from above, where any way round will do: as SetView(kOcclusal) does.
+  SetView(View::kOcclusal);
+  focus_mm_ = point_mm;
+  radius_mm_ = radius_mm;
+  const glm::vec3 to = glm::normalize(toward_viewer);
+  const float aside = std::hypot(to.x, to.y);
+  if (aside > 1e-3f) yaw_ = std::atan2(to.y, to.x);
+  pitch_ = std::clamp(std::atan2(to.z, aside), -kMaxPitch, kMaxPitch);
+}
+
 void Camera::Orbit(float dx, float dy) {
   yaw_ -= dx * 4;
   pitch_ = std::clamp(pitch_ + dy * 4, -kMaxPitch, kMaxPitch);

@@ -17,6 +17,8 @@ class Camera {
   Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0, int mesial_x = 1);
 
   void SetView(View view);
+  // A place seen along a direction (out of what is seen), so near that `radius_mm` fills the view.
+  void LookAt(const glm::vec3& point_mm, const glm::vec3& toward_viewer, float radius_mm);
   // Turns by a drag of the mouse, as fractions of the window's height.
   void Orbit(float dx, float dy);
   // Moves the focus in the picture's plane, same unit.

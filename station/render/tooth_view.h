@@ -65,6 +65,7 @@ class ToothView {
   std::shared_ptr<const Target> Still(int side_px);
   const PictureWork& work() const { return picture_.work(); }
   Camera& camera() { return camera_; }
+  const Camera& camera() const { return camera_; }
   MouthMirror& mirror() { return mirror_; }
   // The target's outline, drawn on the tooth while it is shown.
   void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/base/mutex.h"
+#include "station/session/look_back.h"
 #include "station/session/prepared_attempt.h"
 #include "station/session/running_attempt.h"
 #include "station/session/ticket_safe.h"
@@ -153,6 +154,9 @@ class Workplace {
   Result<PreparedAttempt> PrepareResume(const Uuid& attempt, const KeepGoing& keep_going = {});
   Result<PreparedAttempt> PrepareResume(const Uuid& attempt, const std::string& pin,
                                         const KeepGoing& keep_going = {});
+  // A recording that the spool has, to look at a moment of it again: for the person signed in, whose
+  // it must be. Errors: kForbidden (somebody else's), kVersion (made by another version), kNotFound.
+  Result<std::unique_ptr<LookBack>> LookBackAt(const Uuid& attempt);
   // Seals it where its recording ends.
   Result<trace::Seal> Close(const Uuid& attempt);
 
@@ -194,6 +198,7 @@ class Workplace {
   Status AskForTicket(PreparedAttempt& prepared, bool as_reference);
   Result<trace::Header> HeaderOf(const Uuid& attempt);
   Result<PreparedAttempt> FromCache(const trace::Ticket& ticket);
+  Result<PreparedAttempt> OfHeader(const trace::Header& header);
   Result<PreparedAttempt> Replayed(const trace::Header& header, const KeepGoing& keep_going);
   void KeepAlive();
 

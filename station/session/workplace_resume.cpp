@@ -62,6 +62,38 @@ Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std:
   return Replayed(header, keep_going);
 }
 
+// The documents that a recording was made of, from the cache, with its header.
+Result<PreparedAttempt> Workplace::OfHeader(const trace::Header& header) {
+  auto prepared = FromCache(header.ticket);
+  if (!prepared.ok()) return prepared.status();
+  // Parameters with another delay than the profile's belong to this version too.
+  Status params =
+      scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
+  if (params.code() == Code::kConflict && params.field() == "params") {
+    return Status(
+        Code::kVersion,
+        "attempt " + header.ticket.attempt.Text() + " was begun by another version of this program",
+        "params");
+  }
+  if (!params.ok()) return params;
+  prepared->header = header;
+  return prepared;
+}
+
+Result<std::unique_ptr<LookBack>> Workplace::LookBackAt(const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*UseLink()));
+  if (who.id != header.ticket.person) {
+    return Status(Code::kForbidden, "attempt " + attempt.Text() +
+                                        " is somebody else's: only the person who made it can "
+                                        "look back at it here");
+  }
+  auto prepared = OfHeader(header);
+  if (!prepared.ok()) return prepared.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto file, spool_->Export(attempt));
+  return std::make_unique<LookBack>(std::move(*prepared), std::move(file));
+}
+
 Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
                                             const KeepGoing& keep_going) {
   const Uuid& attempt = header.ticket.attempt;
@@ -70,19 +102,14 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
     return Status(Code::kConflict,
                   "attempt " + attempt.Text() + " has ended: it cannot be resumed");
   }
-  auto prepared = FromCache(header.ticket);
-  if (!prepared.ok()) return prepared.status();
-  // Parameters with another delay than the profile's belong to this version too.
-  Status params =
-      scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
-  if (params.code() == Code::kConflict && params.field() == "params") {
+  auto prepared = OfHeader(header);
+  if (prepared.status().code() == Code::kVersion) {
     return Status(Code::kVersion,
-                  "attempt " + attempt.Text() +
-                      " was begun by another version of this program and cannot be resumed by this "
-                      "one; 'enamel-station spool close' ends it where it stopped");
+                  prepared.status().message() +
+                      " and cannot be resumed by this one; 'enamel-station spool close' ends it "
+                      "where it stopped");
   }
-  if (!params.ok()) return params;
-  prepared->header = header;
+  if (!prepared.ok()) return prepared.status();
   prepared->sign_off = stored.sign_off;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume.Packed());
   // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,

@@ -189,6 +189,16 @@ see Before
 see After
 frames 3
 picture PICTURES/12-score.png
+# Where most was lost, on the tooth; and back to the same result.
+click Show me
+page loss
+see place in the ring
+see [Back]
+frames 12
+picture PICTURES/12-loss.png
+key Escape
+page result
+see of 100 points
 click Reference
 page reference
 click The dentist agrees
@@ -539,7 +549,7 @@ mv "$work/broken/saved/spool.sqlite" "$work/broken/spool.sqlite"
 touch "$work/mended"
 wait "$player" || fail "the window over a damaged spool"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
-  11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
+  11-zones 12-score 12-loss 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
   22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
   31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel \
   38-reference-refused; do

@@ -240,6 +240,55 @@ TEST(WarmUpTextTest, ATriedDeviceIsReportedInALine) {
   EXPECT_EQ(text(0, 0, 0), "The bur did not turn. Check the pedal, then try again.");
 }
 
+TEST_F(DeskAttemptTest, AStrokeIsMadeAgainFromTheRecordingWhereItWas) {
+  ASSERT_NO_FATAL_FAILURE(Begin("pointer"));
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 1200; }));
+  flow_->EndAttempt();
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+  const auto seal = workplace_->spool().Get(id_)->seal;
+  ASSERT_TRUE(seal);
+
+  EXPECT_EQ(workplace_->LookBackAt(id_).status().code(), Code::kUnauthenticated);
+  const Uuid person = std::exchange(server_->person, Uuid::New());
+  ASSERT_TRUE(workplace_->SignIn("somebody", "secret").ok());
+  EXPECT_EQ(workplace_->LookBackAt(id_).status().code(), Code::kForbidden);
+  workplace_->SignOut();
+  server_->person = person;
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  auto back = workplace_->LookBackAt(id_);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+
+  auto end = (*back)->Take(UINT64_MAX, UINT64_MAX);
+  ASSERT_TRUE(end.ok()) << end.status().message();
+  EXPECT_TRUE(end->ticks.empty());
+  EXPECT_EQ(end->core->ticks(), seal->ticks);
+  EXPECT_EQ(end->core->state_hash(), seal->state_hash);
+
+  auto stretch = (*back)->Take(700, 1100);
+  ASSERT_TRUE(stretch.ok()) << stretch.status().message();
+  EXPECT_EQ(stretch->core->ticks(), 700u);
+  ASSERT_EQ(stretch->ticks.size(), 400u);
+  EXPECT_GE(stretch->passed_ticks, 700u);
+  const core::Core* core = stretch->core.get();
+  scoring::Deduction place;
+  place.position_m = dvec3(1e-3, 0, 0);
+  LossView view((*back)->prepared(), std::move(*stretch), place);
+  // Without a tooth nothing is cut from it.
+  const auto patience = Clock::now() + std::chrono::seconds(100);
+  while (!view.over() && Clock::now() < patience) {
+    view.Advance(0.05);
+    view.view().Draw(640, 480, render::kQualities[0]);
+  }
+  EXPECT_TRUE(view.over());
+  EXPECT_EQ(core->ticks(), 1100u);
+  ASSERT_TRUE(view.view().has_state());
+  EXPECT_EQ(view.view().state().tick, 1100u);
+  const LossView::Ring ring = view.RingIn(640, 480);
+  EXPECT_NEAR(ring.middle_px.x, 320 + 0.16 * 480, 1) << "the panel is on the left";
+  EXPECT_NEAR(ring.middle_px.y, 240, 1);
+  EXPECT_GT(ring.radius_px, 40);
+}
+
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));

@@ -33,6 +33,51 @@ TEST(ResultTextTest, TheNextStepIsWhatLostMostPoints) {
             "Next step: work on \u201cTask done\u201d. It takes points from every criterion.");
 }
 
+scoring::Deduction Place(const char* metric, double volume_mm3, uint32_t stroke) {
+  scoring::Deduction d;
+  d.criterion = metric;
+  d.volume_m3 = volume_mm3 * 1e-9;
+  d.left = stroke == 0;
+  if (stroke > 0) d.strokes = {{stroke, 72'000, 72.4, 2, d.volume_m3}};
+  return d;
+}
+
+TEST(ResultTextTest, TheThreeDearestLossesComeWithTheirPlaces) {
+  scoring::ScoreResult score;
+  score.criteria = {Criterion("a", 5, 8), Criterion("b", 1, 8), Criterion("c", 5, 5),
+                    Criterion("d", 0, 5)};
+  scoring::GateResult gate;
+  gate.name = "g";
+  gate.share = 0.4;
+  score.gates = {gate};
+  score.deductions = {Place("b", 3, 0), Place("b", 1, 14), Place("a", 1, 2), Place("g", 2, 0)};
+  const std::vector<Loss> losses = DearestLosses(score);
+  ASSERT_EQ(losses.size(), 3u);
+  EXPECT_EQ(losses[0].gate, &score.gates[0]) << "it takes points of every criterion";
+  EXPECT_EQ(losses[1].criterion, &score.criteria[1]);
+  EXPECT_EQ(losses[2].criterion, &score.criteria[3]);
+  EXPECT_EQ(losses[1].place, &score.deductions[1]) << "one that a stroke can be shown of";
+  EXPECT_EQ(losses[2].place, nullptr);
+  EXPECT_EQ(PlaceOfLossText(kEnglish, *losses[0].place),
+            "Too much was left at the place in the ring.");
+  EXPECT_EQ(PlaceOfLossText(kEnglish, *losses[1].place),
+            "Stroke 14, at 1:12. The ring marks the place.");
+}
+
+TEST(ResultTextTest, AStrokeIsShownFromBeforeItUntilAfterItAndALongOneAroundItsHalf) {
+  scoring::Deduction place = Place("a", 1, 14);
+  EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{70'500, 74'500}));
+  place.strokes[0].first_tick = 300;
+  EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{0, 2800}));
+  place.strokes[0].first_tick = 72'000;
+  place.strokes[0].lasts_s = 60;
+  place.half_tick = 90'000;
+  EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{86'000, 94'000}));
+  place.half_tick = 10;  // another stroke's
+  EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{70'500, 78'500}));
+  EXPECT_EQ(TicksToShow(Place("a", 1, 0), 1000), (ShownTicks{}));
+}
+
 TEST(ResultTextTest, BelowItsTitleAMeasuredValueIsCalledSo) {
   scoring::CriterionResult c = Criterion("Nothing left inside", 0, 8);
   c.name = "left_standing_mm3";
