@@ -124,6 +124,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.seal_attempt());
     case wire::Request::kAttemptStatus:
       return Do(request.attempt_status());
+    case wire::Request::kGetDeviation:
+      return Do(request.get_deviation());
     case wire::Request::kMarkReference:
       return Do(request.mark_reference());
     case wire::Request::kOfferAttempts:

@@ -110,6 +110,7 @@ class Session {
   Result<wire::Reply> Do(const wire::PutChunk& request);
   Result<wire::Reply> Do(const wire::SealAttempt& request);
   Result<wire::Reply> Do(const wire::AttemptStatus& request);
+  Result<wire::Reply> Do(const wire::GetDeviation& request);
   Result<wire::Reply> Do(const wire::MarkReference& request);
   Result<wire::Reply> Do(const wire::OfferAttempts& request);
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
@@ -137,6 +138,9 @@ class Session {
     bool shares_cohort = false;
   };
   Result<Seen> SeenAttempt(const std::string& session_token, const std::string& attempt);
+  Result<bool> MaySeeScore(const Seen& seen);
+  // Own scores of the attempt's person at its exercise (schemas/wire/README.md, "Own scores").
+  Status AddScores(const Seen& seen, wire::AttemptState& out);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
   // Names of an exam's stations, for people.
   Result<std::string> StationsText(const AssignmentRow& assignment);

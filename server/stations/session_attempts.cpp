@@ -427,25 +427,4 @@ Result<Session::Seen> Session::SeenAttempt(const std::string& session_token,
   return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
 }
 
-Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeenAttempt(request.session(), request.attempt()));
-  const AttemptRow& row = seen.row;
-  wire::Reply reply;
-  wire::AttemptState& state = *reply.mutable_attempt_state();
-  state.set_attempt(request.attempt());
-  state.set_state(AttemptStateName(row.state));
-  state.set_progress(row.progress);
-  state.set_exam(row.exam);
-  state.set_released(row.released);
-  for (const char* flag : AttemptFlagNames(row.flags & ~kReviewFlags)) state.add_flags(flag);
-  state.set_problem(row.problem);
-  if (row.state != AttemptState::kScored) return reply;
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.exercises.ExerciseById(row.exercise));
-  if (!CanSeeScore(seen.person, row, exercise.graded, seen.shares_cohort)) return reply;
-  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.results.ResultOf(row.id));
-  ENAMEL_ASSIGN_OR_RETURN(auto json, services_.store.blobs.GetBlob(result.score_json));
-  state.set_result_json(std::string(AsText(json)));
-  return reply;
-}
-
 }  // namespace enamel::server::stations

@@ -16,7 +16,6 @@ constexpr float kAside = 0.16f;    // clear of the panel
 constexpr double kWheelInAir = 4;  // as fast, with the bur off
 constexpr double kStartAbove_m = 2e-3, kCavity_m = 3e-3;
 constexpr double kWork_m = 4e-3;
-constexpr int kStill_px = 640;  // of a side
 
 // The mouse begins above the place to cut, where its bur is seen: the device's centre is 8 mm up.
 // `around_m`: above what is highest within this distance too, so that a resumed attempt does not
@@ -157,16 +156,7 @@ Snapshot DeskAttempt::newest() {
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, OptionsFor(cpu)));
   run_ = std::move(run);
-  before_ = view_->Still(kStill_px);
   return Status::Ok();
-}
-
-const std::shared_ptr<const render::Target>& DeskAttempt::after() {
-  const bool ended = run_ != nullptr && !run_->ticking();
-  if (after_ == nullptr && ended && view_->WaitIdle(std::chrono::milliseconds(0))) {
-    after_ = view_->Still(kStill_px);
-  }
-  return after_;
 }
 
 void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {

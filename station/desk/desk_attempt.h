@@ -58,9 +58,6 @@ class DeskAttempt {
   Status Begin(Workplace& workplace, int cpu);
   // Starts ticking with nothing recorded, to try the device (warm_up.h).
   void Rehearse(int cpu);
-  // The tooth as the attempt began; and as it ended, once the picture has it: null until then.
-  const std::shared_ptr<const render::Target>& before() const { return before_; }
-  const std::shared_ptr<const render::Target>& after();
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
   // Null before Rehearse.
@@ -87,7 +84,6 @@ class DeskAttempt {
   std::unique_ptr<NearnessWatch> nearness_;
   std::optional<DepthGauge> gauge_;
   std::unique_ptr<render::ToothView> view_;
-  std::shared_ptr<const render::Target> before_, after_;
   std::unique_ptr<Surroundings> surroundings_;
   std::unique_ptr<TickFeed> feed_;
   std::unique_ptr<RunningAttempt> run_;  // first to go, with

@@ -48,7 +48,8 @@ class Pages {
   void Remark(RunningAttempt& run);
   void HandIn();
   void Result();
-  std::vector<Picture> ResultPictures();
+  std::vector<Picture> PicturesOfResult();
+  void BelowPictures();
   std::string Points(const scoring::CriterionResult& criterion) const;
   void Losses(const std::vector<Loss>& losses);
   void ShownLoss();

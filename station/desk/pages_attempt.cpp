@@ -190,7 +190,7 @@ std::string Pages::Points(const scoring::CriterionResult& criterion) const {
 }
 
 void Pages::Result() {
-  const std::vector<Picture> pictures = ResultPictures();
+  const std::vector<Picture> pictures = PicturesOfResult();
   Ui::Page page = kWidePage;
   if (!pictures.empty()) page.width = 0.58f;
   ui_.Begin("result", page);
@@ -219,21 +219,8 @@ void Pages::Result() {
   ui_.Gap(8);
   ResultChoices();
   ui_.End();
-  ui_.Pictures(pictures, {0.67f, 0.08f, 0.27f, 0.86f});
-}
-
-// Only of an attempt that was made just now: others are not on the tooth any more.
-std::vector<Picture> Pages::ResultPictures() {
-  std::vector<Picture> out;
-  DeskAttempt* attempt = flow_.attempt();
-  if (attempt == nullptr) return out;
-  if (const auto& before = attempt->before()) {
-    out.push_back({render::TextureOf(*before), Say("result.before")});
-  }
-  if (const auto& after = attempt->after()) {
-    out.push_back({render::TextureOf(*after), Say("result.after")});
-  }
-  return out;
+  if (!pictures.empty())
+    ui_.Pictures(pictures, {0.655f, 0.06f, 0.325f, 0.9f}, [this] { BelowPictures(); });
 }
 
 void Pages::ResultChoices() {

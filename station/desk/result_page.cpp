@@ -1,7 +1,10 @@
 // The dearest losses on the result page, and the page that shows one on the tooth.
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "station/desk/pages.h"
+#include "station/render/materials.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -20,7 +23,77 @@ void DrawRing(const LossView::Ring& ring, float px) {
   list->AddCircle(middle, ring.radius_px, IM_COL32(255, 200, 60, 255), 0, 4 * px);
 }
 
+// The scale of the deviation, from less removed to more.
+void DrawScale(float width, float height) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const float step = width / render::kDeviationSteps;
+  for (int i = 0; i < render::kDeviationSteps; ++i) {
+    const uint32_t c = render::DeviationColour(i);
+    const auto x = from.x + step * static_cast<float>(i);
+    list->AddRectFilled({x, from.y}, {x + step, from.y + height},
+                        IM_COL32(c >> 16, c >> 8 & 255, c & 255, 255));
+  }
+  ImGui::Dummy({width, height});
+}
+
+// Points of 100 from attempt to attempt; a ring around the one shown.
+void DrawCurve(const std::vector<AttemptProgress::Score>& scores, const Uuid& shown, float width,
+               float height, float px) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float dot = 5 * px, inset = 3 * dot;
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const ImU32 quiet = IM_COL32(255, 255, 255, 60), line = IM_COL32(120, 180, 255, 255);
+  auto place = [&](size_t i) {
+    const float along =
+        scores.size() < 2 ? 0.5f : static_cast<float>(i) / static_cast<float>(scores.size() - 1);
+    const auto up = static_cast<float>(std::clamp(scores[i].score, 0.0, 100.0) / 100);
+    return ImVec2{from.x + inset + along * (width - 2 * inset),
+                  from.y + height - inset - up * (height - 2 * inset)};
+  };
+  for (float share : {0.0f, 0.5f, 1.0f}) {
+    const float y = from.y + inset + share * (height - 2 * inset);
+    list->AddLine({from.x, y}, {from.x + width, y}, quiet, std::max(1.0f, px));
+  }
+  for (size_t i = 0; i < scores.size(); ++i) {
+    if (i > 0) list->AddLine(place(i - 1), place(i), line, 3 * px);
+    list->AddCircleFilled(place(i), dot, line);
+    if (scores[i].attempt == shown) {
+      list->AddCircle(place(i), 2 * dot, IM_COL32(255, 255, 255, 255), 0, 3 * px);
+    }
+  }
+  ImGui::Dummy({width, height});
+}
+
 }  // namespace
+
+std::vector<Picture> Pages::PicturesOfResult() {
+  std::vector<Picture> out;
+  const ResultPictures* all = flow_.pictures();
+  if (all == nullptr) return out;
+  auto add = [&](const ResultPictures::Still& still, const char* caption) {
+    if (still) out.push_back({render::TextureOf(*still), Say(caption)});
+  };
+  add(all->before, "result.before");
+  add(all->after, "result.after");
+  add(all->target, "result.target");
+  add(all->deviation, "result.deviation");
+  return out;
+}
+
+void Pages::BelowPictures() {
+  constexpr float kScale_px = 18, kCurve_px = 120;
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (flow_.pictures() != nullptr && flow_.pictures()->deviation) {
+    DrawScale(width, kScale_px * ui_.px());
+    ui_.Text(
+        Say("result.scale", {{"range", flow_.words().Decimal(render::kDeviationRange_mm, 1)}}));
+  }
+  const auto& progress = flow_.progress();
+  if (!progress || !flow_.score() || progress->scores.size() < 2) return;
+  DrawCurve(progress->scores, flow_.result_attempt(), width, kCurve_px * ui_.px(), ui_.px());
+  ui_.Text(Say("result.curve", {{"count", std::to_string(progress->scores.size())}}));
+}
 
 void Pages::Losses(const std::vector<Loss>& losses) {
   for (const Loss& loss : losses) {
@@ -30,6 +103,7 @@ void Pages::Losses(const std::vector<Loss>& losses) {
         gate ? flow_.words().Decimal(100 * loss.gate->share, 0) + " %" : Points(*loss.criterion),
         LossText(flow_.words(), loss), true);
     if (loss.place == nullptr) continue;
+    ui_.Indent();
     if (ui_.Button(Say("result.show"), Ui::Look::kSmall, !flow_.busy())) flow_.ShowLoss(loss);
     ui_.Gap(8);
   }

@@ -17,6 +17,7 @@ using render::InputEvent;
 constexpr ImU32 kFocus = IM_COL32(94, 176, 255, 255), kMain = IM_COL32(28, 112, 196, 255),
                 kPlainButton = IM_COL32(58, 66, 76, 255), kDanger = IM_COL32(170, 48, 42, 255),
                 kRow = IM_COL32(36, 41, 48, 255), kChosenRow = IM_COL32(30, 66, 104, 255);
+constexpr float kWords_px = 28;  // of a Line, from its name
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
@@ -311,6 +312,8 @@ void Ui::Problem(const std::string& text) {
 
 void Ui::Gap(float height) { ImGui::Dummy({1, height * px()}); }
 
+void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px()); }
+
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
   const bool small = look == Look::kSmall;
@@ -456,9 +459,9 @@ void Ui::Line(const std::string& name, const std::string& value, const std::stri
   ImGui::TextUnformatted(value.c_str());
   ImGui::PopStyleColor();
   if (!words.empty()) {
-    ImGui::Indent(28 * px());
+    ImGui::Indent(kWords_px * px());
     Note(words);
-    ImGui::Unindent(28 * px());
+    ImGui::Unindent(kWords_px * px());
   }
 }
 

@@ -83,6 +83,7 @@ class Ui {
   void Note(const std::string& text);     // the same, quieter
   void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
+  void Indent();  // the next button, as the words of a Line
   // The next button begins beside the last, where the page has room for it.
   void SameLine() { beside_ = true; }
   // True when chosen.
@@ -112,9 +113,11 @@ class Ui {
   // script that the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
-  // Pictures below each other at the right of the window, beside a page that leaves room there:
-  // after the page's End.
-  void Pictures(std::span<const Picture> pictures, const Page& where);
+  // Pictures at the right of the window, beside a page that leaves room there: after the page's End.
+  // Below each other, or from three on in two columns. `below` draws under them, in the same small
+  // letters.
+  void Pictures(std::span<const Picture> pictures, const Page& where,
+                const std::function<void()>& below = {});
 
   // A part of the page that scrolls. What follows it up to the page's end keeps its height.
   void BeginList(const char* name);

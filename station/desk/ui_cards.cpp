@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <cmath>
 #include <cstdint>
 
 #include "station/desk/ui.h"
@@ -99,10 +100,11 @@ std::optional<size_t> Ui::Cards(std::span<const Card> cards, const std::string& 
   return chosen;
 }
 
-void Ui::Pictures(std::span<const Picture> pictures, const Page& where) {
-  if (pictures.empty()) return;
+void Ui::Pictures(std::span<const Picture> pictures, const Page& where,
+                  const std::function<void()>& below) {
   const auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
-  const auto count = static_cast<float>(pictures.size());
+  const int columns = pictures.size() > 2 ? 2 : 1;
+  const auto rows = std::ceil(static_cast<float>(pictures.size()) / static_cast<float>(columns));
   ImGui::SetNextWindowPos({where.at_x * w, where.at_y * h});
   ImGui::SetNextWindowSize({where.width * w, where.height * h});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
@@ -111,15 +113,27 @@ void Ui::Pictures(std::span<const Picture> pictures, const Page& where) {
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoBringToFrontOnFocus);
   ImGui::PushFont(fonts().near);
-  const float line = ImGui::GetTextLineHeightWithSpacing() + ImGui::GetStyle().ItemSpacing.y;
-  const float side = std::min(where.width * w, where.height * h / count - line);
-  for (const Picture& picture : pictures) {
+  const float gap = 12 * px(), line = ImGui::GetTextLineHeightWithSpacing() + gap;
+  const float side = rows == 0
+                         ? 0
+                         : std::min((where.width * w - gap * static_cast<float>(columns - 1)) /
+                                        static_cast<float>(columns),
+                                    where.height * h / rows - line);
+  const ImVec2 from = ImGui::GetCursorPos();
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const auto column = static_cast<float>(static_cast<int>(i) % columns),
+               row = static_cast<float>(static_cast<int>(i) / columns);
+    const ImVec2 at{from.x + column * (side + gap), from.y + row * (side + line)};
+    ImGui::SetCursorPos(at);
     // The texture's first row is the lowest.
-    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(picture.texture)),
+    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(pictures[i].texture)),
                  {side, side}, {0, 1}, {1, 0});
-    ImGui::TextUnformatted(picture.caption.c_str());
-    if (!blocked_) Say(picture.caption);
+    ImGui::SetCursorPosX(at.x);
+    ImGui::TextUnformatted(pictures[i].caption.c_str());
+    if (!blocked_) Say(pictures[i].caption);
   }
+  ImGui::SetCursorPos({from.x, from.y + rows * (side + line)});
+  if (below) below();
   ImGui::PopFont();
   ImGui::End();
   ImGui::PopStyleVar();

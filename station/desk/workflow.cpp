@@ -29,7 +29,10 @@ Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
   LookForReserved();
 }
 
-Workflow::~Workflow() { workplace_.SignOut(); }
+Workflow::~Workflow() {
+  workplace_.SignOut();
+  ForgetResult();
+}
 
 void Workflow::Go(Place place) {
   place_ = place;
@@ -69,6 +72,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;
   // First: a task's outcome may change the place used below.
   task_.Poll();
+  pictures_task_.Poll();
   FreeAgain();
   switch (place_) {
     case Place::kWarmUp:
@@ -85,6 +89,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
       break;
     case Place::kResult:
       WatchScore(now);
+      WatchPictures();
       break;
     default:
       break;

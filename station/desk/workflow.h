@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "station/desk/desk_attempt.h"
 #include "station/desk/result_loss_view.h"
 #include "station/desk/result_losses.h"
+#include "station/desk/result_pictures.h"
 #include "station/desk/watch/stillness.h"
 
 namespace enamel::station::desk {
@@ -136,6 +138,10 @@ class Workflow {
   const std::optional<scoring::ScoreResult>& score() const { return score_; }
   // The score exists, but is not released to this person yet.
   bool held_back() const { return held_back_; }
+  // Its pictures, as far as there are any yet. What the score judged by comes with the score.
+  const ResultPictures* pictures() const { return pictures_.get(); }
+  // The attempt whose result is shown.
+  const Uuid& result_attempt() const { return result_.attempt; }
   // Of kLoss: what it shows. The loss is one of the score's.
   LossView* loss() { return loss_.get(); }
   const Loss& loss_shown() const { return loss_shown_; }
@@ -230,6 +236,9 @@ class Workflow {
   void WatchRun();
   void WatchUpload();
   void WatchScore(Clock::time_point now);
+  void WatchPictures();
+  void PaintTooth();
+  void PaintJudgement();
   void Take(const AttemptProgress& progress);
   void Fail(const Status& status);
   void FailToSignIn(const Status& status);
@@ -268,7 +277,13 @@ class Workflow {
   Loss loss_shown_;
   std::unique_ptr<LossView> loss_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};
-  BackgroundTask task_;  // its thread ends before what it uses goes
+  // Of the result's pictures. Parts that were tried are not tried again.
+  bool tooth_tried_ = false, judgement_tried_ = false;
+  std::shared_ptr<const ResultSurfaces> surfaces_;
+  std::unique_ptr<ResultPictures> pictures_;
+  std::shared_ptr<std::atomic<bool>> pictures_wanted_;  // false: nobody looks at them any more
+  BackgroundTask pictures_task_;                        // beside the other, which people wait for
+  BackgroundTask task_;                                 // its thread ends before what it uses goes
 };
 
 }  // namespace enamel::station::desk

@@ -46,7 +46,65 @@ void Workflow::LeaveLoss() {
   Go(Place::kResult);
 }
 
+// Beside everything else: nobody waits for pictures, and nobody is told where there are none.
+void Workflow::WatchPictures() {
+  if (pictures_task_.busy()) return;
+  if (!tooth_tried_) return PaintTooth();
+  if (surfaces_ && score_ && !judgement_tried_) PaintJudgement();
+}
+
+void Workflow::PaintTooth() {
+  tooth_tried_ = true;
+  pictures_wanted_ = std::make_shared<std::atomic<bool>>(true);
+  pictures_task_.Start(
+      "task.loss",
+      [this, attempt = result_.attempt, wanted = pictures_wanted_]() -> BackgroundTask::After {
+        auto opened = workplace_.LookBackAt(attempt);
+        if (!opened.ok()) return {};
+        std::shared_ptr<LookBack> back = std::move(*opened);
+        auto surfaces = SurfacesOf(*back, [wanted](double) { return wanted->load(); });
+        if (!surfaces.ok()) return {};
+        return [this, back, made = std::make_shared<ResultSurfaces>(std::move(*surfaces))] {
+          if (look_back_ == nullptr) look_back_ = back;
+          surfaces_ = made;
+          try {
+            pictures_ = std::make_unique<ResultPictures>(*made);
+          } catch (const std::exception&) {
+            surfaces_.reset();
+          }
+        };
+      });
+}
+
+// The server gives the deviation to whoever may see the score.
+void Workflow::PaintJudgement() {
+  judgement_tried_ = true;
+  pictures_task_.Start("task.loss",
+                       [this, attempt = result_.attempt, back = look_back_,
+                        surfaces = surfaces_]() -> BackgroundTask::After {
+                         auto target =
+                             std::make_shared<render::GroupMesh>(TargetSurface(back->prepared()));
+                         auto off = std::make_shared<std::optional<render::GroupMesh>>();
+                         if (const auto bytes = workplace_.Deviation(attempt); bytes.ok()) {
+                           auto mesh = DeviationSurface(surfaces->after_surface, *bytes);
+                           if (mesh.ok()) *off = std::move(*mesh);
+                         }
+                         return [this, target, off] {
+                           try {
+                             pictures_->Add(*target, *off);
+                           } catch (const std::exception&) {
+                             // The driver refuses: the others stay.
+                           }
+                         };
+                       });
+}
+
 void Workflow::ForgetResult() {
+  if (pictures_wanted_) *pictures_wanted_ = false;
+  pictures_task_.Forget();
+  pictures_.reset();
+  surfaces_.reset();
+  tooth_tried_ = judgement_tried_ = false;
   loss_.reset();
   look_back_.reset();
   loss_shown_ = {};

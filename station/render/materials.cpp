@@ -1,6 +1,8 @@
 #include "station/render/materials.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "station/render/revolve.h"
@@ -54,6 +56,34 @@ std::array<float, 16> Gloss() {
 void SetMaterials(const Program& program) {
   program.Set("colours", std::span<const glm::vec3>(Colours()));
   program.Set("gloss", std::span<const float>(Gloss()));
+}
+
+namespace {
+
+// ColorBrewer RdBu, its middle a little warmer; then what was not compared.
+constexpr std::array<uint32_t, kDeviationSteps + 1> kDeviation = {
+    0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf6f1e4,
+    0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b, 0x67001f, 0xa3abb5};
+
+}  // namespace
+
+uint8_t DeviationMaterial(double deviation_mm) {
+  constexpr double kLast = kDeviationSteps - 1;
+  const double place = 0.5 * (deviation_mm / kDeviationRange_mm + 1) * kLast;
+  return static_cast<uint8_t>(std::lround(std::clamp(place, 0.0, kLast)));
+}
+
+uint32_t DeviationColour(int material) { return kDeviation[static_cast<size_t>(material)]; }
+
+void SetDeviationMaterials(const Program& program) {
+  std::array<glm::vec3, 16> colours{};
+  for (size_t i = 0; i < kDeviation.size(); ++i) {
+    const auto c = static_cast<int>(kDeviation[i]);
+    colours[i] = Linear(c >> 16, (c >> 8) & 255, c & 255);
+  }
+  std::array<float, 16> gloss{};  // a highlight would be one more colour
+  program.Set("colours", std::span<const glm::vec3>(colours));
+  program.Set("gloss", std::span<const float>(gloss));
 }
 
 glm::vec3 GhostColour() { return Linear(90, 150, 255); }

@@ -7,6 +7,17 @@ namespace enamel::station::render {
 // Colours and gloss of the tissues and of Material (revolve.h), for the program in use.
 void SetMaterials(const Program& program);
 
+// The scale of a deviation map, the page's: blue where less was removed than in the reference, red
+// where more was, in steps of a tenth of a millimetre; beyond it the end's colour.
+inline constexpr int kDeviationSteps = 11;
+inline constexpr double kDeviationRange_mm = 0.5;
+inline constexpr uint8_t kUntouched = kDeviationSteps;  // the material of what was not compared
+// The material of a vertex, for SetDeviationMaterials.
+uint8_t DeviationMaterial(double deviation_mm);
+// sRGB, 0xRRGGBB.
+uint32_t DeviationColour(int material);
+void SetDeviationMaterials(const Program& program);
+
 // The ghost of the hand.
 glm::vec3 GhostColour();
 

@@ -51,6 +51,18 @@ void ForEachNormal(std::span<const GpuVertex> vertices, std::span<const uint32_t
 
 }  // namespace
 
+void Append(const surface::Mesh& part, std::span<const uint8_t> materials, GroupMesh& mesh) {
+  auto base = static_cast<uint32_t>(mesh.vertices.size());
+  for (size_t i = 0; i < part.position_m.size(); ++i) {
+    glm::vec3 p = part.position_m[i] * 1000.0f, n = part.normal[i];
+    mesh.vertices.push_back(
+        {{p.x, p.y, p.z}, {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)}, materials[i]});
+  }
+  for (const auto& t : part.triangles) {
+    for (uint32_t i : t) mesh.indices.push_back(base + i);
+  }
+}
+
 Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices) {
   Bounds out;
   if (vertices.empty()) return out;
@@ -236,18 +248,14 @@ uint8_t Mesher::MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8
 GroupMesh Mesher::Assemble(size_t group) const {
   GroupMesh out;
   out.group = group;
+  std::vector<uint8_t> materials;
   for (int32_t b : bricks_of_group_[group]) {
     const surface::Mesh& mesh = bricks_.at(b);
-    auto base = static_cast<uint32_t>(out.vertices.size());
-    for (size_t i = 0; i < mesh.position_m.size(); ++i) {
-      glm::vec3 p = mesh.position_m[i] * 1000.0f, n = mesh.normal[i];
-      out.vertices.push_back({{p.x, p.y, p.z},
-                              {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)},
-                              MaterialAt(mesh.position_m[i], n, mesh.tissue[i])});
+    materials.clear();
+    for (size_t v = 0; v < mesh.position_m.size(); ++v) {
+      materials.push_back(MaterialAt(mesh.position_m[v], mesh.normal[v], mesh.tissue[v]));
     }
-    for (const auto& t : mesh.triangles) {
-      for (uint32_t i : t) out.indices.push_back(base + i);
-    }
+    Append(mesh, materials, out);
   }
   out.bounds = BoundsOf(out.vertices, out.indices);
   return out;

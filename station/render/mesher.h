@@ -46,6 +46,9 @@ struct GroupMesh {
   bool same_surface = false;  // same as the previous one: only `coarse` is new
 };
 
+// Adds a mesh, with the material of each of its vertices. `mesh.bounds` are as before.
+void Append(const surface::Mesh& part, std::span<const uint8_t> materials, GroupMesh& mesh);
+
 // Called with the replica on the mesher's thread after it has changed, at most every
 // kWatchInterval, to measure what was removed. The picture waits meanwhile.
 using VolumeWatch = std::function<void(const cutting::Volume& now)>;

@@ -56,11 +56,6 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
               options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
                                         : RadiusOf(initial),
               options.aside, options.mesial_x),
-      still_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0),
-             options.work_radius_m > 0
-                 ? std::min(static_cast<float>(options.work_radius_m * 1000), camera_.radius_mm())
-                 : camera_.radius_mm(),
-             0, options.mesial_x),
       mirror_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0),
               options.crown_aside),
       feed_(initial.spec().brick_count(), kRingBricks),
@@ -112,19 +107,12 @@ std::optional<glm::vec2> ToothView::BurAway(int width, int height) const {
                       static_cast<float>(width) / static_cast<float>(height));
 }
 
-std::shared_ptr<const Target> ToothView::Still(int side_px) {
-  for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);
-  PictureState state;
-  state.view_from_scene = still_.ViewFromScene();
-  state.clip_from_view = still_.ClipFromView(1);
-  state.lines = outline_shown_;
-  Quality quality = kQualities[1];
-  quality.lighter_turning = false;
-  picture_.Draw(state, side_px, side_px, quality);
-  auto still = std::make_shared<Target>(side_px, side_px, std::initializer_list<GLenum>{GL_RGBA8},
-                                        false, GL_LINEAR);
-  picture_.result().CopyColourTo(*still);
-  return still;
+Camera StillCamera(const ViewOptions& options, const cutting::Volume& tooth) {
+  const bool near = options.work_radius_m > 0;
+  const float whole_mm = RadiusOf(tooth);
+  return {glm::vec3((near ? options.work_m : options.focus_m) * 1000.0),
+          near ? std::min(static_cast<float>(options.work_radius_m * 1000), whole_mm) : whole_mm, 0,
+          options.mesial_x};
 }
 
 unsigned TextureOf(const Target& picture) { return picture.colour(); }

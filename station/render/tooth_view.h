@@ -60,9 +60,6 @@ class ToothView {
   // --- main thread ---
   void Draw(int width, int height, const Quality& quality);
   const Target& result() const { return picture_.result(); }
-  // The tooth alone as far as it is meshed, without the bur, near the place to cut: a square picture
-  // of its own. Destroy it while the context is current.
-  std::shared_ptr<const Target> Still(int side_px);
   const PictureWork& work() const { return picture_.work(); }
   Camera& camera() { return camera_; }
   const Camera& camera() const { return camera_; }
@@ -70,7 +67,7 @@ class ToothView {
   // The target's outline, drawn on the tooth while it is shown.
   void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }
   void ShowOutline(bool shown) { outline_shown_ = shown; }
-  // What stands around the tooth, from the next picture on; not in a Still.
+  // What stands around the tooth, from the next picture on.
   void SetScenery(const Scenery& scenery) { picture_.SetScenery(scenery); }
   // Where the bur's tip left the picture (Camera::Away); none before the first tick.
   std::optional<glm::vec2> BurAway(int width, int height) const;
@@ -85,7 +82,6 @@ class ToothView {
 
   const ViewOptions options_;
   Camera camera_;
-  Camera still_;  // never moved
   MouthMirror mirror_;
   FrameState state_;
   bool has_state_ = false;
@@ -96,6 +92,9 @@ class ToothView {
   Mesher mesher_;
   Picture picture_;
 };
+
+// As a view of this tooth begins, but near the place to cut where there is one.
+Camera StillCamera(const ViewOptions& options, const cutting::Volume& tooth);
 
 // OpenGL's name of the picture's texture, whose first row is the lowest.
 unsigned TextureOf(const Target& picture);

@@ -18,7 +18,7 @@ struct ViewOptions {
   double view_radius_m = 0;
   // Its distance right of the picture's middle, in picture heights: a panel is on the left.
   float aside = 0;
-  // The place to cut and how far around it to look, for ToothView::Still; radius 0: the whole view.
+  // The place to cut and how far around it to look, for StillCamera; radius 0: the whole view.
   dvec3 work_m{0};
   double work_radius_m = 0;
   // The crown is toward -y: a face of the tooth is up, not its occlusal side.

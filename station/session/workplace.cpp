@@ -402,6 +402,12 @@ Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {
   return link->AttemptStatus(who, attempt);
 }
 
+Result<Bytes> Workplace::Deviation(const Uuid& attempt) {
+  auto link = UseLink();
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
+  return link->Deviation(who, attempt);
+}
+
 Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent,
                                 const std::string& anyway) {
   auto link = UseLink();

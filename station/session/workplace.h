@@ -162,6 +162,8 @@ class Workplace {
 
   // The server's progress with an attempt.
   Result<AttemptProgress> Progress(const Uuid& attempt);
+  // How far it lies from its reference, as ServerLink::Deviation gives it.
+  Result<Bytes> Deviation(const Uuid& attempt);
   // Makes a scored attempt the reference of its exercise: instructors, with the dentist's consent.
   // Errors also: kConflict with field kNeedsReason when the attempt does not meet the exercise's
   // criteria and `anyway` gives no reason to accept it.

@@ -82,8 +82,10 @@ Result<PreparedAttempt> Workplace::OfHeader(const trace::Header& header) {
 
 Result<std::unique_ptr<LookBack>> Workplace::LookBackAt(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*UseLink()));
-  if (who.id != header.ticket.person) {
+  // Without the link, which may be waiting for a server that hangs.
+  const auto who = person();
+  if (!who) return Status(Code::kUnauthenticated, "nobody is signed in");
+  if (who->id != header.ticket.person) {
     return Status(Code::kForbidden, "attempt " + attempt.Text() +
                                         " is somebody else's: only the person who made it can "
                                         "look back at it here");

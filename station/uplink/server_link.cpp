@@ -291,7 +291,22 @@ Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uu
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_attempt_state()) return Unexpected("AttemptState");
   const wire::AttemptState& state = reply.attempt_state();
-  return AttemptProgress{state.state(), state.progress(), state.problem(), state.result_json()};
+  AttemptProgress out{state.state(), state.progress(), state.problem(), state.result_json()};
+  for (const wire::EarlierScore& earlier : state.scores()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto id, protocol::ReadUuid(earlier.attempt(), "attempt"));
+    out.scores.push_back({id, earlier.score()});
+  }
+  return out;
+}
+
+Result<Bytes> ServerLink::Deviation(const Person& person, const Uuid& attempt) {
+  wire::Request request;
+  request.mutable_get_deviation()->set_session(person.session);
+  request.mutable_get_deviation()->set_attempt(protocol::ToField(attempt.view()));
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_attempt_deviation()) return Unexpected("AttemptDeviation");
+  const ByteView bytes = AsBytes(reply.attempt_deviation().deviation());
+  return Bytes(bytes.begin(), bytes.end());
 }
 
 Status ServerLink::MarkReference(const Person& person, const Uuid& attempt,

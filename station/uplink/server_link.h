@@ -96,6 +96,12 @@ struct AttemptProgress {
   double progress = 0;      // 0..1 while scoring
   std::string problem;      // why it failed or is quarantined, in words
   std::string result_json;  // once scored and visible to the person (schemas/score.md); else empty
+  // With it: of this person's attempts at the exercise, oldest first, this one's among them.
+  struct Score {
+    Uuid attempt;
+    double score = 0;  // 0..100
+  };
+  std::vector<Score> scores = {};
 };
 
 // The station's side of the wire protocol (schemas/wire), one request at a time, blocking.
@@ -155,6 +161,9 @@ class ServerLink {
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
+  // How far a scored attempt lies from its reference (common/timeline/deviation.h). Errors: those of AttemptStatus; kForbidden
+  // before the score may be seen, kNotFound also without a reference, kConflict, kTooLarge.
+  Result<Bytes> Deviation(const Person& person, const Uuid& attempt);
   // Makes a scored attempt its exercise's reference, with the dentist's consent. Errors: kForbidden
   // without the right, kConflict before it is scored, and with field protocol::kAnyway when the
   // attempt does not meet the exercise's criteria and `anyway` gives no reason to accept it.

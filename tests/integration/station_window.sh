@@ -187,6 +187,10 @@ see of 100 points
 see Next step:
 see Before
 see After
+see Target
+see Deviation
+# The reference cut was this person's too.
+see Your points in 2 attempts
 frames 3
 picture PICTURES/12-score.png
 # Where most was lost, on the tooth; and back to the same result.

@@ -53,6 +53,7 @@ std::vector<Line> Lines() {
     {"put_chunk",      In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"seal_attempt",   In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"attempt_status", In({     kNo,    kNo,          "ok",         "not_found",  "ok",         "forbidden",  kNo,          kNo})},
+    {"get_deviation",  In({     kNo,    kNo,          "conflict",   "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
     {"mark_reference", In({     kNo,    kNo,          "forbidden",  "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
     {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"return_ticket",  In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
@@ -148,6 +149,9 @@ class LinkAuthorisationTest : public ::testing::Test {
     } else if (message == "attempt_status") {
       out.mutable_attempt_status()->set_session(station_.session);
       out.mutable_attempt_status()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+    } else if (message == "get_deviation") {
+      out.mutable_get_deviation()->set_session(station_.session);
+      out.mutable_get_deviation()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
     } else if (message == "mark_reference") {
       auto& mark = *out.mutable_mark_reference();
       mark.set_session(station_.session);

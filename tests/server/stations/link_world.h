@@ -242,6 +242,13 @@ class ScriptedStation {
     return Send(request);
   }
 
+  wire::Reply Deviation(const Uuid& attempt) {
+    wire::Request request;
+    request.mutable_get_deviation()->set_session(session);
+    request.mutable_get_deviation()->set_attempt(protocol::ToField(attempt.view()));
+    return Send(request);
+  }
+
   wire::Reply MarkReference(const Uuid& attempt, const std::string& dentist, bool consent,
                             const std::string& anyway = {}) {
     wire::Request request;

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/volume_blob.h"
+#include "common/timeline/deviation.h"
+#include "server/jobs/surface_blob.h"
 #include "tests/server/stations/link_world.h"
 
 // The protocol without sockets: one request, one answer.
@@ -283,15 +286,36 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   station_.Seal(recording.seal);
   AttemptResult result;
   result.score_json = PutText(*world_.store, "{\"score\":80}");
+  result.score = 80;
+  const auto block = scene::BuildBuiltinScene("block", 200'000);
+  const surface::Mesh mesh = surface::ExtractSurface(block->volume);
+  const Bytes tooth = scene::EncodeVolume(block->volume),
+              surface = EncodeSurface(mesh, std::vector<float>(mesh.position_m.size(), 1e-4f));
+  result.final_volume = *world_.store->blobs.PutBlob(tooth);
+  result.surface = *world_.store->blobs.PutBlob(surface);
+  EXPECT_EQ(station_.Deviation(recording.seal.attempt).error().code(), "conflict") << "no score";
   ASSERT_TRUE(world_.store->results.FinishAttempt(recording.seal.attempt, result, {}).ok());
   auto mine = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(mine.state(), "scored");
   EXPECT_EQ(mine.result_json().empty(), world_.exercise.graded);
+  ASSERT_TRUE(world_.exercise.graded);
+  EXPECT_EQ(mine.scores_size(), 0);
+  EXPECT_EQ(station_.Deviation(recording.seal.attempt).error().code(), "forbidden");
   ASSERT_TRUE(world_.store->judging.ReleaseAttempt(recording.seal.attempt, kSystem).ok());
-  EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().result_json(),
-            "{\"score\":80}");
+  mine = station_.Status(recording.seal.attempt).attempt_state();
+  EXPECT_EQ(mine.result_json(), "{\"score\":80}");
+  ASSERT_EQ(mine.scores_size(), 1);
+  EXPECT_EQ(mine.scores(0).attempt(), protocol::ToField(recording.seal.attempt.view()));
+  EXPECT_EQ(mine.scores(0).score(), 80);
+  const wire::Reply off = station_.Deviation(recording.seal.attempt);
+  ASSERT_TRUE(off.has_attempt_deviation()) << off.error().message();
+  const auto cells = timeline::DecodeDeviation(AsBytes(off.attempt_deviation().deviation()));
+  ASSERT_TRUE(cells.ok());
+  EXPECT_GT(cells->cells.size(), 1000u);
+  EXPECT_EQ(cells->cells[0].deviation_um, 100);
   station_.SignIn("outsider");
   EXPECT_EQ(station_.Status(recording.seal.attempt).error().code(), "not_found");
+  EXPECT_EQ(station_.Deviation(recording.seal.attempt).error().code(), "not_found");
 }
 
 TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {

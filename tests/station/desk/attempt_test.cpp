@@ -264,6 +264,14 @@ TEST_F(DeskAttemptTest, AStrokeIsMadeAgainFromTheRecordingWhereItWas) {
   EXPECT_EQ(end->core->ticks(), seal->ticks);
   EXPECT_EQ(end->core->state_hash(), seal->state_hash);
 
+  const auto surfaces = SurfacesOf(**back, {});
+  ASSERT_TRUE(surfaces.ok());
+  ResultPictures pictures(*surfaces);
+  pictures.Add(TargetSurface((*back)->prepared()), std::nullopt);
+  EXPECT_TRUE(pictures.before && pictures.after && pictures.target);
+  EXPECT_FALSE(pictures.deviation) << "the server gave none";
+  EXPECT_FALSE(SurfacesOf(**back, [](double) { return false; }).ok()) << "nobody looks any more";
+
   auto stretch = (*back)->Take(700, 1100);
   ASSERT_TRUE(stretch.ok()) << stretch.status().message();
   EXPECT_EQ(stretch->core->ticks(), 700u);

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "station/render/still_painter.h"
+#include "station/render/tooth_view.h"
+#include "station/session/look_back.h"
+
+namespace enamel::station::desk {
+
+// The tooth of an attempt: as it began, as it ended, as it was to become, and how far its end is from
+// the reference.
+struct ResultSurfaces {
+  render::Camera camera{glm::vec3(0), 1};  // that all are seen with
+  render::GroupMesh before, after;
+  // Of `after`, one after the other: to colour it once more.
+  surface::Mesh after_surface;
+};
+// Computes the recording to its end. Errors: LookBack::Take's. Thread safety: any thread.
+Result<ResultSurfaces> SurfacesOf(LookBack& recording,
+                                  const std::function<bool(double progress)>& keep_going);
+
+// As a bur would leave it that can reach every corner; empty where the exercise's target is none.
+render::GroupMesh TargetSurface(const PreparedAttempt& prepared);
+// The end's surface in the colours of a deviation (common/timeline/deviation.h). Errors:
+// DecodeDeviation's.
+Result<render::GroupMesh> DeviationSurface(const surface::Mesh& after, ByteView deviation);
+
+// The pictures of them, drawn as they come. Needs the context current. Owner's thread only.
+class ResultPictures {
+ public:
+  explicit ResultPictures(const ResultSurfaces& surfaces);
+  void Add(const render::GroupMesh& target, const std::optional<render::GroupMesh>& deviation);
+
+  using Still = std::shared_ptr<const render::Target>;
+  // Null: there is none.
+  Still before, after, target, deviation;
+
+ private:
+  render::StillPainter painter_;
+};
+
+}  // namespace enamel::station::desk
