@@ -104,8 +104,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");
   }
-  attempt->surroundings_ =
-      std::make_unique<Surroundings>(p.scene, p.exercise, p.volume, mouth);
+  attempt->surroundings_ = std::make_unique<Surroundings>(p.scene, p.exercise, p.volume, mouth);
   attempt->feed_ = std::make_unique<TickFeed>(*attempt->view_, p.voxel_m(), params.rate_hz);
   return attempt;
 }

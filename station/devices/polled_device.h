@@ -24,10 +24,10 @@ class PolledBus {
     kGone,     // detached, or restarted: its poses mean nothing from now on
   };
   struct Pose {
-    dvec3 tip_m{0};    // scene axes
-    Quat orientation;  // scene from tool
+    dvec3 tip_m{0};                      // scene axes
+    Quat orientation;                    // scene from tool
     bool pedal = false, second = false;  // buttons
-    bool driven = true;  // as DeviceSample::driven
+    bool driven = true;                  // as DeviceSample::driven
     // Of a device that answers, on the steady clock: when this was asked for, if that may have been in an
     // earlier exchange; else 0.
     int64_t asked_ns = 0;

@@ -32,7 +32,8 @@ double WarningTone::Next() {
   phase_ += hz_ / rate_hz_;
   phase_ -= std::floor(phase_);
   double wave = 0, partial = 1;
-  for (double amplitude : kPulsePartials) wave += amplitude * std::sin(kWholeTurn * partial++ * phase_);
+  for (double amplitude : kPulsePartials)
+    wave += amplitude * std::sin(kWholeTurn * partial++ * phase_);
   return loudness_ * wave;
 }
 

@@ -53,8 +53,8 @@ struct Catalogue {
     std::string refusal;                    // why an attempt cannot be begun now; empty: it can
     std::optional<double> best_score = {};  // of this person's that may be seen, 0..100
     std::optional<Facts> facts = {};        // none: not read (Workplace::Describe)
-    std::string last_remark = {};           // somebody else's, about this person's work; empty: none
-    bool sign_off = false;                  // a second person signs at the chair (SignOff)
+    std::string last_remark = {};  // somebody else's, about this person's work; empty: none
+    bool sign_off = false;         // a second person signs at the chair (SignOff)
   };
   struct Profile {
     std::string name, title;

@@ -248,11 +248,14 @@ function ReferenceForm({ busy, error, onName, onCancel }: ReferenceFormProps) {
       <CheckField label={say("judge.consent")} value={consent} onValue={setConsent} />
       <AnywayField anyway={anyway} />
       <div class="button-row">
-        <Button busy={busy} blocked={needed({
+        <Button
+          busy={busy}
+          blocked={needed({
             [say("judge.dentist")]: dentist.trim(),
             [say("judge.consent")]: consent,
             [say("anyway.why")]: !anyway.missing,
-          })}>
+          })}
+        >
           {say(anyway.asked ? "judge.reference_anyway" : "judge.reference")}
         </Button>
         <button type="button" class="button" onClick={onCancel}>
