@@ -231,6 +231,11 @@ key Tab
 type $once
 key Enter
 page first-password
+type kettle orbit plum fence
+key Enter
+type kettle orbit plum
+key Enter
+see do not match
 frames 2
 picture PICTURES/14-once.png
 type kettle orbit plum fence

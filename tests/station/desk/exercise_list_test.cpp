@@ -155,6 +155,12 @@ TEST_P(PagesTest, FirstPasswordIsTypedTwiceAndItsButtonsAreSeen) {
   EXPECT_TRUE(IsSeen(Say("first_password.set")));
   EXPECT_TRUE(IsSeen(Say("exercise.back")));
   Picture("first-password");
+  // And the fields are empty again.
+  Type("kettle orbit plum fence");
+  Press(render::kKeyEnter);
+  Type("kettle orbit plum fence");
+  Press(render::kKeyEnter);
+  EXPECT_EQ(ui_->page(), "exercises") << flow_->problem();
 }
 
 TEST_P(PagesTest, LongListIsSearchedByTypingAndEscShowsAllAgain) {
