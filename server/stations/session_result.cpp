@@ -18,7 +18,11 @@ constexpr size_t kMostDeviationBytes = 3 << 20;
 Result<bool> Session::MaySeeScore(const Seen& seen) {
   ENAMEL_ASSIGN_OR_RETURN(const auto exercise,
                           services_.store.exercises.ExerciseById(seen.row.exercise));
-  return CanSeeScore(seen.person, seen.row, exercise.graded, seen.shares_cohort);
+  if (!CanSeeScore(seen.person, seen.row, exercise.graded, seen.shares_cohort)) return false;
+  if (seen.person.role == Role::kStudent) return true;
+  // Who marks it blind sees no score before every marker is done.
+  ENAMEL_ASSIGN_OR_RETURN(const auto hidden, services_.store.markings.HiddenFrom(seen.person.id));
+  return !hidden.contains(seen.row.id);
 }
 
 Status Session::AddScores(const Seen& seen, wire::AttemptState& out) {
