@@ -62,7 +62,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/desk",
          {"station/session", "station/sound", "station/words", "station/mouth", "station/render",
           "station/sdk", "station/hid", "station/devices", "station/loop", "common/language",
-          "common/scoring", "common/scene"}},
+          "common/scoring", "common/scene", "common/timeline"}},
         {"station/lab/devices", {"common/math"}},
         {"station/lab/cutting", {"common/scoring"}},
         {"station/lab/grades",
