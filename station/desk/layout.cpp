@@ -144,7 +144,8 @@ bool Covers(const std::string& name) { return name == "dialog" || name == "opera
 std::vector<std::string> LayoutFaults() {
   std::vector<std::string> faults;
   const ImDrawData& drawn = *ImGui::GetDrawData();
-  const Shapes shapes = ShapesOf(*ImGui::GetIO().Fonts);
+  const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  const Shapes shapes = ShapesOf(atlas);
   const ImRect whole(drawn.DisplayPos.x, drawn.DisplayPos.y,
                      drawn.DisplayPos.x + drawn.DisplaySize.x,
                      drawn.DisplayPos.y + drawn.DisplaySize.y);
@@ -155,7 +156,9 @@ std::vector<std::string> LayoutFaults() {
     const ImGuiWindow* window = ImGui::FindWindowByName(sheet.name.c_str());
     const bool scrolls = window != nullptr && (window->Flags & ImGuiWindowFlags_ChildWindow) != 0;
     for (const ImDrawCmd& command : list.CmdBuffer) {
-      if (command.UserCallback == nullptr) Collect(list, command, shapes, scrolls, sheet);
+      // Pictures have textures of their own.
+      if (command.UserCallback != nullptr || command.GetTexID() != atlas.TexID) continue;
+      Collect(list, command, shapes, scrolls, sheet);
     }
     // A dialog's page can be read again once it is closed.
     if (Covers(sheet.name)) sheets.clear(), faults.clear();
