@@ -210,6 +210,8 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   Await([&] { return flow_->place() == Place::kReady && !flow_->busy(); });
   ExpectPage("ready");
   Await([&] { return flow_->place() == Place::kRunning; });
+  // What has no tick cannot be handed in.
+  Await([&] { return flow_->attempt()->run()->snapshot().counters.ticks > 10; });
   ExpectPage("running");
   ExpectDialog(Dialog::kPaused, "paused");
   ExpectDialog(Dialog::kFinish, "finish");
