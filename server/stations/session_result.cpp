@@ -20,7 +20,7 @@ Result<bool> Session::MaySeeScore(const Seen& seen) {
                           services_.store.exercises.ExerciseById(seen.row.exercise));
   if (!CanSeeScore(seen.person, seen.row, exercise.graded, seen.shares_cohort)) return false;
   if (seen.person.role == Role::kStudent) return true;
-  // Who marks it blind sees no score before every marker is done.
+  // A blind marker sees no score before every marker is done.
   ENAMEL_ASSIGN_OR_RETURN(const auto hidden, services_.store.markings.HiddenFrom(seen.person.id));
   return !hidden.contains(seen.row.id);
 }

@@ -8,15 +8,15 @@
 
 namespace enamel::station::desk {
 
-// A place where points were lost, seen from near, while the stroke that took them is made again at
-// the speed it had. Needs the OpenGL context current. Owner's thread only.
+// Shows from near a place that lost points, and replays the stroke that took them, as fast as it was
+// made. Needs the OpenGL context current. Owner's thread only.
 class LossView {
  public:
   // Throws std::runtime_error when the driver refuses the picture.
   LossView(const PreparedAttempt& prepared, Stretch stretch, const scoring::Deduction& place);
 
-  // Makes the next ticks, once the tooth is drawn. A window that hung skips nothing: it goes on where
-  // it was.
+  // Makes the next ticks, once the tooth is drawn. A window that hung skips nothing: it continues
+  // where it was.
   void Advance(double dt_s);
   bool drawn() { return view_.WaitIdle(std::chrono::milliseconds(0)); }
   bool over() const { return next_ == stretch_.ticks.size(); }

@@ -11,7 +11,7 @@ using language::Words;
 // Few enough for one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
 
-// Problems that many people meet, in their language; others in the words of who reported them.
+// Problems that many people meet, in their language; others in the server's words.
 std::string ProblemText(const Words& words, const Status& status) {
   if (status.field() == kServerAway) return words.Say("sign_in.away");
   if (status.field() != "pin") return status.message();

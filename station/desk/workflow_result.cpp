@@ -46,7 +46,7 @@ void Workflow::LeaveLoss() {
   Go(Place::kResult);
 }
 
-// Beside everything else: nobody waits for pictures, and nobody is told where there are none.
+// Beside everything else: nobody waits for pictures. Where there are none, the page says nothing.
 void Workflow::WatchPictures() {
   if (pictures_task_.busy()) return;
   if (!tooth_tried_) return PaintTooth();

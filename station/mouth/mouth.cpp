@@ -21,7 +21,7 @@ using cutting::Tissue;
 constexpr double kLowest_mm = -9, kHighest_mm = 1;
 // What limits the gingiva does so this many directions to either side, a millimetre of a molar's
 // neck. Farther aside it may rise by so much per mm: a papilla's side. Smoothed, because a fold in it
-// would go on outward.
+// would grow outward.
 constexpr int kAside = 4;
 constexpr double kSmooth_rad = 0.1;
 constexpr double kNeckRadius_mm = 4.5, kRiseAside = 3;

@@ -15,7 +15,7 @@ struct Scenery {
   std::vector<GroupMesh> fixed;
   // Each of these is left out while it would stand between the viewer and a point of the work.
   std::vector<GroupMesh> giving_way;
-  // All of these are left out while one of them would stand there.
+  // The same, but together: all of these are left out while one of them is in the way.
   std::vector<GroupMesh> opposite;
   std::vector<glm::vec3> work_mm;
   // Of the tooth only what reaches where dot(hides_below, (p, 1)) >= 0 is drawn: the rest is under
