@@ -322,7 +322,7 @@ void LayoutTest::ExpectCards() {
     ref.attempt_limit = 12;
     ref.exam = true;
     ref.best_score = 100;
-    ref.facts.emplace();
+    ref.facts = Catalogue::Facts();
     ref.facts->tooth = 46;
     ref.facts->landmark = exercise.target.landmark;
     ref.facts->caries = ref.facts->neighbours = ref.facts->graded = true;

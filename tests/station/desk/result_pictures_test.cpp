@@ -9,6 +9,7 @@
 
 #include "common/base/file.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/preparation.h"
 #include "common/timeline/deviation.h"
 #include "station/render/materials.h"
 #include "tests/support/analytic_volume.h"
@@ -28,7 +29,7 @@ TEST(DeviationScaleTest, HasThePagesColoursAndRange) {
   }
   ASSERT_EQ(colours.size(), static_cast<size_t>(render::kDeviationSteps) + 1);
   // The page names the untouched one first.
-  std::ranges::rotate(colours, colours.begin() + 1);
+  std::rotate(colours.begin(), colours.begin() + 1, colours.end());
   for (int i = 0; i <= render::kDeviationSteps; ++i) {
     EXPECT_EQ(render::DeviationColour(i), colours[static_cast<size_t>(i)]) << i;
   }
