@@ -318,6 +318,29 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   EXPECT_EQ(station_.Deviation(recording.seal.attempt).error().code(), "not_found");
 }
 
+TEST_F(SessionTest, WhoMarksAnAttemptBlindSeesNoScoreOfIt) {
+  Welcome();
+  Recording recording = Ticketed(1);
+  const Uuid attempt = recording.seal.attempt;
+  station_.Open(recording.header);
+  station_.Put(recording.chunks[0]);
+  station_.Seal(recording.seal);
+  AttemptResult result;
+  result.score = 90;
+  result.score_json = PutText(*world_.store, "{}");
+  ASSERT_TRUE(world_.store->results.FinishAttempt(attempt, result, {}).ok());
+  station_.SignIn("instructor");
+  const auto before = station_.Status(attempt).attempt_state();
+  EXPECT_EQ(before.result_json(), "{}");
+  EXPECT_EQ(before.scores_size(), 0) << "of somebody else's attempt";
+  const auto row = world_.store->attempts.AttemptById(attempt);
+  const auto marking = world_.store->markings.BeginMarking(*row->assignment, {attempt},
+                                                           {world_.instructor}, kSystem);
+  ASSERT_TRUE(marking.ok()) << marking.status().message();
+  EXPECT_EQ(station_.Status(attempt).attempt_state().result_json(), "");
+  EXPECT_EQ(station_.Deviation(attempt).error().code(), "forbidden");
+}
+
 TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
   Welcome();
   Recording recording = Ticketed(1);
