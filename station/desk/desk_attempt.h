@@ -20,7 +20,7 @@
 
 namespace enamel::station::desk {
 
-// How an attempt's tooth is looked at: its bur, and the place to cut.
+// What the view of an attempt's tooth begins with: the bur, and the place to cut.
 render::ViewOptions ViewOf(const PreparedAttempt& prepared);
 
 // One attempt in the window: its documents, the device, the picture, and from Begin on the running

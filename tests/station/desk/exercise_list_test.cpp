@@ -92,7 +92,7 @@ class PagesTest : public testing::TestWithParam<Look> {
     ui_.emplace(*screen_);
     pages_.emplace(*ui_, *flow_, "Chair 7");
   }
-  // Until input has been taken and nothing is waited for, and two more frames.
+  // Draws until the window has taken its input and waits for nothing, and two frames more.
   void Play() {
     for (int more = 3; more > 0;) {
       if (!screen_->injecting() && !flow_->busy()) --more;
