@@ -27,11 +27,13 @@ namespace {
 
 using lab::EmulatedArm;
 using lab::EmulatedInverse3;
+using testing_support::ArmDrawing;
 using testing_support::DoubledArm;
 using testing_support::EmulatedFalcon;
 using testing_support::EmulatedHidArm;
 using testing_support::EmulatedSerialArm;
 using testing_support::HidBus;
+using testing_support::kArmDrawings;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
@@ -368,32 +370,8 @@ INSTANTIATE_TEST_SUITE_P(Answering, AnsweringArmsTest, testing::ValuesIn(kAnswer
 INSTANTIATE_TEST_SUITE_P(Answering, ArmsTest, testing::ValuesIn(kAnswering), kNamed);
 INSTANTIATE_TEST_SUITE_P(Makers, ArmsTest, testing::Values("dhd", "openhaptics"), kNamed);
 
-// Dimensions of an arm, from devices.md's list; worked out here apart from the driver.
-struct Drawn {
-  bool polhem;
-  double a, b, c;              // bodies, m
-  std::array<double, 3> gear;  // body over capstan
-  dvec3 origin;                // m
-  double k;                    // N m/A
-  std::array<double, 3> sign;  // of the currents
-  double zero_c;               // rad
-};
-const Drawn kDrawn[] = {
-    {false, 0.080, 0.205, 0.245, {16, 12, 12}, {0.220, 0, 0.080}, 0.0259, {1, -1, -1}, kTurn / 4},
-    {true, 0.058, 0.174, 0.133, {18, 10, 10}, {0.140, 0, 0.100}, 0.0538, {-1, -1, -1}, 0}};
-
-dvec3 TipOf(const Drawn& d, const std::array<int, 6>& n) {
-  const double turn = -n[0] / 2000.0 * kTurn / d.gear[0], rise = -n[1] / 2000.0 * kTurn / d.gear[1],
-               fore = d.zero_c - n[2] / 2000.0 * kTurn / d.gear[2];
-  // Body b leans by `rise` from the vertical, body c hangs by `fore`; both turn about the base.
-  const double out = d.b * std::sin(rise) + d.c * std::sin(fore);
-  const dvec3 arm{out * std::cos(turn) - d.origin.x, out * std::sin(turn) - d.origin.y,
-                  d.a + d.b * std::cos(rise) - d.c * std::cos(fore) - d.origin.z};
-  return {arm.y, -arm.x, arm.z};  // x toward the user, y right: scene
-}
-
 TEST(HidArmTest, ItsTipIsWhereTheDrawingPutsIt) {
-  for (const Drawn& d : kDrawn) {
+  for (const ArmDrawing& d : kArmDrawings) {
     EmulatedHidArm arm(d.polhem);
     auto device = MustOpen(arm);
     const auto start = arm.counters();
@@ -415,7 +393,7 @@ TEST(HidArmTest, ItsTipIsWhereTheDrawingPutsIt) {
 // Virtual work: a motor's torque over its turn is the force over the tip's way.
 TEST(HidArmTest, ItsCurrentsDoTheForcesWork) {
   const dvec3 force{0.3, -0.5, 0.7};
-  for (const Drawn& d : kDrawn) {
+  for (const ArmDrawing& d : kArmDrawings) {
     EmulatedHidArm arm(d.polhem);
     auto at = arm.counters();
     at[0] += 400;
@@ -445,6 +423,21 @@ TEST(HidArmTest, ItsCurrentsDoTheForcesWork) {
   }
 }
 
+// As the other emulated arms: 40 um a step, from where it was opened.
+TEST(HidArmTest, LoweredItGoesStraightDown) {
+  for (const ArmDrawing& d : kArmDrawings) {
+    EmulatedHidArm arm(d.polhem);
+    const dvec3 start_m = TipOf(d, arm.counters());
+    for (const int steps : {0, 100, 300}) {
+      arm.Lower(steps);
+      const dvec3 moved_m = TipOf(d, arm.counters()) - start_m;
+      EXPECT_NEAR(moved_m.x, 0, 0.1e-3);
+      EXPECT_NEAR(moved_m.y, 0, 0.1e-3);
+      EXPECT_NEAR(moved_m.z, -steps * 40e-6, 0.1e-3);
+    }
+  }
+}
+
 TEST(HidArmTest, CountersThatWrapMoveNothing) {
   EmulatedHidArm arm(false);
   auto at = arm.counters();
@@ -454,8 +447,8 @@ TEST(HidArmTest, CountersThatWrapMoveNothing) {
   Next(*device);
   at[0] = 32'776 - 65'536;
   arm.Set(at);
-  const double way = dvec3(TipOf(kDrawn[0], {32'776, at[1], at[2]})).x -
-                     TipOf(kDrawn[0], {32'760, at[1], at[2]}).x;
+  const double way = dvec3(TipOf(kArmDrawings[0], {32'776, at[1], at[2]})).x -
+                     TipOf(kArmDrawings[0], {32'760, at[1], at[2]}).x;
   EXPECT_NEAR(Next(*device).counts[0] * 500e-9, way, 1e-6);
   EXPECT_LT(std::abs(way), 2e-3);
 }

@@ -6,8 +6,10 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 
 #include "common/base/check.h"
 #include "tests/station/hid/hid_double.h"
@@ -19,6 +21,8 @@ namespace {
 // Inside the workspace, by the arm's dimensions.
 constexpr std::array<int, 6> kWoodenStart = {0, -1333, 3453, 0, 0, 0};
 constexpr std::array<int, 6> kPolhemStart = {0, -1389, -1667, 0, 0, 0};
+
+constexpr double kLoweredStep_m = 40e-6;
 
 int Word(ByteView bytes, size_t i) {
   return static_cast<int16_t>(bytes[1 + 2 * i] | bytes[2 + 2 * i] << 8);
@@ -73,6 +77,16 @@ void EmulatedHidArm::Run() {
   }
 }
 
+dvec3 TipOf(const ArmDrawing& d, const std::array<int, 6>& n) {
+  const auto angle = [&](size_t i) { return -n[i] * std::numbers::pi / 1000 / d.gear[i]; };
+  const double turn = angle(0), rise = angle(1), fore = d.zero_c + angle(2);
+  // Body b leans by `rise` from the vertical, body c hangs by `fore`; both turn about the base.
+  const double out = d.b * std::sin(rise) + d.c * std::sin(fore);
+  const dvec3 arm{out * std::cos(turn) - d.origin.x, out * std::sin(turn) - d.origin.y,
+                  d.a + d.b * std::cos(rise) - d.c * std::cos(fore) - d.origin.z};
+  return {arm.y, -arm.x, arm.z};  // x toward the user, y right: scene
+}
+
 void EmulatedHidArm::Unplug() { HidBus::Get().Unplug(path_); }
 
 void EmulatedHidArm::Set(const std::array<int, 6>& counters) {
@@ -86,9 +100,22 @@ std::array<int, 6> EmulatedHidArm::counters() const {
 }
 
 void EmulatedHidArm::Lower(int steps) {
-  // Body c sinks as its angle falls, which is against its counter on both arms.
+  // Newton's method for the counters of bodies b and c, from the start, which is near.
+  const ArmDrawing& d = kArmDrawings[polhem_ ? 1 : 0];
   auto counters = polhem_ ? kPolhemStart : kWoodenStart;
-  counters[2] += steps;
+  const dvec3 start = TipOf(d, counters);
+  constexpr double kAhead = 50;
+  for (int i = 0; i < 8; ++i) {
+    auto b = counters, c = counters;
+    b[1] += static_cast<int>(kAhead);
+    c[2] += static_cast<int>(kAhead);
+    const dvec3 at = TipOf(d, counters), by_b = (TipOf(d, b) - at) / kAhead,
+                by_c = (TipOf(d, c) - at) / kAhead;
+    const double y_m = start.y - at.y, z_m = start.z - steps * kLoweredStep_m - at.z;
+    const double det = by_b.y * by_c.z - by_c.y * by_b.z;
+    counters[1] += static_cast<int>(std::lround((y_m * by_c.z - by_c.y * z_m) / det));
+    counters[2] += static_cast<int>(std::lround((by_b.y * z_m - y_m * by_b.z) / det));
+  }
   Set(counters);
 }
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <string>
 #include <thread>
 
@@ -19,6 +20,31 @@
 namespace enamel::station::testing_support {
 
 using lab::EmulatedArm;
+
+// Dimensions of WoodenHaptics or Polhem, from their published list; worked out here apart from the
+// driver.
+struct ArmDrawing {
+  bool polhem;
+  double a, b, c;              // bodies, m
+  std::array<double, 3> gear;  // body over capstan
+  dvec3 origin;                // m
+  double k;                    // N m/A
+  std::array<double, 3> sign;  // of the currents
+  double zero_c;               // rad
+};
+inline const ArmDrawing kArmDrawings[] = {
+    {false,
+     0.080,
+     0.205,
+     0.245,
+     {16, 12, 12},
+     {0.220, 0, 0.080},
+     0.0259,
+     {1, -1, -1},
+     std::numbers::pi / 2},
+    {true, 0.058, 0.174, 0.133, {18, 10, 10}, {0.140, 0, 0.100}, 0.0538, {-1, -1, -1}, 0}};
+// From the device's centre, scene axes, m. `counters`: encoders a to f.
+dvec3 TipOf(const ArmDrawing& drawing, const std::array<int, 6>& counters);
 
 // WoodenHaptics (8-byte reports) or Polhem (14) on the HID port's double.
 class EmulatedHidArm final : public EmulatedArm {
