@@ -44,6 +44,7 @@ const std::vector<PolicyRule>& PolicyRules() {
   static const std::vector<PolicyRule> kRules = {
       // A day: a chair that is on in the morning is signed out by the next.
       {"idle-minutes", 1, 1440},
+      {"hand-turn", 0, 0, {"0", "90", "180", "270"}},
       // At least a week: a server's backup that asks for its recordings again may be that old.
       {"keep-days", 7, 3650},
       {"keep-mib", 0, int64_t{1} << 30},

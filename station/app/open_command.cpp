@@ -62,6 +62,11 @@ OpenCommand DeclareOpen(CommandGroup group) {
                   "1a86:e026,id=1,byte=3,mask=ff");
   cmd->add_option("--axes", o.device.axes, "Which of a board's axes are the scene's x, y, z")
       ->capture_default_str();
+  cmd->add_option("--hand-turn", o.hand_turn_deg,
+                  "Degrees, 0, 90, 180 or 270, by which an attached device stands turned "
+                  "counter-clockwise, seen from above, from facing the person")
+      ->check(IsOneOf("hand-turn"))
+      ->capture_default_str();
   cmd->add_option("--script", o.script,
                   "Play a person's part from this file (station/desk/script.h)");
   // Also returned, because `main` runs it if no subcommand was named.

@@ -165,6 +165,7 @@ class Desk {
     if (!dialog) Steer(*attempt, dt_s);
     view_hand_.Look(!dialog && attempt->held().turns_view(), attempt->view().state().device.tip_m,
                     attempt->view().camera());
+    TurnHand(*attempt);
     TakeHelpKeys(dialog);
     attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
@@ -197,6 +198,15 @@ class Desk {
         camera.Zoom(static_cast<float>(event.y));
       }
     }
+  }
+
+  // A hand that goes to the right goes to the right of the picture.
+  void TurnHand(DeskAttempt& attempt) {
+    if (!attempt.turns_with_view()) return;
+    const bool turning = attempt.held().turns_view() || screen_.button(render::kMouseLeft) ||
+                         screen_.button(render::kMouseRight);
+    attempt.held().SetQuarters(view_hand_.Quarters(turning, attempt.view().camera()) +
+                               options_.hand_turn_deg / 90);
   }
 
   bool MayShowProgress(const PreparedAttempt& prepared) const {

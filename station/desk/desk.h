@@ -21,6 +21,9 @@ struct DeskOptions {
   std::string quality;       // "best", "good", "fair", "low"; empty: chosen by drawing time
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes and watchdog of attached devices
+  // How an attached device stands, seen from above: counter-clockwise from facing the person, in
+  // quarters.
+  int hand_turn_deg = 0;
   bool sound = true;
   bool mouth = true;             // draw it around a tooth
   double idle_minutes = 10;      // sign out after this time without input, outside an attempt

@@ -111,6 +111,11 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
 
 DeskAttempt::~DeskAttempt() = default;
 
+bool DeskAttempt::turns_with_view() const {
+  const core::CoreParams& params = prepared_.header.params;
+  return attached_ != nullptr && params.peak_torque_un_m == 0 && !params.spring_on_board;
+}
+
 Warned DeskAttempt::warned() const {
   const render::FrameState& now = view_->state();
   if (!view_->has_state() || !now.bur_on) return {};

@@ -42,6 +42,8 @@ class DeskAttempt {
   render::ToothView& view() { return *view_; }
   bool by_pointer() const { return pointer_ != nullptr; }
   bool simulated() const { return simulated_ != nullptr; }
+  // Its axes may be turned with the picture: held in a hand, and held_device.h allows it.
+  bool turns_with_view() const;
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
   // What the turning bur is near to; nothing while it rests.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 
 #include "station/devices/device.h"
 
@@ -8,14 +9,27 @@ namespace enamel::station::desk {
 
 // A device that the window can pause. While paused the pedal counts as released, so the bur stops
 // and the force fades as usual; poses continue, so the recording stays whole. The same while the
-// device's second button is held: the hand turns the picture then. Thread safety: SetPaused,
-// speed_krpm and turns_view from any thread, the rest as Device. Real-time as Device.
+// device's second button is held: the hand turns the picture then.
+//
+// The window can also turn the device's axes about the scene's z by quarters, so that the hand's
+// right stays the picture's right when somebody looks from another side. Quarters are exact in
+// counts: the cells of the device's positions stay what its profile says. An orientation is rounded
+// once more (kLeastRotationCell_urad), which nothing but the picture and the cut sees: a device that
+// gives torque must not be turned, nor one whose board runs the spring.
+//
+// Thread safety: SetPaused, SetQuarters, speed_krpm and turns_view from any thread, the rest as
+// Device. Real-time as Device.
 class HeldDevice final : public Device {
  public:
   // `inner` outlives this.
   explicit HeldDevice(Device& inner) : inner_(inner) {}
 
   void SetPaused(bool paused) noexcept { paused_.store(paused, std::memory_order_relaxed); }
+  // Quarter turns of the device's axes in the scene, counter-clockwise from above. They hold from the
+  // next sample without the bur on; that sample is marked as turned, unless it is the first.
+  void SetQuarters(int quarters) noexcept {
+    wanted_quarters_.store(static_cast<unsigned>(quarters) & 3u, std::memory_order_relaxed);
+  }
   // The device's second button is down.
   bool turns_view() const noexcept { return turns_view_.load(std::memory_order_relaxed); }
   // Speed of the unloaded handpiece; 0 while the pedal is up.
@@ -34,14 +48,15 @@ class HeldDevice final : public Device {
     }
     bool turning = (sample.buttons & kPedal) != 0;
     speed_krpm_.store(turning ? sample.bur_speed_krpm : 0, std::memory_order_relaxed);
+    Turn(sample, turning);
     return sample;
   }
   ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
-    inner_.SendForce(force_n);
+    inner_.SendForce(FromScene(force_n));
   }
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override {
-    inner_.SendForceAndTorque(force_n, torque_n_m);
+    inner_.SendForceAndTorque(FromScene(force_n), FromScene(torque_n_m));
   }
   bool runs_spring() const noexcept override { return inner_.runs_spring(); }
   ENAMEL_REALTIME void SendSpring(const SpringCommand& command) noexcept override {
@@ -56,8 +71,15 @@ class HeldDevice final : public Device {
   }
 
  private:
+  void Turn(DeviceSample& sample, bool bur_on) noexcept;
+  dvec3 FromScene(const dvec3& v) const noexcept;
+
   Device& inner_;
   std::atomic<bool> paused_{false}, turns_view_{false};
+  std::atomic<unsigned> wanted_quarters_{0};
+  // Owned by the tick.
+  unsigned quarters_ = 0;
+  bool read_ = false;
   std::atomic<int> speed_krpm_{0};
 };
 

@@ -1,5 +1,7 @@
 #include "station/desk/view_hand.h"
 
+#include <cmath>
+
 namespace enamel::station::desk {
 
 void ViewHand::Look(bool held, const dvec3& hand_m, render::Camera& camera) {
@@ -10,6 +12,16 @@ void ViewHand::Look(bool held, const dvec3& hand_m, render::Camera& camera) {
     camera.Orbit(glm::dot(moved, right), -glm::dot(moved, up));
   }
   last_m_ = held ? std::optional(hand_m) : std::nullopt;
+}
+
+int ViewHand::Quarters(bool turning, const render::Camera& camera) {
+  constexpr float kQuarter = std::numbers::pi_v<float> / 2;
+  const float turned = camera.Turned();
+  const float off = std::remainder(turned - static_cast<float>(quarters_) * kQuarter, 4 * kQuarter);
+  if (!turning && std::abs(off) > kQuarter / 2 + kSlack_rad) {
+    quarters_ = (static_cast<int>(std::lround(turned / kQuarter)) + 4) % 4;
+  }
+  return quarters_;
 }
 
 }  // namespace enamel::station::desk

@@ -42,6 +42,9 @@ struct DeviceSample {
   // axes, and the share of its stiffness that is felt, 65 535 = all.
   std::array<int32_t, 3> rest_nm{};
   uint16_t share = 65'535;
+  // The device's axes lie otherwise in the scene than in the last sample (HeldDevice): the tip has
+  // jumped, and nobody's hand moved it there.
+  bool turned = false;
 };
 
 // To a board that runs the spring (schemas/hid_haptic_report.md, report 0x47), scene axes.

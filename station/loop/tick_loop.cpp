@@ -98,6 +98,7 @@ void TickLoop::Run() noexcept {
 
 bool TickLoop::Tick(double late_s) noexcept {
   DeviceSample sample = device_.ReadSample();
+  WatchTurn(sample);
   WatchTime(sample, late_s > 0 ? late_s : 0);
   WatchHolder(sample);
   WatchStillness(sample);
@@ -236,6 +237,13 @@ void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
 
 bool TickLoop::DeviceAlive(const DeviceSample& sample) const noexcept {
   return sample.attached && sample.driven && silent_s_ < kFaultAfter_s - kRounding_s;
+}
+
+void TickLoop::WatchTurn(const DeviceSample& sample) noexcept {
+  if (!sample.turned) return;
+  has_last_ = false;  // the jump is no way over which a held force could leak
+  soft_restart_ = true;
+  AwaitStillness();
 }
 
 // A handpiece that is in its holder when the loop begins was not put down.

@@ -117,6 +117,9 @@ struct TickLoopOptions {
 // fault above removes it, so declaring the gap is not felt. Ticks that could not be recorded are a
 // gap without force. Ticks and gaps together are the attempt's time, by the clock.
 //
+// When the device's axes are turned in the scene (DeviceSample::turned) the tip jumps. Force and cut
+// are off from that tick on, and come on as at the start.
+//
 // While the handpiece is in its holder (kPutDown) it has no force and its bur is stopped. When it
 // is taken up, the force comes on as at the start. The attempt continues.
 //
@@ -175,6 +178,7 @@ class TickLoop {
   void Send(const core::TickOutput& out) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
   void WatchLateness(double late_s) noexcept;
+  void WatchTurn(const DeviceSample& sample) noexcept;
   void WatchHolder(const DeviceSample& sample) noexcept;
   void WatchStillness(const DeviceSample& sample) noexcept;
   void AwaitStillness() noexcept;

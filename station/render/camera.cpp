@@ -78,6 +78,8 @@ glm::vec3 Camera::Right() const {
   return {view[0][0], view[1][0], view[2][0]};
 }
 
+float Camera::Turned() const { return std::atan2(Right().y, Right().x); }
+
 glm::vec3 Camera::TowardViewer() const { return Direction(yaw_, pitch_); }
 
 float Camera::distance_mm() const { return radius_mm_ / std::tan(kFieldOfView / 2); }

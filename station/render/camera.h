@@ -31,6 +31,8 @@ class Camera {
   // Unit vectors of the picture, in the scene frame.
   glm::vec3 Right() const;
   glm::vec3 TowardViewer() const;
+  // The angle of Right() from +x, counter-clockwise seen from +z, rad.
+  float Turned() const;
   // Where a point outside the picture lies, seen from its middle: a unit vector, y down. None: in the
   // picture. `aspect`: its width over its height.
   std::optional<glm::vec2> Away(const glm::vec3& point_mm, float aspect) const;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace enamel::station::desk {
 namespace {
 
@@ -12,6 +15,7 @@ class Handpiece final : public Device {
   DeviceSample ReadSample() noexcept override {
     DeviceSample sample;
     sample.counts = {3, 4, 5};
+    sample.orientation = orientation;
     sample.buttons = buttons;
     sample.bur_speed_krpm = 200;
     return sample;
@@ -24,6 +28,7 @@ class Handpiece final : public Device {
   double still_before_force_s() const noexcept override { return 0.25; }
   dvec3 sent_n{0}, torque_sent_n_m{0};
   uint8_t buttons = kPedal | kFinish;
+  QuantisedOrientation orientation = kIdentityOrientation;
 };
 
 TEST(HeldDeviceTest, WithTheSecondButtonHeldTheHandTurnsThePictureAndTheBurIsOff) {
@@ -58,6 +63,55 @@ TEST(HeldDeviceTest, PausedTheBurStandsStillAndEverythingElseGoesOn) {
   EXPECT_EQ(inner.torque_sent_n_m, dvec3(4, 5, 6));
   held.SetPaused(false);
   EXPECT_EQ(held.ReadSample().buttons, kPedal | kFinish);
+}
+
+TEST(HeldDeviceTest, TurnedItsAxesAndItsForcesTurnTogether) {
+  for (int quarters = 1; quarters < 4; ++quarters) {
+    Handpiece inner;
+    inner.buttons = 0;
+    // The bur points along the device's x.
+    inner.orientation = ToQuantised({0, std::sqrt(0.5), 0, std::sqrt(0.5)});
+    HeldDevice held(inner);
+    const DeviceSample before = held.ReadSample();
+    held.SetQuarters(quarters);
+    const DeviceSample turned = held.ReadSample();
+    EXPECT_TRUE(turned.turned);
+    EXPECT_FALSE(held.ReadSample().turned) << "once";
+    const double angle = quarters * std::numbers::pi / 2, c = std::cos(angle), s = std::sin(angle);
+    EXPECT_EQ(turned.counts[0], std::lround(c * before.counts[0] - s * before.counts[1]));
+    EXPECT_EQ(turned.counts[1], std::lround(s * before.counts[0] + c * before.counts[1]));
+    EXPECT_EQ(turned.counts[2], before.counts[2]);
+    const dvec3 along = FromQuantised(turned.orientation).Matrix()[2];
+    EXPECT_NEAR(along.x, c, 1e-4);
+    EXPECT_NEAR(along.y, s, 1e-4);
+    // What the scene pushes along the bur comes out along the device's x.
+    held.SendForce(dvec3(c, s, 0.5));
+    EXPECT_LT(glm::length(inner.sent_n - dvec3(1, 0, 0.5)), 1e-12);
+  }
+}
+
+TEST(HeldDeviceTest, TheBurIsOffBeforeTheAxesTurn) {
+  Handpiece inner;
+  HeldDevice held(inner);
+  held.ReadSample();
+  held.SetQuarters(1);
+  EXPECT_EQ(held.ReadSample().counts[0], 3);
+  inner.buttons = 0;
+  EXPECT_EQ(held.ReadSample().counts[0], -4);
+  inner.buttons = kPedal;
+  const DeviceSample later = held.ReadSample();
+  EXPECT_EQ(later.counts[0], -4);
+  EXPECT_FALSE(later.turned);
+}
+
+TEST(HeldDeviceTest, TurnedBeforeItsFirstSampleItHasNotJumped) {
+  Handpiece inner;
+  inner.buttons = 0;
+  HeldDevice held(inner);
+  held.SetQuarters(2);
+  const DeviceSample first = held.ReadSample();
+  EXPECT_EQ(first.counts[0], -3);
+  EXPECT_FALSE(first.turned);
 }
 
 TEST(HeldDeviceTest, AsksForTheSameRestAsTheDeviceInside) {

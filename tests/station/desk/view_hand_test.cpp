@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <utility>
+
 namespace enamel::station::desk {
 namespace {
 
@@ -32,6 +36,40 @@ TEST(ViewHandTest, WhatTheHandDoesBetweenTwoHoldsTurnsNothing) {
   hand.Look(false, {5e-3, 0, 0}, camera);
   hand.Look(true, {9e-3, 4e-3, 0}, camera);
   ExpectSameView(camera, Fresh());
+}
+
+// The mouse drags by shares of the picture's height: 4 radians for all of it.
+void TurnBy(float degrees, render::Camera& camera) {
+  camera.Orbit(-degrees * std::numbers::pi_v<float> / 180 / 4, 0);
+}
+
+TEST(ViewHandTest, TheHandsRightIsThePicturesRightButForAnEighthOfATurn) {
+  ViewHand hand;
+  render::Camera camera = Fresh();
+  for (const auto& [view, quarters] : {std::pair{render::View::kOblique, 0},
+                                       {render::View::kOcclusal, 0},
+                                       {render::View::kBuccal, 2},
+                                       {render::View::kMesial, 1}}) {
+    camera.SetView(view);
+    EXPECT_EQ(hand.Quarters(false, camera), quarters) << static_cast<int>(view);
+    const float right = camera.Turned(), hands = static_cast<float>(quarters) * 90;
+    EXPECT_LE(std::abs(std::remainder(right * 180 / std::numbers::pi_v<float> - hands, 360)), 45);
+  }
+}
+
+TEST(ViewHandTest, AtABorderBetweenTwoQuartersTheHandStaysAsItWas) {
+  ViewHand hand;
+  render::Camera camera = Fresh();
+  camera.SetView(render::View::kOcclusal);
+  TurnBy(50, camera);
+  EXPECT_EQ(hand.Quarters(false, camera), 0);
+  TurnBy(10, camera);
+  EXPECT_EQ(hand.Quarters(true, camera), 0) << "while the picture turns";
+  EXPECT_EQ(hand.Quarters(false, camera), 1);
+  TurnBy(-20, camera);
+  EXPECT_EQ(hand.Quarters(false, camera), 1);
+  TurnBy(-10, camera);
+  EXPECT_EQ(hand.Quarters(false, camera), 0);
 }
 
 }  // namespace

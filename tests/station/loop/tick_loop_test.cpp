@@ -268,6 +268,34 @@ TEST_F(TickLoopTest, TickFiveMillisecondsLateFaultsUntilThePedalIsPressedAgain) 
   EXPECT_EQ(loop.snapshot().counters.faults, 1u);
 }
 
+// A person looks from another side while the bur rests on the tooth.
+TEST_F(TickLoopTest, AxesThatTurnEndTheForceUntilTheBurHasBeenInFreeAir) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.sample.buttons = 0;
+  device_.step = 1;
+  while (device_.last_force == dvec3(0) && loop.counters().ticks < 3000) loop.Tick();
+  ASSERT_NE(device_.last_force, dvec3(0));
+  device_.start_z -= static_cast<int32_t>(device_.reads) * device_.step;  // it stays in the tooth
+  device_.step = 0;
+  device_.sample.counts[0] = 20;
+  device_.sample.turned = true;
+  loop.Tick(0.0012);
+  device_.sample.turned = false;
+  EXPECT_EQ(device_.last_force, dvec3(0));
+  EXPECT_EQ(loop.counters().leak_j, 0) << "the jump is nobody's way";
+  Sample s;
+  while (ring.Pop(s)) {
+  }
+  EXPECT_TRUE(s.tick.input.flags & core::kSoftRestart);
+  for (int i = 0; i < 1000; ++i) loop.Tick();
+  EXPECT_EQ(device_.last_force, dvec3(0)) << "still in the tooth";
+  while (ring.Pop(s)) {
+  }
+  EXPECT_FALSE(s.tick.input.flags & core::kSoftRestart);
+}
+
 TEST_F(TickLoopTest, ManyLateTicksInASecondFault) {
   core::Core core(params_, volume_);
   SampleRing ring(1000);
