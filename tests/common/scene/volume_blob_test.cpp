@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "common/base/file.h"
@@ -61,6 +62,66 @@ TEST(VolumeBlobTest, NoFlippedBitCrashesIt) {
     bad[bit / 8] = static_cast<uint8_t>(bad[bit / 8] ^ (1u << bit % 8));
     auto volume = DecodeVolume(bad);
     EXPECT_TRUE(volume.ok() || !volume.status().message().empty());
+  }
+}
+
+// The golden volume after a cut: a brick that was stored, and air that becomes solid and the other way.
+struct Change {
+  cutting::Volume before = GoldenVolume(), after = GoldenVolume();
+  Sha256 from = HashSha256(EncodeVolume(before));
+  Bytes blob;
+  Change() {
+    for (int16_t& phi : after.MutablePhi(0).phi) phi = std::max<int16_t>(phi, 1000);
+    after.SetUniform(1, Tissue::kDentin);
+    blob = EncodeChange(after, before, from);
+  }
+};
+
+TEST(VolumeChangeTest, WithTheVolumeThatItIsFromItIsTheOtherOne) {
+  const Change change;
+  EXPECT_EQ(*ChangedFrom(change.blob), change.from);
+  const auto back = DecodeChange(change.blob, change.before);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_TRUE(*back == change.after);
+  // What did not change takes no room, and tissues are those of before.
+  EXPECT_LT(EncodeChange(change.before, change.before, change.from).size(), 160u);
+  EXPECT_TRUE(ChangedFrom(EncodeVolume(change.before))->IsZero());
+}
+
+TEST(VolumeChangeTest, GoldenChangeDecodesToWhatItsDocumentSays) {
+  const Change change;
+  const auto bytes =
+      ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden/scene_change.envb");
+  ASSERT_TRUE(bytes.ok());
+  const auto back = DecodeChange(*bytes, change.before);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_TRUE(*back == change.after);
+}
+
+TEST(VolumeChangeTest, IsNoWholeVolumeAndNotOfAnotherGrid) {
+  const Change change;
+  EXPECT_EQ(DecodeVolume(change.blob).status().code(), Code::kConflict);
+  EXPECT_EQ(DecodeChange(EncodeVolume(change.after), change.before).status().code(),
+            Code::kConflict);
+  cutting::GridSpec other = change.before.spec();
+  other.bricks.z = 2;
+  EXPECT_EQ(DecodeChange(change.blob, cutting::Volume(other)).status().code(), Code::kConflict);
+}
+
+// Also onto a volume that is not the one it is from.
+TEST(VolumeChangeTest, NoTruncationAndNoFlippedBitCrashesIt) {
+  const Change change;
+  const cutting::Volume air(change.before.spec());
+  for (size_t n = 0; n < change.blob.size(); ++n) {
+    EXPECT_FALSE(DecodeChange({change.blob.data(), n}, change.before).ok()) << n;
+  }
+  for (size_t bit = 0; bit < change.blob.size() * 8; ++bit) {
+    Bytes bad = change.blob;
+    bad[bit / 8] = static_cast<uint8_t>(bad[bit / 8] ^ (1u << bit % 8));
+    for (const cutting::Volume* onto : {&change.before, &air}) {
+      const auto volume = DecodeChange(bad, *onto);
+      EXPECT_TRUE(volume.ok() || !volume.status().message().empty());
+    }
   }
 }
 
