@@ -9,6 +9,7 @@
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/movement/motion.h"
+#include "common/scoring/movement/series.h"
 #include "common/scoring/score.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
@@ -17,7 +18,6 @@
 #include "common/trace/replay.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
-#include "server/jobs/series.h"
 #include "server/jobs/surface_blob.h"
 #include "server/results/result_document.h"
 
@@ -65,7 +65,7 @@ class ScoreJob {
     core::Core core(header_.params, initial_);
     scoring::ProcessRecorder process(header_.params);
     moments_.emplace(initial_);
-    SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
+    scoring::SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
     ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
     return Finish(at_limit_ ? *at_limit_ : core.volume(), process, series);
   }
@@ -187,7 +187,7 @@ class ScoreJob {
   }
 
   // With how far the bur's tip was from the pulp, where the tooth has one.
-  std::string SeriesText(const SeriesRecorder& series) const {
+  std::string SeriesText(const scoring::SeriesRecorder& series) const {
     const surface::Mesh pulp = scoring::PulpSurface(initial_);
     if (pulp.position_m.empty()) return series.ToJson();
     const surface::DistanceQuery query(pulp);
@@ -198,7 +198,7 @@ class ScoreJob {
     });
   }
 
-  Status Replay(core::Core& core, scoring::ProcessRecorder& process, SeriesRecorder& series) {
+  Status Replay(core::Core& core, scoring::ProcessRecorder& process, scoring::SeriesRecorder& series) {
     auto report = trace::Replay(
         core, header_, chunks_,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
@@ -227,7 +227,7 @@ class ScoreJob {
   }
 
   Status Finish(const cutting::Volume& final_volume, const scoring::ProcessRecorder& process,
-                const SeriesRecorder& series) {
+                const scoring::SeriesRecorder& series) {
     surface::Mesh mesh = surface::ExtractSurface(final_volume);
     scoring::AttemptData attempt{&initial_, &final_volume, &mesh, &process};
     // A reference cut is compared with itself: deviation 0, so that its own figures can be looked

@@ -1,11 +1,11 @@
-#include "server/jobs/series.h"
+#include "common/scoring/movement/series.h"
 
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
 #include <cmath>
 
-namespace enamel::server {
+namespace enamel::scoring {
 namespace {
 
 namespace json = boost::json;
@@ -118,4 +118,4 @@ TEST(SeriesRecorderTest, AnEmptyAttemptIsEmptyLists) {
 }
 
 }  // namespace
-}  // namespace enamel::server
+}  // namespace enamel::scoring

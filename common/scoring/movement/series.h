@@ -8,7 +8,7 @@
 #include "common/core/core.h"
 #include "common/trace/trace.h"
 
-namespace enamel::server {
+namespace enamel::scoring {
 
 // Gathers what the page plots over time, in at most 2000 steps of equally many ticks
 // (schemas/api/openapi.yaml, Series), during the replay pass.
@@ -51,4 +51,4 @@ class SeriesRecorder {
   std::vector<Step> steps_;
 };
 
-}  // namespace enamel::server
+}  // namespace enamel::scoring

@@ -1,10 +1,10 @@
-#include "server/jobs/series.h"
+#include "common/scoring/movement/series.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-namespace enamel::server {
+namespace enamel::scoring {
 namespace {
 
 // The shortest text of a value rounded to a number of decimals.
@@ -115,4 +115,4 @@ std::string SeriesRecorder::ToJson(const std::function<double(const dvec3&)>& pu
   return out;
 }
 
-}  // namespace enamel::server
+}  // namespace enamel::scoring
