@@ -6,7 +6,7 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
 NAMES = """magic version attempt scored header recording exercise rubric scene volume profile reference reference_recording
-    reference_tooth score_document tooth surface series judgement score_file tooth_file surface_file series_file points
+    reference_tooth score_document tooth deviation series judgement score_file tooth_file surface_file series_file points
     critical_fail metric_set core_version rubric_version flags hand key signature""".split()
 LAYOUT = struct.Struct("<4sH16sq" + 7 * "32s" + "16s" + 11 * "32s" + "dBIIIIB32s64s")
 FILES = {"score.json": "score_file", "tooth.envb": "tooth_file", "surface.ensf": "surface_file", "forces.json": "series_file",

@@ -221,7 +221,7 @@ Mesh ExtractBrick(const Volume& volume, int brick) {
   return Gather(volume, brick, block) ? ExtractBlock(volume, block) : Mesh();
 }
 
-Mesh ExtractSurface(const Volume& volume) {
+Mesh ExtractSurface(const Volume& volume, std::vector<ivec3>* cells) {
   const GridSpec& spec = volume.spec();
   Mesh mesh;
   // A cell's vertex is kept in the table of the brick that holds the cell's first corner.
@@ -244,7 +244,9 @@ Mesh ExtractSurface(const Volume& volume) {
         tables.emplace_back().fill(kNone);
       }
       uint32_t& index = tables[static_cast<size_t>(table)][CellIndex(local)];
-      if (index == kNone) index = AppendVertex(volume, block, cell, mesh);
+      if (index != kNone) return index;
+      if (cells != nullptr) cells->push_back(block.first + cell);
+      index = AppendVertex(volume, block, cell, mesh);
       return index;
     });
   }

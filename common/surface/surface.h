@@ -29,9 +29,10 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
 };
 
-// Whole surface. Deterministic: equal volumes give equal meshes. Not real-time.
+// Whole surface. Deterministic: equal volumes give equal meshes. `cells`: also gets the grid cell of
+// each vertex, named by its first sample; below 0 where the surface closes the grid. Not real-time.
 // Thread safety: reads the volume only.
-Mesh ExtractSurface(const cutting::Volume& volume);
+Mesh ExtractSurface(const cutting::Volume& volume, std::vector<ivec3>* cells = nullptr);
 
 // Only the quads of the edges that start in this brick, with vertices of their own (those on the
 // brick's lower faces are repeated by its neighbours): for incremental display. The parts of all

@@ -1,11 +1,14 @@
 #include "common/timeline/deviation.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
 
+#include "common/base/check.h"
 #include "common/scene/grid_blob.h"
 #include "common/timeline/deflate.h"
 
@@ -18,6 +21,7 @@ using cutting::kBrickVoxels;
 constexpr std::string_view kLetters = "ENTD";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "deviation";
+constexpr double kMost_um = 1e6;
 constexpr size_t kMaskBytes = kBrickVoxels / 8;
 constexpr size_t kBrickBytes = 4 + kMaskBytes;
 
@@ -25,14 +29,18 @@ Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
 }
 
+bool IsInside(const ivec3& cell, const cutting::GridSpec& spec) {
+  return glm::all(glm::greaterThanEqual(cell, ivec3(0))) &&
+         glm::all(glm::lessThan(cell, spec.voxels()));
+}
+
 using BrickValues = std::array<std::optional<int32_t>, kBrickVoxels>;
 
 std::map<int, BrickValues> ByBrick(const Deviation& deviation) {
   std::map<int, BrickValues> out;
-  const ivec3 size = deviation.spec.bricks * kBrickSide;
   for (const CellDeviation& value : deviation.cells) {
     const ivec3& c = value.cell;
-    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= size.x || c.y >= size.y || c.z >= size.z) continue;
+    if (!IsInside(c, deviation.spec)) continue;
     const ivec3 brick = c / kBrickSide, in = c % kBrickSide;
     out[deviation.spec.BrickIndex(brick)]
        [static_cast<size_t>((in.z * kBrickSide + in.y) * kBrickSide + in.x)] = value.deviation_um;
@@ -81,6 +89,39 @@ Status ReadCells(ByteView cells, size_t bricks, ByteView planes, Deviation& out)
 }
 
 }  // namespace
+
+DeviationByCell::DeviationByCell(const Deviation& deviation) : spec_(deviation.spec) {
+  um_.reserve(deviation.cells.size());
+  for (const CellDeviation& value : deviation.cells) {
+    if (const auto number = NumberOf(value.cell)) um_.emplace(*number, value.deviation_um);
+  }
+}
+
+std::optional<uint64_t> DeviationByCell::NumberOf(const ivec3& cell) const {
+  if (!IsInside(cell, spec_)) return std::nullopt;
+  const glm::u64vec3 at(cell), size(spec_.voxels());
+  return (at.z * size.y + at.y) * size.x + at.x;
+}
+
+std::optional<int32_t> DeviationByCell::At_um(const ivec3& cell) const {
+  const auto number = NumberOf(cell);
+  const auto at = number ? um_.find(*number) : um_.end();
+  if (at == um_.end()) return std::nullopt;
+  return at->second;
+}
+
+Deviation DeviationOf(const cutting::GridSpec& spec, std::span<const ivec3> cells,
+                      std::span<const float> deviation_m) {
+  ENAMEL_CHECK(deviation_m.size() == cells.size());
+  Deviation out;
+  out.spec = spec;
+  for (size_t v = 0; v < cells.size(); ++v) {
+    if (!std::isfinite(deviation_m[v])) continue;
+    const double um = std::clamp(deviation_m[v] * 1e6, -kMost_um, kMost_um);
+    out.cells.push_back({cells[v], static_cast<int32_t>(std::lround(um))});
+  }
+  return out;
+}
 
 Bytes EncodeDeviation(const Deviation& deviation) {
   const std::map<int, BrickValues> bricks = ByBrick(deviation);

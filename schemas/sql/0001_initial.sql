@@ -131,7 +131,7 @@ CREATE TABLE attempts (
   critical_fail   INTEGER NOT NULL DEFAULT 0 CHECK (critical_fail IN (0, 1)),
   score_json      BLOB,
   final_volume    BLOB,
-  surface         BLOB,
+  deviation       BLOB,
   series          BLOB,
   reference       BLOB,  -- the attempt it was compared with
   expired_ms      INTEGER NOT NULL DEFAULT 0,
@@ -294,7 +294,7 @@ CREATE TABLE attempt_results (
   replay_realtime_factor REAL NOT NULL DEFAULT 0,
   document               BLOB NOT NULL,  -- the signed result (schemas/result.md)
   final_volume           BLOB CHECK (length(final_volume) = 32),
-  surface                BLOB CHECK (length(surface) = 32),
+  deviation              BLOB CHECK (length(deviation) = 32),
   series                 BLOB CHECK (length(series) = 32),
   PRIMARY KEY (tenant, attempt, run),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)

@@ -13,6 +13,7 @@
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
 #include "server/jobs/reference_check.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/training/names.h"
 
 namespace enamel::server::app {
@@ -25,11 +26,6 @@ Result<ExerciseRow> NewestVersion(ExerciseRows& exercises_rows, const std::strin
   }
   return Status(Code::kNotFound, "no published exercise \"" + name +
                                      "\"; enamel-server admin list-exercises shows their names");
-}
-
-Result<cutting::Volume> VolumeOf(StoredBlobs& blobs, const Sha256& blob) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, blobs.GetBlob(blob));
-  return scene::DecodeVolume(bytes);
 }
 
 // The scene of the tooth that a reference left. It does not name the reference's author: documents
@@ -60,7 +56,7 @@ Status CheckPrepared(StoredBlobs& blobs, SceneRows& scenes_rows, const scene::Ex
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(blobs, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, StoredVolume(blobs, scene.volume));
   return scene::LoadPreparedTarget(
       tooth, [&](const Sha256& hash) { return blobs.GetBlob(hash); }, target);
 }
@@ -118,9 +114,9 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(store->blobs, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, StoredVolume(store->blobs, scene.volume));
   ENAMEL_ASSIGN_OR_RETURN(const auto result, store->results.ResultOf(reference->attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto cut, VolumeOf(store->blobs, result.final_volume));
+  ENAMEL_ASSIGN_OR_RETURN(auto cut, CutTooth(store->blobs, result.final_volume));
 
   ENAMEL_ASSIGN_OR_RETURN(const Sha256 volume, store->blobs.PutBlob(scene::EncodeVolume(cut)));
   const scene::Scene prepared = PreparedScene(scene, row, volume);

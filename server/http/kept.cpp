@@ -84,6 +84,7 @@ Response KeptResponse(const Request& request, const Kept& kept, SharedBodies& bo
     return response;
   }
   const auto body = kept.made ? bodies.Made(kept.content, read) : bodies.Get(kept.content, read);
+  if (kept.made && body.status().code() == Code::kUnavailable) return ErrorResponse(body.status());
   // The row names a missing blob: damage of ours, not a wrong address.
   if (!body.ok()) return ErrorResponse(Status{Code::kInternal, body.status().message()});
   const std::string_view all = **body;

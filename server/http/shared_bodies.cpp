@@ -34,12 +34,28 @@ Result<SharedBodies::Body> SharedBodies::Get(const Sha256& name, const Read& rea
 }
 
 Result<SharedBodies::Body> SharedBodies::Made(const Sha256& name, const Read& make) {
-  Result<Body> body = Get(name, make);
+  Result<Body> body = Get(name, [&] { return MakeInTurn(make); });
   if (body.ok()) {
     MutexLock lock(mutex_);
     Keep(name, *body);
   }
   return body;
+}
+
+Result<Bytes> SharedBodies::MakeInTurn(const Read& make) {
+  {
+    MutexLock lock(mutex_);
+    if (!finished_.wait_for(mutex_, kPatience,
+                            [&]() ENAMEL_REQUIRES(mutex_) { return making_ < kMostMade; })) {
+      return Status(Code::kUnavailable, "others are being made first; try again in a few seconds");
+    }
+    ++making_;
+  }
+  Result<Bytes> bytes = make();
+  MutexLock lock(mutex_);
+  --making_;
+  finished_.notify_one();
+  return bytes;
 }
 
 void SharedBodies::Keep(const Sha256& name, const Body& body) {

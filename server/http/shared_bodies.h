@@ -17,7 +17,8 @@
 namespace enamel::server::http {
 
 // Large answers in memory once, however many are being sent: whoever asks while another reads the
-// same waits for that. What was computed stays for a while. Thread safety: any thread; calls block.
+// same waits for that. What was computed stays for a while, and only kMostMade are computed at once.
+// Thread safety: any thread; calls block.
 class SharedBodies {
  public:
   using Body = std::shared_ptr<const std::string>;
@@ -25,10 +26,14 @@ class SharedBodies {
 
   // `read` gives the bytes that `name` is the hash of. After a failure each waiting caller reads them itself.
   Result<Body> Get(const Sha256& name, const Read& read);
-  // The same, and it stays for kFor after its last use, among the newest of kKeptBytes.
+  // The same, and it stays for kFor after its last use, among the newest of kKeptBytes. Errors also:
+  // kUnavailable when it was not its turn within kPatience.
   Result<Body> Made(const Sha256& name, const Read& make);
 
   static constexpr size_t kKeptBytes = 32u << 20;
+  // A surface takes a second and some 100 MB while it is made.
+  static constexpr size_t kMostMade = 2;
+  static constexpr std::chrono::seconds kPatience{10};
   static constexpr std::chrono::minutes kFor{5};
 
  private:
@@ -41,11 +46,13 @@ class SharedBodies {
     Body body;
     std::chrono::steady_clock::time_point used;
   };
+  Result<Bytes> MakeInTurn(const Read& make);
   void Keep(const Sha256& name, const Body& body) ENAMEL_REQUIRES(mutex_);
   void Forget() ENAMEL_REQUIRES(mutex_);
 
   Mutex mutex_;
-  std::condition_variable_any read_;
+  std::condition_variable_any read_, finished_;
+  size_t making_ ENAMEL_GUARDED_BY(mutex_) = 0;
   std::map<Sha256, Slot> slots_ ENAMEL_GUARDED_BY(mutex_);
   std::list<Kept> kept_ ENAMEL_GUARDED_BY(mutex_);  // the newest first
   size_t kept_bytes_ ENAMEL_GUARDED_BY(mutex_) = 0;

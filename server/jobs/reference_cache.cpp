@@ -1,14 +1,13 @@
 #include "server/jobs/reference_cache.h"
 
-#include "common/scene/volume_blob.h"
+#include "server/jobs/stored_tooth.h"
 
 namespace enamel::server {
 namespace {
 
 Result<std::shared_ptr<const ReferenceCut>> Read(Store& store, const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto result, store.results.ResultOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto blob, store.blobs.GetBlob(result.final_volume));
-  ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, CutTooth(store.blobs, result.final_volume));
   ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(header_bytes));
   ENAMEL_ASSIGN_OR_RETURN(auto seal, store.recordings.AttemptSeal(attempt));

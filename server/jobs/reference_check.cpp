@@ -6,10 +6,10 @@
 
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
-#include "common/scene/volume_blob.h"
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
 #include "server/jobs/regrade.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/training/revision.h"
 
 namespace enamel::server {
@@ -22,11 +22,6 @@ Status RefusedCut(const std::string& why) {
                 "this attempt cannot be the reference: " + why +
                     "; choose another attempt, or give a reason why this one is right",
                 std::string(kAnyway));
-}
-
-Result<cutting::Volume> VolumeOf(StoredBlobs& blobs, const Sha256& hash) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto blob, blobs.GetBlob(hash));
-  return scene::DecodeVolume(blob);
 }
 
 }  // namespace
@@ -56,9 +51,9 @@ Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto initial, VolumeOf(blobs, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto initial, StoredVolume(blobs, scene.volume));
   ENAMEL_ASSIGN_OR_RETURN(const auto result, results.ResultOf(attempt.id));
-  ENAMEL_ASSIGN_OR_RETURN(const auto after, VolumeOf(blobs, result.final_volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto after, CutTooth(blobs, result.final_volume));
   ENAMEL_RETURN_IF_ERROR(scene::LoadPreparedTarget(
       initial, [&](const Sha256& hash) { return blobs.GetBlob(hash); }, exercise.target));
   return WorkOnTarget(scene, exercise, initial, after);

@@ -5,6 +5,7 @@
 
 #include "common/scene/json/json.h"
 #include "common/trace/trace.h"
+#include "server/jobs/stored_tooth.h"
 
 namespace enamel::server {
 namespace {
@@ -56,7 +57,9 @@ Status ForEachResultFile(Store& store, const AttemptRow& row,
       take(kResultFile, document.ok() ? Result<Bytes>(result.document) : document.status()));
   ENAMEL_RETURN_IF_ERROR(blob("score.json", result.score_json));
   ENAMEL_RETURN_IF_ERROR(blob("tooth.envb", result.final_volume));
-  ENAMEL_RETURN_IF_ERROR(blob("surface.ensf", result.surface));
+  if (!result.deviation.IsZero()) {
+    ENAMEL_RETURN_IF_ERROR(take("surface.ensf", AttemptSurface(store.blobs, result)));
+  }
   ENAMEL_RETURN_IF_ERROR(blob("forces.json", result.series));
   if (row.expired_ms == 0) {
     ENAMEL_RETURN_IF_ERROR(take("recording.entrace", TraceFileOf(store, row)));

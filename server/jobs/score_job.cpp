@@ -15,6 +15,7 @@
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
+#include "common/timeline/deviation.h"
 #include "common/trace/replay.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
@@ -198,7 +199,8 @@ class ScoreJob {
     });
   }
 
-  Status Replay(core::Core& core, scoring::ProcessRecorder& process, scoring::SeriesRecorder& series) {
+  Status Replay(core::Core& core, scoring::ProcessRecorder& process,
+                scoring::SeriesRecorder& series) {
     auto report = trace::Replay(
         core, header_, chunks_,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
@@ -228,8 +230,8 @@ class ScoreJob {
 
   Status Finish(const cutting::Volume& final_volume, const scoring::ProcessRecorder& process,
                 const scoring::SeriesRecorder& series) {
-    surface::Mesh mesh = surface::ExtractSurface(final_volume);
-    scoring::AttemptData attempt{&initial_, &final_volume, &mesh, &process};
+    const CelledSurface surface = CelledSurfaceOf(final_volume);
+    scoring::AttemptData attempt{&initial_, &final_volume, &surface.mesh, &process};
     // A reference cut is compared with itself: deviation 0, so that its own figures can be looked
     // at.
     scoring::AttemptData itself = attempt;
@@ -257,11 +259,13 @@ class ScoreJob {
     std::string score_json = scoring::ToJson(score), series_json = SeriesText(series);
     // Blobs first, then one transaction that names them all: a crash in between leaves unnamed
     // blobs, which the next try writes again under the same names.
-    const Bytes tooth = scene::EncodeVolume(final_volume),
-                surface = EncodeSurface(mesh, judged.deviation_m);
+    const auto by_cell =
+        timeline::DeviationOf(final_volume.spec(), surface.cell, judged.deviation_m);
+    const Bytes tooth = scene::EncodeChange(final_volume, initial_, header_.volume),
+                deviation = timeline::EncodeDeviation(by_cell);
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(tooth, result.final_volume));
-    ENAMEL_RETURN_IF_ERROR(Put(surface, result.surface));
+    ENAMEL_RETURN_IF_ERROR(Put(deviation, result.deviation));
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
     // As it will be read: the document's numbers have fewer digits than the computed ones.
     ENAMEL_ASSIGN_OR_RETURN(auto stored, scoring::ScoreFromJson(score_json));
@@ -273,7 +277,7 @@ class ScoreJob {
       document.judgement = judgement;
       document.score_file = HashSha256(AsBytes(score_json));
       document.tooth_file = HashSha256(tooth);
-      document.surface_file = HashSha256(surface);
+      document.surface_file = HashSha256(EncodeSurface(surface, by_cell));
       document.series_file = HashSha256(AsBytes(series_json));
       Sign(stored, document, result);
     }
@@ -405,7 +409,7 @@ class ScoreJob {
     }
     document.score_document = result.score_json;
     document.tooth = result.final_volume;
-    document.surface = result.surface;
+    document.deviation = result.deviation;
     document.series = result.series;
     document.points = result.score;
     document.critical_fail = result.critical_fail;

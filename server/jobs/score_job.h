@@ -24,8 +24,8 @@ using JobProgress = std::function<bool(double progress)>;
 //     with a time limit is judged by its state when its time, gaps included, was up; later ticks
 //     are still replayed and checked;
 //  5. metrics, rubric, where and when points were lost (scoring/deductions.h), and four blobs:
-//     score JSON (schemas/score.md), final volume, surface with deviation (surface_blob.h), series
-//     (series.h); then ResultRows::FinishAttempt;
+//     score JSON (schemas/score.md), final volume as a change of the scene's, deviation by cells,
+//     series (common/scoring/movement/series.h); then ResultRows::FinishAttempt;
 //  6. the motion, and the nearest earlier one at the same exercise (scoring/motion.h): a flag for
 //     reviewers, no points.
 // Running it again gives the same blobs.

@@ -1,7 +1,6 @@
 #include "server/jobs/surface_blob.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -14,7 +13,7 @@ namespace {
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kHasDeviation = 1;
 constexpr double kMm = 1e3;
-constexpr float kMostMm = 1000;
+constexpr double kUmPerMm = 1e3;
 // Where the 16-bit positions start and how far apart they are, exactly as the file says.
 struct Frame {
   glm::vec3 origin_mm{0};
@@ -57,23 +56,11 @@ void WritePositions(const surface::Mesh& mesh, const Frame& frame, ByteWriter& o
   Pad(out);
 }
 
-// The cell a vertex was made in, along one axis. It is on its cell's border only if a sample is
-// exactly on the surface; such a sample counts as air, so the cell is on the solid's side. Vertices
-// nearer to a border than the rounding of positions may get a neighbouring cell.
-int CellAlong(double voxels, int normal, double rounding) {
-  const double border = std::round(voxels);
-  if (std::abs(voxels - border) > rounding) return static_cast<int>(std::floor(voxels));
-  return static_cast<int>(border) - (normal > 0 ? 1 : 0);
-}
-
-}  // namespace
-
-Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m) {
-  ENAMEL_CHECK(deviation_m.empty() || deviation_m.size() == mesh.position_m.size());
+Bytes Encode(const surface::Mesh& mesh, std::span<const float> deviation_mm) {
   ByteWriter out;
   out.Raw(AsBytes("ENTM"));
   out.U16(kVersion);
-  out.U16(deviation_m.empty() ? 0 : kHasDeviation);
+  out.U16(deviation_mm.empty() ? 0 : kHasDeviation);
   out.U32(static_cast<uint32_t>(mesh.position_m.size()));
   out.U32(static_cast<uint32_t>(mesh.triangles.size()));
   Frame frame = FrameOf(mesh);
@@ -86,55 +73,32 @@ Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_
   }
   for (uint8_t t : mesh.tissue) out.U8(t);
   Pad(out);
-  for (float d : deviation_m) {
-    // One bit pattern for "untouched", whatever NaN came in.
-    F32(out, std::isnan(d) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(d * kMm));
-  }
+  for (float d : deviation_mm) F32(out, d);
   for (const auto& triangle : mesh.triangles) {
     for (uint32_t v : triangle) out.U32(v);
   }
   return out.Take();
 }
 
-Result<timeline::Deviation> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec) {
-  ByteReader in(surface);
-  const bool is_surface = AsText(in.Raw(4)) == "ENTM" && in.U16() == kVersion;
-  const uint16_t flags = in.U16();
-  const size_t vertices = in.U32();
-  in.U32();  // triangles
-  std::array<float, 4> frame;
-  for (float& value : frame) value = std::bit_cast<float>(in.U32());
-  if (!is_surface || !in.ok()) {
-    return Status(Code::kInvalidInput, "expected a surface of version 1, found other bytes");
-  }
-  if (!(flags & kHasDeviation)) {
-    return Status(Code::kNotFound, "this attempt was compared with no reference");
-  }
-  const auto padded = [&](size_t size) { return in.Raw((size + 3) / 4 * 4); };
-  ByteReader position(padded(6 * vertices)), normal(in.Raw(4 * vertices));
-  padded(vertices);  // tissues
-  ByteReader deviation(in.Raw(4 * vertices));
-  if (!in.ok()) {
-    return Status(Code::kInvalidInput, "the surface ends early: the file was cut off");
-  }
-  timeline::Deviation out;
-  out.spec = spec;
-  const dvec3 origin_mm = spec.origin_m() * kMm;
-  const double voxel_mm = spec.voxel_m() * kMm;
-  for (size_t v = 0; v < vertices; ++v) {
-    ivec3 cell;
-    for (int i = 0; i < 3; ++i) {
-      const double p_mm = frame[static_cast<size_t>(i)] + double{frame[3]} * position.U16();
-      cell[i] = CellAlong((p_mm - origin_mm[i]) / voxel_mm, static_cast<int8_t>(normal.U8()),
-                          frame[3] / voxel_mm);
-    }
-    normal.U8();
-    const float mm = std::bit_cast<float>(deviation.U32());
-    if (!std::isfinite(mm)) continue;
-    out.cells.push_back(
-        {cell, static_cast<int32_t>(std::lround(std::clamp(mm, -kMostMm, kMostMm) * 1000))});
-  }
+}  // namespace
+
+CelledSurface CelledSurfaceOf(const cutting::Volume& volume) {
+  CelledSurface out;
+  out.mesh = surface::ExtractSurface(volume, &out.cell);
   return out;
+}
+
+Bytes EncodeSurface(const surface::Mesh& mesh) { return Encode(mesh, {}); }
+
+Bytes EncodeSurface(const CelledSurface& surface, const timeline::Deviation& deviation) {
+  const timeline::DeviationByCell known(deviation);
+  std::vector<float> deviation_mm(surface.cell.size(), std::numeric_limits<float>::quiet_NaN());
+  for (size_t v = 0; v < surface.cell.size(); ++v) {
+    if (const auto um = known.At_um(surface.cell[v])) {
+      deviation_mm[v] = static_cast<float>(*um / kUmPerMm);
+    }
+  }
+  return Encode(surface.mesh, deviation_mm);
 }
 
 }  // namespace enamel::server

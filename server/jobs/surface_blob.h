@@ -1,6 +1,6 @@
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
@@ -8,18 +8,22 @@
 #include "common/surface/surface.h"
 #include "common/timeline/deviation.h"
 
+// A surface as the page reads it: format "ENTM", version 1 (schemas/api/openapi.yaml,
+// /attempts/{id}/surface). Deterministic. Thread safety: functions, any thread.
 namespace enamel::server {
 
-// A surface as the page reads it: format "ENTM", version 1 (schemas/api/openapi.yaml,
-// /attempts/{id}/surface). Positions in 1/65535 of the longest side of the surface's box, normals
-// in 1/127. `deviation_m` (metres; NaN where untouched) is empty or one per vertex, and written in
-// mm. Deterministic. Thread safety: a function, any thread. Requires: fewer than 2^32 vertices and
-// triangles.
-Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m = {});
+// A tooth's surface, and the cell of the grid that each vertex was made in.
+struct CelledSurface {
+  surface::Mesh mesh;
+  std::vector<ivec3> cell;
+};
+CelledSurface CelledSurfaceOf(const cutting::Volume& volume);
 
-// The deviation in such a surface by the cells of the grid that it was made from; encoded
-// (EncodeDeviation) it has a hundredth of the bytes. Errors: kNotFound when it has no deviation;
-// kInvalidInput when it is no surface. Thread safety: a function, any thread.
-Result<timeline::Deviation> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec);
+// Positions in 1/65535 of the longest side of the surface's box, normals in 1/127. Requires: fewer
+// than 2^32 vertices and triangles.
+Bytes EncodeSurface(const surface::Mesh& mesh);
+// With a deviation, in mm; NaN where its cells have none. The volume and the stored deviation
+// give the same bytes again.
+Bytes EncodeSurface(const CelledSurface& surface, const timeline::Deviation& deviation);
 
 }  // namespace enamel::server

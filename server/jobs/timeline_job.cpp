@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "common/scene/volume_blob.h"
+#include "common/timeline/deviation.h"
 #include "common/timeline/recorder.h"
 #include "common/timeline/start_tooth.h"
 #include "common/trace/replay.h"
-#include "server/jobs/surface_blob.h"
 
 namespace enamel::server {
 namespace {
@@ -46,20 +46,18 @@ Result<Sha256> StartTooth(StoredBlobs& blobs, TimelineRows& timelines, const Sha
 }
 
 // Those that the attempt's deviation from its reference is known for: the reference may have cut
-// where the attempt has not. Empty: it was compared with nothing.
+// where the attempt has not.
 Result<std::vector<int32_t>> ComparedBricks(Store& store, const Uuid& attempt,
                                             const cutting::GridSpec& spec) {
   ENAMEL_ASSIGN_OR_RETURN(const AttemptResult result, store.results.ResultOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes surface, store.blobs.GetBlob(result.surface));
-  const auto deviation = DeviationOfSurface(surface, spec);
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes packed, store.blobs.GetBlob(result.deviation));
+  ENAMEL_ASSIGN_OR_RETURN(const auto deviation, timeline::DecodeDeviation(packed));
+  if (deviation.spec != spec) {
+    return Status(Code::kConflict, "the attempt's deviation has another grid than its tooth");
+  }
   std::vector<int32_t> out;
-  if (deviation.status().code() == Code::kNotFound) return out;
-  if (!deviation.ok()) return deviation.status();
-  for (const timeline::CellDeviation& value : deviation->cells) {
-    const ivec3 brick = value.cell / cutting::kBrickSide;
-    if (glm::all(glm::greaterThanEqual(value.cell, ivec3(0))) && spec.Contains(brick)) {
-      out.push_back(spec.BrickIndex(brick));
-    }
+  for (const timeline::CellDeviation& value : deviation.cells) {
+    out.push_back(spec.BrickIndex(value.cell / cutting::kBrickSide));
   }
   std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());

@@ -24,7 +24,7 @@ void ForEachHash(Document& d, const Visit& visit) {
   }
   visit(d.reference.bytes);
   for (auto* hash :
-       {&d.reference_recording, &d.reference_tooth, &d.score_document, &d.tooth, &d.surface,
+       {&d.reference_recording, &d.reference_tooth, &d.score_document, &d.tooth, &d.deviation,
         &d.series, &d.judgement, &d.score_file, &d.tooth_file, &d.surface_file, &d.series_file}) {
     visit(hash->bytes);
   }

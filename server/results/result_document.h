@@ -15,8 +15,8 @@ struct ResultDocument {
   Sha256 exercise, rubric, scene, volume, profile;
   Uuid reference;  // zero: there was none
   Sha256 reference_recording, reference_tooth;
-  Sha256 score_document, tooth, surface, series;  // as the store names them
-  Sha256 judgement;                               // of points and reasons alone
+  Sha256 score_document, tooth, deviation, series;  // as the store names them
+  Sha256 judgement;                                 // of points and reasons alone
   // Of the same four as their person gets them, not encrypted.
   Sha256 score_file, tooth_file, surface_file, series_file;
   double points = 0;

@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include "common/scene/volume_blob.h"
-#include "server/jobs/surface_blob.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
 
@@ -84,11 +82,7 @@ Result<wire::Reply> Session::Do(const wire::GetDeviation& request) {
     return Status(Code::kConflict, "the recording was removed by a retention rule", "attempt");
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto result, services_.store.results.ResultOf(seen.row.id));
-  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, services_.store.blobs.GetBlob(result.final_volume));
-  ENAMEL_ASSIGN_OR_RETURN(const auto volume, scene::DecodeVolume(tooth));
-  ENAMEL_ASSIGN_OR_RETURN(const auto surface, services_.store.blobs.GetBlob(result.surface));
-  ENAMEL_ASSIGN_OR_RETURN(const auto deviation, DeviationOfSurface(surface, volume.spec()));
-  const Bytes bytes = timeline::EncodeDeviation(deviation);
+  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, services_.store.blobs.GetBlob(result.deviation));
   if (bytes.size() > kMostDeviationBytes) {
     return Status(Code::kTooLarge, "the deviation has " + std::to_string(bytes.size()) + " bytes");
   }

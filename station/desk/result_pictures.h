@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "station/render/still_painter.h"
@@ -16,8 +17,9 @@ namespace enamel::station::desk {
 struct ResultSurfaces {
   render::Camera camera{glm::vec3(0), 1};  // that all are seen with
   render::GroupMesh before, after;
-  // Of `after`, one after the other: to colour it once more.
+  // Of `after`, to colour it once more; and the cells of its vertices.
   surface::Mesh after_surface;
+  std::vector<ivec3> after_cells;
 };
 // Computes the recording to its end. Errors: LookBack::Take's. Thread safety: any thread.
 Result<ResultSurfaces> SurfacesOf(LookBack& recording,
@@ -25,9 +27,11 @@ Result<ResultSurfaces> SurfacesOf(LookBack& recording,
 
 // As a bur would leave it that can reach every corner; empty where the exercise's target is none.
 render::GroupMesh TargetSurface(const PreparedAttempt& prepared);
-// The end's surface in the colours of a deviation (common/timeline/deviation.h). Errors:
+// The end's surface, whose vertices are of these cells, in the colours of a deviation
+// (common/timeline/deviation.h). Errors:
 // DecodeDeviation's.
-Result<render::GroupMesh> DeviationSurface(const surface::Mesh& after, ByteView deviation);
+Result<render::GroupMesh> DeviationSurface(const surface::Mesh& after, std::span<const ivec3> cells,
+                                           ByteView deviation);
 
 // The pictures of them, drawn as they come. Needs the context current. Owner's thread only.
 class ResultPictures {

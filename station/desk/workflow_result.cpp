@@ -79,24 +79,24 @@ void Workflow::PaintTooth() {
 // The server gives the deviation to whoever may see the score.
 void Workflow::PaintJudgement() {
   judgement_tried_ = true;
-  pictures_task_.Start("task.loss",
-                       [this, attempt = result_.attempt, back = look_back_,
-                        surfaces = surfaces_]() -> BackgroundTask::After {
-                         auto target =
-                             std::make_shared<render::GroupMesh>(TargetSurface(back->prepared()));
-                         auto off = std::make_shared<std::optional<render::GroupMesh>>();
-                         if (const auto bytes = workplace_.Deviation(attempt); bytes.ok()) {
-                           auto mesh = DeviationSurface(surfaces->after_surface, *bytes);
-                           if (mesh.ok()) *off = std::move(*mesh);
-                         }
-                         return [this, target, off] {
-                           try {
-                             pictures_->Add(*target, *off);
-                           } catch (const std::exception&) {
-                             // The driver refuses: the others stay.
-                           }
-                         };
-                       });
+  pictures_task_.Start(
+      "task.loss",
+      [this, attempt = result_.attempt, back = look_back_,
+       surfaces = surfaces_]() -> BackgroundTask::After {
+        auto target = std::make_shared<render::GroupMesh>(TargetSurface(back->prepared()));
+        auto off = std::make_shared<std::optional<render::GroupMesh>>();
+        if (const auto bytes = workplace_.Deviation(attempt); bytes.ok()) {
+          auto mesh = DeviationSurface(surfaces->after_surface, surfaces->after_cells, *bytes);
+          if (mesh.ok()) *off = std::move(*mesh);
+        }
+        return [this, target, off] {
+          try {
+            pictures_->Add(*target, *off);
+          } catch (const std::exception&) {
+            // The driver refuses: the others stay.
+          }
+        };
+      });
 }
 
 void Workflow::ForgetResult() {

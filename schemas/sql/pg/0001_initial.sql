@@ -130,7 +130,7 @@ CREATE TABLE attempts (
   critical_fail   BIGINT NOT NULL DEFAULT 0 CHECK (critical_fail IN (0, 1)),
   score_json      BYTEA,
   final_volume    BYTEA,
-  surface         BYTEA,
+  deviation       BYTEA,
   series          BYTEA,
   reference       BYTEA,
   expired_ms      BIGINT NOT NULL DEFAULT 0,
@@ -292,7 +292,7 @@ CREATE TABLE attempt_results (
   replay_realtime_factor DOUBLE PRECISION NOT NULL DEFAULT 0,
   document               BYTEA NOT NULL,
   final_volume           BYTEA CHECK (length(final_volume) = 32),
-  surface                BYTEA CHECK (length(surface) = 32),
+  deviation              BYTEA CHECK (length(deviation) = 32),
   series                 BYTEA CHECK (length(series) = 32),
   PRIMARY KEY (tenant, attempt, run),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)

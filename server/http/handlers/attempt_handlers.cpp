@@ -1,9 +1,7 @@
 #include <boost/json.hpp>
 #include <functional>
-#include <span>
 
 #include "common/scene/json/json.h"
-#include "common/timeline/timeline.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/handlers.h"
@@ -17,7 +15,7 @@
 #include "server/http/views/attempt_view.h"
 #include "server/jobs/reference_check.h"
 #include "server/jobs/result_package.h"
-#include "server/jobs/surface_blob.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/jobs/tick_window.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
@@ -141,39 +139,6 @@ Result<Sha256> TimelineContent(const Uuid& attempt, TimelineRows& timelines) {
   return row.content;
 }
 
-// Raise it when one of these is computed differently: browsers keep what they have under this name.
-constexpr std::string_view kHowMade = "1";
-
-// What is computed on request of blobs that never change.
-struct Made {
-  std::string_view what;
-  std::vector<Sha256> of;
-};
-
-// The browser keeps it under a name of its own, and nothing is computed for whoever has it. A
-// kNotFound of `make` is an answer, all else damage of ours.
-Response MadeResponse(const Call& call, Store& store, const Made& made,
-                      const std::function<Result<Bytes>(std::span<const Bytes>)>& make) {
-  std::string name(made.what);
-  name += kHowMade;
-  for (const Sha256& blob : made.of) name += blob.Hex();
-  Status none;
-  Response response = KeptResponse(
-      call.request,
-      {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime, /*made=*/true},
-      *call.bodies, [&]() -> Result<Bytes> {
-        std::vector<Bytes> blobs;
-        for (const Sha256& blob : made.of) {
-          ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, store.blobs.GetBlob(blob));
-          blobs.push_back(std::move(bytes));
-        }
-        Result<Bytes> bytes = make(blobs);
-        if (bytes.status().code() == Code::kNotFound) none = bytes.status();
-        return bytes;
-      });
-  return none.ok() ? response : ErrorResponse(none);
-}
-
 class LiveEvents final : public EventSource {
  public:
   LiveEvents(const Call& call, Store& store, std::unique_ptr<LiveWatch> watch)
@@ -265,8 +230,16 @@ Response GetSignedResult(const Call& call, Store& store) {
   return response;
 }
 
+// The store has no surface: the tooth and the deviation give it, and memory keeps it for a while.
 Response GetSurface(const Call& call, Store& store) {
-  return BlobResponse(call, store, &AttemptResult::surface, "application/octet-stream");
+  Result<AttemptResult> result = SeeResult(call, store, true);
+  if (!result.ok()) return ErrorResponse(result.status());
+  // Raise the number with any change of EncodeSurface: browsers keep what they have under this name.
+  const std::string name = "surface 1 " + result->final_volume.Hex() + result->deviation.Hex();
+  return KeptResponse(
+      call.request,
+      {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime, /*made=*/true},
+      *call.bodies, [&] { return AttemptSurface(store.blobs, *result); });
 }
 
 // Shown to whoever may see the surface, and, of a reference, to those whose own score was compared with it.
@@ -279,18 +252,8 @@ Response GetTimeline(const Call& call, Store& store) {
                       *call.bodies, [&] { return store.blobs.GetBlob(*content); });
 }
 
-// Of the surface that the score was computed with, on the timeline's grid.
 Response GetDeviation(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, true);
-  if (!result.ok()) return ErrorResponse(result.status());
-  Result<Sha256> content = TimelineContent(call.id, store.timelines);
-  if (!content.ok()) return ErrorResponse(content.status());
-  const Made made{"deviation", {*content, result->surface}};
-  return MadeResponse(call, store, made, [](std::span<const Bytes> blobs) -> Result<Bytes> {
-    ENAMEL_ASSIGN_OR_RETURN(const timeline::Head head, timeline::DecodeHead(blobs[0]));
-    ENAMEL_ASSIGN_OR_RETURN(const auto deviation, DeviationOfSurface(blobs[1], head.spec));
-    return timeline::EncodeDeviation(deviation);
-  });
+  return BlobResponse(call, store, &AttemptResult::deviation, "application/octet-stream");
 }
 
 // Anybody who is signed in: it belongs to nobody, and the timelines that begin with it name it.

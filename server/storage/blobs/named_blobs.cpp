@@ -22,7 +22,7 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
         "content FROM scenes", "volume FROM scenes", "surface FROM scenes",
         "content FROM exercises", "content FROM rubrics", "content FROM start_teeth",
         "content FROM timelines", "content FROM motions", "score_json FROM attempt_results",
-        "final_volume FROM attempt_results", "surface FROM attempt_results",
+        "final_volume FROM attempt_results", "deviation FROM attempt_results",
         "series FROM attempt_results"}) {
     sql +=
         (sql.empty() ? "SELECT " : " UNION SELECT ") + std::string(document) + " WHERE tenant = ?1";
@@ -30,7 +30,7 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
-                 "SELECT profile_content, trace_blob, score_json, final_volume, surface, series "
+                 "SELECT profile_content, trace_blob, score_json, final_volume, deviation, series "
                  "FROM attempts WHERE tenant = ?1");
   ENAMEL_RETURN_IF_ERROR(add(attempts, 6));
   return out;

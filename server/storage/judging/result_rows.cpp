@@ -57,11 +57,11 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt, const AttemptR
 // Of the newest run and the one before it all is kept, so that the newest can be taken back; of
 // earlier ones the score and its reasons.
 Status ForgetOldPictures(Db& db, const Uuid& attempt) {
-  Query q(
-      db,
-      "UPDATE attempt_results SET final_volume = NULL, surface = NULL, series = NULL WHERE tenant "
-      "= ?1 AND attempt = ?2 AND run < (SELECT max(n.run) - 1 FROM attempt_results n WHERE "
-      "n.tenant = ?1 AND n.attempt = ?2)");
+  Query q(db,
+          "UPDATE attempt_results SET final_volume = NULL, deviation = NULL, series = NULL WHERE "
+          "tenant "
+          "= ?1 AND attempt = ?2 AND run < (SELECT max(n.run) - 1 FROM attempt_results n WHERE "
+          "n.tenant = ?1 AND n.attempt = ?2)");
   return q.Bind(attempt).Run();
 }
 
@@ -71,7 +71,7 @@ Status KeepResult(Db& db, const Uuid& attempt, const AttemptResult& result, cons
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
       "critical_fail, score_json, reference, replay_realtime_factor, document, final_volume, "
-      "surface, "
+      "deviation, "
       "series) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) FROM attempt_results WHERE tenant "
       "= "
       "?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM jobs WHERE tenant = ?1 AND lease = "
@@ -83,7 +83,7 @@ Status KeepResult(Db& db, const Uuid& attempt, const AttemptResult& result, cons
       .Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference);
   q.Bind(lease).Bind(result.replay_realtime_factor).Bind(result.document);
-  q.Bind(result.final_volume).Bind(result.surface).Bind(result.series);
+  q.Bind(result.final_volume).Bind(result.deviation).Bind(result.series);
   ENAMEL_RETURN_IF_ERROR(q.Run());
   return ForgetOldPictures(db, attempt);
 }
@@ -97,7 +97,7 @@ struct KeptRun {
 
 Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
   Query q(db,
-          "SELECT score, critical_fail, score_json, final_volume, surface, series, reference, "
+          "SELECT score, critical_fail, score_json, final_volume, deviation, series, reference, "
           "scored_ms, document, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = ?1 AND "
           "n.attempt = ?2) FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
   if (!q.Bind(attempt).Bind(int64_t{run}).Next()) {
@@ -112,7 +112,7 @@ Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
   out.result.critical_fail = q.Int(1) != 0;
   out.result.score_json = q.Hash(2);
   out.result.final_volume = q.Hash(3);
-  out.result.surface = q.Hash(4);
+  out.result.deviation = q.Hash(4);
   out.result.series = q.Hash(5);
   if (!q.IsNull(6)) out.result.reference = q.Id(6);
   out.result.scored_ms = q.Int(7);
@@ -130,10 +130,10 @@ Status RepeatRun(Db& db, const Uuid& attempt, int32_t run) {
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, critical_fail, "
-      "score_json, reference, replay_realtime_factor, document, final_volume, surface, series) "
+      "score_json, reference, replay_realtime_factor, document, final_volume, deviation, series) "
       "SELECT tenant, attempt, (SELECT 1 + max(n.run) FROM attempt_results n WHERE n.tenant = ?1 "
       "AND n.attempt = ?2), scored_ms, 'restore', score, critical_fail, score_json, reference, "
-      "replay_realtime_factor, document, final_volume, surface, series FROM attempt_results "
+      "replay_realtime_factor, document, final_volume, deviation, series FROM attempt_results "
       "WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
   ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{run}).Run());
   return ForgetOldPictures(db, attempt);
@@ -143,12 +143,12 @@ Status RepeatRun(Db& db, const Uuid& attempt, int32_t run) {
 Status SetResult(Db& db, const Uuid& attempt, const AttemptResult& result) {
   Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kScored) +
                   ", progress = 1, problem = '', score = ?3, critical_fail = ?4, score_json = ?5, "
-                  "final_volume = ?6, surface = ?7, series = ?8, reference = ?9 "
+                  "final_volume = ?6, deviation = ?7, series = ?8, reference = ?9 "
                   "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
                   Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
                   Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) + ")");
   q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
-  q.Bind(result.score_json).Bind(result.final_volume).Bind(result.surface).Bind(result.series);
+  q.Bind(result.score_json).Bind(result.final_volume).Bind(result.deviation).Bind(result.series);
   ENAMEL_RETURN_IF_ERROR(q.Bind(result.reference).Run());
   if (db.Changes() > 0) return Status::Ok();
   return Status(Code::kConflict,
@@ -210,8 +210,8 @@ Status ResultRows::FinishAttempt(const Uuid& attempt, const AttemptResult& resul
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, lease));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
-    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume, result.surface,
-                                            result.series, result.motion}));
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume,
+                                            result.deviation, result.series, result.motion}));
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
                             ScoredJson(db, attempt, result.score_json, result.document));
     ENAMEL_RETURN_IF_ERROR(FinishRun(db, lease));
@@ -261,7 +261,7 @@ Status ResultRows::FailAttempt(const Uuid& attempt, const std::string& problem, 
 Result<AttemptResult> ResultRows::ResultOf(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<AttemptResult> {
     Query q(db,
-            "SELECT a.score, a.critical_fail, a.score_json, a.final_volume, a.surface, a.series, "
+            "SELECT a.score, a.critical_fail, a.score_json, a.final_volume, a.deviation, a.series, "
             "a.reference, "
             "r.replay_realtime_factor, r.scored_ms, r.document FROM attempts a LEFT JOIN "
             "attempt_results r ON r.tenant = a.tenant AND r.attempt = a.id WHERE a.tenant = ?1 AND "
@@ -277,7 +277,7 @@ Result<AttemptResult> ResultRows::ResultOf(const Uuid& attempt) {
     out.critical_fail = q.Int(1) != 0;
     out.score_json = q.Hash(2);
     out.final_volume = q.Hash(3);
-    out.surface = q.Hash(4);
+    out.deviation = q.Hash(4);
     out.series = q.Hash(5);
     if (!q.IsNull(6)) out.reference = q.Id(6);
     out.replay_realtime_factor = q.Real(7);
@@ -303,7 +303,7 @@ Result<std::vector<ResultRow>> ResultRows::ResultsOf(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ResultRow>> {
     Query q(db,
             "SELECT run, scored_ms, cause, score, critical_fail, score_json, reference, "
-            "replay_realtime_factor, document, surface IS NOT NULL FROM attempt_results WHERE "
+            "replay_realtime_factor, document, deviation IS NOT NULL FROM attempt_results WHERE "
             "tenant = ?1 AND attempt = "
             "?2 ORDER "
             "BY run DESC");

@@ -18,12 +18,12 @@
 
 namespace enamel::server {
 
-// What the job leaves: score JSON, final volume blob, page data (surface with deviation, force
+// What the job leaves: score JSON, final volume blob, deviation by cells (timeline/deviation.h), force
 // series).
 struct AttemptResult {
   double score = 0;
   bool critical_fail = false;
-  Sha256 score_json, final_volume, surface, series;
+  Sha256 score_json, final_volume, deviation, series;
   std::optional<Uuid> reference;      // none when the exercise has no reference yet
   double replay_realtime_factor = 0;  // recorded time / replay time: of the machine, not the work
   UnixMs scored_ms = 0;               // 0: now

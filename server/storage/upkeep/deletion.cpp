@@ -13,7 +13,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
     // Reads which blobs it named before deleting the row; the files are removed after the commit,
     // so that no row ever names a missing one.
     Query named(db,
-                "SELECT trace_blob, score_json, final_volume, surface, series FROM attempts "
+                "SELECT trace_blob, score_json, final_volume, deviation, series FROM attempts "
                 "WHERE tenant = ?1 AND id = ?2");
     if (named.Bind(attempt).Next()) {
       for (int i = 0; i < 5; ++i) {
@@ -23,7 +23,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
     ENAMEL_RETURN_IF_ERROR(named.status());
     Query earlier(
         db,
-        "SELECT score_json, final_volume, surface, series FROM attempt_results WHERE tenant "
+        "SELECT score_json, final_volume, deviation, series FROM attempt_results WHERE tenant "
         "= ?1 AND attempt = ?2");
     for (earlier.Bind(attempt); earlier.Next();) {
       for (int i = 0; i < 4; ++i) {

@@ -120,9 +120,10 @@ Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
 // The recording and what shows motion go; score and reasons stay.
 Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set<Sha256>& blobs) {
   for (const Uuid& attempt : attempts) {
-    Query named(db,
-                "SELECT trace_blob, final_volume, surface, series FROM attempts WHERE tenant = ?1 "
-                "AND id = ?2");
+    Query named(
+        db,
+        "SELECT trace_blob, final_volume, deviation, series FROM attempts WHERE tenant = ?1 "
+        "AND id = ?2");
     if (named.Bind(attempt).Next()) {
       for (int i = 0; i < 4; ++i) {
         if (Sha256 hash = named.Hash(i); !hash.IsZero()) blobs.insert(hash);
@@ -130,7 +131,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
     Query runs(db,
-               "SELECT final_volume, surface, series FROM attempt_results WHERE tenant = ?1 AND "
+               "SELECT final_volume, deviation, series FROM attempt_results WHERE tenant = ?1 AND "
                "attempt = ?2");
     for (runs.Bind(attempt); runs.Next();) {
       for (int i = 0; i < 3; ++i) {
@@ -141,7 +142,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :
-         {"UPDATE attempt_results SET final_volume = NULL, surface = NULL, series = NULL WHERE "
+         {"UPDATE attempt_results SET final_volume = NULL, deviation = NULL, series = NULL WHERE "
           "tenant "
           "= ?1 AND attempt = ?2",
           "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
@@ -150,7 +151,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
     }
     Query q(
         db,
-        "UPDATE attempts SET expired_ms = ?3, trace_blob = NULL, final_volume = NULL, surface = "
+        "UPDATE attempts SET expired_ms = ?3, trace_blob = NULL, final_volume = NULL, deviation = "
         "NULL, series = NULL WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(now_ms).Run());
   }

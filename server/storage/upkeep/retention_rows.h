@@ -19,7 +19,7 @@ namespace enamel::server {
 // How long things are kept; no rule: for good.
 //   "unfinished"  attempts that were never sealed, since their ticket; at least 14 days, as
 //                 stations may still upload (schemas/wire/README.md)
-//   "recordings"  since sealing: trace, final volume, surface, timeline and force series go, the score stays
+//   "recordings"  since sealing: trace, final volume, deviation, timeline and force series go, the score stays
 //   "attempts"    since sealing (quarantined ones: since their ticket): all of it
 // Reference cuts, attempts with a job in the queue, with an appeal that waits for its answer, and
 // students' graded work that is neither released nor excused are never touched; quarantined ones,

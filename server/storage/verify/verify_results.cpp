@@ -28,7 +28,7 @@ struct Run {
   // Of the attempt's row.
   double row_score = 0;
   bool row_critical_fail = false, expired = false;
-  Sha256 row_score_json, tooth, surface, series, recording, profile, exercise;
+  Sha256 row_score_json, tooth, deviation, series, recording, profile, exercise;
   std::optional<Uuid> row_reference;
   Bytes header;
   uint32_t flags = 0;
@@ -37,7 +37,7 @@ struct Run {
 constexpr char kRuns[] =
     "SELECT r.attempt, r.run, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = r.tenant "
     "AND n.attempt = r.attempt), r.scored_ms, r.score, r.critical_fail, r.score_json, r.reference, "
-    "r.document, a.score, a.critical_fail, a.score_json, a.final_volume, a.surface, a.series, "
+    "r.document, a.score, a.critical_fail, a.score_json, a.final_volume, a.deviation, a.series, "
     "a.reference, a.head_hash, a.header, a.profile_content, e.content, a.flags, a.expired_ms "
     "FROM attempt_results r JOIN attempts a ON a.tenant = r.tenant AND "
     "a.id = r.attempt JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE "
@@ -62,7 +62,7 @@ Run RunOf(const Query& q) {
   out.row_critical_fail = q.Int(10) != 0;
   out.row_score_json = q.Hash(11);
   out.tooth = q.Hash(12);
-  out.surface = q.Hash(13);
+  out.deviation = q.Hash(13);
   out.series = q.Hash(14);
   out.row_reference = OptionalId(q, 15);
   out.recording = q.Hash(16);
@@ -167,7 +167,7 @@ class RunCheck {
   void CheckNewest(const ResultDocument& d) {
     if (run_.expired) return;
     Same("final tooth", d.tooth, run_.tooth);
-    Same("surface", d.surface, run_.surface);
+    Same("deviation", d.deviation, run_.deviation);
     Same("curves over time", d.series, run_.series);
   }
 

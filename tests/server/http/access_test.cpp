@@ -4,6 +4,7 @@
 
 #include "common/timeline/deviation.h"
 #include "common/timeline/timeline.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/store_engine.h"
 #include "tests/server/http/running_server.h"
@@ -311,23 +312,22 @@ TEST_F(AccessTest, ReferenceIsRefusedUnlessTheDentistIsSaidToAgree) {
   EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), false);
 }
 
-TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {
+TEST_F(AccessTest, SurfaceIsMadeOfToothAndDeviation) {
   RawResponse surface = By("ada").Get(Scored("/surface"));
   EXPECT_EQ(surface.headers["content-type"], "application/octet-stream");
+  const auto made =
+      AttemptSurface(school_.store->blobs, *school_.store->results.ResultOf(school_.sams_scored));
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  EXPECT_EQ(surface.body, AsText(*made));
   EXPECT_EQ(surface.body.substr(0, 4), "ENTM");
+  EXPECT_EQ(
+      By("ada")
+          .Send("GET", Scored("/surface"), "If-None-Match: " + surface.headers["etag"] + "\r\n")
+          .status,
+      304);
 }
 
-TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
-  RawResponse waits = By("ada").Get(Scored("/deviation"));
-  EXPECT_EQ(waits.status, 503) << waits.body;
-  timeline::Head head;
-  head.spec.bricks = ivec3(4);
-  head.spec.voxel_nm = 100'000;
-  head.rate_hz = head.frame_ticks = head.segment_frames = 1;
-  Store& store = *school_.store;
-  const Sha256 content =
-      *store.blobs.PutAttemptBlob(school_.sams_scored, timeline::EncodeHead(head));
-  ASSERT_TRUE(store.timelines.PutTimeline(school_.sams_scored, content).ok());
+TEST_F(AccessTest, DeviationIsServedAsTheScoreLeftIt) {
   RawResponse found = By("ada").Get(Scored("/deviation"));
   ASSERT_EQ(found.status, 200) << found.body;
   EXPECT_EQ(found.headers["cache-control"], "private, no-cache");
@@ -338,10 +338,8 @@ TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
       304);
   auto deviation = timeline::DecodeDeviation(AsBytes(found.body));
   ASSERT_TRUE(deviation.ok()) << deviation.status().message();
-  EXPECT_EQ(deviation->spec.bricks, head.spec.bricks);
-  // The point of the school's surface, at 1 mm along each axis; the solid is below it.
   ASSERT_EQ(deviation->cells.size(), 1u);
-  EXPECT_EQ(deviation->cells[0].cell.z, 9);
+  EXPECT_EQ(deviation->cells[0].cell, kComparedCell);
   EXPECT_EQ(deviation->cells[0].deviation_um, 300);
 }
 

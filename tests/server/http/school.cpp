@@ -7,10 +7,12 @@
 #include <chrono>
 
 #include "common/scene/json/json.h"
+#include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
+#include "common/timeline/deviation.h"
 #include "common/trace/trace.h"
-#include "server/jobs/surface_blob.h"
 #include "server/storage/open_store.h"
+#include "tests/support/analytic_volume.h"
 
 namespace enamel::server::http {
 namespace {
@@ -183,12 +185,12 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change, const Judge
   AttemptResult result;
   result.score = score.score;
   result.score_json = Must(store->blobs.PutBlob(AsBytes(scoring::ToJson(score))));
-  result.final_volume = Must(store->blobs.PutBlob(AsBytes("volume")));
-  surface::Mesh point;
-  point.position_m = {glm::vec3(1e-3f)};
-  point.normal = {glm::vec3(0, 0, 1)};
-  point.tissue = {1};
-  result.surface = Must(store->blobs.PutBlob(EncodeSurface(point, std::array{0.3e-3f})));
+  // A block that nobody cut, 0.3 mm off in one cell of its top.
+  const cutting::Volume tooth = test::Block(200'000, 1e-3, 1e-3);
+  const Sha256 before = Must(store->blobs.PutBlob(scene::EncodeVolume(tooth)));
+  result.final_volume = Must(store->blobs.PutBlob(scene::EncodeChange(tooth, tooth, before)));
+  const timeline::Deviation deviation{tooth.spec(), {{kComparedCell, 300}}};
+  result.deviation = Must(store->blobs.PutBlob(timeline::EncodeDeviation(deviation)));
   result.series = Must(store->blobs.PutBlob(AsBytes("{}")));
   if (!score.reference_attempt.empty()) result.reference = *Uuid::Parse(score.reference_attempt);
   Must(store->results.FinishAttempt(id, result, {}));

@@ -20,6 +20,9 @@ inline constexpr char kPassword[] = "correct horse battery";
 // A real store in a temporary folder: two cohorts, one graded exercise, attempts in several states.
 //   cohort A: ada (instructor), sam and sue (students); cohort B: ben (instructor), tom (student);
 //   root (admin). All have kPassword. Time stands still until `now_ms` is changed.
+// Of a scored attempt's tooth: the only one that was compared, at the surface.
+inline constexpr ivec3 kComparedCell{7, 7, 9};
+
 struct School {
   // `root_role`: another than an admin's leaves the school without one.
   explicit School(Role root_role = Role::kAdmin);

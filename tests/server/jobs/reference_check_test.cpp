@@ -25,7 +25,8 @@ class ReferenceCheckTest : public ::testing::Test {
   }
   // As if the cut had left this tooth.
   void Leaves(const cutting::Volume& volume) {
-    const Sha256 left = *school_->store->blobs.PutBlob(scene::EncodeVolume(volume));
+    const Sha256 left = *school_->store->blobs.PutBlob(
+        scene::EncodeChange(volume, world_.volume, world_.scene.volume));
     school_->Set(cut_, "final_volume = " + JobSchool::Sql(left));
   }
   void ExpectRefused(const std::string& why) {

@@ -13,6 +13,7 @@
 #include "common/scoring/score.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/results/result_document.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/store_engine.h"
@@ -105,7 +106,7 @@ TEST_F(ScoreJobTest, ResultIsSignedAndNamesWhatItWasMadeFrom) {
   EXPECT_EQ(d->reference_tooth, school_->Result(reference).final_volume);
   EXPECT_EQ(d->score_document, result.score_json);
   EXPECT_EQ(d->tooth, result.final_volume);
-  EXPECT_EQ(d->surface, result.surface);
+  EXPECT_EQ(d->deviation, result.deviation);
   EXPECT_EQ(d->series, result.series);
   EXPECT_EQ(d->points, result.score);
   EXPECT_EQ(d->judgement, JudgementOf(ScoreOf(attempt)));
@@ -474,7 +475,7 @@ TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
                  "exam = " + std::to_string(exam) + ", limit_ticks = " + std::to_string(limit));
     EXPECT_TRUE(Run(attempt).ok());
     EXPECT_EQ(ScoreOf(attempt).ticks, all - 40) << "all of it is replayed and checked";
-    auto stored = scene::DecodeVolume(school_->Blob(school_->Result(attempt).final_volume));
+    auto stored = CutTooth(school_->store->blobs, school_->Result(attempt).final_volume);
     EXPECT_TRUE(stored.ok());
     return *stored;
   };
@@ -491,9 +492,26 @@ TEST_F(ScoreJobTest, TheFinalVolumeIsTheOneTheStationHad) {
     ASSERT_TRUE(chunk.ok());
     for (const trace::Tick& tick : chunk->ticks) core.Step(tick.input);
   }
-  auto stored = scene::DecodeVolume(school_->Blob(school_->Result(attempt).final_volume));
+  const Sha256 kept = school_->Result(attempt).final_volume;
+  auto stored = CutTooth(school_->store->blobs, kept);
   ASSERT_TRUE(stored.ok());
   EXPECT_TRUE(*stored == core.volume());
+  EXPECT_LT(school_->Blob(kept).size(), scene::EncodeVolume(*stored).size());
+}
+
+TEST_F(ScoreJobTest, TheSurfaceMadeAgainIsTheOneThatTheResultNames) {
+  const trace::KeyPair key = trace::NewKeyPair();
+  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.2});
+  ASSERT_TRUE(RunScoreJob(*school_->store, attempt, {}, nullptr, {}, &key).ok());
+  AttemptResult result = school_->Result(attempt);
+  auto made = AttemptSurface(school_->store->blobs, result);
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  EXPECT_EQ(HashSha256(*made), DecodeResult(result.document)->surface_file);
+  // Of another attempt's deviation it is another surface, and nobody gets it.
+  result.deviation = school_->Result(school_->reference).deviation;
+  made = AttemptSurface(school_->store->blobs, result);
+  EXPECT_EQ(made.status().code(), Code::kConflict);
+  EXPECT_NE(made.status().message().find("signed result"), std::string::npos);
 }
 
 TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
@@ -503,7 +521,7 @@ TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
   ASSERT_TRUE(Run(attempt, &cache).ok());
   const AttemptResult again = school_->Result(attempt);
   EXPECT_EQ(first.final_volume, again.final_volume);
-  EXPECT_EQ(first.surface, again.surface);
+  EXPECT_EQ(first.deviation, again.deviation);
   EXPECT_EQ(first.series, again.series);
   EXPECT_EQ(first.score_json, again.score_json) << "to the bit, whatever the clock said meanwhile";
 }

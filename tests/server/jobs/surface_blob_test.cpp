@@ -4,7 +4,6 @@
 
 #include <bit>
 #include <cmath>
-#include <set>
 
 #include "common/timeline/deviation.h"
 #include "tests/support/analytic_volume.h"
@@ -62,13 +61,16 @@ Decoded Decode(ByteView bytes) {
   return out;
 }
 
-surface::Mesh Mesh() { return surface::ExtractSurface(test::Block(200'000, 1.3e-3, 1e-3)); }
+cutting::Volume Block() { return test::Block(200'000, 1.3e-3, 1e-3); }
+surface::Mesh Mesh() { return surface::ExtractSurface(Block()); }
 
 TEST(EncodeSurfaceTest, ReadsBackWithinItsQuantisation) {
-  surface::Mesh mesh = Mesh();
-  std::vector<float> deviation(mesh.position_m.size(), 0.3e-3f);
+  const CelledSurface surface = CelledSurfaceOf(Block());
+  const surface::Mesh& mesh = surface.mesh;
+  std::vector<float> deviation(mesh.position_m.size(), 0.3004e-3f);
   deviation[0] = std::nanf("");
-  Decoded d = Decode(EncodeSurface(mesh, deviation));
+  Decoded d = Decode(
+      EncodeSurface(surface, timeline::DeviationOf(Block().spec(), surface.cell, deviation)));
   ASSERT_TRUE(d.whole);
   EXPECT_EQ(d.version, 1);
   ASSERT_EQ(d.position_mm.size(), mesh.position_m.size());
@@ -81,7 +83,7 @@ TEST(EncodeSurfaceTest, ReadsBackWithinItsQuantisation) {
   EXPECT_EQ(d.tissue, mesh.tissue);
   EXPECT_EQ(d.triangles, mesh.triangles);
   EXPECT_TRUE(std::isnan(d.deviation_mm[0]));
-  EXPECT_NEAR(d.deviation_mm[1], 0.3, 1e-6);
+  EXPECT_EQ(d.deviation_mm[1], 0.3f) << "whole micrometres";
 }
 
 TEST(EncodeSurfaceTest, WithoutDeviationTheFlagIsClear) {
@@ -106,80 +108,35 @@ TEST(EncodeSurfaceTest, EverySectionStartsAtAMultipleOfFour) {
   EXPECT_EQ(EncodeSurface(odd).size(), 32u + 20 + 12 + 4 + 12);
 }
 
-// Corners on both sides: surface nets put a vertex there.
-std::set<std::array<int, 3>> CrossedCells(const cutting::Volume& volume) {
-  std::set<std::array<int, 3>> out;
-  const ivec3 size = volume.spec().bricks * cutting::kBrickSide;
-  for (int z = 0; z < size.z; ++z) {
-    for (int y = 0; y < size.y; ++y) {
-      for (int x = 0; x < size.x; ++x) {
-        int solid = 0;
-        for (int i = 0; i < 8; ++i) {
-          const ivec3 corner = ivec3(x, y, z) + ivec3(i & 1, i >> 1 & 1, i >> 2);
-          const bool inside = corner.x < size.x && corner.y < size.y && corner.z < size.z;
-          solid += inside && volume.PhiAt(corner) < 0;
-        }
-        if (solid != 0 && solid != 8) out.insert({x, y, z});
-      }
-    }
-  }
-  return out;
-}
-
-// A block whose faces go through samples, where a vertex lies on its cell's border, and a ball.
-TEST(DeviationOfSurfaceTest, VerticesAreFoundInTheCellsThatTheyWereMadeIn) {
+// What is kept of a surface is enough to make it again, to the bit.
+TEST(EncodeSurfaceTest, IsMadeAgainOfTheVolumeAndTheStoredDeviation) {
   cutting::GridSpec spec;
   spec.voxel_nm = 50'000;
   spec.bricks = ivec3(6);
   spec.origin_nm = {-1'200'000, -1'170'000, -1'190'000};
   const cutting::Volume ball = test::VolumeOf(
       spec, cutting::Tissue::kDentin, [](const dvec3& p) { return glm::length(p) - 0.9e-3; });
+  // The block's faces go through samples, where a vertex lies on its cell's border.
   for (const cutting::Volume& volume : {test::Block(100'000, 1e-3, 0.8e-3), ball}) {
-    const surface::Mesh mesh = surface::ExtractSurface(volume);
-    std::vector<float> deviation(mesh.position_m.size());
-    for (size_t i = 0; i < deviation.size(); ++i) deviation[i] = mesh.position_m[i].z;
-    auto found = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
-    ASSERT_TRUE(found.ok()) << found.status().message();
-    const std::set<std::array<int, 3>> crossed = CrossedCells(volume);
-    // Of the ball's a few lie nearer to a border than positions are rounded by.
-    ASSERT_EQ(crossed.size(), mesh.position_m.size());
-    EXPECT_GE(found->cells.size(), crossed.size() * 997 / 1000);
-    size_t beside = 0;
-    for (const timeline::CellDeviation& value : found->cells) {
-      const ivec3& c = value.cell;
-      beside += !crossed.contains({c.x, c.y, c.z});
-      const double low_m = volume.spec().origin_m().z + c.z * volume.spec().voxel_m();
-      EXPECT_GE(value.deviation_um, low_m * 1e6 - 1);
-      EXPECT_LE(value.deviation_um, (low_m + volume.spec().voxel_m()) * 1e6 + 1);
-    }
-    EXPECT_LE(beside, crossed.size() * 3 / 1000);
-    if (volume.spec().voxel_nm == 100'000) EXPECT_EQ(found->cells.size(), crossed.size());
+    const CelledSurface surface = CelledSurfaceOf(volume);
+    std::vector<float> deviation(surface.cell.size());
+    for (size_t i = 0; i < deviation.size(); ++i) deviation[i] = surface.mesh.position_m[i].z;
+    const auto by_cell = timeline::DeviationOf(volume.spec(), surface.cell, deviation);
+    EXPECT_EQ(by_cell.cells.size(), surface.cell.size());
+    const auto stored = timeline::DecodeDeviation(timeline::EncodeDeviation(by_cell));
+    ASSERT_TRUE(stored.ok());
+    EXPECT_EQ(EncodeSurface(CelledSurfaceOf(volume), *stored), EncodeSurface(surface, by_cell));
   }
 }
 
-TEST(DeviationOfSurfaceTest, VerticesThatWereNotComparedAreLeftOut) {
-  const cutting::Volume volume = test::Block(200'000, 1.3e-3, 1e-3);
-  const surface::Mesh mesh = surface::ExtractSurface(volume);
-  std::vector<float> deviation(mesh.position_m.size(), std::nanf(""));
+TEST(DeviationOfTest, VerticesThatWereNotComparedAreLeftOut) {
+  const CelledSurface surface = CelledSurfaceOf(Block());
+  std::vector<float> deviation(surface.cell.size(), std::nanf(""));
   deviation[7] = -0.25e-3f;
-  auto found = DeviationOfSurface(EncodeSurface(mesh, deviation), volume.spec());
-  ASSERT_TRUE(found.ok());
-  ASSERT_EQ(found->cells.size(), 1u);
-  EXPECT_EQ(found->cells[0].deviation_um, -250);
-}
-
-TEST(DeviationOfSurfaceTest, WhatIsNoSurfaceOrHasNoDeviationIsRefused) {
-  const cutting::Volume volume = test::Block(200'000, 1.3e-3, 1e-3);
-  const Bytes without = EncodeSurface(surface::ExtractSurface(volume));
-  EXPECT_EQ(DeviationOfSurface(without, volume.spec()).status().code(), Code::kNotFound);
-  const surface::Mesh mesh = Mesh();
-  const Bytes whole = EncodeSurface(mesh, std::vector<float>(mesh.position_m.size(), 0.1f));
-  const size_t needed = 32 + 15 * mesh.position_m.size();
-  for (size_t n = 0; n < needed; n += n < 40 ? 1 : 997) {
-    EXPECT_EQ(DeviationOfSurface({whole.data(), n}, volume.spec()).status().code(),
-              Code::kInvalidInput)
-        << n;
-  }
+  const auto found = timeline::DeviationOf(Block().spec(), surface.cell, deviation);
+  ASSERT_EQ(found.cells.size(), 1u);
+  EXPECT_EQ(found.cells[0].cell, surface.cell[7]);
+  EXPECT_EQ(found.cells[0].deviation_um, -250);
 }
 
 }  // namespace

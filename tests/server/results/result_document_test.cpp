@@ -38,7 +38,7 @@ TEST(ResultDocumentTest, GoldenFileReadsAsItsDescriptionSays) {
       {"reference_tooth", d->reference_tooth.Hex()},
       {"score_document", d->score_document.Hex()},
       {"tooth", d->tooth.Hex()},
-      {"surface", d->surface.Hex()},
+      {"deviation", d->deviation.Hex()},
       {"series", d->series.Hex()},
       {"judgement", d->judgement.Hex()},
       {"score_file", d->score_file.Hex()},

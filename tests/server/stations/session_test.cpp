@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "common/scene/builtin/builtin.h"
-#include "common/scene/volume_blob.h"
 #include "common/timeline/deviation.h"
 #include "server/jobs/surface_blob.h"
 #include "tests/server/stations/link_world.h"
@@ -288,11 +287,10 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   result.score_json = PutText(*world_.store, "{\"score\":80}");
   result.score = 80;
   const auto block = scene::BuildBuiltinScene("block", 200'000);
-  const surface::Mesh mesh = surface::ExtractSurface(block->volume);
-  const Bytes tooth = scene::EncodeVolume(block->volume),
-              surface = EncodeSurface(mesh, std::vector<float>(mesh.position_m.size(), 1e-4f));
-  result.final_volume = *world_.store->blobs.PutBlob(tooth);
-  result.surface = *world_.store->blobs.PutBlob(surface);
+  const CelledSurface surface = CelledSurfaceOf(block->volume);
+  const auto by_cell = timeline::DeviationOf(block->volume.spec(), surface.cell,
+                                             std::vector<float>(surface.cell.size(), 1e-4f));
+  result.deviation = *world_.store->blobs.PutBlob(timeline::EncodeDeviation(by_cell));
   EXPECT_EQ(station_.Deviation(recording.seal.attempt).error().code(), "conflict") << "no score";
   ASSERT_TRUE(world_.store->results.FinishAttempt(recording.seal.attempt, result, {}).ok());
   auto mine = station_.Status(recording.seal.attempt).attempt_state();

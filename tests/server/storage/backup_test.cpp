@@ -233,14 +233,14 @@ TEST_F(BackupTest, DamagedBackupIsNamedFileByFileAndRestoredOnlyWithTheLossAccep
   school_.Score(scored);
   school_.Score(other);
   Sha256 series = school_.store->results.ResultOf(scored)->series;
-  Sha256 surface = school_.store->results.ResultOf(scored)->surface;
+  Sha256 deviation = school_.store->results.ResultOf(scored)->deviation;
   Bytes kept = school_.TraceOf(other);
   ASSERT_TRUE(Back("backup", true).ok());
   Spoil(BlobIn(Path("backup"), series));
-  fs::remove(BlobIn(Path("backup"), surface));
+  fs::remove(BlobIn(Path("backup"), deviation));
   auto refused = Bring("backup", "new");
   EXPECT_EQ(refused.status().code(), Code::kInvalidInput);
-  for (const Sha256& hash : {series, surface})
+  for (const Sha256& hash : {series, deviation})
     EXPECT_NE(refused.status().message().find(hash.Hex()), std::string::npos);
   EXPECT_EQ(Printable(refused.status().message()), refused.status().message())
       << "on one line, as programs show an error";

@@ -29,7 +29,7 @@ TEST_P(PersonalDataTest, BlobOfAnAttemptReadsBackAndIsNotWhatWasPut) {
 TEST_P(PersonalDataTest, ErasedPersonLeavesNothingThatCanBeRead) {
   Uuid scored = world_.ScoredAttempt(), open = world_.OpenedAttempt();
   world_.Append(open, 2);
-  Sha256 surface = *store_->blobs.PutAttemptBlob(scored, AsBytes("surface"));
+  Sha256 deviation = *store_->blobs.PutAttemptBlob(scored, AsBytes("deviation"));
   Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
   ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, world_.student, kSystem).ok());
   Sha256 token = HashSha256(AsBytes("token"));
@@ -43,7 +43,7 @@ TEST_P(PersonalDataTest, ErasedPersonLeavesNothingThatCanBeRead) {
     EXPECT_EQ(store_->people.PersonByLogin("student").status().code(), Code::kNotFound);
     EXPECT_EQ(store_->attempts.AttemptById(scored).status().code(), Code::kNotFound);
     EXPECT_EQ(store_->attempts.AttemptById(open).status().code(), Code::kNotFound);
-    EXPECT_FALSE(store_->blobs.GetBlob(surface).ok());
+    EXPECT_FALSE(store_->blobs.GetBlob(deviation).ok());
     EXPECT_FALSE(store_->sessions.FindSession(token).ok());
     EXPECT_TRUE(store_->cohorts.CohortMembers(cohort)->empty());
     EXPECT_TRUE(store_->jobs.Jobs("").value().empty());

@@ -76,7 +76,7 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   };
   result.score_json = put("score of " + std::to_string(points), document.score_file);
   result.final_volume = put("volume", document.tooth_file);
-  result.surface = put("surface", document.surface_file);
+  result.deviation = put("deviation", document.surface_file);
   result.series = put("series", document.series_file);
   AttemptRow row = *store->attempts.AttemptById(attempt);
   document.attempt = attempt;
@@ -93,7 +93,7 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   }
   document.score_document = result.score_json;
   document.tooth = result.final_volume;
-  document.surface = result.surface;
+  document.deviation = result.deviation;
   document.series = result.series;
   document.points = points;
   document.flags = row.flags;

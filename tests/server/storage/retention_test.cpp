@@ -23,7 +23,7 @@ class RetentionTest : public StoreSuite {
   Uuid Scored() {
     Uuid attempt = world_.ScoredAttempt();
     AttemptResult result = *store_->results.ResultOf(attempt);
-    result.surface = *store_->blobs.PutAttemptBlob(attempt, AsBytes("surface"));
+    result.deviation = *store_->blobs.PutAttemptBlob(attempt, AsBytes("deviation"));
     EXPECT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
     auto job = store_->jobs.LeaseJob(1, 1000);
     EXPECT_TRUE(job.ok() && job->has_value());
@@ -71,18 +71,18 @@ TEST_P(RetentionTest, WithoutARuleEverythingIsKept) {
 
 TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
   Uuid attempt = Released();
-  Sha256 surface = store_->results.ResultOf(attempt)->surface;
+  Sha256 deviation = store_->results.ResultOf(attempt)->deviation;
   Rule("recordings", 30);
   EXPECT_TRUE(Apply(30 * kDay).recordings.empty()) << "sealed at 200 ms: not yet";
   EXPECT_EQ(Apply(30 * kDay + 201, true).recordings, std::vector{attempt}) << "only told";
   EXPECT_TRUE(store_->recordings.AttemptChunks(attempt).ok());
   RetentionReport report = Apply(30 * kDay + 201);
   EXPECT_EQ(report.recordings, std::vector{attempt});
-  EXPECT_GE(report.blobs, 2u) << "trace and surface";
+  EXPECT_GE(report.blobs, 2u) << "trace and deviation";
   auto gone = store_->recordings.AttemptChunks(attempt);
   EXPECT_EQ(gone.status().code(), Code::kNotFound);
   EXPECT_NE(gone.status().message().find("retention"), std::string::npos);
-  EXPECT_FALSE(store_->blobs.HasBlob(surface));
+  EXPECT_FALSE(store_->blobs.HasBlob(deviation));
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->score, 80);
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->expired_ms, 30 * kDay + 201);
   EXPECT_TRUE(store_->blobs.GetBlob(store_->results.ResultOf(attempt)->score_json).ok());

@@ -23,7 +23,7 @@ class UndoTest : public StoreSuite {
     const std::string of = " of " + std::to_string(points);
     result.score_json = PutText(*store_, "score" + of);
     result.final_volume = PutText(*store_, "tooth");
-    result.surface = PutText(*store_, "surface" + of);
+    result.deviation = PutText(*store_, "deviation" + of);
     result.series = PutText(*store_, "series" + of);
     result.scored_ms = 300 + static_cast<UnixMs>(points);
     ASSERT_TRUE(store_->results.FinishAttempt(attempt_, result, job->lease).ok());
@@ -73,7 +73,7 @@ TEST_P(UndoTest, EarlierScoreCountsAgainWithAllThatBelongsToIt) {
   EXPECT_GT(Row().revision, seen);
   const auto now = *store_->results.ResultOf(attempt_);
   EXPECT_EQ(now.score_json, first.score_json);
-  EXPECT_EQ(now.surface, first.surface);
+  EXPECT_EQ(now.deviation, first.deviation);
   EXPECT_EQ(now.series, first.series);
   EXPECT_EQ(now.scored_ms, first.scored_ms);
   const auto runs = *store_->results.ResultsOf(attempt_);
@@ -122,9 +122,9 @@ TEST_P(UndoTest, PicturesOfARunThatMayCountAgainAreNotSweptAway) {
   const auto first = *store_->results.ResultOf(attempt_);
   RunAgain(50);
   ASSERT_TRUE(store_->retention.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
-  EXPECT_TRUE(store_->blobs.GetBlob(first.surface).ok());
+  EXPECT_TRUE(store_->blobs.GetBlob(first.deviation).ok());
   ASSERT_TRUE(store_->erasures.ErasePerson(world_.student, true, kSystem).ok());
-  EXPECT_FALSE(store_->blobs.GetBlob(first.surface).ok());
+  EXPECT_FALSE(store_->blobs.GetBlob(first.deviation).ok());
 }
 
 TEST_P(UndoTest, ReleaseOfGradedWorkGoesWithTheScoreThatWasReleased) {

@@ -37,9 +37,9 @@ TEST_F(VerifyTest, ChangedBlobIsFound) {
 }
 
 TEST_F(VerifyTest, MissingBlobIsFound) {
-  Sha256 surface = school_.store->results.ResultOf(scored_)->surface;
-  fs::remove(Blob(surface));
-  ExpectOnly("blob", surface.Hex());
+  Sha256 deviation = school_.store->results.ResultOf(scored_)->deviation;
+  fs::remove(Blob(deviation));
+  ExpectOnly("blob", deviation.Hex());
 }
 
 TEST_F(VerifyTest, UnnamedBlobIsToldAndNoFault) {
@@ -168,9 +168,9 @@ TEST_F(EditsTest, OfTheAttemptsRowAreFound) {
       {"score = NULL", "result"},
       {"critical_fail = 1", "result"},
       {"score_json = series", "result"},
-      {"final_volume = surface", "result"},
-      {"surface = series", "result"},
-      {"series = surface", "result"},
+      {"final_volume = deviation", "result"},
+      {"deviation = series", "result"},
+      {"series = deviation", "result"},
       {"reference = NULL", "result"},
       {"reference = " + Id(graded_), "result"},
       {"exercise = " + Id(other_exercise_.id), "result"},
@@ -227,7 +227,7 @@ TEST_F(EditsTest, OfWhatItWasMadeFromAreFound) {
                   Id(other_exercise_.id) + ") WHERE id = " + Id(school_.world.exercise.id),
               "result");
   ExpectFound("UPDATE attempts SET head_hash = zeroblob(32) WHERE id = " + Id(scored_), "result");
-  ExpectFound("UPDATE attempts SET final_volume = surface WHERE id = " + Id(scored_), "result");
+  ExpectFound("UPDATE attempts SET final_volume = deviation WHERE id = " + Id(scored_), "result");
 }
 
 TEST_F(EditsTest, AnEarlierRunPutInThePlaceOfTheNewestIsFound) {

@@ -24,7 +24,6 @@ export interface BlockMesh {
 const kWholeRow = (1 << kBrickSide) - 1; // of a brick's samples
 const kLastOfRow = 1 << (kBrickSide - 1);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
-const kNextTo = 1 / 16; // of a cell
 const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
 
 // Makes the meshes of a tooth as it is now. Owns buffers that it uses again, one mesh at a
@@ -46,7 +45,6 @@ export class ToothMesher {
   private triangle = new Uint16Array(1 << 16);
   private vertices = 0;
   private corners = 0; // of triangles
-  private readonly p = new Float64Array(3); // the last vertex in its cell
   private readonly first = new Int32Array(3); // voxel of local sample (0, 0, 0)
   private readonly blocks: readonly [number, number, number];
 
@@ -305,7 +303,7 @@ export class ToothMesher {
     return index;
   }
   private compare(index: number, x: number, y: number, z: number, deviation: ToothDeviation): void {
-    const um = this.deviationOf(x, y, z, deviation) ?? this.deviationBeside([x, y, z], deviation);
+    const um = this.deviationOf(x, y, z, deviation);
     this.compared[2 * index] = um === undefined ? 0 : um / 1000;
     this.compared[2 * index + 1] = um === undefined ? 0 : 1;
   }
@@ -314,29 +312,6 @@ export class ToothMesher {
     if (x < 0 || y < 0 || z < 0) return undefined;
     const um = bricks.get(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3))?.[(z & 7) * 64 + (y & 7) * 8 + (x & 7)];
     return um === kNotCompared ? undefined : um;
-  }
-  // Cells that are not the block's count as crossed.
-  private isCrossed(cell: readonly [number, number, number]): boolean {
-    const [x, y, z] = cell.map((n, axis) => n - this.first[axis]!) as [number, number, number];
-    if ([x, y, z].some((n) => n < 0 || n >= kCells)) return true;
-    let solid = 0;
-    for (let i = 0; i < 8; ++i)
-      if (this.samples[((z + (i >> 2)) * kSide + y + ((i >> 1) & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
-    return solid !== 0 && solid !== 8;
-  }
-  // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position
-  // was rounded.
-  private deviationBeside([x, y, z]: readonly [number, number, number], deviation: ToothDeviation): number | undefined {
-    for (let axis = 0; axis < 3; ++axis) {
-      const at = this.p[axis]!;
-      const step = at < kNextTo ? -1 : at > 1 - kNextTo ? 1 : 0;
-      if (step === 0) continue;
-      const beside = [x, y, z] as [number, number, number];
-      beside[axis]! += step;
-      const um = this.deviationOf(...beside, deviation);
-      if (um !== undefined && !this.isCrossed(beside)) return um;
-    }
-    return undefined;
   }
   private tissueAt(x: number, y: number, z: number): number {
     const [nx, ny] = this.part.bricks.grid.bricks;
@@ -367,9 +342,6 @@ export class ToothMesher {
     const px = (x01 + x23 + x45 + x67 + one(y13) + one(y57) + one(z15) + one(z37)) / count;
     const py = (one(x23) + one(x67) + y02 + y13 + y46 + y57 + one(z26) + one(z37)) / count;
     const pz = (one(x45) + one(x67) + one(y46) + one(y57) + z04 + z15 + z26 + z37) / count;
-    this.p[0] = px;
-    this.p[1] = py;
-    this.p[2] = pz;
     const { voxelMm, originMm } = this.part.bricks.grid;
     // In the steps of a mesh, which what does not change has.
     this.position[3 * index] = originMm[0] + (vx + Math.round(kSteps * px) / kSteps) * voxelMm;
