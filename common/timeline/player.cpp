@@ -83,8 +83,6 @@ ByteView Player::Part(size_t segment, int part) const {
 Status Player::EnterSegment(size_t segment) {
   segment_ = SIZE_MAX;
   const Segment& s = head_.segments[segment];
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes key,
-                          Inflate(Part(segment, 1), s.key_bricks * kKeyBytes, kBlob, "key frame"));
   ENAMEL_ASSIGN_OR_RETURN(changes_.raw, Inflate(Part(segment, 2), s.change_size, kBlob, "changes"));
   ByteReader lengths(changes_.raw);
   const uint64_t heads = lengths.U32(), masks = lengths.U32();
@@ -95,6 +93,23 @@ Status Player::EnterSegment(size_t segment) {
   changes_.mask = changes_.head_end = 8 + heads;
   changes_.value = changes_.mask_end = 8 + heads + masks;
   Reset();
+  // The nearest key frame that has a brick knows it.
+  const size_t last = head_.segments.size() - 1;
+  ENAMEL_RETURN_IF_ERROR(ReadKey(segment));
+  for (size_t key = segment; key != last;) {
+    key = KeyParent(key, last);
+    ENAMEL_RETURN_IF_ERROR(ReadKey(key));
+  }
+  segment_ = segment;
+  at_ = static_cast<uint32_t>(segment) * head_.segment_frames;
+  return Status::Ok();
+}
+
+// Those of its bricks that are not known yet.
+Status Player::ReadKey(size_t segment) {
+  const Segment& s = head_.segments[segment];
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes key,
+                          Inflate(Part(segment, 1), s.key_bricks * kKeyBytes, kBlob, "key frame"));
   ByteReader index(key);
   int64_t before = -1;
   for (uint32_t i = 0; i < s.key_bricks; ++i) {
@@ -103,11 +118,10 @@ Status Player::EnterSegment(size_t segment) {
       return Malformed("brick " + std::to_string(brick) + " is out of order or outside the grid");
     }
     before = brick;
+    if (slot_[static_cast<size_t>(brick)] >= 0) continue;
     StateOf(brick) = FromResiduals(ByteView(key).subspan(
         size_t{s.key_bricks} * 4 + size_t{i} * cutting::kBrickVoxels, cutting::kBrickVoxels));
   }
-  segment_ = segment;
-  at_ = static_cast<uint32_t>(segment) * head_.segment_frames;
   return Status::Ok();
 }
 

@@ -41,6 +41,7 @@ class Player {
   };
   ByteView Part(size_t segment, int part) const;
   Status EnterSegment(size_t segment);
+  Status ReadKey(size_t segment);
   Status ApplyFrame();
   Status ApplyBrick(int64_t brick);
   Samples& StateOf(int64_t brick);

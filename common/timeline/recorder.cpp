@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/scene/grid_blob.h"
@@ -82,6 +84,7 @@ Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
                    const RecorderOptions& options)
     : initial_(initial),
       detailed_(options.detailed),
+      change_frames_(options.change_frames),
       slot_(static_cast<size_t>(initial.spec().brick_count()), -1),
       is_dirty_(slot_.size()) {
   head_.spec = initial.spec();
@@ -90,16 +93,34 @@ Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
   head_.frame_ticks = options.frame_ticks;
   head_.segment_frames = options.segment_frames;
   head_.outline = OutlineOf(options.bur);
-  key_ = Deflate({});
+  changed_in_.emplace_back();
 }
 
-Samples& Recorder::StateOf(int32_t brick) {
+int32_t Recorder::SlotOf(int32_t brick) {
   int32_t& slot = slot_[static_cast<size_t>(brick)];
   if (slot < 0) {
     slot = static_cast<int32_t>(states_.size());
     states_.push_back(QuantiseBrick(initial_, brick));
+    versions_.emplace_back();
   }
-  return states_[static_cast<size_t>(slot)];
+  return slot;
+}
+
+Samples Recorder::StateAt(int32_t brick, size_t segment) const {
+  const auto& versions = versions_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])];
+  const auto after = std::ranges::upper_bound(versions, segment, {}, &Version::segment);
+  return after == versions.begin() ? QuantiseBrick(initial_, brick) : std::prev(after)->samples;
+}
+
+// In these segments, the last one left out.
+std::vector<int32_t> Recorder::ChangedIn(size_t from, size_t to) const {
+  std::vector<int32_t> out;
+  for (size_t segment = from; segment < to; ++segment) {
+    out.insert(out.end(), changed_in_[segment].begin(), changed_in_[segment].end());
+  }
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
 }
 
 void Recorder::Add(const cutting::Volume& volume, std::span<const int32_t> touched,
@@ -149,6 +170,19 @@ void Recorder::NoteChanges(int32_t brick, const Samples& now) {
 }
 
 void Recorder::EndFrame(const cutting::Volume& volume) {
+  poses_.push_back(pose_);
+  pose_.gap_ticks = 0;
+  ticks_in_frame_ = 0;
+  ++unwritten_;
+  const bool ends_segment = poses_.size() == head_.segment_frames;
+  if (ends_segment || poses_.size() % change_frames_ == 0) WriteChanges(volume);
+  if (ends_segment) EndSegment();
+}
+
+// Into the last of the frames that have none yet.
+void Recorder::WriteChanges(const cutting::Volume& volume) {
+  for (; unwritten_ > 1; --unwritten_) heads_.Varint(0);
+  unwritten_ = 0;
   std::ranges::sort(dirty_);
   std::vector<std::pair<int32_t, Samples>> changed;
   for (int32_t brick : dirty_) {
@@ -158,18 +192,15 @@ void Recorder::EndFrame(const cutting::Volume& volume) {
   }
   dirty_.clear();
   heads_.Varint(changed.size());
+  std::vector<int32_t>& in_segment = changed_in_.back();
   int32_t before = -1;
   for (const auto& [brick, now] : changed) {
     heads_.Varint(static_cast<uint64_t>(brick - before - 1));
     before = brick;
     NoteChanges(brick, now);
-    auto at = std::ranges::lower_bound(changed_, brick);
-    if (at == changed_.end() || *at != brick) changed_.insert(at, brick);
+    auto at = std::ranges::lower_bound(in_segment, brick);
+    if (at == in_segment.end() || *at != brick) in_segment.insert(at, brick);
   }
-  poses_.push_back(pose_);
-  pose_.gap_ticks = 0;
-  ticks_in_frame_ = 0;
-  if (poses_.size() == head_.segment_frames) EndSegment();
 }
 
 void Recorder::EndSegment() {
@@ -180,33 +211,41 @@ void Recorder::EndSegment() {
   changes.Raw(masks_.Take());
   changes.Raw(values_.Take());
   heads_ = masks_ = values_ = {};
-  const Bytes poses = Deflate(PosesOf(poses_)), packed = Deflate(changes.bytes());
+  segments_.push_back({Deflate(PosesOf(poses_)), Deflate(changes.bytes())});
   Segment segment;
-  segment.pose_bytes = static_cast<uint32_t>(poses.size());
-  segment.key_bytes = static_cast<uint32_t>(key_.size());
-  segment.change_bytes = static_cast<uint32_t>(packed.size());
-  segment.key_bricks = key_bricks_;
+  segment.pose_bytes = static_cast<uint32_t>(segments_.back().poses.size());
+  segment.change_bytes = static_cast<uint32_t>(segments_.back().changes.size());
   segment.change_size = static_cast<uint32_t>(changes.size());
   head_.segments.push_back(segment);
-  Bytes& all = segments_.emplace_back();
-  for (const Bytes* part : std::initializer_list<const Bytes*>{&poses, &key_, &packed}) {
-    all.insert(all.end(), part->begin(), part->end());
-  }
   poses_.clear();
-  // The next one begins with all that is no longer the start's.
+  for (int32_t brick : changed_in_.back()) {
+    const auto slot = static_cast<size_t>(SlotOf(brick));
+    versions_[slot].push_back({segments_.size(), states_[slot]});
+  }
+  changed_in_.emplace_back();
+}
+
+// The last segment's is of all that was changed before; another one's only of what changes until the
+// segment whose key it is read with (KeyParent).
+Bytes Recorder::KeyOf(size_t segment, uint32_t& bricks) const {
+  const size_t last = segments_.size() - 1;
+  const std::vector<int32_t> changed =
+      segment == last ? ChangedIn(0, last) : ChangedIn(segment, KeyParent(segment, last));
+  bricks = static_cast<uint32_t>(changed.size());
   ByteWriter key;
-  for (int32_t brick : changed_) key.U32(static_cast<uint32_t>(brick));
+  for (int32_t brick : changed) key.U32(static_cast<uint32_t>(brick));
   Bytes raw = key.Take();
-  for (int32_t brick : changed_) AppendResiduals(StateOf(brick), raw);
-  key_ = Deflate(raw);
-  key_bricks_ = static_cast<uint32_t>(changed_.size());
+  for (int32_t brick : changed) AppendResiduals(StateAt(brick, segment), raw);
+  return Deflate(raw);
 }
 
 Bytes Recorder::Finish(const cutting::Volume& volume, const KeepGoing& keep_going) {
   if (ticks_in_frame_ > 0) EndFrame(volume);
+  if (unwritten_ > 0) WriteChanges(volume);
   if (!poses_.empty()) EndSegment();
+  const std::vector<int32_t> changed = ChangedIn(0, segments_.size());
   std::vector<uint8_t> changing(slot_.size());
-  for (const std::vector<int32_t>* bricks : {&changed_, &detailed_}) {
+  for (const std::vector<int32_t>* bricks : {&changed, &std::as_const(detailed_)}) {
     for (int32_t brick : *bricks) changing[static_cast<size_t>(brick)] = 1;
   }
   changing = WithNeighbours(changing, head_.spec.bricks);
@@ -214,15 +253,23 @@ Bytes Recorder::Finish(const cutting::Volume& volume, const KeepGoing& keep_goin
   const PartMeshes meshes = MeshesOf(tooth, changing, keep_going);
   const Bytes parts[] = {EncodeMesh(meshes.end), EncodeMesh(meshes.still),
                          EncodeChanging(ChangingOf(initial_, changing))};
-  head_.cut = CutBallOf(initial_, tooth, changed_);
+  head_.cut = CutBallOf(initial_, tooth, changed);
   head_.end_bytes = static_cast<uint32_t>(parts[0].size());
   head_.still_bytes = static_cast<uint32_t>(parts[1].size());
   head_.changing_bytes = static_cast<uint32_t>(parts[2].size());
+  std::vector<Bytes> keys(segments_.size());
+  for (size_t i = 0; i < keys.size(); ++i) {
+    keys[i] = KeyOf(i, head_.segments[i].key_bricks);
+    head_.segments[i].key_bytes = static_cast<uint32_t>(keys[i].size());
+  }
   Bytes out = EncodeHead(head_);
-  for (const Bytes& part : parts) out.insert(out.end(), part.begin(), part.end());
+  auto append = [&](const Bytes& part) { out.insert(out.end(), part.begin(), part.end()); };
+  for (const Bytes& part : parts) append(part);
   // In the order in which a page needs them that begins with the end.
-  for (auto segment = segments_.rbegin(); segment != segments_.rend(); ++segment) {
-    out.insert(out.end(), segment->begin(), segment->end());
+  for (size_t i = keys.size(); i-- > 0;) {
+    append(segments_[i].poses);
+    append(keys[i]);
+    append(segments_[i].changes);
   }
   return out;
 }

@@ -15,10 +15,14 @@ namespace enamel::timeline {
 struct RecorderOptions {
   uint32_t rate_hz = 1000;
   cutting::Bur bur;
-  // A tenth of a second in a frame, half a minute in a segment: a segment's changes are applied
-  // within a few milliseconds, and a key frame is worth as much as the changes of several minutes.
+  // A tenth of a second in a frame, a minute in a segment: a segment's changes are applied within a
+  // few milliseconds.
   uint32_t frame_ticks = 100;
-  uint32_t segment_frames = 300;
+  uint32_t segment_frames = 600;
+  // The tooth changes in every so many frames, at a segment's last and at the end; the bur in all. In
+  // 0.3 s a cutting bur goes about its radius. Changes of 0.1 s take nearly twice the bytes
+  // (`enamel-lab bench storage`).
+  uint32_t change_frames = 3;
   // Bricks to keep in detail though nothing changes there: those that a reference has cut.
   std::vector<int32_t> detailed;
 };
@@ -44,27 +48,43 @@ class Recorder {
   Bytes Finish(const cutting::Volume& volume, const KeepGoing& keep_going = {});
 
  private:
+  // A brick's samples from the start of a segment on.
+  struct Version {
+    size_t segment;
+    Samples samples;
+  };
+
   void EndFrame(const cutting::Volume& volume);
+  void WriteChanges(const cutting::Volume& volume);
   void EndSegment();
   void NoteChanges(int32_t brick, const Samples& now);
-  Samples& StateOf(int32_t brick);
+  int32_t SlotOf(int32_t brick);
+  Samples& StateOf(int32_t brick) { return states_[static_cast<size_t>(SlotOf(brick))]; }
+  Samples StateAt(int32_t brick, size_t segment) const;
+  std::vector<int32_t> ChangedIn(size_t from, size_t to) const;
+  Bytes KeyOf(size_t segment, uint32_t& bricks) const;
 
   const cutting::Volume& initial_;
   Head head_;
-  std::vector<Bytes> segments_;
+  // Packed, by segment.
+  struct Packed {
+    Bytes poses, changes;
+  };
+  std::vector<Packed> segments_;
   std::vector<int32_t> detailed_;
+  const uint32_t change_frames_;
   uint32_t ticks_in_frame_ = 0;
   FramePose pose_;
   std::vector<FramePose> poses_;  // of this segment
 
   std::vector<int32_t> slot_;  // per brick: index into states_, or -1
   std::vector<Samples> states_;
-  std::vector<int32_t> changed_;  // bricks whose samples are no longer the start's, rising
-  std::vector<int32_t> dirty_;    // touched in this frame
+  std::vector<std::vector<Version>> versions_;    // of each state, rising
+  std::vector<std::vector<int32_t>> changed_in_;  // by segment, this one included: bricks, rising
+  std::vector<int32_t> dirty_;                    // touched since changes were written
+  uint32_t unwritten_ = 0;                        // frames since then
   std::vector<uint8_t> is_dirty_;
   ByteWriter heads_, masks_, values_;  // of this segment
-  Bytes key_;                          // of this segment, packed
-  uint32_t key_bricks_ = 0;
 };
 
 }  // namespace enamel::timeline

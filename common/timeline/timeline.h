@@ -40,6 +40,13 @@ struct Segment {
   uint64_t bytes() const { return uint64_t{pose_bytes} + key_bytes + change_bytes; }
 };
 
+// The segment whose key frame that of `segment` is read with (schemas/surface_timeline.md, "Key
+// frame"). Requires: segment < last.
+constexpr size_t KeyParent(size_t segment, size_t last) {
+  const size_t before_end = last - segment;
+  return last - (before_end & (before_end - 1));
+}
+
 struct Head {
   // More frames than this are refused: two weeks of them at ten a second.
   static constexpr uint32_t kMaxFrames = 12'000'000;

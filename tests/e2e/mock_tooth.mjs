@@ -314,10 +314,10 @@ function timeline({ cut, start, changing, ball }, seconds, pace) {
       planes(Array(n).fill(0)),
       Buffer.alloc(n, 1),
     ]);
-    const changed = cut.filter(({ brick, before }) => now.get(brick).some((q, i) => q !== before[i]));
+    // All that ever changes: then no key frame needs another.
     const key = Buffer.concat([
-      u32(...changed.map(({ brick }) => brick)),
-      ...changed.map(({ brick }) => residuals(now.get(brick))),
+      u32(...cut.map(({ brick }) => brick)),
+      ...cut.map(({ brick }) => residuals(now.get(brick))),
     ]);
     const [heads, masks, values] = [[], [], []];
     for (let k = 0; k < n; ++k) {
@@ -338,7 +338,7 @@ function timeline({ cut, start, changing, ball }, seconds, pace) {
       Buffer.from(values),
     ]);
     const packed = [poses, key, changes].map((raw) => deflateSync(raw));
-    index.push(u32(...packed.map((bytes) => bytes.length), changed.length, changes.length));
+    index.push(u32(...packed.map((bytes) => bytes.length), cut.length, changes.length));
     parts.unshift(Buffer.concat(packed));
   }
   const outline = [

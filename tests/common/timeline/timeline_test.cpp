@@ -81,20 +81,26 @@ TEST(SurfaceTimelineGoldenTest, HeadAndPosesAreWhatTheDocumentSays) {
   }
 }
 
-TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
+// Samples of all bricks.
+std::vector<Samples> All(const cutting::Volume& volume) {
+  std::vector<Samples> out;
+  for (int b = 0; b < volume.spec().brick_count(); ++b) out.push_back(QuantiseBrick(volume, b));
+  return out;
+}
+
+// As many key frames are read for a moment as its segment's place before the last has bits.
+class SurfaceTimelineSegmentTest : public ::testing::TestWithParam<uint32_t> {};
+
+TEST_P(SurfaceTimelineSegmentTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
   RecorderOptions options;
   options.frame_ticks = 7;
-  options.segment_frames = 3;
+  options.segment_frames = GetParam();
+  options.change_frames = 1;
   BallCut cut(options);
   std::map<uint32_t, std::vector<Samples>> seen;
-  const auto all = [](const cutting::Volume& volume) {
-    std::vector<Samples> out;
-    for (int b = 0; b < volume.spec().brick_count(); ++b) out.push_back(QuantiseBrick(volume, b));
-    return out;
-  };
-  seen[0] = all(cut.initial());
+  seen[0] = All(cut.initial());
   const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
-    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = all(volume);
+    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = All(volume);
   });
   auto player = Player::Open(cut.start(), file);
   ASSERT_TRUE(player.ok()) << player.status().message();
@@ -108,6 +114,33 @@ TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
           << frames << " frames, brick " << b;
     }
   }
+}
+
+INSTANTIATE_TEST_SUITE_P(Lengths, SurfaceTimelineSegmentTest, ::testing::Values(1u, 3u, 12u));
+
+// 12 frames, 5 in a segment: the tooth changes in frames 3, 5, 8, 10 and 12.
+TEST(SurfaceTimelineTest, BetweenItsChangesTheToothStays) {
+  RecorderOptions options;
+  options.frame_ticks = 7;
+  options.segment_frames = 5;
+  options.change_frames = 3;
+  BallCut cut(options);
+  std::map<uint32_t, std::vector<Samples>> seen;
+  seen[0] = All(cut.initial());
+  const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
+    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = All(volume);
+  });
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  constexpr uint32_t kLook[] = {0, 0, 0, 3, 3, 5, 5, 5, 8, 8, 10, 10, 12};
+  for (uint32_t frames : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 4, 11, 1}) {
+    ASSERT_TRUE(player->Seek(frames).ok());
+    for (int b = 0; b < 512; ++b) {
+      ASSERT_EQ(player->BrickSamples(b), seen[kLook[frames]][static_cast<size_t>(b)])
+          << frames << " frames, brick " << b;
+    }
+  }
+  EXPECT_TRUE(seen[5] != seen[3] && seen[8] != seen[5]);
 }
 
 TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwentyEighthOfAVoxel) {

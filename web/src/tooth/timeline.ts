@@ -249,7 +249,7 @@ export class TimelinePlayer extends ChangingPart {
   }
 
   // The tooth after so many frames. Returns the bricks that look otherwise than before. Needs: the
-  // segment was added.
+  // segment was added, and all after it.
   seek(frames: number): Read<Set<number>> {
     const before = this.current;
     try {
@@ -304,8 +304,15 @@ export class TimelinePlayer extends ChangingPart {
 
   private enter(index: number, segment: OpenSegment): void {
     this.current = new Map();
-    for (const [i, brick] of segment.keyBricks.entries())
-      this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
+    // The nearest key frame that has a brick knows it. Those after a segment came before it.
+    const last = this.head.segments.length - 1;
+    for (let left = last - index; ; left &= left - 1) {
+      const { keyBricks, keySamples } = this.segments.get(last - left)!;
+      for (const [i, brick] of keyBricks.entries())
+        if (!this.current.has(brick))
+          this.current.set(brick, keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
+      if (left === 0) break;
+    }
     const { changes } = segment;
     if (changes.length < 8) throw new Broken(`the changes of segment ${index} end early`);
     const view = new DataView(changes.buffer, changes.byteOffset, changes.length);
