@@ -96,6 +96,7 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   RegisterRecord(*bench, exit_code);
   RegisterFrames(*bench, exit_code);
   RegisterAnswers(*bench, exit_code);
+  RegisterStorage(*bench, exit_code);
 }
 
 }  // namespace enamel::station::lab::bench

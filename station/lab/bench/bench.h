@@ -25,6 +25,7 @@ void RegisterTarget(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterFrames(CLI::App& app, int* exit_code);
 void RegisterAnswers(CLI::App& app, int* exit_code);
+void RegisterStorage(CLI::App& app, int* exit_code);
 
 // One line on standard error, rewritten in place and erased at the end; at most ten times a second,
 // and only on a terminal. A log gets only the rows.
