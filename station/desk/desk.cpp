@@ -148,7 +148,9 @@ class Desk {
   void AskToClose() {
     screen_.CancelClose();
     if (flow_.dialog() != Dialog::kNone) return;
-    flow_.Open(flow_.place() == Place::kRunning ? Dialog::kPaused : Dialog::kClose);
+    flow_.Open(flow_.place() == Place::kRunning    ? Dialog::kPaused
+               : flow_.place() == Place::kPractice ? Dialog::kPracticePaused
+                                                   : Dialog::kClose);
   }
 
   // The tooth, if there is one to cut; null: none.
@@ -232,10 +234,10 @@ class Desk {
     content.state = attempt.view().state();
     content.has_state = attempt.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
-    content.time_limit_s = prepared.exercise.time_limit_s;
     // No scale bar: a perspective picture does not have a single scale.
     content.mm_per_pixel = 0;
-    if (attempt.run() != nullptr) {
+    if (flow_.place() == Place::kRunning) {
+      content.time_limit_s = prepared.exercise.time_limit_s;
       content.state.warnings |=
           AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
     }

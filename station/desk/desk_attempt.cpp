@@ -149,12 +149,20 @@ AttemptOptions DeskAttempt::OptionsFor(int cpu) const {
 }
 
 void DeskAttempt::Rehearse(int cpu) {
-  rehearsal_ = std::make_unique<UnrecordedRun>(prepared_, *held_, OptionsFor(cpu));
+  std::unique_ptr<core::Core> core;
+  if (rehearsal_ != nullptr) {
+    core = rehearsal_->TakeCore();
+  } else if (run_ != nullptr) {
+    core = run_->TakeCore();
+  } else {
+    core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume.Packed());
+  }
+  rehearsal_ = std::make_unique<UnrecordedRun>(std::move(core), prepared_, *held_, OptionsFor(cpu));
 }
 
 Snapshot DeskAttempt::newest() {
-  if (run_ != nullptr) return run_->snapshot();
-  return rehearsal_ != nullptr ? rehearsal_->snapshot() : Snapshot();
+  if (rehearsal_ != nullptr) return rehearsal_->snapshot();
+  return run_ != nullptr ? run_->snapshot() : Snapshot();
 }
 
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {

@@ -58,13 +58,14 @@ class DeskAttempt {
 
   // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
-  // Starts ticking with nothing recorded, to try the device (warm_up.h).
+  // Starts ticking with nothing recorded: to try the device (warm_up.h), or, once the attempt's
+  // Join or the rehearsal's End has returned, to go on with the tooth as it was left.
   void Rehearse(int cpu);
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
   // Null before Rehearse.
   UnrecordedRun* rehearsal() { return rehearsal_.get(); }
-  // The newest tick of either; nothing before it.
+  // The newest tick of the one that began last; nothing before it.
   Snapshot newest();
 
   // Turns this frame's mouse and key input into the device's pose. `held`: ignore it (a dialog is

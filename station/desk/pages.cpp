@@ -91,6 +91,9 @@ bool Pages::Draw() {
     case Place::kLoss:
       ShownLoss();
       break;
+    case Place::kPractice:
+      Practice();
+      break;
   }
   bool close = false;
   switch (flow_.dialog()) {
@@ -98,6 +101,9 @@ bool Pages::Draw() {
       break;
     case Dialog::kPaused:
       Paused();
+      break;
+    case Dialog::kPracticePaused:
+      PracticePaused();
       break;
     case Dialog::kFinish:
       AskFinish();

@@ -53,6 +53,8 @@ class Pages {
   std::string Points(const scoring::CriterionResult& criterion) const;
   void Losses(const std::vector<Loss>& losses);
   void ShownLoss();
+  void Practice();
+  void PracticePaused();
   void Score(const scoring::ScoreResult& score);
   void ResultChoices();
   void Paused();

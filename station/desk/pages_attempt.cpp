@@ -167,11 +167,12 @@ void Pages::AskSignOff() {
 void Pages::Score(const scoring::ScoreResult& score) {
   ui_.Score(flow_.words().Decimal(score.score, 0), Say("result.of"));
   if (score.critical_fail) ui_.Problem(Say("result.failed"));
+  // All below scrolls: beside pictures the page is narrow, and errors take many lines.
+  ui_.BeginList("reasons");
   for (const scoring::CriticalResult& c : score.critical) {
     ui_.Problem(ReasonText(flow_.words(), c));
   }
   if (std::string next = NextStep(flow_.words(), score); !next.empty()) ui_.Text(next);
-  ui_.BeginList("reasons");
   const std::vector<Loss> dearest = DearestLosses(score);
   Losses(dearest);
   for (const scoring::CriterionResult& c : score.criteria) {
@@ -192,7 +193,8 @@ std::string Pages::Points(const scoring::CriterionResult& criterion) const {
 void Pages::Result() {
   const std::vector<Picture> pictures = PicturesOfResult();
   Ui::Page page = kWidePage;
-  if (!pictures.empty()) page.width = 0.58f;
+  // Pictures come beside it, and buttons must not move then.
+  page.width = 0.58f;
   ui_.Begin("result", page);
   ui_.Title(WordedTitle(flow_.words(), flow_.result_title()));
   ui_.Problem(flow_.problem());
@@ -225,6 +227,8 @@ void Pages::Result() {
 
 void Pages::ResultChoices() {
   if (ui_.Button(Say("result.another"), Ui::Look::kMain)) return flow_.AnotherTry();
+  ui_.SameLine();
+  if (flow_.may_go_on() && ui_.Button(Say("result.go_on"))) return flow_.GoOnForPractice();
   ui_.SameLine();
   if (ui_.Button(Say("result.exercises")) || ui_.escape()) return flow_.ToExercises();
   ui_.SameLine();

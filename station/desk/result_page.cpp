@@ -132,4 +132,29 @@ void Pages::ShownLoss() {
   if (back) flow_.LeaveLoss();
 }
 
+// As while an attempt runs: keys and mouse belong to the handpiece.
+void Pages::Practice() {
+  Ui::Page page{0.605f, 0.70f, 0.38f, 0.2f, true};
+  page.keys = false;
+  ui_.Begin("practice", page);
+  ui_.Text(Say("practice.note"));
+  if (flow_.attempt()->by_pointer()) {
+    ui_.OneLine(Say("practice.keys"));
+  } else if (ui_.Button(Say("running.pause"))) {
+    flow_.Open(Dialog::kPracticePaused);
+  }
+  if (ui_.escape() || ui_.pressed('F')) flow_.Open(Dialog::kPracticePaused);
+  ui_.End();
+}
+
+void Pages::PracticePaused() {
+  ui_.BeginDialog("practice-paused", Say("paused.title"), Ui::Space::kIsThePedal);
+  ui_.Text(Say("practice.note"));
+  ui_.Gap(12);
+  if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  ui_.SameLine();
+  if (ui_.Button(Say("practice.end"))) flow_.EndPractice();
+  ui_.EndDialog();
+}
+
 }  // namespace enamel::station::desk

@@ -12,7 +12,7 @@ namespace enamel::station::desk {
 // Plays a person's part to test the window: one step per line, `#` begins a comment.
 //
 //   page NAME          waits until this page or dialog is shown ("sign-in", "reserved",
-//                      "exercises", "exercise", "ready", "running", "hand-in", "result", "loss"; "paused",
+//                      "exercises", "exercise", "ready", "running", "hand-in", "result", "loss", "practice"; "paused",
 //                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close";
 //                      "trouble" where the station cannot be used)
 //   see WORDS          waits until the page shows these words

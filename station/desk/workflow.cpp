@@ -84,6 +84,9 @@ void Workflow::Tick(Clock::time_point now, bool active) {
     case Place::kRunning:
       WatchRun();
       break;
+    case Place::kPractice:
+      WatchPractice(now);
+      break;
     case Place::kHandIn:
       WatchUpload();
       break;
@@ -97,7 +100,8 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   // Not during an attempt or while handing in: the person may be thinking, or waiting for us.
   bool may_idle = place_ == Place::kFirstPassword || place_ == Place::kExercises ||
                   place_ == Place::kExercise || place_ == Place::kResult ||
-                  place_ == Place::kLoss || place_ == Place::kReserved;
+                  place_ == Place::kLoss || place_ == Place::kPractice ||
+                  place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
     SignOut(words_.Say("signed_out.idle"));
   }
@@ -491,6 +495,8 @@ void Workflow::Back() {
       return ToExercises();
     case Place::kLoss:
       return LeaveLoss();
+    case Place::kPractice:
+      return Open(Dialog::kPracticePaused);
     case Place::kExercises:
       return SignOut();
     default:

@@ -30,11 +30,13 @@ enum class Place {
   kRunning,
   kHandIn,
   kResult,
-  kLoss
+  kLoss,
+  kPractice
 };
 enum class Dialog {
   kNone,
   kPaused,
+  kPracticePaused,
   kFinish,
   kGiveUp,
   kReference,
@@ -123,7 +125,9 @@ class Workflow {
   }
   DeskAttempt* attempt() { return attempt_.get(); }
   // The bur is in the person's hand: the picture is the tooth.
-  bool cutting() const { return place_ == Place::kRunning || place_ == Place::kWarmUp; }
+  bool cutting() const {
+    return place_ == Place::kRunning || place_ == Place::kWarmUp || place_ == Place::kPractice;
+  }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
   // Whether the whole tooth is in the picture.
   bool tooth_drawn() { return attempt_ && attempt_->drawn(); }
@@ -194,7 +198,11 @@ class Workflow {
   // score(), with a place.
   void ShowLoss(const Loss& loss);
   void LeaveLoss();  // to the result
-  void Back();       // one place back, if possible
+  // The cut goes on from where the attempt left it, for practice only: for whoever sees progress.
+  bool may_go_on() const;
+  void GoOnForPractice();
+  void EndPractice();  // to the result
+  void Back();         // one place back, if possible
 
  private:
   // This person's attempts at this station.
@@ -234,6 +242,8 @@ class Workflow {
   void HandInUnheld();
   void CheckDevice(Clock::time_point now);
   void WatchRun();
+  void PauseWhenPutDown(Dialog dialog);
+  void WatchPractice(Clock::time_point now);
   void WatchUpload();
   void WatchScore(Clock::time_point now);
   void WatchPictures();

@@ -149,12 +149,16 @@ void Workflow::Begin() {
 }
 
 // Putting the handpiece down pauses; the person is asked whether that was the end.
-void Workflow::WatchRun() {
-  const uint64_t put_downs = attempt_->run()->snapshot().counters.put_downs;
-  if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
+void Workflow::PauseWhenPutDown(Dialog dialog) {
+  const uint64_t put_downs = attempt_->newest().counters.put_downs;
+  if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(dialog);
   put_downs_ = put_downs;
   // A dialog covers the tooth: nobody can be cutting on purpose.
   attempt_->held().SetPaused(dialog_ != Dialog::kNone);
+}
+
+void Workflow::WatchRun() {
+  PauseWhenPutDown(Dialog::kPaused);
   if (attempt_->run()->ticking()) return;
   // The pedal's finish or a permanent fault has ended the loop; the person is not asked.
   if (!busy() && !joined_) EndAttempt();

@@ -46,6 +46,34 @@ void Workflow::LeaveLoss() {
   Go(Place::kResult);
 }
 
+bool Workflow::may_go_on() const {
+  const bool ended = attempt_ && attempt_->run() && joined_ && recorded_;
+  // A simulated hand has finished.
+  return place_ == Place::kResult && ended && !attempt_->simulated() &&
+         MayShowProgress(attempt_->prepared().exercise.graded, chosen_.exam, instructor());
+}
+
+void Workflow::GoOnForPractice() {
+  if (busy() || !may_go_on()) return;
+  put_downs_ = 0;
+  attempt_->Rehearse(options_.cpu);
+  Go(Place::kPractice);
+}
+
+void Workflow::WatchPractice(Clock::time_point now) {
+  PauseWhenPutDown(Dialog::kPracticePaused);
+  // A hand that cuts uses neither mouse nor keyboard.
+  if ((attempt_->newest().input_flags & core::kBurOn) != 0) active_at_ = now;
+  if (!attempt_->rehearsal()->ticking()) EndPractice();
+}
+
+void Workflow::EndPractice() {
+  if (place_ != Place::kPractice) return;
+  attempt_->rehearsal()->End();
+  attempt_->held().SetPaused(false);
+  Go(Place::kResult);
+}
+
 // Beside everything else: nobody waits for pictures. Where there are none, the page says nothing.
 void Workflow::WatchPictures() {
   if (pictures_task_.busy()) return;

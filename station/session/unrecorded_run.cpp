@@ -1,6 +1,7 @@
 #include "station/session/unrecorded_run.h"
 
 #include <chrono>
+#include <utility>
 
 #include "station/loop/realtime.h"
 
@@ -10,15 +11,24 @@ namespace {
 constexpr std::chrono::milliseconds kDropEvery{2};
 constexpr size_t kDroppedRing = 4000;
 
+TickLoopOptions OptionsAfter(const core::Core& core, const PreparedAttempt& prepared,
+                             const AttemptOptions& options) {
+  TickLoopOptions out = LoopOptionsOf(prepared, options);
+  out.ticks_before = core.ticks();
+  // How long ago it ended does not matter here; that the hand may have moved does.
+  out.first_gap_ticks = core.ticks() > 0 ? 1 : 0;
+  return out;
+}
+
 }  // namespace
 
-UnrecordedRun::UnrecordedRun(PreparedAttempt& prepared, Device& device,
-                             const AttemptOptions& options)
+UnrecordedRun::UnrecordedRun(std::unique_ptr<core::Core> core, const PreparedAttempt& prepared,
+                             Device& device, const AttemptOptions& options)
     : observer_(options.observer),
       tick_s_(1.0 / prepared.header.params.rate_hz),
-      core_(prepared.header.params, prepared.volume.Packed()),
+      core_(std::move(core)),
       ring_(kDroppedRing),
-      loop_(device, core_, ring_, LoopOptionsOf(prepared, options), this),
+      loop_(device, *core_, ring_, OptionsAfter(*core_, prepared, options), this),
       dropper_([this] { Drop(); }),
       ticker_([this, cpu = options.cpu] {
         // If refused, the attempt's own request reports it.
@@ -26,10 +36,10 @@ UnrecordedRun::UnrecordedRun(PreparedAttempt& prepared, Device& device,
         loop_.Run();
       }) {}
 
-UnrecordedRun::~UnrecordedRun() {
+void UnrecordedRun::End() {
   loop_.RequestStop();
-  ticker_.join();
-  dropper_.join();
+  if (ticker_.joinable()) ticker_.join();
+  if (dropper_.joinable()) dropper_.join();
 }
 
 void UnrecordedRun::OnTick(const core::Core& core, const Snapshot& snapshot) noexcept {

@@ -1,15 +1,16 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <thread>
 
 #include "station/session/running_attempt.h"
 
 namespace enamel::station {
 
-// A loop of which nothing is kept: to try a device before an attempt. Needs no ticket, spool or
-// server. Its samples are read and dropped, so that it runs as an attempt's does. Thread safety:
-// one owner's thread. Real-time: never; only the loop inside is.
+// A loop of which nothing is kept: to try a device before an attempt, or to cut on for practice
+// after one. Needs no ticket, spool or server. Its samples are read and dropped, so that it runs as
+// an attempt's does. Thread safety: one owner's thread. Real-time: never; only the loop inside is.
 class UnrecordedRun : private TickObserver {
  public:
   // What was seen so far.
@@ -19,10 +20,16 @@ class UnrecordedRun : private TickObserver {
     double peak_force_n = 0;  // largest sent
   };
 
-  // Starts ticking. All arguments outlive this.
-  UnrecordedRun(PreparedAttempt& prepared, Device& device, const AttemptOptions& options);
-  ~UnrecordedRun() override;  // ends the loop: then the device holds zero force
+  // Starts ticking. A core that ticked before goes on after a gap: without force until the bur has
+  // been in free air. `prepared` and `device` outlive this.
+  UnrecordedRun(std::unique_ptr<core::Core> core, const PreparedAttempt& prepared, Device& device,
+                const AttemptOptions& options);
+  ~UnrecordedRun() override { End(); }
 
+  // Waits for the loop's end: then the device holds zero force.
+  void End();
+  // The tooth as it was left, to go on with. Requires: End has returned.
+  std::unique_ptr<core::Core> TakeCore() { return std::move(core_); }
   bool ticking() const { return !loop_.finished(); }
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() { return loop_.snapshot(); }
@@ -34,7 +41,7 @@ class UnrecordedRun : private TickObserver {
 
   TickObserver* const observer_;
   const double tick_s_;
-  core::Core core_;
+  std::unique_ptr<core::Core> core_;
   SampleRing ring_;
   TickLoop loop_;
   // Written by the tick.

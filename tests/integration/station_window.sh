@@ -203,6 +203,17 @@ picture PICTURES/12-loss.png
 key Escape
 page result
 see of 100 points
+# The same tooth once more, without a recording.
+click Continue this cut
+page practice
+see nothing is recorded
+frames 20
+picture PICTURES/12-practice.png
+key Escape
+page practice-paused
+click Back to the result
+page result
+see of 100 points
 click Reference
 page reference
 click The dentist agrees
@@ -558,7 +569,7 @@ mv "$work/broken/saved/spool.sqlite" "$work/broken/spool.sqlite"
 touch "$work/mended"
 wait "$player" || fail "the window over a damaged spool"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
-  11-zones 12-score 12-loss 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
+  11-zones 12-score 12-loss 12-practice 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
   22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
   31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel \
   38-reference-refused; do

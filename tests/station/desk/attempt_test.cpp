@@ -297,6 +297,30 @@ TEST_F(DeskAttemptTest, AStrokeIsMadeAgainFromTheRecordingWhereItWas) {
   EXPECT_GT(ring.radius_px, 40);
 }
 
+TEST_F(DeskAttemptTest, AfterItsEndTheCutGoesOnForPracticeAndNothingOfItIsRecorded) {
+  ASSERT_NO_FATAL_FAILURE(Begin("pointer"));
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 300; }));
+  EXPECT_FALSE(flow_->may_go_on()) << "it runs still";
+  DeskAttempt& attempt = *flow_->attempt();
+  attempt.run()->End();
+  ASSERT_TRUE(attempt.run()->Join().ok());
+  const auto recorded = workplace_->spool().Get(id_);
+  const uint64_t ticks = recorded->ticks;
+  for (int again = 0; again < 2; ++again) {
+    attempt.Rehearse(-1);
+    const uint64_t from = attempt.newest().counters.ticks;
+    // More than the ring holds: it must not stop for want of a recorder.
+    while (attempt.newest().counters.ticks < std::max(from, ticks) + 4300) {
+      ASSERT_TRUE(attempt.rehearsal()->ticking());
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    attempt.rehearsal()->End();
+  }
+  EXPECT_EQ(workplace_->spool().Get(id_)->ticks, ticks);
+  EXPECT_EQ(workplace_->spool().Get(id_)->bytes, recorded->bytes);
+  EXPECT_EQ(workplace_->spool().List()->size(), 1u);
+}
+
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));
