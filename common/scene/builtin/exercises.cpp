@@ -180,7 +180,7 @@ Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
 Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Preparation& shape) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor(shape.name.c_str(), scene);
-  e.title = "Practice: " + shape.title;
+  e.title = shape.title;
   e.instructions = shape.title + ", with upright walls and a flat floor.";
   CavityTarget target = TargetFor(shape);
   target.leeway_side_um = e.target.leeway_side_um;

@@ -86,8 +86,8 @@ TEST(ScoreWordsTest, EveryBuiltInTextHasWordsInEveryLanguage) {
 
 TEST(ScoreWordsTest, NumbersOfABuiltInTextStayItsOwn) {
   const Words german(Language::kGerman);
-  EXPECT_EQ(WordedTitle(german, "Practice: Line, 8 x 1.5 mm and 2.0 mm deep"),
-            "Übung: Linie, 8 x 1,5 mm und 2,0 mm tief");
+  EXPECT_EQ(WordedTitle(german, "Line, 8 x 1.5 mm and 2.0 mm deep"),
+            "Linie, 8 x 1,5 mm und 2,0 mm tief");
 }
 
 TEST(ScoreWordsTest, WhatASchoolHasWrittenStaysAsItWasTyped) {
@@ -98,7 +98,7 @@ TEST(ScoreWordsTest, WhatASchoolHasWrittenStaysAsItWasTyped) {
     EXPECT_EQ(WordedText(german, text), text);
   }
   // Built in except for a number that no double holds.
-  const std::string huge = "Practice: Line, " + std::string(400, '9') + " x 1.5 mm and 2.0 mm deep";
+  const std::string huge = "Line, " + std::string(400, '9') + " x 1.5 mm and 2.0 mm deep";
   EXPECT_EQ(WordedTitle(german, huge), huge);
 }
 

@@ -68,7 +68,7 @@ test("a built-in text is said sentence by sentence with its own numbers", () => 
     wordedText("Take 1.2 mm off the incisal edge. Do not touch the root."),
     "Take 1,2 mm off the incisal edge. Do not touch the root.",
   );
-  assert.equal(wordedTitle("Practice: Line, 8 x 1.5 mm and 2.0 mm deep"), "Practice: Line, 8 x 1,5 mm and 2,0 mm deep");
+  assert.equal(wordedTitle("Line, 8 x 1.5 mm and 2.0 mm deep"), "Line, 8 x 1,5 mm and 2,0 mm deep");
   speak("zh");
   assert.equal(
     wordedText("Do not expose the pulp. Do not touch the root."),
