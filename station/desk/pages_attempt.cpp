@@ -230,15 +230,18 @@ void Pages::ResultChoices() {
   ui_.SameLine();
   if (flow_.may_go_on() && ui_.Button(Say("result.go_on"))) return flow_.GoOnForPractice();
   ui_.SameLine();
-  if (ui_.Button(Say("result.exercises")) || ui_.escape()) return flow_.ToExercises();
+  // Small: above them are the points, which people come for.
+  if (ui_.Button(Say("result.exercises"), Ui::Look::kSmall) || ui_.escape()) {
+    return flow_.ToExercises();
+  }
   ui_.SameLine();
-  if (ui_.Button(Say("exercises.sign_out"))) return flow_.SignOut();
+  if (ui_.Button(Say("exercises.sign_out"), Ui::Look::kSmall)) return flow_.SignOut();
   // Only a scored attempt can be a reference; the server checks this too.
   bool scored = flow_.progress() && flow_.progress()->state == "scored";
   if (!flow_.instructor() || !scored) return;
   ui_.SameLine();
   if (ui_.Button(Say(flow_.marked_as_reference() ? "result.is_reference" : "result.reference"),
-                 Ui::Look::kPlain, !flow_.marked_as_reference())) {
+                 Ui::Look::kSmall, !flow_.marked_as_reference())) {
     // A proposal: most instructors cut their own reference.
     dentist_ = flow_.person().display_name;
     anyway_.clear();

@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "station/desk/pages.h"
 #include "station/render/materials.h"
@@ -41,8 +42,10 @@ void DrawScale(float width, float height) {
 void DrawCurve(const std::vector<AttemptProgress::Score>& scores, const Uuid& shown, float width,
                float height, float px) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const float dot = 5 * px, inset = 3 * dot;
-  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const float dot = 5 * px, inset = 3 * dot, figures = ImGui::CalcTextSize("100").x + 12 * px;
+  ImVec2 from = ImGui::GetCursorScreenPos();
+  from.x += figures;
+  width -= figures;
   const ImU32 quiet = IM_COL32(255, 255, 255, 60), line = IM_COL32(120, 180, 255, 255);
   auto place = [&](size_t i) {
     const float along =
@@ -51,9 +54,12 @@ void DrawCurve(const std::vector<AttemptProgress::Score>& scores, const Uuid& sh
     return ImVec2{from.x + inset + along * (width - 2 * inset),
                   from.y + height - inset - up * (height - 2 * inset)};
   };
-  for (float share : {0.0f, 0.5f, 1.0f}) {
+  for (const auto& [share, points] : {std::pair{0.0f, "100"}, {0.5f, "50"}, {1.0f, "0"}}) {
     const float y = from.y + inset + share * (height - 2 * inset);
     list->AddLine({from.x, y}, {from.x + width, y}, quiet, std::max(1.0f, px));
+    const ImVec2 size = ImGui::CalcTextSize(points);
+    list->AddText({from.x - size.x - 6 * px, y - 0.5f * size.y},
+                  ImGui::GetColorU32(ImGuiCol_TextDisabled), points);
   }
   for (size_t i = 0; i < scores.size(); ++i) {
     if (i > 0) list->AddLine(place(i - 1), place(i), line, 3 * px);
@@ -62,7 +68,7 @@ void DrawCurve(const std::vector<AttemptProgress::Score>& scores, const Uuid& sh
       list->AddCircle(place(i), 2 * dot, IM_COL32(255, 255, 255, 255), 0, 3 * px);
     }
   }
-  ImGui::Dummy({width, height});
+  ImGui::Dummy({figures + width, height});
 }
 
 }  // namespace

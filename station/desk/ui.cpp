@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include "station/desk/lines.h"
+
 namespace enamel::station::desk {
 namespace {
 
@@ -272,11 +274,8 @@ void Ui::Ring() {
 void Ui::Title(const std::string& text) { Large(text); }
 
 void Ui::Large(const std::string& text) {
-  Say(text);
   ImGui::PushFont(fonts().far);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
+  Text(text);
   ImGui::PopFont();
 }
 
@@ -289,9 +288,15 @@ void Ui::OneLine(const std::string& text) {
 
 void Ui::Text(const std::string& text) {
   Say(text);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(text.c_str());
+  beside_ = false;
+  ImGui::PushTextWrapPos(0);  // of what has no space
+  ImGui::TextUnformatted(Lines(*ImGui::GetFont(), text, ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopTextWrapPos();
+}
+
+std::string Ui::Lines(const ImFont& font, std::string_view text, float width) {
+  return InLines(text, width,
+                 [&](uint32_t code) { return font.GetCharAdvance(static_cast<ImWchar>(code)); });
 }
 
 void Ui::Note(const std::string& text) {
@@ -310,7 +315,11 @@ void Ui::Problem(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-void Ui::Gap(float height) { ImGui::Dummy({1, height * px()}); }
+void Ui::Gap(float height) {
+  // The button that was to have another beside it may be missing.
+  beside_ = false;
+  ImGui::Dummy({1, height * px()});
+}
 
 void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px()); }
 
@@ -323,7 +332,13 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   if (std::exchange(beside_, false)) {
     const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * padding;
     const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-    if (ImGui::GetItemRectMax().x + apart + width <= end) ImGui::SameLine(0, apart);
+    if (ImGui::GetItemRectMax().x + apart + width <= end) {
+      // A small one beside a large one is at its middle.
+      const float height = ImGui::GetFontSize() + 24 * px(),
+                  lower = 0.5f * (ImGui::GetItemRectSize().y - height);
+      ImGui::SameLine(0, apart);
+      if (lower > 0) ImGui::SetCursorPosY(ImGui::GetCursorPosY() + lower);
+    }
   }
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding, 12 * px()});
   ImGui::BeginDisabled(!enabled);
@@ -343,9 +358,9 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   return chosen || focus.chosen;
 }
 
-bool Ui::Row(const std::string& title, const std::string& detail, const std::string& right,
-             bool chosen_row) {
-  Say(title + " | " + detail + " | " + right);
+bool Ui::Row(const std::string& whole_title, const std::string& whole_detail,
+             const std::string& right, bool chosen_row) {
+  Say(whole_title + " | " + whole_detail + " | " + right);
   const ImFont *far = fonts().far, *text = fonts().text;
   auto size_of = [](const ImFont* font, const std::string& words, float wrap) {
     return font->CalcTextSizeA(font->FontSize, FLT_MAX, wrap, words.c_str());
@@ -356,16 +371,18 @@ bool Ui::Row(const std::string& title, const std::string& detail, const std::str
   const ImVec2 right_size = size_of(text, right, 0);
   // The word on the right says what choosing does.
   const float wrap = width - 2 * side - (right.empty() ? 0 : right_size.x + 16 * px());
+  const std::string title = Lines(*far, whole_title, wrap),
+                    detail = Lines(*text, whole_detail, wrap);
   const float title_height = size_of(far, title, wrap).y;
   const float height = title_height + size_of(text, detail, wrap).y + between + 24 * px();
   PushButtonColours(chosen_row ? kChosenRow : kRow);
   // Distinguishes rows with the same title.
-  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, title, &Choice::label)));
-  bool chosen = ImGui::Button(("##" + title).c_str(), {width, height});
+  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, whole_title, &Choice::label)));
+  bool chosen = ImGui::Button(("##" + whole_title).c_str(), {width, height});
   ImGui::PopID();
   ImGui::PopStyleColor(3);
-  Focused focus = Next(title);
-  Listed(title, false);
+  Focused focus = Next(whole_title);
+  Listed(whole_title, false);
   if (focus.has) Ring();
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   ImDrawList* list = ImGui::GetWindowDrawList();

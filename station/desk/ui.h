@@ -10,6 +10,8 @@
 
 #include "station/render/screen.h"
 
+struct ImFont;
+
 // The few widgets of the student's window, large, for keyboard or mouse, on Dear ImGui.
 namespace enamel::station::desk {
 
@@ -84,7 +86,7 @@ class Ui {
   void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
   void Indent();  // the next button, as the words of a Line
-  // The next button begins beside the last, where the page has room for it.
+  // The next button begins beside the last, where the page has room for it and nothing is between.
   void SameLine() { beside_ = true; }
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
@@ -153,6 +155,8 @@ class Ui {
   void ReadKeys();
   void Enter(const std::string& name);
   void Say(const std::string& text);
+  // In lines of at most so many pixels.
+  static std::string Lines(const ImFont& font, std::string_view text, float width);
 
   render::Screen& screen_;
   std::string page_, shown_page_, wanted_, words_, shown_words_;

@@ -24,10 +24,11 @@ float Ui::HeightOf(const Card& card, float width) const {
                           ? 0
                           : near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str()).x +
                                 kRightGap * px();
-  float height = text->CalcTextSizeA(text->FontSize, FLT_MAX, wrap - right, card.title.c_str()).y;
-  for (const std::string& line : card.lines) {
-    height += near->CalcTextSizeA(near->FontSize, FLT_MAX, wrap, line.c_str()).y + 3 * px();
-  }
+  auto height_of = [](const ImFont& font, const std::string& words, float width) {
+    return font.CalcTextSizeA(font.FontSize, FLT_MAX, width, Lines(font, words, width).c_str()).y;
+  };
+  float height = height_of(*text, card.title, wrap - right);
+  for (const std::string& line : card.lines) height += height_of(*near, line, wrap) + 3 * px();
   return std::max(height, kCardPicture * px()) + 2 * kCardInset * px();
 }
 
@@ -62,13 +63,15 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
     list->AddText(near, near->FontSize, {end - size.x, y}, plain, card.right.c_str());
     end -= size.x + kRightGap * px();
   }
-  list->AddText(text, text->FontSize, {x, y}, plain, card.title.c_str(), nullptr, end - x);
-  y += text->CalcTextSizeA(text->FontSize, FLT_MAX, end - x, card.title.c_str()).y;
-  const float wrap = hi.x - inset - x;
+  auto write = [&](const ImFont* font, ImU32 colour, const std::string& words, float width) {
+    const std::string lines = Lines(*font, words, width);
+    list->AddText(font, font->FontSize, {x, y}, colour, lines.c_str(), nullptr, width);
+    y += font->CalcTextSizeA(font->FontSize, FLT_MAX, width, lines.c_str()).y;
+  };
+  write(text, plain, card.title, end - x);
   for (const std::string& line : card.lines) {
     y += 3 * px();
-    list->AddText(near, near->FontSize, {x, y}, quiet, line.c_str(), nullptr, wrap);
-    y += near->CalcTextSizeA(near->FontSize, FLT_MAX, wrap, line.c_str()).y;
+    write(near, quiet, line, hi.x - inset - x);
   }
   return chosen || focus.chosen;
 }

@@ -176,8 +176,9 @@ float DrawWarnings(const PanelContent& content, const Words& words, const Fonts&
   ImGui::PushFont(large.y > kWarningsHeight * height ? fonts.text : fonts.far);
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
-  // This warning is no cause for alarm, if it is alone.
-  bool calm = content.fault.empty() && content.state.warnings == kWarnResumed;
+  // These are no cause for alarm: nothing is lost, and cutting continues.
+  constexpr uint32_t kNoAlarm = kWarnResumed | kWarnOffline;
+  const bool calm = content.fault.empty() && (content.state.warnings & ~kNoAlarm) == 0;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
   ImGui::PushTextWrapPos(wrap);
@@ -232,10 +233,19 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
 
 // On its own background, because roots and a neighbour's crown reach down to it. Begins at the height
 // that is returned.
-float DrawHint(const std::string& hint, const Fonts& fonts, float width, float height, float px) {
-  if (hint.empty()) return height;
-  const float size = fonts.near->FontSize, wrap = width - 2 * kMargin_px * px;
-  const ImVec2 text = fonts.near->CalcTextSizeA(size, 1e6f, wrap, hint.c_str());
+float DrawHint(const std::string& spaced, const Fonts& fonts, float width, float height, float px) {
+  if (spaced.empty()) return height;
+  const std::string hint = Unbroken(spaced);
+  const float size = fonts.near->FontSize, widest = width - 2 * kMargin_px * px;
+  auto size_of = [&](float wrap) {
+    return fonts.near->CalcTextSizeA(size, FLT_MAX, wrap, hint.c_str());
+  };
+  // Lines of about the same length: a last one of two words would look forgotten.
+  const float lines = std::round(size_of(widest).y / size), step = 0.02f * widest;
+  float wrap = std::max(size_of(0).x / lines, step);
+  while (wrap < widest && size_of(wrap).y > size_of(widest).y) wrap += step;
+  wrap = std::min(wrap + step, widest);
+  const ImVec2 text = size_of(wrap);
   const ImVec2 at{kMargin_px * px, height - kMargin_px * px - text.y};
   ImDrawList* list = ImGui::GetForegroundDrawList();
   list->AddRectFilled({at.x - 12 * px, at.y - 6 * px},
@@ -268,6 +278,17 @@ Bearing BearingOf(const Reach::Leeway& leeway) {
 Bearing BearingOfPulp(double left_mm) {
   if (left_mm < kPulpThin_mm) return Bearing::kBad;
   return left_mm < 2 * kPulpThin_mm ? Bearing::kCareful : Bearing::kGood;
+}
+
+std::string Unbroken(const std::string& hint) {
+  constexpr char kNoBreakSpace[] = "\u00a0";
+  std::string out;
+  for (size_t i = 0; i < hint.size(); ++i) {
+    const bool part = hint[i] == ' ' && i > 0 && i + 1 < hint.size();
+    const bool single = part && hint[i - 1] != ' ' && hint[i + 1] != ' ';
+    out += single ? kNoBreakSpace : std::string(1, hint[i]);
+  }
+  return out;
 }
 
 std::string TimerText(double seconds) {

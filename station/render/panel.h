@@ -69,6 +69,9 @@ void HideProgress(PanelContent& content);
 void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
                int height);
 
+// A hint whose lines break only where several spaces part two keys: a key and what it does stay
+// together.
+std::string Unbroken(const std::string& hint);
 // "3:07"; hours only when there are any. Negative counts as 0.
 std::string TimerText(double seconds);
 // Each warning as a sentence for the person at the chair, one line each; empty for none.

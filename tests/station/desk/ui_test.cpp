@@ -306,6 +306,26 @@ TEST_F(UiTest, NoButtonLeavesThePage) {
   for (const Choice& choice : ui_->choices()) EXPECT_LE(choice.at.x1, 0.9f * 640) << choice.label;
 }
 
+// The languages of the first page stood to the right of its column.
+TEST_F(UiTest, AButtonThatIsMissingMovesNoLaterOne) {
+  auto page = [&] {
+    ui_->Begin("page");
+    (void)ui_->Button("Sign in");
+    ui_->SameLine();
+    ui_->Gap();
+    (void)ui_->Button("English");
+    ui_->SameLine();
+    ui_->Text("Wrong password");
+    (void)ui_->Button("Deutsch");
+    ui_->End();
+  };
+  Play(page);
+  ASSERT_EQ(ui_->choices().size(), 3u);
+  for (const Choice& choice : ui_->choices()) {
+    EXPECT_EQ(choice.at.x0, ui_->choices()[0].at.x0) << choice.label;
+  }
+}
+
 TEST_F(UiTest, ArrowsMoveAmongCardsAsTheyAreSeen) {
   const std::vector<Card> cards(5, {"Crown", {"of a tooth"}, "", {}});
   std::vector<size_t> chosen;

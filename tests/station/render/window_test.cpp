@@ -195,6 +195,11 @@ TEST_F(WindowTest, ShowsAGhostWhereTheHandIsWhenItLeavesTheBur) {
   EXPECT_GT(Screenshot(window).Count(IsSteel), together + together / 4);
 }
 
+TEST(PanelTest, AKeyAndWhatItDoesStayInOneLineOfTheHint) {
+  EXPECT_EQ(Unbroken("M: mirror   Ctrl + mouse: move  "),
+            "M:\u00a0mirror   Ctrl\u00a0+\u00a0mouse:\u00a0move  ");
+}
+
 TEST(PanelTest, WhileNothingIsStoredNoProgressIsShown) {
   PanelContent content;
   content.state.time_s = 12;

@@ -1,0 +1,38 @@
+#include "station/desk/lines.h"
+
+#include <gtest/gtest.h>
+
+namespace enamel::station::desk {
+namespace {
+
+// Each letter is one wide, a Chinese one two.
+std::string In(float width, std::string_view text) {
+  return InLines(text, width, [](uint32_t code) { return code < 0x2E80 ? 1.0F : 2.0F; });
+}
+
+TEST(LinesTest, EndAtSpaces) {
+  EXPECT_EQ(In(11, "Cut further there."), "Cut further\nthere.");
+  EXPECT_EQ(In(10, "Cut further there."), "Cut\nfurther\nthere.");
+  EXPECT_EQ(In(100, "Cut further there."), "Cut further there.");
+  EXPECT_EQ(In(4, "one\ntwo three"), "one\ntwo\nthree");
+}
+
+// Dear ImGui breaks after a full stop: "82." and "0 %" were in two lines.
+TEST(LinesTest, KeepAFigureAndItsUnitTogether) {
+  EXPECT_EQ(In(16, "full marks from 82.0 %, none"), "full marks from\n82.0 %, none");
+  EXPECT_EQ(In(20, "full marks from 82,0 %, none"), "full marks from\n82,0 %, none");
+}
+
+TEST(LinesTest, OfChineseEndBetweenLettersAndNotBeforeAMark) {
+  EXPECT_EQ(In(8, "请换一台设备"), "请换一台\n设备");
+  EXPECT_EQ(In(8, "请换一台。设"), "请换一\n台。设");
+  EXPECT_EQ(In(8, "深（一二三）"), "深（一二\n三）");
+}
+
+TEST(LinesTest, WithoutAPlaceToBreakStayLong) {
+  EXPECT_EQ(In(5, "/var/lib/enamel/spool"), "/var/lib/enamel/spool");
+  EXPECT_EQ(In(5, ""), "");
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
