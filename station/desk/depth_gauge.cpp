@@ -6,10 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "station/render/panel.h"
+
 namespace enamel::station::desk {
 namespace {
 
-constexpr ImU32 kFigure = IM_COL32(255, 255, 255, 255), kBehind = IM_COL32(16, 18, 21, 190);
+constexpr ImU32 kFigure = IM_COL32(255, 255, 255, 255), kBehind = IM_COL32(16, 18, 21, 190),
+                kWarning = IM_COL32(0, 0, 0, 255);
 
 }  // namespace
 
@@ -54,23 +57,34 @@ std::string DepthGauge::Text(const language::Words& words, double depth_m) const
                                             step_mm < 0.1 ? 2 : 1)}});
 }
 
-void WriteBeside(const dvec3& point_m, const std::string& text, const render::Camera& camera,
-                 const render::Fonts& fonts, int width, int height) {
+void WriteBeside(const dvec3& point_m, const std::string& figure, const std::string& warning,
+                 const render::Camera& camera, const render::Fonts& fonts, int width, int height) {
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   const glm::vec4 clip =
       camera.ClipFromView(w / h) * camera.ViewFromScene() * glm::vec4(glm::vec3(point_m * 1e3), 1);
   if (clip.w <= 0 || std::abs(clip.x) > clip.w || std::abs(clip.y) > clip.w) return;
   const ImFont* font = fonts.text;
   const float aside = 36 * fonts.scale, edge = 6 * fonts.scale;
-  const ImVec2 size = font->CalcTextSizeA(font->FontSize, w, 0, text.c_str());
   // Right of the bur and below its tip: the bur itself is above it.
   ImVec2 at{0.5f * w * (1 + clip.x / clip.w) + aside, 0.5f * h * (1 - clip.y / clip.w) + edge};
-  at.x = std::min(at.x, w - size.x - 2 * edge);
-  at.y = std::min(at.y, h - size.y - 2 * edge);
+  // In words on yellow: no colour needs to be told apart, and nothing flashes.
+  const auto [r, g, b] = render::ColourOf(render::Bearing::kCareful);
+  const struct {
+    const std::string& text;
+    ImU32 colour, behind;
+  } lines[] = {{figure, kFigure, kBehind},
+               {warning, kWarning, ImGui::ColorConvertFloat4ToU32({r, g, b, 1})}};
   ImDrawList* list = ImGui::GetBackgroundDrawList();
-  list->AddRectFilled({at.x - edge, at.y - edge}, {at.x + size.x + edge, at.y + size.y + edge},
-                      kBehind, edge);
-  list->AddText(font, font->FontSize, at, kFigure, text.c_str());
+  for (const auto& line : lines) {
+    if (line.text.empty()) continue;
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, w, 0, line.text.c_str());
+    at.x = std::min(at.x, w - size.x - 2 * edge);
+    at.y = std::min(at.y, h - size.y - 2 * edge);
+    list->AddRectFilled({at.x - edge, at.y - edge}, {at.x + size.x + edge, at.y + size.y + edge},
+                        line.behind, edge);
+    list->AddText(font, font->FontSize, at, line.colour, line.text.c_str());
+    at.y += size.y + 3 * edge;
+  }
 }
 
 }  // namespace enamel::station::desk

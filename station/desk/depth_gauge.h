@@ -35,9 +35,10 @@ class DepthGauge {
   const cutting::Volume& initial_;
 };
 
-// Writes beside a point of the scene, in the current ImGui frame of a picture of this size; nothing
-// where the picture does not have it.
-void WriteBeside(const dvec3& point_m, const std::string& text, const render::Camera& camera,
-                 const render::Fonts& fonts, int width, int height);
+// Writes beside a point of the scene, in the current ImGui frame of a picture of this size: a
+// figure, and below it a warning. Either may be empty. Nothing where the picture does not have the
+// point.
+void WriteBeside(const dvec3& point_m, const std::string& figure, const std::string& warning,
+                 const render::Camera& camera, const render::Fonts& fonts, int width, int height);
 
 }  // namespace enamel::station::desk

@@ -155,6 +155,7 @@ class Desk {
 
   // The tooth, if there is one to cut; null: none.
   const render::Target* Picture(double dt_s) {
+    warned_ = {};
     if (flow_.place() == Place::kLoss) return LossPicture(dt_s);
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.cutting() && attempt != nullptr;
@@ -172,7 +173,11 @@ class Desk {
     attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
-    if (depth_ && MayShowProgress(attempt->prepared())) attempt->WriteDepth(flow_.words(), screen_);
+    // As the bars: a student who saw or heard a warning would cut to it.
+    if (MayShowProgress(attempt->prepared())) {
+      warned_ = attempt->warned();
+      attempt->WriteBesideBur(flow_.words(), screen_, depth_, warned_);
+    }
     return &attempt->view().result();
   }
 
@@ -271,9 +276,7 @@ class Desk {
       speaker_->Warn(sound::Hazard::kPulp, 0);
       return speaker_->Set(0, 0);
     }
-    // As the bars: a student who heard it would cut to the tone.
-    const Warned warned = MayShowProgress(attempt->prepared()) ? attempt->warned() : Warned{};
-    speaker_->Warn(warned.about, warned.nearness);
+    speaker_->Warn(warned_.about, warned_.nearness);
     // The voice gets a share of the peak force, so that it sounds the same on weak and strong
     // devices.
     double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;
@@ -301,6 +304,7 @@ class Desk {
   std::optional<sound::Speaker> speaker_;
   bool panel_ = false;
   bool outline_ = true, depth_ = true;  // shown, as last chosen
+  Warned warned_;                       // of this frame; nothing where it may not be shown
   Clock::time_point last_ = Clock::now();
 };
 

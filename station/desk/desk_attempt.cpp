@@ -122,13 +122,13 @@ Warned DeskAttempt::warned() const {
   return nearness_->Near(now.anchor);
 }
 
-void DeskAttempt::WriteDepth(const language::Words& words, const Screen& screen) const {
+void DeskAttempt::WriteBesideBur(const language::Words& words, const Screen& screen, bool depth,
+                                 const Warned& warned) const {
   if (!view_->has_state()) return;
   const dvec3& tip_m = view_->state().anchor.tip_m;
-  const std::optional<double> depth_m = gauge_->Depth_m(tip_m);
-  if (!depth_m) return;
-  WriteBeside(tip_m, gauge_->Text(words, *depth_m), view_->camera(), screen.fonts(), screen.width(),
-              screen.height());
+  const std::optional<double> depth_m = depth ? gauge_->Depth_m(tip_m) : std::nullopt;
+  WriteBeside(tip_m, depth_m ? gauge_->Text(words, *depth_m) : "", NearText(words, warned),
+              view_->camera(), screen.fonts(), screen.width(), screen.height());
 }
 
 bool DeskAttempt::drawn() {
@@ -157,6 +157,8 @@ void DeskAttempt::Rehearse(int cpu) {
   } else {
     core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume.Packed());
   }
+  // To the one before, the gap that this begins with would be a recording that stalled.
+  feed_ = std::make_unique<TickFeed>(*view_, prepared_.voxel_m(), prepared_.header.params.rate_hz);
   rehearsal_ = std::make_unique<UnrecordedRun>(std::move(core), prepared_, *held_, OptionsFor(cpu));
 }
 

@@ -48,8 +48,10 @@ class DeskAttempt {
   render::Reach reach() const { return reach_->reach(); }
   // What the turning bur is near to; nothing while it rests.
   Warned warned() const;
-  // Writes how deep the bur's tip is beside it, where it is under the uncut surface.
-  void WriteDepth(const language::Words& words, const render::Screen& screen) const;
+  // Writes beside the bur's tip: where it is under the uncut surface and `depth` is wanted, how
+  // deep; and the warning, if there is one.
+  void WriteBesideBur(const language::Words& words, const render::Screen& screen, bool depth,
+                      const Warned& warned) const;
 
   // Shows the target's outline on the tooth once it is computed.
   void ShowOutline(bool shown) { view_->ShowOutline(shown); }

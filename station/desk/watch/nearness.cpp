@@ -114,4 +114,13 @@ Warned NearnessWatch::Near(const cutting::Pose& pose) const {
   return most;
 }
 
+std::string NearText(const language::Words& words, const Warned& warned) {
+  if (warned.nearness <= 0) return {};
+  const bool pulp = warned.about == sound::Hazard::kPulp;
+  const double away_m = (1 - warned.nearness) * (pulp ? kWarnPulp_m : kWarnNeighbour_m);
+  // Known to half a voxel, which is some hundredths of a millimetre.
+  return words.Say(pulp ? "near.pulp" : "near.neighbour",
+                   {{"distance", words.Decimal(1e3 * away_m, 1)}});
+}
+
 }  // namespace enamel::station::desk

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 #include <vector>
 
 #include "common/cutting/profile.h"
 #include "common/cutting/volume.h"
+#include "common/language/words.h"
 #include "station/render/panel.h"
 #include "station/sound/warning_tone.h"
 
@@ -20,6 +22,9 @@ struct Warned {
   sound::Hazard about = sound::Hazard::kPulp;
   double nearness = 0;  // 0: not near; 1: touching
 };
+
+// The warning for those who do not hear its tone: "Pulp: 0.3 mm away". Empty: nothing is near.
+std::string NearText(const language::Words& words, const Warned& warned);
 
 // How near the bur's cutting part comes to the pulp and to adjacent teeth, as they were before the
 // first cut. Known to half a voxel, in the direction of a warning: a pulp's surface runs between

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/scene/builtin/builtin.h"
+#include "tests/station/desk/english.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -82,6 +83,13 @@ TEST_F(NearnessTest, MeasuresTheBurAsItIsTilted) {
   // On its side, its shank end toward the adjacent tooth: 3 mm to the right, 0.2 mm from it.
   pose.orientation = Quat{0, std::sqrt(0.5), 0, std::sqrt(0.5)};
   EXPECT_NEAR(watch.Near(pose).nearness, 1 - 0.2 / 0.3, 0.03);
+}
+
+TEST(NearTextTest, IsForThoseWhoDoNotHearTheTone) {
+  EXPECT_EQ(NearText(kEnglish, {Hazard::kPulp, 0}), "");
+  EXPECT_EQ(NearText(kEnglish, {Hazard::kPulp, 0.4}), "Pulp: 0.3 mm away");
+  EXPECT_EQ(NearText(kEnglish, {Hazard::kNeighbour, 1.0 / 3}), "Adjacent tooth: 0.2 mm away");
+  EXPECT_EQ(NearText(kEnglish, {Hazard::kPulp, 1}), "Pulp: 0.0 mm away");
 }
 
 TEST_F(NearnessTest, NothingIsNearBeforeTheSurfacesAreFound) {
