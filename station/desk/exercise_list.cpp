@@ -138,8 +138,9 @@ std::vector<Pages::Section> Pages::Sections(bool grouped) {
   };
   for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
     const SpooledAttempt& attempt = flow_.cut_off()[i];
-    add_attempt(attempt, "exercises.cut_off", CutOffText(words, attempt, now), "exercises.go_on",
-                [this, i] { flow_.OpenCutOff(i); });
+    add_attempt(attempt, "exercises.cut_off",
+                CutOffText(words, attempt, flow_.DeviceNamed(attempt.profile), now),
+                "exercises.go_on", [this, i] { flow_.OpenCutOff(i); });
   }
   if (grouped) {
     for (const ListGroup group : kListGroups) {
@@ -154,8 +155,9 @@ std::vector<Pages::Section> Pages::Sections(bool grouped) {
   // They are done, whatever the list is.
   for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
     const SpooledAttempt& attempt = flow_.handed_in()[i];
-    add_attempt(attempt, "exercises.result", HandedInText(words, attempt, now), "exercises.look",
-                [this, i] { flow_.OpenHandedIn(i); });
+    add_attempt(attempt, "exercises.result",
+                HandedInText(words, attempt, flow_.DeviceNamed(attempt.profile), now),
+                "exercises.look", [this, i] { flow_.OpenHandedIn(i); });
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/scene/builtin/builtin.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -85,7 +86,7 @@ Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now
 
 std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
                            int64_t now_unix_ms) {
-  if (!exercise.refusal.empty()) return exercise.refusal;
+  if (!exercise.refusal.empty()) return RefusalText(words, exercise, now_unix_ms);
   std::string due, left;
   if (exercise.due_unix_ms > 0) {
     const int64_t span_ms = exercise.due_unix_ms - now_unix_ms;
@@ -104,24 +105,57 @@ std::string AssignmentText(const Words& words, const Catalogue::Exercise& exerci
   return due.empty() ? left : due;
 }
 
-std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
+std::string DeviceText(const Words& words, std::string_view profile,
+                       std::span<const Catalogue::Profile> profiles) {
+  // Its title is the server's, in English.
+  if (profile == "pointer") return words.Say("device.no_force");
+  const auto listed = std::ranges::find(profiles, profile, &Catalogue::Profile::name);
+  if (listed != profiles.end()) return listed->title;
+  // Without the server.
+  for (const scene::DeviceProfile& known : scene::BuiltinProfiles()) {
+    if (known.name == profile) return known.title;
+  }
+  return std::string(profile);
+}
+
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, const std::string& device,
+                       int64_t now_unix_ms) {
   return words.Say("cut_off.text",
                    {{"count", int64_t{attempt.chunks}},
-                    {"profile", attempt.profile},
+                    {"device", device},
                     {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
 }
 
-std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
-  return words.Say(attempt.complete() ? "handed_in.whole" : "handed_in.partly",
-                   {{"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)},
-                    {"profile", attempt.profile}});
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt,
+                         const std::string& device, int64_t now_unix_ms) {
+  return words.Say(
+      attempt.complete() ? "handed_in.whole" : "handed_in.partly",
+      {{"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}, {"device", device}});
 }
 
-std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms) {
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved,
+                         const std::string& device, int64_t now_unix_ms) {
   return words.Say("reserved.row",
                    {{"person", reserved.ticket.person},
-                    {"profile", reserved.ticket.profile},
+                    {"device", device},
                     {"span", SpanText(words, reserved.ticket.expires_unix_ms - now_unix_ms)}});
+}
+
+// In the order in which the server looks.
+std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise,
+                        int64_t now_unix_ms) {
+  if (exercise.refusal.empty()) return {};
+  if (exercise.opens_unix_ms > now_unix_ms) {
+    return words.Say("assignment.opens", {{"date", DateText(exercise.opens_unix_ms)}});
+  }
+  const bool over = exercise.due_unix_ms > 0 && exercise.due_unix_ms < now_unix_ms;
+  if (over && !exercise.late_allowed) {
+    return words.Say("assignment.over", {{"date", DateText(exercise.due_unix_ms)}});
+  }
+  if (exercise.attempt_limit > 0 && exercise.attempts_left == 0) {
+    return words.Say("assignment.used", {{"count", int64_t{exercise.attempt_limit}}});
+  }
+  return exercise.refusal;
 }
 
 }  // namespace enamel::station::desk

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "common/language/words.h"
 #include "station/desk/ui.h"
@@ -15,12 +17,22 @@ using language::Words;
 std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
                            int64_t now_unix_ms);
 
-// An interrupted attempt: "12 parts recorded on omega3, begun 3 hours ago".
-std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// An attempt handed in: "Handed in, made 5 minutes ago on pointer".
-std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// A ticket taken in advance: "Ada on omega3, 11 hours left".
-std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms);
+// A device as people call it, for the name of its profile: "Omega 3DOF". `profiles`: the server's.
+std::string DeviceText(const Words& words, std::string_view profile,
+                       std::span<const Catalogue::Profile> profiles);
+// An interrupted attempt: "12 parts recorded, started 3 hours ago; device: Omega 3DOF".
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, const std::string& device,
+                       int64_t now_unix_ms);
+// An attempt handed in: "Handed in, made 5 minutes ago; device: Omega 3DOF".
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt,
+                         const std::string& device, int64_t now_unix_ms);
+// A ticket taken in advance: "Ada, 11 hours left; device: Omega 3DOF".
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved,
+                         const std::string& device, int64_t now_unix_ms);
+// Why an attempt at this exercise cannot be begun now; empty: it can. In the server's words where
+// the window has none.
+std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise,
+                        int64_t now_unix_ms);
 
 // Which tooth and side it is: "Tooth 46, occlusal, with caries". Empty: no tooth, or not known.
 std::string PlaceText(const Words& words, const Catalogue::Exercise& exercise);

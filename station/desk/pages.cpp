@@ -233,7 +233,8 @@ void Pages::Exercise() {
   const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(WordedTitle(flow_.words(), ref.title));
   if (ref.exam) ui_.Note(Say(ref.sign_off ? "exercise.exam_signed" : "exercise.exam"));
-  ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
+  ui_.Problem(flow_.problem().empty() ? RefusalText(flow_.words(), ref, UnixMs())
+                                      : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();
   ui_.BeginList("facts");
@@ -286,17 +287,17 @@ void Pages::ExerciseChoices(bool prepared) {
   ui_.SameLine();
   // An exam needs the server at its start; an attempt kept for later is kept already.
   if (flow_.way() == Way::kTicket && !flow_.chosen().exam) {
-    if (ui_.Button(Say("exercise.keep"), Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
+    if (ui_.Button(Say("exercise.keep"), Ui::Look::kSmall, ready)) flow_.Open(Dialog::kReserve);
     ui_.SameLine();
   }
-  if (ui_.Button(Say("warm_up.try"), Ui::Look::kPlain, prepared && has_device && !flow_.busy())) {
+  if (ui_.Button(Say("warm_up.try"), Ui::Look::kSmall, prepared && has_device && !flow_.busy())) {
     flow_.TryDevice();
   }
   ui_.SameLine();
-  if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kPlain, !flow_.busy()))
+  if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kSmall, !flow_.busy()))
     flow_.LookForDevices();
   ui_.SameLine();
-  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.Back();
+  if (ui_.Button(Say("exercise.back"), Ui::Look::kSmall) || ui_.escape()) flow_.Back();
 }
 
 void Pages::Reserved() {
@@ -308,9 +309,10 @@ void Pages::Reserved() {
   ui_.BeginList("reserved");
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
-    if (ui_.Row(WordedTitle(flow_.words(), all[i].ticket.title),
-                ReservedText(flow_.words(), all[i], UnixMs()),
-                all[i].cut_off ? Say("exercises.go_on") : "")) {
+    if (ui_.Row(
+            WordedTitle(flow_.words(), all[i].ticket.title),
+            ReservedText(flow_.words(), all[i], flow_.DeviceNamed(all[i].ticket.profile), UnixMs()),
+            all[i].cut_off ? Say("exercises.go_on") : "")) {
       flow_.AskPin(i);
     }
   }
@@ -384,7 +386,8 @@ void Pages::AskCutOff() {
   // Without a chunk there is no seal, and so nothing to hand in.
   bool recorded = attempt.chunks > 0;
   ui_.Text(Say(recorded ? "cut_off.some" : "cut_off.nothing",
-               {{"text", CutOffText(flow_.words(), attempt, UnixMs())}}));
+               {{"text", CutOffText(flow_.words(), attempt, flow_.DeviceNamed(attempt.profile),
+                                    UnixMs())}}));
   ui_.Problem(flow_.problem());
   Busy();
   bool free = !flow_.busy();

@@ -15,7 +15,7 @@ inline constexpr double kWarmUp_s = 10, kWarmUpWait_s = 60;
 // and runs as that will. Needs no server. Errors: those of CompilePlan.
 Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise);
 
-// "Device tried for 10 s: no late ticks, largest force 2.1 N."
+// "Device tried for 10 s: the computer kept up, largest force 2.1 N."
 std::string WarmUpText(const language::Words& words, const UnrecordedRun::Found& found);
 
 }  // namespace enamel::station::desk

@@ -1,7 +1,12 @@
 #include "station/desk/workflow.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
+
+#include "station/desk/exercise_words.h"
+#include "station/desk/problem_words.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -10,15 +15,6 @@ using language::Words;
 
 // Few enough for one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
-
-// Problems that many people meet, in their language; others in the server's words.
-std::string ProblemText(const Words& words, const Status& status) {
-  if (status.field() == kServerAway) return words.Say("sign_in.away");
-  if (status.field() != "pin") return status.message();
-  if (status.code() == Code::kInvalidInput) return words.Say("pin.weak");
-  if (status.code() == Code::kUnauthenticated) return words.Say("pin.wrong");
-  return status.message();
-}
 
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
@@ -56,6 +52,8 @@ void Workflow::Fail(const Status& status) {
     return;
   }
   problem_ = ProblemText(words_, status);
+  // The person who looks after the station needs the figures.
+  if (problem_ != status.message()) spdlog::warn("{}", status.message());
 }
 
 // The same for a wrong password, an unknown login and a one-time password that was used: who guesses
@@ -194,6 +192,10 @@ std::string Workflow::TitleOf(const SpooledAttempt& attempt) const {
   return exercise == nullptr ? attempt.exercise : exercise->title;
 }
 
+std::string Workflow::DeviceNamed(const std::string& profile) const {
+  return DeviceText(words_, profile, catalogue_.profiles);
+}
+
 const Catalogue::Profile* Workflow::ProfileFor(const DeviceOffer& offer) const {
   auto found = std::ranges::find(catalogue_.profiles, offer.profile, &Catalogue::Profile::name);
   return found == catalogue_.profiles.end() ? nullptr : &*found;
@@ -238,7 +240,7 @@ void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
   if (way_ == Way::kTicket) return Fetch();
   if (offer_ == offers_.size()) {
-    problem_ = words_.Say("device.profile_not_here", {{"profile", profile}});
+    problem_ = words_.Say("device.profile_not_here", {{"device", DeviceNamed(profile)}});
   }
 }
 

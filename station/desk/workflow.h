@@ -111,6 +111,8 @@ class Workflow {
   const std::vector<SpooledAttempt>& cut_off() const { return cut_off_; }
   const SpooledAttempt& cut_off_chosen() const { return cut_off_[cut_off_index_]; }
   std::string TitleOf(const SpooledAttempt& attempt) const;
+  // A device as people call it, for the name of its profile.
+  std::string DeviceNamed(const std::string& profile) const;
   const Catalogue::Exercise* ExerciseOf(const SpooledAttempt& attempt) const;  // null: not listed
   // Tickets taken in advance, of all people here.
   const std::vector<ReservedAttempt>& reserved() const { return reserved_; }

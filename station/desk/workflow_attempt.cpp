@@ -2,6 +2,7 @@
 // workflow.cpp.
 #include <utility>
 
+#include "station/desk/problem_words.h"
 #include "station/desk/workflow.h"
 #include "station/loop/realtime.h"
 #include "station/sdk/open_sdk_device.h"
@@ -44,15 +45,14 @@ void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
 }
 
 void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
-  std::string assumed;
+  std::string softer;
   if (attached != nullptr) {
     // Only the opened device identifies its unit, and so its calibration.
     if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
       return Fail(used);
-    using From = scene::DelayUsed::From;
-    if (preview_->delay &&
-        (preview_->delay->from == From::kAssumed || preview_->delay->from == From::kAnswers))
-      assumed = DelayText(*preview_->delay, attached->Name()) + ".";
+    if (preview_->delay) {
+      softer = SofterText(words_, preview_->delay->from, offers_[offer_].title);
+    }
   }
   // From here on there is no preview: after a failure it is fetched again (LeaveAttemptFor).
   auto attempt = DeskAttempt::Create(std::move(*preview_), offers_[offer_], std::move(attached),
@@ -68,7 +68,7 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   ForgetResult();
   LookForStillness();
   Go(Place::kReady);
-  notice_ = assumed;
+  notice_ = softer;
 }
 
 void Workflow::LookForStillness() {
@@ -102,7 +102,8 @@ void Workflow::SignOff(const std::string& login, const std::string& pin) {
         return [this, at, s = signer.status()] {
           // Not Fail: whoever makes the attempt stays signed in, or is asked again later.
           if (!s.ok()) {
-            problem_ = s.message();
+            const bool wrong = s.code() == Code::kUnauthenticated && s.field().empty();
+            problem_ = wrong ? words_.Say("sign_off.wrong") : ProblemText(words_, s);
             return;
           }
           CloseDialog();

@@ -44,7 +44,7 @@ const char* FaultText(Fault fault) noexcept {
     case Fault::kLateOnce:
       return "the force was held too long by a busy computer: release the pedal and press it again";
     case Fault::kLateOften:
-      return "the computer is too busy for the haptic loop: close other programs, release the "
+      return "the computer is too busy for a steady force: close other programs, release the "
              "pedal "
              "and press it again";
     case Fault::kUnplugged:

@@ -160,9 +160,15 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
     prepared.delay = used;
     return Status::Ok();
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto params,
-                          scene::CompilePlan(prepared.scene, prepared.exercise, profile));
-  prepared.header.params = params;
+  const auto params = scene::CompilePlan(prepared.scene, prepared.exercise, profile);
+  if (!params.ok() && params.status().field() == "bus_delay_ticks") {
+    return Status(params.status().code(),
+                  DelayText(used, name) + ", which is too late for an attempt (" +
+                      params.status().message() + "): connect the device directly, or use another",
+                  params.status().field());
+  }
+  if (!params.ok()) return params.status();
+  prepared.header.params = *params;
   prepared.delay = used;
   using From = scene::DelayUsed::From;
   const bool unknown = used.from == From::kAssumed || used.from == From::kAnswers;

@@ -261,9 +261,10 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
 Status Workplace::MakeReady(PreparedAttempt& prepared) {
   // The window calls this when the person opens the exercise, and again when the attempt begins.
   if (prepared.lock) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(auto lock, spool_->LockForRecording());
-  ENAMEL_RETURN_IF_ERROR(spool_->ProveWritable(RoomFor(prepared)));
-  prepared.lock.emplace(std::move(lock));
+  auto lock = spool_->LockForRecording();
+  Status ready = lock.ok() ? spool_->ProveWritable(RoomFor(prepared)) : lock.status();
+  if (!ready.ok()) return Status(ready.code(), ready.message(), kRecordingHere);
+  prepared.lock.emplace(std::move(*lock));
   return Status::Ok();
 }
 

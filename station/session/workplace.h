@@ -59,6 +59,9 @@ struct WorkplaceOptions {
 // Errors of the steps: the server's refusals in its words, kUnavailable when it cannot be reached
 // (the message says what to do), kUnauthenticated when nobody is signed in.
 inline constexpr char kServerAway[] = "server_away";
+// Field of MakeReady's errors: this station cannot record now (kStorage), or another program here
+// records (kConflict).
+inline constexpr char kRecordingHere[] = "recording_here";
 
 class Workplace {
  public:

@@ -202,6 +202,7 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
                              e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
     out.exercises.back().sign_off = e.sign_off();
+    out.exercises.back().opens_unix_ms = e.opens_unix_ms();
     if (e.has_best_score()) out.exercises.back().best_score = e.best_score();
     out.exercises.back().last_remark = ShortenedText(e.last_remark(), kMaxCardRemark);
   }

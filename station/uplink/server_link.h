@@ -55,6 +55,7 @@ struct Catalogue {
     std::optional<Facts> facts = {};        // none: not read (Workplace::Describe)
     std::string last_remark = {};  // somebody else's, about this person's work; empty: none
     bool sign_off = false;         // a second person signs at the chair (SignOff)
+    int64_t opens_unix_ms = 0;     // of the assignment; 0: it is open
   };
   struct Profile {
     std::string name, title;

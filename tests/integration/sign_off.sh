@@ -76,7 +76,7 @@ type instructor
 key Enter
 type 804218
 key Enter
-see or PIN is wrong
+see Wrong login or PIN
 frames 3
 picture PICTURES/sign-off-wrong.png
 type 804217

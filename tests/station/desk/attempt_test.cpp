@@ -231,12 +231,13 @@ TEST(WarmUpTextTest, ATriedDeviceIsReportedInALine) {
   const auto text = [](uint64_t late, uint64_t faults, double turning_s) {
     return WarmUpText(kEnglish, {10'000, late, faults, turning_s, 2.14});
   };
-  EXPECT_EQ(text(0, 0, 10), "Device tried for 10 s: no late ticks, largest force 2.1 N.");
-  EXPECT_EQ(text(1, 0, 2.5), "Device tried for 2.5 s: 1 late tick, largest force 2.1 N.");
-  EXPECT_EQ(
-      text(7, 2, 10),
-      "Device tried for 10 s: 7 late ticks, largest force 2.1 N. The force was switched off 2 "
-      "times. Tell the person who looks after this station.");
+  EXPECT_EQ(text(0, 0, 10), "Device tried for 10 s: the computer kept up, largest force 2.1 N.");
+  EXPECT_EQ(text(1, 0, 2.5),
+            "Device tried for 2.5 s: the computer was late once, largest force 2.1 N.");
+  EXPECT_EQ(text(7, 2, 10),
+            "Device tried for 10 s: the computer was late 7 times, largest force 2.1 N. The force "
+            "was switched off 2 "
+            "times. Tell the person who looks after this station.");
   EXPECT_EQ(text(0, 0, 0), "The bur did not turn. Check the pedal, then try again.");
 }
 
@@ -308,6 +309,13 @@ TEST_F(DeskAttemptTest, AfterItsEndTheCutGoesOnForPracticeAndNothingOfItIsRecord
   const uint64_t ticks = recorded->ticks;
   for (int again = 0; again < 2; ++again) {
     attempt.Rehearse(-1);
+    while (attempt.newest().counters.ticks < ticks + 300) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    attempt.view().Draw(320, 240, render::kQualities[0]);
+    EXPECT_EQ(attempt.view().state().warnings & (render::kWarnGap | render::kWarnResumed),
+              uint32_t{render::kWarnResumed})
+        << "no recording has stalled";
     const uint64_t from = attempt.newest().counters.ticks;
     // More than the ring holds: it must not stop for want of a recorder.
     while (attempt.newest().counters.ticks < std::max(from, ticks) + 4300) {

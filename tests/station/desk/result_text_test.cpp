@@ -120,8 +120,39 @@ TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
   e.due_unix_ms = kNow - 2 * kMinute;
   e.attempt_limit = 0;
   EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "past due: counts as late");
-  e.refusal = "opens on Monday";
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "opens on Monday");
+}
+
+TEST(ResultTextTest, WhatCannotBeBegunSaysWhyInTheReadersLanguage) {
+  constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
+  ASSERT_EQ(setenv("TZ", "UTC", 1), 0);
+  tzset();
+  const Words german(language::Language::kGerman);
+  Catalogue::Exercise e;
+  EXPECT_EQ(RefusalText(german, e, kNow), "");
+  e.refusal = "the exam is taken at chair 4; go there";
+  EXPECT_EQ(RefusalText(german, e, kNow), e.refusal) << "which only the server knows";
+  e.attempt_limit = 3;
+  EXPECT_EQ(RefusalText(kEnglish, e, kNow),
+            "all 3 attempts are used: your instructor can excuse one, so that it does not count");
+  EXPECT_EQ(RefusalText(german, e, kNow).find("alle 3 Versuche"), 0u);
+  e.due_unix_ms = kNow - kMinute;
+  EXPECT_EQ(RefusalText(kEnglish, e, kNow),
+            "was due 1971-11-26 10:39: ask your instructor for more time");
+  e.late_allowed = true;
+  EXPECT_EQ(RefusalText(kEnglish, e, kNow).find("all 3"), 0u);
+  e.opens_unix_ms = kNow + kMinute;
+  EXPECT_EQ(RefusalText(kEnglish, e, kNow), "opens 1971-11-26 10:41: come back then");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), RefusalText(kEnglish, e, kNow));
+}
+
+TEST(ResultTextTest, ADeviceIsNamedAsPeopleCallIt) {
+  const Words german(language::Language::kGerman);
+  const std::vector<Catalogue::Profile> listed = {{"omega3", "Our Omega", {}},
+                                                  {"pointer", "Mouse, no force", {}}};
+  EXPECT_EQ(DeviceText(german, "omega3", listed), "Our Omega");
+  EXPECT_EQ(DeviceText(german, "pointer", listed), "Maus oder 3D-Maus, ohne Kraft");
+  EXPECT_EQ(DeviceText(german, "phantom_desktop", {}), "Phantom Desktop") << "without the server";
+  EXPECT_EQ(DeviceText(german, "chair_7", {}), "chair_7");
 }
 
 TEST(ResultTextTest, ExercisesOfOneTitleAreToldApart) {
@@ -151,23 +182,24 @@ TEST(ResultTextTest, ExercisesOfOneTitleAreToldApart) {
 TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
   SpooledAttempt cut;
-  cut.profile = "omega3";
   cut.chunks = 12;
   cut.created_unix_ms = kNow - 3 * 60 * kMinute;
-  EXPECT_EQ(CutOffText(kEnglish, cut, kNow), "12 parts recorded on omega3, started 3 hours ago");
+  EXPECT_EQ(CutOffText(kEnglish, cut, "Omega 3DOF", kNow),
+            "12 parts recorded, started 3 hours ago; device: Omega 3DOF");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
-  EXPECT_EQ(CutOffText(kEnglish, cut, kNow),
-            "12 parts recorded on omega3, started less than a minute ago");
-  EXPECT_EQ(HandedInText(kEnglish, cut, kNow),
-            "Not yet completely on the server; made less than a minute ago on omega3");
+  EXPECT_EQ(CutOffText(kEnglish, cut, "Omega 3DOF", kNow),
+            "12 parts recorded, started less than a minute ago; device: Omega 3DOF");
+  EXPECT_EQ(HandedInText(kEnglish, cut, "Omega 3DOF", kNow),
+            "Not all of it is on the server yet; made less than a minute ago; device: Omega 3DOF");
   cut.seal.emplace();
   cut.sealed_at_server = true;
-  EXPECT_EQ(HandedInText(kEnglish, cut, kNow), "Handed in; made less than a minute ago on omega3");
+  EXPECT_EQ(HandedInText(kEnglish, cut, "Omega 3DOF", kNow),
+            "Handed in; made less than a minute ago; device: Omega 3DOF");
   ReservedAttempt reserved;
   reserved.ticket.person = "Ada";
-  reserved.ticket.profile = "pointer";
   reserved.ticket.expires_unix_ms = kNow + kMinute;
-  EXPECT_EQ(ReservedText(kEnglish, reserved, kNow), "Ada, on pointer, 1 minute left");
+  EXPECT_EQ(ReservedText(kEnglish, reserved, "Omega 3DOF", kNow),
+            "Ada, 1 minute left; device: Omega 3DOF");
 }
 
 TEST(ResultTextTest, ABurIsToldInMillimetres) {

@@ -104,6 +104,19 @@ TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
   EXPECT_EQ(Kc(), 388);
 }
 
+TEST_F(DeviceDelayTest, ADeviceThatAnswersLaterThanAnAttemptCanBearIsRefusedByName) {
+  Keep("hid:1209:0001:SN7", 16);
+  EXPECT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  Keep("hid:1209:0001:SN7", 17);
+  const Status refused = UseDelayOf(prepared_, Attached(true), folder_);
+  EXPECT_EQ(refused.field(), "bus_delay_ticks");
+  EXPECT_EQ(refused.message().find("arm: 17 ticks of delay"), 0u) << refused.message();
+  EXPECT_NE(refused.message().find("connect the device directly"), std::string::npos);
+  // Softer than any force that a hand feels, before the core's limit.
+  prepared_.profile.damping_mn_s_per_m.value = 100;
+  EXPECT_EQ(UseDelayOf(prepared_, Attached(true), folder_).field(), "bus_delay_ticks");
+}
+
 TEST_F(DeviceDelayTest, AProfileThatSaysItWasMeasuredIsBelieved) {
   prepared_.profile.delay_measured = true;
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());

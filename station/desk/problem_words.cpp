@@ -1,0 +1,78 @@
+#include "station/desk/problem_words.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "station/session/workplace.h"
+
+namespace enamel::station::desk {
+namespace {
+
+struct Said {
+  std::optional<Code> code;  // none: any
+  std::string_view field, key;
+};
+
+constexpr Code kInvalid = Code::kInvalidInput, kConflict = Code::kConflict;
+
+constexpr std::array kSaid = {
+    Said{{}, kServerAway, "sign_in.away"},
+    Said{kInvalid, "pin", "pin.weak"},
+    Said{Code::kUnauthenticated, "pin", "pin.wrong"},
+    // Exercise and device profile (CompilePlan), with the delay of the device (UseDelayOf).
+    Said{kInvalid, "bus_delay_ticks", "problem.slow_device"},
+    Said{kInvalid, "rate_hz", "problem.slow_rate"},
+    Said{kInvalid, "coupling_mn_per_mm", "problem.device_settings"},
+    Said{kInvalid, "friction_mn", "problem.device_settings"},
+    Said{kInvalid, "coupling_un_m_per_rad", "problem.device_settings"},
+    Said{kInvalid, "friction_un_m", "problem.device_settings"},
+    Said{kInvalid, "damping_un_m_s_per_rad", "problem.device_settings"},
+    Said{kInvalid, "peak_un_m", "problem.device_settings"},
+    Said{kConflict, "board_spring", "problem.device_settings"},
+    // Exercise and scene (CompilePlan, CheckVolume).
+    Said{kInvalid, "bur", "problem.exercise"},
+    Said{kInvalid, "touch_cues", "problem.exercise"},
+    Said{kInvalid, "landmark", "problem.exercise"},
+    Said{{}, "tissues", "problem.exercise"},
+    Said{kConflict, "scene_sha256", "problem.exercise"},
+    Said{kConflict, "voxel_nm", "problem.exercise"},
+    // A resumed attempt and another device.
+    Said{kConflict, "bus_delay_ticks", "problem.other_device"},
+    Said{kConflict, "coupling_mn_per_mm", "problem.other_device"},
+    Said{kConflict, "coupling_un_m_per_rad", "problem.other_device"},
+    Said{kConflict, "hand", "problem.other_device"},
+    // What an assignment allows.
+    Said{Code::kForbidden, "hand", "problem.hand"},
+    Said{Code::kForbidden, "clock", "problem.clock"},
+    Said{Code::kForbidden, "signer", "sign_off.not_allowed"},
+    // This station.
+    Said{Code::kStorage, kRecordingHere, "problem.disk"},
+    Said{kConflict, kRecordingHere, "problem.recording_elsewhere"},
+};
+
+}  // namespace
+
+std::string ProblemText(const language::Words& words, const Status& status) {
+  const auto said = std::ranges::find_if(kSaid, [&](const Said& s) {
+    return s.field == status.field() && s.code.value_or(status.code()) == status.code();
+  });
+  return said == kSaid.end() ? status.message() : words.Say(said->key);
+}
+
+std::string SofterText(const language::Words& words, scene::DelayUsed::From from,
+                       const std::string& device) {
+  switch (from) {
+    case scene::DelayUsed::From::kAssumed:
+      return words.Say("ready.not_calibrated", {{"device", device}});
+    case scene::DelayUsed::From::kAnswers:
+      return words.Say("ready.slow_answers", {{"device", device}});
+    case scene::DelayUsed::From::kProfile:
+    case scene::DelayUsed::From::kCalibration:
+      break;
+  }
+  return {};
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "common/base/result.h"
+#include "common/language/words.h"
+#include "common/scene/delay.h"
+
+namespace enamel::station::desk {
+
+// What a person at the chair reads of a refusal: what happened, and what to do, in their language.
+// Refusals that few people meet, and reasons that a driver or the server gives, in their own words.
+std::string ProblemText(const language::Words& words, const Status& status);
+
+// Why a device's force is softer than it could be; empty: it is not.
+std::string SofterText(const language::Words& words, scene::DelayUsed::From from,
+                       const std::string& device);
+
+}  // namespace enamel::station::desk

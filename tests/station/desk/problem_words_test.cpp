@@ -1,0 +1,105 @@
+#include "station/desk/problem_words.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/delay.h"
+#include "common/scene/find_profile.h"
+#include "common/scene/plan.h"
+#include "tests/station/desk/english.h"
+
+namespace enamel::station::desk {
+namespace {
+
+// An exercise and a device that CompilePlan takes.
+class ProblemTextTest : public testing::Test {
+ protected:
+  ProblemTextTest() {
+    auto built = scene::BuildBuiltinScene("block", 500'000);
+    EXPECT_TRUE(built.ok());
+    scene_ = built->scene;
+    exercise_ = scene::ClassOneExercise(scene_, {});
+    profile_ = *scene::FindProfile("phantom_desktop");
+    EXPECT_TRUE(Plan().ok());
+  }
+  Status Plan() const { return scene::CompilePlan(scene_, exercise_, profile_).status(); }
+  // In the person's language, and not the sentence for the log.
+  void ExpectSaid(const Status& status) {
+    ASSERT_FALSE(status.ok());
+    for (language::Language language : language::kLanguages) {
+      const language::Words words(language);
+      const std::string text = ProblemText(words, status);
+      EXPECT_NE(text, status.message()) << status.field();
+      EXPECT_TRUE(all_.insert(text).second || said_ == status.field()) << text;
+    }
+    said_ = status.field();
+  }
+
+  scene::Scene scene_;
+  scene::Exercise exercise_;
+  scene::DeviceProfile profile_;
+  std::set<std::string> all_;
+  std::string said_;
+};
+
+TEST_F(ProblemTextTest, AnExerciseThatTheDeviceIsTooSlowForIsSaid) {
+  exercise_.rate_hz = 4000;
+  ExpectSaid(Plan());
+  EXPECT_EQ(ProblemText(kEnglish, Plan()),
+            "This exercise needs a faster device. Choose another device or another exercise.");
+}
+
+TEST_F(ProblemTextTest, ADeviceThatAnswersTooLateIsSaid) {
+  profile_.bus_delay_ticks.value = 17;
+  profile_.coupling_mn_per_mm.value = 5;
+  ExpectSaid(Plan());
+  const std::string said = ProblemText(kEnglish, Plan());
+  EXPECT_EQ(said.find("This device answers too slowly for a stable force"), 0u) << said;
+  profile_.damping_mn_s_per_m.value = 100;
+  const auto soft = scene::WithDelay(profile_, 1000, 17);
+  ASSERT_FALSE(soft.ok());
+  EXPECT_EQ(ProblemText(kEnglish, soft.status()), said);
+}
+
+TEST_F(ProblemTextTest, ADeviceWhoseSettingsAreNotPassiveIsSaid) {
+  profile_.coupling_mn_per_mm.value = 1'000'000;
+  ExpectSaid(Plan());
+  profile_ = *scene::FindProfile("sigma7");
+  ASSERT_TRUE(profile_.torque);
+  profile_.torque->coupling_un_m_per_rad.value = 1'000'000'000;
+  EXPECT_EQ(ProblemText(kEnglish, Plan()).find("This device’s settings"), 0u) << Plan().field();
+}
+
+TEST_F(ProblemTextTest, AnExerciseWhosePartsDoNotFitIsSaid) {
+  const scene::Exercise good = exercise_;
+  scene_.burs = {{}};
+  ExpectSaid(Plan());
+  scene_.burs.clear();
+  exercise_.target.landmark = "nowhere";
+  const std::string said = ProblemText(kEnglish, Plan());
+  EXPECT_EQ(said.find("This exercise cannot begin"), 0u) << said;
+  exercise_ = good;
+  exercise_.scene = HashSha256(AsBytes(std::string("another")));
+  EXPECT_EQ(ProblemText(kEnglish, Plan()), said) << Plan().field();
+}
+
+TEST_F(ProblemTextTest, WhatOnlyTheServerKnowsStaysInItsWords) {
+  EXPECT_EQ(ProblemText(kEnglish, Status(Code::kForbidden, "go to chair 4", "stations")),
+            "go to chair 4");
+  EXPECT_EQ(ProblemText(kEnglish, Status(Code::kUnavailable, "no", "rate_hz")), "no");
+}
+
+TEST(SofterTextTest, SaysWhyAForceIsSofterAndThatOneMayBegin) {
+  using From = scene::DelayUsed::From;
+  EXPECT_EQ(SofterText(kEnglish, From::kProfile, "Arm"), "");
+  EXPECT_EQ(SofterText(kEnglish, From::kCalibration, "Arm"), "");
+  EXPECT_EQ(SofterText(kEnglish, From::kAssumed, "Arm"),
+            "Arm was not calibrated on this station, so its force is softer than it could be. You "
+            "can begin. The person who looks after this station can calibrate it.");
+  EXPECT_EQ(SofterText(kEnglish, From::kAnswers, "Arm").find("Arm answers more slowly"), 0u);
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
