@@ -325,7 +325,10 @@ void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px
 
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
-  const bool small = look == Look::kSmall;
+  // In the small letters, too, where the page has no room for the large ones.
+  const ImFont* far = fonts().far;
+  const float large = far->CalcTextSizeA(far->FontSize, FLT_MAX, 0, label.c_str()).x + 60 * px();
+  const bool small = look == Look::kSmall || large > ImGui::GetContentRegionAvail().x;
   ImGui::PushFont(small ? fonts().text : fonts().far);
   PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
   const float padding = (small ? 18 : 30) * px(), apart = 28 * px();

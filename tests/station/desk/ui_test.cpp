@@ -306,6 +306,21 @@ TEST_F(UiTest, NoButtonLeavesThePage) {
   for (const Choice& choice : ui_->choices()) EXPECT_LE(choice.at.x1, 0.9f * 640) << choice.label;
 }
 
+// On a result at 900 x 600 it was cut off: "An diesem Zahn weiterüben".
+TEST_F(UiTest, AButtonThatIsTooLongHasSmallerLetters) {
+  auto page = [&] {
+    ui_->Begin("page", {0.02f, 0.04f, 0.34f, 0.5f, false});
+    (void)ui_->Button("Continue");
+    (void)ui_->Button("Continue this cut here");
+    ui_->End();
+  };
+  Play(page);
+  ASSERT_EQ(ui_->choices().size(), 2u);
+  for (const Choice& choice : ui_->choices()) EXPECT_LE(choice.at.x1, 0.36f * 640) << choice.label;
+  auto height = [&](size_t i) { return ui_->choices()[i].at.y1 - ui_->choices()[i].at.y0; };
+  EXPECT_LT(height(1), height(0));
+}
+
 // The languages of the first page stood to the right of its column.
 TEST_F(UiTest, AButtonThatIsMissingMovesNoLaterOne) {
   auto page = [&] {
