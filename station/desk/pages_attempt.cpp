@@ -117,7 +117,7 @@ void Pages::HandIn() {
   ui_.Problem(flow_.problem());
   if (!problem.ok() && flow_.busy()) {
     // Still retrying: until then somebody can free space.
-    ui_.Problem(Say("hand_in.cannot_store", {{"reason", problem.message()}}));
+    ui_.Problem(Say("hand_in.cannot_store"));
     if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
     ui_.Problem(Say(IsDamaged(up.problem) ? "hand_in.damaged" : "hand_in.refused",
@@ -226,12 +226,16 @@ void Pages::Result() {
 }
 
 void Pages::ResultChoices() {
-  if (ui_.Button(Say("result.another"), Ui::Look::kMain)) return flow_.AnotherTry();
-  ui_.SameLine();
-  if (flow_.may_go_on() && ui_.Button(Say("result.go_on"))) return flow_.GoOnForPractice();
+  const bool again = flow_.may_try_again();
+  if (again && ui_.Button(Say("result.another"), Ui::Look::kMain)) return flow_.AnotherTry();
   ui_.SameLine();
   // Small: above them are the points, which people come for.
-  if (ui_.Button(Say("result.exercises"), Ui::Look::kSmall) || ui_.escape()) {
+  if (flow_.may_go_on() && ui_.Button(Say("result.go_on"), Ui::Look::kSmall)) {
+    return flow_.GoOnForPractice();
+  }
+  ui_.SameLine();
+  if (ui_.Button(Say("result.exercises"), again ? Ui::Look::kSmall : Ui::Look::kMain) ||
+      ui_.escape()) {
     return flow_.ToExercises();
   }
   ui_.SameLine();

@@ -446,8 +446,7 @@ bool Ui::Field(const std::string& label, std::string& text, bool secret) {
 }
 
 void Ui::Bar(const std::string& label, double share) {
-  Say(label);
-  if (!label.empty()) ImGui::TextUnformatted(label.c_str());
+  if (!label.empty()) Text(label);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kMain);
   ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {-1, 34 * px()}, "");
   ImGui::PopStyleColor();

@@ -151,6 +151,8 @@ class Workflow {
   // Of kLoss: what it shows. The loss is one of the score's.
   LossView* loss() { return loss_.get(); }
   const Loss& loss_shown() const { return loss_shown_; }
+  // Its exercise has attempts left, as far as this station knows.
+  bool may_try_again() const;
   bool marked_as_reference() const { return marked_; }
   // Refused as reference, but allowed with a reason.
   bool reference_needs_reason() const { return needs_reason_; }

@@ -175,7 +175,8 @@ void Workflow::EndAttempt() {
     return [this, s = seal.status()] {
       joined_ = true;
       recorded_ = s.ok();
-      if (!s.ok()) Fail(s);
+      // The log has the reason, and how to repair it.
+      if (!s.ok()) problem_ = words_.Say("hand_in.end_lost");
     };
   });
 }

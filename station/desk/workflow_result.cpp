@@ -46,6 +46,13 @@ void Workflow::LeaveLoss() {
   Go(Place::kResult);
 }
 
+bool Workflow::may_try_again() const {
+  if (chosen_.attempt_limit == 0) return true;
+  // As of before this attempt.
+  const uint32_t used = attempt_ && way_ == Way::kTicket ? 1 : 0;
+  return chosen_.attempts_left > used;
+}
+
 bool Workflow::may_go_on() const {
   const bool ended = attempt_ && attempt_->run() && joined_ && recorded_;
   // A simulated hand has finished.

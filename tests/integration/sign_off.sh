@@ -98,6 +98,11 @@ type 804217
 key Enter
 page result
 see Handed in
+# There is no attempt left to try again with: the focus is at the exercises.
+frames 2
+key Enter
+page exercises
+see the only attempt is used
 EOF
 [ "$(by_page signatures "$attempt")" = "Demo instructor, Demo instructor" ] || fail "signed by $(by_page signatures "$attempt")"
 

@@ -62,6 +62,7 @@ class LayoutTest : public testing::TestWithParam<Size> {
 
   void ExpectPanel();
   void ExpectCards();
+  void ExpectBar();
 
   render::VirtualDisplay display_;
   std::optional<render::Screen> screen_;
@@ -175,6 +176,7 @@ std::string WorstScore() {
 TEST_P(PagesLayoutTest, ShowsAllWords) {
   ExpectPanel();
   ExpectCards();
+  ExpectBar();
   server_->SetPageUrl("https://enamel.dental-school.example.edu/enamel");
   for (Language language : languages()) {
     flow_->Speak(language);
@@ -340,6 +342,20 @@ void LayoutTest::ExpectCards() {
         ui_->EndFrame();
       });
     }
+  }
+}
+
+// While the end of a recording is not stored.
+void LayoutTest::ExpectBar() {
+  for (Language language : languages()) {
+    const Words words(language);
+    Expect("bar, " + std::string(NameOf(language)), [&] {
+      ui_->Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
+      ui_->Bar(words.Say("hand_in.parts_without_end", {{"done", 120}, {"count", 275}}), 0.5);
+      ui_->Problem(words.Say("hand_in.cannot_store"));
+      ui_->End();
+      ui_->EndFrame();
+    });
   }
 }
 
