@@ -67,7 +67,7 @@ void WriteBeside(const dvec3& point_m, const std::string& figure, const std::str
   const float aside = 36 * fonts.scale, edge = 6 * fonts.scale;
   // Right of the bur and below its tip: the bur itself is above it.
   ImVec2 at{0.5f * w * (1 + clip.x / clip.w) + aside, 0.5f * h * (1 - clip.y / clip.w) + edge};
-  // In words on yellow: no colour needs to be told apart, and nothing flashes.
+  // In words on yellow: no two colours need to differ, and nothing flashes.
   const auto [r, g, b] = render::ColourOf(render::Bearing::kCareful);
   const struct {
     const std::string& text;

@@ -61,7 +61,7 @@ class DeskAttempt {
   // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
   // Starts ticking with nothing recorded: to try the device (warm_up.h), or, once the attempt's
-  // Join or the rehearsal's End has returned, to go on with the tooth as it was left.
+  // Join or the rehearsal's End has returned, to continue with the tooth as it was left.
   void Rehearse(int cpu);
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }

@@ -8,7 +8,7 @@
 
 namespace enamel::station::desk {
 
-// What a person at the chair reads of a refusal: what happened, and what to do, in their language.
+// A refusal as a person at the chair reads it, in their language: the event, then the remedy.
 // Refusals that few people meet, and reasons that a driver or the server gives, in their own words.
 std::string ProblemText(const language::Words& words, const Status& status);
 

@@ -202,7 +202,7 @@ class Workflow {
   // score(), with a place.
   void ShowLoss(const Loss& loss);
   void LeaveLoss();  // to the result
-  // The cut goes on from where the attempt left it, for practice only: for whoever sees progress.
+  // Continues the cut where the attempt left it, for practice only: for whoever sees progress.
   bool may_go_on() const;
   void GoOnForPractice();
   void EndPractice();  // to the result

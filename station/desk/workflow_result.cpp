@@ -48,7 +48,7 @@ void Workflow::LeaveLoss() {
 
 bool Workflow::may_try_again() const {
   if (chosen_.attempt_limit == 0) return true;
-  // As of before this attempt.
+  // The list is older than this attempt.
   const uint32_t used = attempt_ && way_ == Way::kTicket ? 1 : 0;
   return chosen_.attempts_left > used;
 }

@@ -81,7 +81,7 @@ class RunningAttempt : private TickObserver {
   boost::json::object facts() const;
   // The tooth in its final state. Requires: Join has returned.
   const core::Core& core() const { return *core_; }
-  // The same, to go on with (UnrecordedRun); core() must not be asked any more. Requires: Join has
+  // The same, to continue with (UnrecordedRun); core() must not be asked any more. Requires: Join has
   // returned.
   std::unique_ptr<core::Core> TakeCore() { return std::move(core_); }
   // After Join: waits until everything is durable on the server, or the server refuses for good or

@@ -20,7 +20,7 @@ class UnrecordedRun : private TickObserver {
     double peak_force_n = 0;  // largest sent
   };
 
-  // Starts ticking. A core that ticked before goes on after a gap: without force until the bur has
+  // Starts ticking. A core that ticked before continues after a gap: without force until the bur has
   // been in free air. `prepared` and `device` outlive this.
   UnrecordedRun(std::unique_ptr<core::Core> core, const PreparedAttempt& prepared, Device& device,
                 const AttemptOptions& options);
@@ -28,7 +28,7 @@ class UnrecordedRun : private TickObserver {
 
   // Waits for the loop's end: then the device holds zero force.
   void End();
-  // The tooth as it was left, to go on with. Requires: End has returned.
+  // The tooth as it was left, to continue with. Requires: End has returned.
   std::unique_ptr<core::Core> TakeCore() { return std::move(core_); }
   bool ticking() const { return !loop_.finished(); }
   // Newest tick, for one reader thread.
