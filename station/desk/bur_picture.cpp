@@ -43,13 +43,15 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm)
   DrawOutline(render::BurShankOutline(bur), tip, mm, kShank);
   DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead);
   // A scale below it: 5 mm.
-  float y = at.y + 0.86f * height_px, tick = 0.05f * height_px, length = 5 * mm;
-  list->AddLine({tip.x, y}, {tip.x + length, y}, kScale, 2);
+  float y = at.y + 0.86f * height_px, tick = 0.05f * height_px, length = 5 * mm,
+        thick = 0.012f * height_px;
+  list->AddLine({tip.x, y}, {tip.x + length, y}, kScale, thick);
   for (int i = 0; i <= 5; ++i) {
     float x = tip.x + static_cast<float>(i) * mm;
-    list->AddLine({x, y - tick}, {x, y + tick}, kScale, 2);
+    list->AddLine({x, y - tick}, {x, y + tick}, kScale, thick);
   }
-  list->AddText({tip.x + length + 12, y - 0.5f * ImGui::GetFontSize()}, kScale, "5 mm");
+  list->AddText({tip.x + length + 0.07f * height_px, y - 0.5f * ImGui::GetFontSize()}, kScale,
+                "5 mm");
   list->PopClipRect();
   ImGui::Dummy({width_px, height_px});
 }

@@ -146,7 +146,7 @@ void Ui::Begin(const std::string& name, const Page& page) {
   ImGui::BeginDisabled(blocked_);
   ImGui::PushFont(fonts().text);
   list_.clear();
-  beside_ = false;
+  after_button_ = beside_ = false;
 }
 
 void Ui::End() {
@@ -288,7 +288,7 @@ void Ui::OneLine(const std::string& text) {
 
 void Ui::Text(const std::string& text) {
   Say(text);
-  beside_ = false;
+  after_button_ = beside_ = false;
   ImGui::PushTextWrapPos(0);  // of what has no space
   ImGui::TextUnformatted(Lines(*ImGui::GetFont(), text, ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopTextWrapPos();
@@ -316,8 +316,7 @@ void Ui::Problem(const std::string& text) {
 }
 
 void Ui::Gap(float height) {
-  // The button that was to have another beside it may be missing.
-  beside_ = false;
+  after_button_ = beside_ = false;
   ImGui::Dummy({1, height * px()});
 }
 
@@ -353,6 +352,7 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(3);
   ImGui::PopFont();
+  after_button_ = true;
   // Not in the list: the keys skip what cannot be chosen.
   if (!enabled) return false;
   Focused focus = Next(label);

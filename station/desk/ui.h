@@ -87,7 +87,7 @@ class Ui {
   void Gap(float px = 24);
   void Indent();  // the next button, as the words of a Line
   // The next button begins beside the last, where the page has room for it and nothing is between.
-  void SameLine() { beside_ = true; }
+  void SameLine() { beside_ = after_button_; }
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
   // One line of a list: a title, words below it, words at the right. True when chosen. Rows may
@@ -166,9 +166,10 @@ class Ui {
   size_t focus_ = 0, count_ = 0;
   size_t next_ = 0;  // the focus after this frame's keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
-  bool spaced_ = true;   // the space bar chooses
-  bool typing_ = false;  // and writes instead: in the last frame Typed had text
-  bool beside_ = false;  // SameLine was called
+  bool spaced_ = true;         // the space bar chooses
+  bool typing_ = false;        // and writes instead: in the last frame Typed had text
+  bool after_button_ = false;  // drawn last
+  bool beside_ = false;        // SameLine was called after it
   // Of a page's list: height of what follows it, as last drawn, and where the list ended.
   std::map<std::string, float> below_;
   float list_end_ = 0;

@@ -24,8 +24,8 @@ float Ui::HeightOf(const Card& card, float width) const {
                           ? 0
                           : near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str()).x +
                                 kRightGap * px();
-  auto height_of = [](const ImFont& font, const std::string& words, float width) {
-    return font.CalcTextSizeA(font.FontSize, FLT_MAX, width, Lines(font, words, width).c_str()).y;
+  auto height_of = [](const ImFont& font, const std::string& words, float most) {
+    return font.CalcTextSizeA(font.FontSize, FLT_MAX, most, Lines(font, words, most).c_str()).y;
   };
   float height = height_of(*text, card.title, wrap - right);
   for (const std::string& line : card.lines) height += height_of(*near, line, wrap) + 3 * px();
@@ -63,10 +63,10 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
     list->AddText(near, near->FontSize, {end - size.x, y}, plain, card.right.c_str());
     end -= size.x + kRightGap * px();
   }
-  auto write = [&](const ImFont* font, ImU32 colour, const std::string& words, float width) {
-    const std::string lines = Lines(*font, words, width);
-    list->AddText(font, font->FontSize, {x, y}, colour, lines.c_str(), nullptr, width);
-    y += font->CalcTextSizeA(font->FontSize, FLT_MAX, width, lines.c_str()).y;
+  auto write = [&](const ImFont* font, ImU32 colour, const std::string& words, float most) {
+    const std::string lines = Lines(*font, words, most);
+    list->AddText(font, font->FontSize, {x, y}, colour, lines.c_str(), nullptr, most);
+    y += font->CalcTextSizeA(font->FontSize, FLT_MAX, most, lines.c_str()).y;
   };
   write(text, plain, card.title, end - x);
   for (const std::string& line : card.lines) {

@@ -331,6 +331,8 @@ TEST_F(UiTest, AButtonThatIsMissingMovesNoLaterOne) {
     (void)ui_->Button("English");
     ui_->SameLine();
     ui_->Text("Wrong password");
+    // Where one was to be first, and is missing.
+    ui_->SameLine();
     (void)ui_->Button("Deutsch");
     ui_->End();
   };
