@@ -42,19 +42,23 @@ int Held(const Screen& screen, int more, int less) {
 
 }  // namespace
 
-render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
+render::ViewOptions ViewOf(const scene::Scene& scene, const scene::Exercise& exercise) {
   render::ViewOptions view;
-  view.bur = prepared.exercise.bur().metric();
+  view.bur = exercise.bur().metric();
   view.aside = kAside;
-  view.crown_aside = prepared.scene.up == scene::Up::kBuccal;
-  view.mesial_x = scene::MesialX(prepared.scene.tooth);
-  const scene::CavityTarget& target = prepared.exercise.target;
-  if (const auto at = prepared.scene.landmarks.find(target.landmark);
-      at != prepared.scene.landmarks.end()) {
+  view.crown_aside = scene.up == scene::Up::kBuccal;
+  view.mesial_x = scene::MesialX(scene.tooth);
+  const scene::CavityTarget& target = exercise.target;
+  if (const auto at = scene.landmarks.find(target.landmark); at != scene.landmarks.end()) {
     view.work_m = dvec3(at->second[0], at->second[1], at->second[2]) * 1e-6;
     view.work_radius_m =
         std::max(kWork_m, 2.6e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
   }
+  return view;
+}
+
+render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
+  render::ViewOptions view = ViewOf(prepared.scene, prepared.exercise);
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;
 }

@@ -20,7 +20,9 @@
 
 namespace enamel::station::desk {
 
-// What the view of an attempt's tooth begins with: the bur, and the place to cut.
+// What the view of an exercise's tooth begins with: the bur, and the place to cut.
+render::ViewOptions ViewOf(const scene::Scene& scene, const scene::Exercise& exercise);
+// The same, with the device's largest force.
 render::ViewOptions ViewOf(const PreparedAttempt& prepared);
 
 // One attempt in the window: its documents, the device, the picture, and from Begin on the running

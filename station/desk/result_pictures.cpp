@@ -5,8 +5,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "common/scene/preparation.h"
-#include "common/scene/prepared_target.h"
 #include "common/timeline/deviation.h"
 #include "station/desk/desk_attempt.h"
 #include "station/render/materials.h"
@@ -38,15 +36,9 @@ Result<ResultSurfaces> SurfacesOf(LookBack& recording,
 }
 
 render::GroupMesh TargetSurface(const PreparedAttempt& prepared) {
-  const scene::CavityTarget& target = prepared.exercise.target;
-  if (target.prepared_tooth) {
-    const surface::Mesh mesh = surface::ExtractSurface(target.prepared_tooth->volume);
-    return Whole(mesh, mesh.tissue);
-  }
-  const auto shape = scene::TargetShape(prepared.scene, target);
-  if (!shape.ok() || target.depth_um == 0 || !target.prepared.IsZero()) return {};
-  const surface::Mesh mesh =
-      surface::ExtractSurface(scene::Prepared(prepared.volume, *shape, scene::Neighbours::kSpared));
+  const auto target = PreparedFor(prepared.scene, prepared.exercise.target, prepared.volume);
+  if (!target) return {};
+  const surface::Mesh mesh = surface::ExtractSurface(*target);
   return Whole(mesh, mesh.tissue);
 }
 

@@ -25,7 +25,7 @@ struct ResultSurfaces {
 Result<ResultSurfaces> SurfacesOf(LookBack& recording,
                                   const std::function<bool(double progress)>& keep_going);
 
-// As a bur would leave it that can reach every corner; empty where the exercise's target is none.
+// Of PreparedFor; empty where the exercise's target is none.
 render::GroupMesh TargetSurface(const PreparedAttempt& prepared);
 // The end's surface, whose vertices are of these cells, in the colours of a deviation
 // (common/timeline/deviation.h). Errors:

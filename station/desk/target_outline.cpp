@@ -28,6 +28,15 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
   return surface::ZeroLines(mesh, beyond_mm);
 }
 
+std::optional<cutting::Volume> PreparedFor(const scene::Scene& scene,
+                                           const scene::CavityTarget& target,
+                                           const cutting::Volume& initial) {
+  if (target.prepared_tooth) return target.prepared_tooth->volume;
+  const auto shape = scene::TargetShape(scene, target);
+  if (!shape.ok() || target.depth_um == 0 || !target.prepared.IsZero()) return std::nullopt;
+  return scene::Prepared(initial, *shape, scene::Neighbours::kSpared);
+}
+
 Surroundings::Surroundings(const scene::Scene& scene, const scene::Exercise& exercise,
                            const cutting::Volume& initial, bool mouth)
     : coming_(std::async(std::launch::async, [&scene, &exercise, &initial, mouth] {

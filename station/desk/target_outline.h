@@ -17,6 +17,11 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
                                             const scene::CavityTarget& target,
                                             const cutting::Volume& initial);
 
+// The tooth as a bur would leave it that can reach every corner; none where the target is none.
+std::optional<cutting::Volume> PreparedFor(const scene::Scene& scene,
+                                           const scene::CavityTarget& target,
+                                           const cutting::Volume& initial);
+
 // What the picture shows beside the tooth: the target's outline, and the mouth, whose gingiva keeps
 // clear of it. Computed on a thread of its own, because both take the whole surface. Thread safety:
 // owner's thread. The destructor waits for the end.

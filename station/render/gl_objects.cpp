@@ -187,6 +187,14 @@ void Target::CopyColourTo(const Target& other) const {
                     same ? GL_NEAREST : GL_LINEAR);
 }
 
+Image Target::Read() const {
+  Image out(width_, height_);
+  Bind();
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, out.rgb.data());
+  return out;
+}
+
 void Target::CopyDepthTo(const Target& other) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, name_);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.name_);

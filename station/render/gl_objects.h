@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "station/render/mesher.h"
+#include "station/render/png_file.h"
 
 // Owners of OpenGL names. All need the context current, also when destroyed. Not thread-safe.
 namespace enamel::station::render {
@@ -80,6 +81,8 @@ class Target {
   void CopyColourTo(const Target& other) const;
   // Requires: equal sizes, both with depth.
   void CopyDepthTo(const Target& other) const;
+  // The first colour texture. Waits for the drawing's end.
+  Image Read() const;
   GLuint name() const { return name_; }
   GLuint colour() const { return colour_[0]; }
   int width() const { return width_; }

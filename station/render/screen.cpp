@@ -211,13 +211,7 @@ class Screen::Impl {
     glfwSwapBuffers(glfw_.get());
   }
 
-  Status WriteScreenshot(const std::string& path) {
-    std::vector<uint8_t> rgb(static_cast<size_t>(width_) * static_cast<size_t>(height_) * 3);
-    shown_->Bind();
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
-    return WritePng(path, rgb, width_, height_);
-  }
+  Status WriteScreenshot(const std::string& path) { return WritePng(path, shown_->Read()); }
 
   // The cursor jumps when it is captured and released; the person did not move it.
   void Capture(bool capture) {

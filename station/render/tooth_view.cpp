@@ -115,6 +115,8 @@ Camera StillCamera(const ViewOptions& options, const cutting::Volume& tooth) {
           options.mesial_x};
 }
 
+Image ReadImage(const Target& picture) { return picture.Read(); }
+
 unsigned TextureOf(const Target& picture) { return picture.colour(); }
 
 void ToothView::Draw(int width, int height, const Quality& quality) {

@@ -15,6 +15,7 @@
 #include "station/render/mesher.h"
 #include "station/render/mouth_mirror.h"
 #include "station/render/picture.h"
+#include "station/render/png_file.h"
 #include "station/render/quality.h"
 #include "station/render/view.h"
 
@@ -96,6 +97,7 @@ class ToothView {
 // As a view of this tooth begins, but near the place to cut where there is one.
 Camera StillCamera(const ViewOptions& options, const cutting::Volume& tooth);
 
+Image ReadImage(const Target& picture);
 // OpenGL's name of the picture's texture, whose first row is the lowest.
 unsigned TextureOf(const Target& picture);
 

@@ -9,6 +9,7 @@
 #include "station/lab/app/explain.h"
 #include "station/lab/app/grades_command.h"
 #include "station/lab/app/paper_command.h"
+#include "station/lab/app/pictures_command.h"
 #include "station/lab/app/qualify.h"
 #include "station/lab/app/reasons_command.h"
 #include "station/lab/bench/bench.h"
@@ -215,6 +216,7 @@ void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterReasons(app, exit_code);
   RegisterOperators(app, exit_code);
   RegisterHandSigns(app, exit_code);
+  RegisterPictures(app, exit_code);
 }
 
 }  // namespace enamel::station::lab

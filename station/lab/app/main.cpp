@@ -23,6 +23,7 @@ constexpr char kFooter[] = R"(Which question is answered by which command:
   what does more accuracy cost?                   enamel-lab error --quick
   is this computer fast enough for a tick?        enamel-lab bench tick --quick
   ... for a picture                               enamel-lab bench frames --frames 60
+  did a change alter how a tooth looks?           enamel-lab pictures --compare tests/golden/pictures
   what of a scene is carried, and within budget?  enamel-lab explain builtin:molar --budget-us 200
   does a grade find what was done wrong?          enamel-lab grades --quick
   what does a grade say of each fault?            enamel-lab reasons --sheet reasons.html

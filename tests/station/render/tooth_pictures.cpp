@@ -1,5 +1,3 @@
-#include <png.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,30 +22,15 @@
 namespace {
 
 using namespace enamel;
+using station::render::Image;
 using station::render::View;
 
 constexpr int kTile_px = 420;
 constexpr double kStride_m = 20e-6;
 
-struct Image {
-  int width = 0, height = 0;
-  std::vector<uint8_t> rgb;  // first row at the bottom
-};
-
-Image ReadPng(const std::string& path) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  Image out;
-  if (!png_image_begin_read_from_file(&png, path.c_str())) return out;
-  png.format = PNG_FORMAT_RGB;
-  out.width = static_cast<int>(png.width), out.height = static_cast<int>(png.height);
-  out.rgb.resize(PNG_IMAGE_SIZE(png));
-  png_image_finish_read(&png, nullptr, out.rgb.data(), -3 * out.width, nullptr);
-  return out;
-}
-
 Image Beside(const Image& a, const Image& b) {
-  Image out{a.width + b.width, a.height, {}};
+  Image out;
+  out.width = a.width + b.width, out.height = a.height;
   for (int y = 0; y < a.height; ++y)
     for (const Image* i : {&a, &b}) {
       auto row = i->rgb.begin() + static_cast<std::ptrdiff_t>(y) * i->width * 3;
@@ -75,9 +58,10 @@ Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& s
   auto window = station::render::Window::Create(options, volume);
   Status status = window.ok() ? (*window)->WriteScreenshot(scratch) : window.status();
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
-  Image out = ReadPng(scratch);
+  auto out = station::render::ReadPng(scratch);
+  if (!out.ok()) std::exit(1);
   std::filesystem::remove(scratch);
-  return out;
+  return std::move(*out);
 }
 
 // A bur led through a volume.
@@ -223,7 +207,7 @@ class Album {
   std::string Scratch() const { return (folder_ / ".tile.png").string(); }
   void Write(const char* file, const Image& image) {
     auto path = folder_ / file;
-    Status status = station::render::WritePng(path.string(), image.rgb, image.width, image.height);
+    Status status = station::render::WritePng(path.string(), image);
     std::printf("%s\n", status.ok() ? path.c_str() : status.message().c_str());
     std::fflush(stdout);
   }

@@ -1,7 +1,6 @@
 #include "station/render/window.h"
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,10 +60,8 @@ Volume Ball() {
   return Shaped([](const dvec3& p) { return glm::length(p - dvec3(0, 0, -1.6)) - 2.2; });
 }
 
-struct Image {
-  int width = 0, height = 0;
-  std::vector<uint8_t> rgb;
-
+// First row at the top.
+struct Shot : Image {
   // Pixels outside the panel's corner for which `is(r, g, b)`.
   template <typename Is>
   int Count(Is&& is) const {
@@ -80,16 +77,15 @@ struct Image {
   }
 };
 
-Image ReadPng(const std::string& path) {
-  Image out;
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&image, path.c_str())) return out;
-  image.format = PNG_FORMAT_RGB;
-  out.width = static_cast<int>(image.width);
-  out.height = static_cast<int>(image.height);
-  out.rgb.resize(PNG_IMAGE_SIZE(image));
-  png_image_finish_read(&image, nullptr, out.rgb.data(), 0, nullptr);
+Shot ReadShot(const std::string& path) {
+  auto image = ReadPng(path);
+  if (!image.ok()) return {};
+  Shot out{std::move(*image)};
+  const auto row = static_cast<std::ptrdiff_t>(out.width) * 3;
+  for (int y = 0; y < out.height / 2; ++y) {
+    const auto low = out.rgb.begin() + y * row, high = out.rgb.end() - (y + 1) * row;
+    std::swap_ranges(low, low + row, high);
+  }
   return out;
 }
 
@@ -115,10 +111,10 @@ class WindowTest : public testing::Test {
     if (!folder_.empty()) std::filesystem::remove_all(folder_);
   }
   std::string File(const char* name) const { return folder_ / name; }
-  Image Screenshot(Window& window) {
+  Shot Screenshot(Window& window) {
     Status status = window.WriteScreenshot(File("picture.png"));
     EXPECT_TRUE(status.ok()) << status.message();
-    return ReadPng(File("picture.png"));
+    return ReadShot(File("picture.png"));
   }
 
   static VirtualDisplay* display_;
@@ -162,7 +158,7 @@ TEST_F(WindowTest, ShowsToothThenCavityAndBur) {
   ASSERT_TRUE(created.ok()) << created.status().message();
   Window& window = **created;
 
-  Image whole = Screenshot(window);
+  Shot whole = Screenshot(window);
   ASSERT_EQ(whole.width, 900);
   ASSERT_EQ(whole.height, 640);
   int pixels = whole.width * whole.height;
@@ -171,7 +167,7 @@ TEST_F(WindowTest, ShowsToothThenCavityAndBur) {
 
   FrameState state = CutSlot(volume, window);
   window.tooth().FlushBricks(volume);
-  Image cut = Screenshot(window);
+  Shot cut = Screenshot(window);
   EXPECT_GT(cut.Count(IsSteel), pixels / 100);
   EXPECT_GT(cut.Count(IsDentin), whole.Count(IsDentin) + pixels / 500);
   EXPECT_LT(cut.Count(IsArrow), pixels / 5000);
@@ -242,13 +238,13 @@ TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
   Screenshot(window);
   CutSlot(volume, window);
   window.tooth().FlushBricks(volume);
-  Image pieces = Screenshot(window);
+  Shot pieces = Screenshot(window);
   ASSERT_FALSE(window.tooth().work().whole);
   EXPECT_LT(window.tooth().work().triangles_drawn, window.tooth().work().triangles);
   window.tooth().camera().SetView(View::kBuccal);
   Screenshot(window);
   window.tooth().camera().SetView(View::kOblique);
-  Image whole = Screenshot(window);
+  Shot whole = Screenshot(window);
   ASSERT_EQ(pieces.rgb.size(), whole.rgb.size());
   int differ = 0;
   for (size_t i = 0; i < whole.rgb.size(); ++i)
@@ -259,18 +255,18 @@ TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
 // Drawn as in an attempt without a graphics card, without the panel.
 class TurningTest : public WindowTest {
  protected:
-  Image Draw(Screen& screen, ToothView& view, const Quality& quality, int pictures = 1) {
+  Shot Draw(Screen& screen, ToothView& view, const Quality& quality, int pictures = 1) {
     for (int i = 0; i < pictures; ++i) {
       screen.Begin();
       view.Draw(screen.width(), screen.height(), quality);
       screen.End(&view.result());
     }
     EXPECT_TRUE(screen.WriteScreenshot(File("turning.png")).ok());
-    return ReadPng(File("turning.png"));
+    return ReadShot(File("turning.png"));
   }
   // Pixels that are tooth in `shown`, among those inside the tooth's outline in `outline`.
-  static int InsideTooth(const Image& outline, const Image& shown) {
-    auto is_tooth = [](const Image& image, int x, int y) {
+  static int InsideTooth(const Shot& outline, const Shot& shown) {
+    auto is_tooth = [](const Shot& image, int x, int y) {
       const uint8_t* p = &image.rgb[(static_cast<size_t>(y) * image.width + x) * 3];
       return p[0] > p[2];  // it is warm, and what is behind it is not
     };
@@ -305,10 +301,10 @@ TEST_F(TurningTest, WhileTheCameraTurnsFewerTrianglesShowTheSameToothAndAtRestAl
   size_t all = view.work().triangles_drawn;
 
   view.camera().Orbit(0.02f, 0);
-  Image turning = Draw(screen, view, quality);
+  Shot turning = Draw(screen, view, quality);
   EXPECT_TRUE(view.work().coarse);
   EXPECT_LT(view.work().triangles_drawn, all * 3 / 4);
-  Image rest = Draw(screen, view, quality, Picture::kStillPictures);
+  Shot rest = Draw(screen, view, quality, Picture::kStillPictures);
   EXPECT_FALSE(view.work().coarse);
   ASSERT_EQ(turning.rgb.size(), rest.rgb.size());
   int differ = 0;
@@ -344,12 +340,12 @@ TEST_F(TurningTest, WhatIsCutWhileTheCameraTurnsIsWholeOnceItRests) {
     if (i % 8 == 0) Draw(screen, view, quality);
   }
   view.FlushBricks(volume);
-  Image after = Draw(screen, view, quality, 1 + Picture::kStillPictures);
+  Shot after = Draw(screen, view, quality, 1 + Picture::kStillPictures);
   // The same tooth, not seen before.
   ToothView anew(Options().view, volume);
   anew.camera() = view.camera();
   ASSERT_TRUE(anew.WaitIdle(std::chrono::seconds(30)));
-  Image fresh = Draw(screen, anew, quality);
+  Shot fresh = Draw(screen, anew, quality);
   int differ = 0;
   for (size_t i = 0; i < fresh.rgb.size(); ++i) {
     differ += std::abs(after.rgb[i] - fresh.rgb[i]) > 24;
@@ -363,11 +359,11 @@ TEST_F(WindowTest, TheBurThrowsAShadowOnTheToothBelow) {
   auto created = Window::Create(Options(), volume);
   ASSERT_TRUE(created.ok()) << created.status().message();
   Window& window = **created;
-  Image alone = Screenshot(window);
+  Shot alone = Screenshot(window);
   FrameState state;
   state.anchor.tip_m = state.device.tip_m = {0, 0, 0.4e-3};
   window.tooth().Publish(state);
-  Image with = Screenshot(window);
+  Shot with = Screenshot(window);
   // Ivory that is darker than it was: shadow, not bur.
   int darker = 0;
   for (size_t i = 0; i < alone.rgb.size(); i += 3) {
@@ -393,7 +389,7 @@ TEST_F(WindowTest, CapitalsThatMustBeReadFromTwoMetresAreTwelveMillimetres) {
   FrameState state;
   state.time_s = 11;
   (*created)->tooth().Publish(state);
-  Image image = Screenshot(**created);
+  Shot image = Screenshot(**created);
   int first = image.height, last = 0;
   for (int y = 60; y < 160; ++y) {
     for (int x = 30; x < 330; ++x) {
@@ -413,7 +409,7 @@ TEST_F(WindowTest, EveryViewShowsTheToothAndViewsDiffer) {
   std::vector<std::vector<uint8_t>> pictures;
   for (View view : {View::kOcclusal, View::kBuccal, View::kMesial, View::kOblique}) {
     (*created)->tooth().camera().SetView(view);
-    Image image = Screenshot(**created);
+    Shot image = Screenshot(**created);
     EXPECT_GT(image.Count([](int r, int g, int b) { return r > b + 8 && g > b; }),
               image.width * image.height / 20);
     for (const auto& other : pictures) EXPECT_NE(image.rgb, other);
