@@ -84,6 +84,9 @@ Relief ReliefOf(const Layer& layer, const PreparationPart& part, const PointUm& 
     return layer.round_end ? r - std::sqrt(std::max(0.0, r * r - d2)) : 0.0;
   });
   const auto tip = Heights::Of(axis_x, axis_y, [&](int i, int j) {
+    if (layer.axis_may && !layer.axis_may(x_m + i * kLattice_m, y_m + j * kLattice_m)) {
+      return kInfinite;
+    }
     double z = -kInfinite;
     for (const Offset& o : tool) z = std::max(z, stays(i + o.i, j + o.j) - o.z_m);
     return z;

@@ -16,8 +16,9 @@ struct Layer {
   double thick_m = 0;
   double end_radius_m = 0;  // of the bur's end
   bool round_end = false;   // a ball; else flat
-  // The axis stays in this rectangle about the middle.
+  // The axis stays in this rectangle about the middle, and where this is true (none: everywhere).
   std::array<double, 2> axis_half_m{};
+  std::function<bool(double x_m, double y_m)> axis_may = {};
 };
 
 // The floor below the opening of `part`, which is `at` and its top_um, on a grid of `step_um` over

@@ -269,6 +269,10 @@ FieldSample ToothField(const ToothShape& shape, const dvec3& point_m) {
   return out;
 }
 
+double CervicalHeight_mm(const ToothShape& shape, double x) {
+  return CervicalHeight(shape, shape.Along(x));
+}
+
 double OcclusalHeight_mm(const ToothShape& shape, double x, double y) {
   return ReliefHeight(shape, shape.Along(x), y);
 }

@@ -125,6 +125,8 @@ FieldSample ToothField(const ToothShape& shape, const dvec3& point_m);
 
 // Height of the relief at (x, y), mm.
 double OcclusalHeight_mm(const ToothShape& shape, double x, double y);
+// Height of the cervical line at x, mm.
+double CervicalHeight_mm(const ToothShape& shape, double x);
 // The lowest point of the relief near the fossa, on the surface, metres; the middle of the incisal
 // edge of a tooth without cusps.
 dvec3 FossaBottom_m(const ToothShape& shape);

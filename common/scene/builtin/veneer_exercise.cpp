@@ -27,10 +27,12 @@ double FaceHeight_m(const ToothShape& tooth, double x_m, double y_m, double lo_m
 }
 
 // Half a millimetre off the labial face of an incisor, with a ball of 1.6 mm that leaves a chamfer
-// all around: 5.6 mm wide, from 0.95 mm above the cervical line to 0.8 mm short of the edge. Source
-// of the depth: textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
+// all around: 5.6 mm wide, from 0.95 mm above the cervical line, along it, to 0.8 mm short of the
+// edge. Nearer to that line half a millimetre is all the enamel there is. Source of the depth:
+// textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
 constexpr std::array<int32_t, 2> kVeneerHalf_um = {2'800, 4'400};
 constexpr int32_t kVeneerDepth_um = 500, kVeneerBur_um = 800, kVeneerChamfer_um = 750;
+constexpr int32_t kVeneerAboveLine_um = 950;
 
 PreparationPart MakeVeneerPart(const ToothShape& tooth, const PointUm& at) {
   PreparationPart part;
@@ -50,6 +52,11 @@ PreparationPart MakeVeneerPart(const ToothShape& tooth, const PointUm& at) {
   for (size_t i = 0; i < 2; ++i) {
     layer.axis_half_m[i] = (kVeneerHalf_um[i] - kVeneerChamfer_um) * 1e-6;
   }
+  layer.axis_may = [&](double x_m, double y_m) {
+    const dvec3 own_mm = 1e3 * FromBuccalUp({x_m, y_m, 0});
+    const double line_mm = CervicalHeight_mm(tooth, own_mm.x);
+    return own_mm.z >= line_mm + 1e-3 * (kVeneerAboveLine_um + kVeneerChamfer_um);
+  };
   constexpr int32_t kStep_um = 250;
   part.relief = ReliefOf(layer, part, at, kStep_um);
   part.depth_um = *std::max_element(part.relief.below_um.begin(), part.relief.below_um.end());

@@ -42,7 +42,12 @@ const std::vector<ExpectedWords>& Table() {
        {"under_reduced", "too_shallow", "off_target", "unfinished"},
        {kFurther}},
       {{"veneer"}, "tilt_floor", 0, {"off_target"}, {kStop, kFurther}},
-      {{"veneer"}, "floor_waviness", 0, {"floor_uneven", "off_target"}, {"do_even_floor", kStop}},
+      // Leans and waves leave as much as they take too much: either is to be said.
+      {{"veneer"},
+       "floor_waviness",
+       0,
+       {"floor_uneven", "off_target"},
+       {"do_even_floor", kStop, kFurther}},
 
       {{}, "floor_waviness", 0, {"floor_uneven"}, {"do_even_floor"}},
       {{}, "waviness", 0, {"wall_wavy"}, {"do_even_wall"}},

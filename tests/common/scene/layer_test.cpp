@@ -82,9 +82,17 @@ TEST(BuiltinVeneerTest, HalfAMillimetreGoesAllOverTheFaceAndNothingBeyondIt) {
     for (double y = -4.3e-3; y <= 4.31e-3; y += 0.5e-3) {
       const double at_y = part.top_um[1] * 1e-6 + y;
       const dvec3 floor(x, at_y, ReliefAt(part, x, at_y).z_m);
-      const double depth = -ToothField(tooth, FromBuccalUp(floor)).distance_m;
-      const bool inside = std::fabs(x) <= 2.05e-3 && std::fabs(y) <= 3.65e-3;
+      const dvec3 own = FromBuccalUp(floor);
+      const FieldSample there = ToothField(tooth, own);
+      const double depth = -there.distance_m;
+      // Toward the root it ends along the cervical line, and keeps to enamel.
+      const double above_line_mm = own.z * 1e3 - CervicalHeight_mm(tooth, own.x * 1e3);
+      const bool inside = std::fabs(x) <= 2.05e-3 && std::fabs(y) <= 3.65e-3 && above_line_mm > 1.9;
       EXPECT_LT(depth, 0.54e-3) << x << " " << y;
+      if (depth > 0.05e-3) {
+        EXPECT_EQ(there.tissue, cutting::Tissue::kEnamel) << x << " " << y;
+        EXPECT_GT(above_line_mm, 0.5) << x << " " << y;
+      }
       if (inside) {
         EXPECT_GT(depth, 0.47e-3) << x << " " << y;
       }
