@@ -82,6 +82,13 @@ class Mesher {
   bool CoarsenOne();  // false when there is nothing to do
   void LetWatch();
   GroupMesh Assemble(size_t group) const;
+  // The share of enamel in tooth around a point, -1 where there is none; and the enamel's middle.
+  struct Around {
+    double share = -1;
+    dvec3 enamel_m{0};
+  };
+  Around EnamelAround(const dvec3& p, const dvec3& n) const;
+  double EnamelUnder_m(const dvec3& p, const dvec3& n) const;
   uint8_t MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8_t tissue) const;
   void Deliver(GroupMesh mesh);
   size_t GroupOf(const ivec3& brick) const;

@@ -21,7 +21,9 @@ enum Material : uint8_t {
   kTargetLine = 11,
   kGingiva = 12,     // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
   kRubberDam = 213,  // the first of kRubberDamShades: from the sheet to nothing
-  kCementLine = 233,  // the first of kCementShades: between dentin and enamel, at their border
+  // The first of kCementShades: from dentin to enamel, at their border and where one shows through
+  // the other.
+  kCementLine = 233,
 };
 // As in the shaders; from kGingivaDark on nothing is seen.
 inline constexpr int kGingivaShades = 201, kGingivaDark = 190, kRubberDamShades = 20,

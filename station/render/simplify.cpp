@@ -70,9 +70,12 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
 
 // Materials that shade into each other (revolve.h) are one within such a band of shades, so that a
 // large triangle's colours are no coarser than that.
-constexpr int kBand = 20;
+constexpr int kBand = 20, kCementBand = 6;
 uint8_t KindOf(uint8_t material) {
-  if (material < kGingiva || material >= kCementLine) return material;
+  if (material >= kCementLine) {
+    return static_cast<uint8_t>(kCementLine + (material - kCementLine) / kCementBand);
+  }
+  if (material < kGingiva) return material;
   const uint8_t first = material < kRubberDam ? kGingiva : kRubberDam;
   return static_cast<uint8_t>(first + (material - first) / kBand);
 }
@@ -92,7 +95,11 @@ Parts Split(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>&
     glm::vec3 n[] = {NormalOf(a), NormalOf(b), NormalOf(c)};
     float least = std::min({glm::dot(n[0], n[1]), glm::dot(n[1], n[2]), glm::dot(n[2], n[0])});
     const uint8_t kind = KindOf(a.tissue);
-    bool smooth = kind == KindOf(b.tissue) && kind == KindOf(c.tissue) && least >= least_crease;
+    const auto [lo, hi] = std::minmax({a.tissue, b.tissue, c.tissue});
+    // Where dentin becomes enamel within some tenths of a millimetre.
+    const bool border = lo >= kCementLine && hi > lo + 1;
+    bool smooth =
+        kind == KindOf(b.tissue) && kind == KindOf(c.tissue) && !border && least >= least_crease;
     auto& part = smooth ? parts.smooth[kind] : parts.others;
     part.insert(part.end(), indices.begin() + static_cast<ptrdiff_t>(i),
                 indices.begin() + static_cast<ptrdiff_t>(i) + 3);
