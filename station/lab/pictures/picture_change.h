@@ -6,9 +6,9 @@
 
 namespace enamel::station::lab {
 
-// A change of this size, PictureChange::worst, is noticed. Between what the same picture differs by
-// when another version or another implementation of the driver draws it, and the smallest change
-// that a person sees (picture_change_test).
+// A change of this size, PictureChange::worst, is noticed. Another version of the driver makes 0.022 at
+// most (measured); enamel as much yellower as half of all people see makes 0.060, a seam a pixel wide
+// and a tenth darker 0.047 (picture_change_test).
 inline constexpr double kNoticed = 0.035;
 
 // How a picture differs from the kept one.
