@@ -23,7 +23,7 @@ expect_failure "a picture that changed" "$bur: changed: .*; to accept: cp $work/
 cat "$work/out"
 grep -q "$start: not kept yet; to accept: cp $work/changed/$start.png" "$work/out" ||
   fail "a picture that is not kept was not found"
-grep -q "4 pictures compared, 2 differ" "$work/out" ||
+grep -q "4 pictures compared, different: 2" "$work/out" ||
   { mkdir -p "$out" && cp "$work"/changed/* "$out"; fail "pictures have changed: look at them in $out"; }
 [ "$(cd "$work/changed" && echo *)" = "$bur.difference.png $bur.kept.png $bur.png $start.png" ] ||
   fail "expected what differs to be written, found $(ls "$work/changed")"

@@ -67,14 +67,12 @@ class Comparison {
     if (command_.compare.empty()) {
       std::printf("%zu pictures in %s\n", drawn_.size(), command_.out.c_str());
     } else {
-      std::printf("%zu pictures compared, %zu differ\n", drawn_.size(), lines_.size());
+      std::printf("%zu pictures compared, different: %zu\n", drawn_.size(), lines_.size());
     }
     if (lines_.empty()) return Status::Ok();
-    return Status(
-        Code::kConflict,
-        std::to_string(lines_.size()) +
-            " pictures differ from the kept ones: look at them, and accept what should be "
-            "so with the commands above");
+    return Status(Code::kConflict,
+                  "look at what differs from the kept pictures, and accept what should be so with "
+                  "the commands above");
   }
 
  private:
