@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "common/core/quantise.h"
+#include "common/math/order.h"
 
 namespace enamel::core {
 namespace {
@@ -26,11 +27,15 @@ constexpr double kWallRotational_n_m_s = 1e3;  // a still bur in contact does no
 // the wall is not one into it.
 constexpr double kWallArea_m2 = 1e-12;
 
+// Of the longest of its burs: a bound for each.
 double ReachOf(const CoreParams& p) {
-  cutting::Bur bur = BurOf(p);
-  double shank =
-      bur.shank_radius_m > 0 ? bur.neck_m + bur.shank_radius_m + cutting::kShankLength_m : 0;
-  return bur.radius_m + bur.height_m() + shank;
+  double reach_m = 0;
+  for (const cutting::Bur& bur : BursOf(p)) {
+    double shank =
+        bur.shank_radius_m > 0 ? bur.neck_m + bur.shank_radius_m + cutting::kShankLength_m : 0;
+    reach_m = HigherOf(reach_m, bur.radius_m + bur.height_m() + shank);
+  }
+  return reach_m;
 }
 
 cutting::TissueDamping DampingOf(const CoreParams& p) {
@@ -106,8 +111,8 @@ class Core::TissueMaterial final : public haptics::Material {
       return contact;
     }
     core_.ReadContact(pose);
-    if (!core_.engagement_.MayTouch()) return contact;
-    cutting::Engagement engagement = core_.engagement_.Read(core_.volume_, stretch_m);
+    if (!core_.engagement().MayTouch()) return contact;
+    cutting::Engagement engagement = core_.engagement().Read(core_.volume_, stretch_m);
     contact.engaged = engagement.area_m2 > 0;
     if (contact.engaged && core_.cues_.enabled()) {
       core_.tissue_.engaged = true;
@@ -178,9 +183,9 @@ class Core::TurnedMaterial final : public haptics::TurnMaterial {
     // once.
     if (!core_.cutter_.AnySolidNear(pose, voxel)) return contact;
     core_.ReadContact(pose);
-    if (!core_.engagement_.MayTouch()) return contact;
+    if (!core_.engagement().MayTouch()) return contact;
     const cutting::RotationalEngagement ahead =
-        core_.engagement_.ReadRotational(core_.volume_, turn_rad);
+        core_.engagement().ReadRotational(core_.volume_, turn_rad);
     const double blocked_m2 = core_.bur_on_ ? ahead.shank_area_m2 : ahead.area_m2;
     if (blocked_m2 > kWallArea_m2) {
       contact.damping_n_m_s = Sym3::Isotropic(kWallRotational_n_m_s);
@@ -208,16 +213,18 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
     : params_(params),
       volume_(std::move(initial)),
       // Before anything holds the volume: no cut allocates from here on.
-      cutter_((volume_.Reserve(), volume_), BurOf(params)),
+      cutter_((volume_.Reserve(), volume_), BursOf(params)),
       reach_m_(ReachOf(params)),
       sweep_(volume_.spec().voxel_m(), reach_m_),
-      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
       torque_(params.peak_torque_un_m > 0),
       turning_(TurningOf(params, volume_.spec().voxel_m())),
       handpiece_(params),
       cues_(CuesOf(params)) {
   ENAMEL_CHECK(ValidateParams(params).ok());
+  for (const cutting::Bur& bur : BursOf(params)) {
+    engagements_.emplace_back(bur, volume_.spec().voxel_m(), DampingOf(params));
+  }
   auto bricks = static_cast<size_t>(volume_.spec().brick_count());
   dirty_ring_.resize(bricks);
   is_dirty_.resize(bricks);
@@ -226,6 +233,14 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
 }
 
 Core::~Core() = default;
+
+void Core::UseBur(size_t bur) noexcept {
+  bur_ = bur;
+  cutter_.Use(bur);
+  // It has read nothing while another bur cut.
+  engagement().Forget();
+  sample_valid_ = false;
+}
 
 void Core::Suspend(const dvec3& tip_m, const Quat& orientation) noexcept {
   suspended_ = true;
@@ -246,8 +261,8 @@ void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
   Pose pose{tip_m, orientation};
   bool touches = false;
   if (cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) {
-    engagement_.Sample(volume_, pose);
-    touches = engagement_.Touches(volume_);
+    engagement().Sample(volume_, pose);
+    touches = engagement().Touches(volume_);
   }
   free_ticks_ = touches ? 0 : free_ticks_ + 1;
   // With soft_start_ticks = 0 too it takes one tick that touches nothing.
@@ -278,7 +293,7 @@ dvec3 Core::FeelTurning(const Quat& device, TissueMaterial& material) noexcept {
 // device's. No point of the bur moves more than half a voxel before contact is read again, so a
 // turn stops at the first contact and the rest of the tick is spent against its resistance.
 void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexcept {
-  if (params_.rotational_kc_un_m_per_rad == 0) return;
+  if (RotationalKc_un_m_per_rad(params_, bur_) == 0) return;
   const double voxel = volume_.spec().voxel_m();
   double left_s = 1.0 / params_.rate_hz;
   for (int i = 0; i < haptics::Turning::kMaxTurns; ++i) {
@@ -301,21 +316,21 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
   Pose pose{coupling_.anchor_m(), orientation_};
   if (!cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) return dvec3(0);
   ReadContact(pose);
-  if (!engagement_.MayTouch()) return dvec3(0);
+  if (!engagement().MayTouch()) return dvec3(0);
   // A still bur, or a shank at a wall, does not turn.
-  const cutting::RotationalEngagement turning = engagement_.ReadRotational(volume_, e);
+  const cutting::RotationalEngagement turning = engagement().ReadRotational(volume_, e);
   // B e' = -K e by implicit Euler: (B + K T) e1 = B e0. Stable for any B, 0 among them, and never
   // past the device's orientation.
   Sym3 b = bur_on_ && !turning.shank ? turning.damping_n_m_s * (1 / handpiece_.speed_ratio())
                                      : Sym3::Isotropic(kWallRotational_n_m_s);
-  return b * SolveShifted(b, params_.rotational_kc_un_m_per_rad * 1e-6 * dt_s, e);
+  return b * SolveShifted(b, RotationalKc_un_m_per_rad(params_, bur_) * 1e-6 * dt_s, e);
 }
 
 void Core::ReadContact(const Pose& pose) noexcept {
   const double limit = kSampleVoxels * volume_.spec().voxel_m();
   if (sample_valid_ && cutting::Motion(pose, sampled_, reach_m_) < limit) return;
   ++work_.samples;
-  engagement_.Sample(volume_, pose);
+  engagement().Sample(volume_, pose);
   sampled_ = pose;
   sample_valid_ = true;
 }
@@ -380,13 +395,19 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   cutting::RemovedUnits before = removed_;
   dvec3 tip = TipOf(input.counts);
   Quat device = FromQuantised(input.orientation);
-  bool faulted = (input.flags & kFaulted) != 0;
+  const size_t bur = BurIn(input.flags);
+  const bool no_bur = bur >= engagements_.size(), changed = !no_bur && bur != bur_;
+  if (changed) {
+    FinishCut();
+    UseBur(bur);
+  }
+  bool faulted = no_bur || (input.flags & kFaulted) != 0;
   bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
-  engagement_.LookAhead(volume_, {tip, device});
+  engagement().LookAhead(volume_, {tip, device});
   CutRest();
   if (!bur_on_) FinishCut();
 
-  bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
+  bool stop = !started_ || faulted || changed || (input.flags & kSoftRestart) != 0;
   bool unfelt = input.gap_ticks > 0 && (input.flags & kHeldGap) == 0;
   // While suspended a gap ends the count of free ticks: nobody saw that those were in air. A gap no
   // longer than the bus's delay ends before the forces under way do: nothing is known of the spring.
@@ -404,7 +425,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     // Also in the tick that bridges a gap: what the hand does from here on is paid only if it is felt.
     TissueMaterial material(*this);
     // The force of the tick before: this tick's depends on the speed that is set here.
-    handpiece_.Step(bur_on_ ? resisting_n_ : 0);
+    handpiece_.Step(bur_on_ ? resisting_n_ : 0, cutter_.bur().radius_m);
     dvec3 torque(0);
     if (torque_) {
       torque = FeelTurning(device, material);

@@ -33,12 +33,16 @@ enum InputFlags : uint8_t {
   // lost ticks"). Time passed, and nothing else is to be made up for.
   kHeldGap = 1 << 4,
 };
+// The three bits above are the number of the bur in the handpiece (CoreParams::other_burs).
+inline constexpr int kBurShift = 5;
+constexpr size_t BurIn(uint8_t flags) noexcept { return size_t{flags} >> kBurShift; }
+constexpr uint8_t BurFlags(size_t bur) noexcept { return static_cast<uint8_t>(bur << kBurShift); }
 
 // One tick's input: the truth of a recording. Everything else is computed.
 struct TickInput {
   std::array<int32_t, 3> counts{};  // device counts (CoreParams::resolution_nm)
   QuantisedOrientation orientation = kIdentityOrientation;
-  uint8_t flags = 0;  // InputFlags
+  uint8_t flags = 0;  // InputFlags, and the bur
   uint16_t bur_speed_krpm = 0;
   // Ticks that passed without being recorded, and so without being stepped, before this one.
   uint32_t gap_ticks = 0;
@@ -113,6 +117,10 @@ struct TickOutput {
 // where it was (Coupling::Resume). A gap over which the force was held (kHeldGap) belongs to a late
 // tick: the next tick is stepped like any other, and the gap is only time.
 //
+// The bur is changed in the tick whose flags name another: what the one before has passed is cut,
+// and force and cutting are switched off as after a fault, until the new one has been in free air.
+// A number that no bur has is a fault in each tick that names it, and changes nothing else.
+//
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in
 // steps of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at
 // the first contact, and the rest of the tick is spent in the tissue found there
@@ -157,6 +165,8 @@ class Core {
   uint64_t state_hash() const noexcept { return hash_.value(); }
   uint64_t ticks() const noexcept { return ticks_; }
   const cutting::Volume& volume() const noexcept { return volume_; }
+  // The number of the bur in the handpiece.
+  size_t bur() const noexcept { return bur_; }
   const CoreParams& params() const noexcept { return params_; }
   // Removed since the start, per tissue, 1/65536 voxel.
   const cutting::RemovedUnits& removed() const noexcept { return removed_; }
@@ -191,6 +201,8 @@ class Core {
   std::array<int64_t, 3> ExpectedRest_nm(const std::array<int32_t, 3>& counts) const noexcept;
   dvec3 PlaceOf(const std::array<int64_t, 3>& nm) const noexcept;
   void TakeSpring(const TickInput& input, TickOutput& out) noexcept;
+  cutting::EngagementReader& engagement() noexcept { return engagements_[bur_]; }
+  void UseBur(size_t bur) noexcept;
   void Suspend(const dvec3& tip_m, const Quat& orientation) noexcept;
   void FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept;
   void AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept;
@@ -210,9 +222,10 @@ class Core {
   const CoreParams params_;
   cutting::Volume volume_;
   cutting::Cutter cutter_;
-  const double reach_m_;  // of the bur and its shank, from the tip
+  const double reach_m_;  // of the longest bur and its shank, from the tip
   cutting::Sweep sweep_;
-  cutting::EngagementReader engagement_;
+  std::vector<cutting::EngagementReader> engagements_;  // one for each bur
+  size_t bur_ = 0;                                      // the one in the handpiece
   haptics::Coupling coupling_;
   const bool torque_;  // on this device
   haptics::Turning turning_;

@@ -21,14 +21,14 @@ class Handpiece {
   static constexpr double kSlowest = 0.05;
 
   explicit Handpiece(const CoreParams& p)
-      : torque_per_force_m_(p.bur_radius_nm * 1e-9 * p.handpiece_tangential_permille * 1e-3),
+      : tangential_permille_(p.handpiece_tangential_permille),
         stall_n_m_(p.handpiece_stall_un_m * 1e-6),
         step_(1.0 / p.rate_hz / (1.0 / p.rate_hz + p.handpiece_lag_us * 1e-6)) {}
 
-  // A tick under a resisting force, newtons; 0 while the bur is still or in the air.
-  void Step(double resisting_n) noexcept {
+  // A tick of a bur of this radius under a resisting force, newtons; 0 while the bur is still or in the air.
+  void Step(double resisting_n, double radius_m) noexcept {
     if (stall_n_m_ == 0) return;
-    double settled = 1 - torque_per_force_m_ * resisting_n / stall_n_m_;
+    double settled = 1 - radius_m * tangential_permille_ * 1e-3 * resisting_n / stall_n_m_;
     ratio_ += ((settled > kSlowest ? settled : kSlowest) - ratio_) * step_;
   }
   // omega / omega_0.
@@ -36,7 +36,7 @@ class Handpiece {
   void VisitState(StateArchive& archive) { archive(ratio_); }
 
  private:
-  double torque_per_force_m_, stall_n_m_, step_;
+  double tangential_permille_, stall_n_m_, step_;
   double ratio_ = 1;
 };
 

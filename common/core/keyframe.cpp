@@ -6,6 +6,11 @@
 namespace enamel::core {
 
 bool Core::VisitState(StateArchive& archive) {
+  size_t bur = bur_;
+  archive(bur);
+  if (!archive.ok() || bur >= engagements_.size()) return false;
+  // Before what the bur in use knows is restored.
+  if (!archive.saving()) UseBur(bur);
   archive(orientation_, started_, bur_on_, suspended_, free_ticks_, removed_, hash_, ticks_,
           wishes_);
   archive(half_cut_, has_half_cut_, sampled_, sample_valid_, reserve_exhausted_, resisting_n_);
@@ -15,7 +20,7 @@ bool Core::VisitState(StateArchive& archive) {
   cues_.VisitState(archive);
   if (torque_) turning_.VisitState(archive);
   cutter_.VisitState(archive);
-  engagement_.VisitState(archive);
+  engagement().VisitState(archive);
   // Of the ring, only the waiting bricks, from the front. Their order is state: it decides which
   // eight the next tick hashes.
   const size_t capacity = dirty_ring_.size();

@@ -25,29 +25,93 @@ Status CheckRange(const char* field, int64_t value, int64_t lo, int64_t hi) {
   return OutOfRange(field, std::to_string(lo) + " to " + std::to_string(hi), value);
 }
 
-Status CheckBur(const CoreParams& p) {
-  if (cutting::BurShapeName(p.bur_shape) == "unknown") {
+// The first bur in the form of the others.
+OtherBur FirstBur(const CoreParams& p) noexcept {
+  return {p.bur_shape,
+          p.bur_radius_nm,
+          p.bur_length_nm,
+          p.bur_narrow_radius_nm,
+          p.shank_radius_nm,
+          p.neck_nm,
+          p.rotational_kc_un_m_per_rad};
+}
+
+OtherBur BurAt(const CoreParams& p, size_t bur) noexcept {
+  return bur == 0 ? FirstBur(p) : p.other_burs[bur - 1];
+}
+
+cutting::Bur Metric(const OtherBur& p) noexcept {
+  cutting::Bur bur;
+  bur.shape = p.shape;
+  bur.radius_m = p.radius_nm * 1e-9;
+  bur.length_m = p.length_nm * 1e-9;
+  bur.narrow_radius_m = p.narrow_radius_nm * 1e-9;
+  bur.shank_radius_m = p.shank_radius_nm * 1e-9;
+  bur.neck_m = p.neck_nm * 1e-9;
+  return bur;
+}
+
+Status CheckBur(const OtherBur& p) {
+  if (cutting::BurShapeName(p.shape) == "unknown") {
     return OutOfRange(
         "bur_shape",
         "1 to " + std::to_string(cutting::kBurShapeNames.size()) + " (schemas/trace_format.md)",
-        static_cast<int>(p.bur_shape));
+        static_cast<int>(p.shape));
   }
-  const bool sphere = p.bur_shape == cutting::BurShape::kSphere;
-  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_radius_nm", p.bur_radius_nm, 50'000, 5'000'000));
+  const bool sphere = p.shape == cutting::BurShape::kSphere;
+  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_radius_nm", p.radius_nm, 50'000, 5'000'000));
   ENAMEL_RETURN_IF_ERROR(
-      CheckRange("bur_length_nm", p.bur_length_nm, sphere ? 0 : 100'000, 20'000'000));
-  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_narrow_radius_nm", p.bur_narrow_radius_nm, 0, 5'000'000));
+      CheckRange("bur_length_nm", p.length_nm, sphere ? 0 : 100'000, 20'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_narrow_radius_nm", p.narrow_radius_nm, 0, 5'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("shank_radius_nm", p.shank_radius_nm, 0, 5'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("neck_nm", p.neck_nm, 0, 20'000'000));
-  if (auto why = cutting::WhyImpossible(BurOf(p))) {
+  if (auto why = cutting::WhyImpossible(Metric(p))) {
     return Status(Code::kInvalidInput,
                   "core parameters: expected " + std::string(*why) + ", found radius " +
-                      std::to_string(p.bur_radius_nm) + " nm, narrow radius " +
-                      std::to_string(p.bur_narrow_radius_nm) + " nm, length " +
-                      std::to_string(p.bur_length_nm) + " nm",
+                      std::to_string(p.radius_nm) + " nm, narrow radius " +
+                      std::to_string(p.narrow_radius_nm) + " nm, length " +
+                      std::to_string(p.length_nm) + " nm",
                   "bur_narrow_radius_nm");
   }
+  return CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 0, 100'000'000);
+}
+
+Status CheckBurs(const CoreParams& p) {
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("other_burs", static_cast<int64_t>(p.other_burs.size()), 0, kMaxBurs - 1));
+  for (size_t i = 0; i < BurCount(p); ++i) {
+    ENAMEL_RETURN_IF_ERROR(CheckBur(BurAt(p, i)));
+    // What is felt is a spring of the device's, whatever bur it turns.
+    if (p.peak_torque_un_m > 0 && RotationalKc_un_m_per_rad(p, i) != p.rotational_kc_un_m_per_rad) {
+      return OutOfRange(
+          "rotational_kc_un_m_per_rad",
+          std::to_string(p.rotational_kc_un_m_per_rad) + " for each bur, as a torque is sent",
+          RotationalKc_un_m_per_rad(p, i));
+    }
+  }
   return Status::Ok();
+}
+
+void WriteBur(const OtherBur& bur, ByteWriter& out) {
+  out.U8(static_cast<uint8_t>(bur.shape));
+  out.I32(bur.radius_nm);
+  out.I32(bur.length_nm);
+  out.I32(bur.narrow_radius_nm);
+  out.I32(bur.shank_radius_nm);
+  out.I32(bur.neck_nm);
+  out.I32(bur.rotational_kc_un_m_per_rad);
+}
+
+OtherBur ReadBur(ByteReader& in) {
+  OtherBur bur;
+  bur.shape = static_cast<cutting::BurShape>(in.U8());
+  bur.radius_nm = in.I32();
+  bur.length_nm = in.I32();
+  bur.narrow_radius_nm = in.I32();
+  bur.shank_radius_nm = in.I32();
+  bur.neck_nm = in.I32();
+  bur.rotational_kc_un_m_per_rad = in.I32();
+  return bur;
 }
 
 Status CheckTorqueAndCues(const CoreParams& p) {
@@ -91,15 +155,13 @@ Status CheckValues(const CoreParams& p) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckRange("peak_force_mn", p.peak_force_mn, 1, kMaxForce_mn));
   ENAMEL_RETURN_IF_ERROR(CheckRange("soft_start_ticks", p.soft_start_ticks, 0, 1'000'000));
-  ENAMEL_RETURN_IF_ERROR(CheckBur(p));
+  ENAMEL_RETURN_IF_ERROR(CheckBurs(p));
   for (int32_t b : p.damping_mn_s_per_mm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("damping_mn_s_per_mm", b, 0, 1'000'000'000));
   }
   for (int32_t b : p.axial_damping_mn_s_per_mm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("axial_damping_mn_s_per_mm", b, 0, 1'000'000'000));
   }
-  ENAMEL_RETURN_IF_ERROR(
-      CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 0, 100'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("handpiece_stall_un_m", p.handpiece_stall_un_m, 0, 1'000'000));
   ENAMEL_RETURN_IF_ERROR(
       CheckRange("handpiece_tangential_permille", p.handpiece_tangential_permille, 0, 10'000));
@@ -116,15 +178,16 @@ Status CheckValues(const CoreParams& p) {
 
 }  // namespace
 
-cutting::Bur BurOf(const CoreParams& p) noexcept {
-  cutting::Bur bur;
-  bur.shape = p.bur_shape;
-  bur.radius_m = p.bur_radius_nm * 1e-9;
-  bur.length_m = p.bur_length_nm * 1e-9;
-  bur.narrow_radius_m = p.bur_narrow_radius_nm * 1e-9;
-  bur.shank_radius_m = p.shank_radius_nm * 1e-9;
-  bur.neck_m = p.neck_nm * 1e-9;
-  return bur;
+cutting::Bur BurOf(const CoreParams& p, size_t bur) noexcept { return Metric(BurAt(p, bur)); }
+
+std::vector<cutting::Bur> BursOf(const CoreParams& p) {
+  std::vector<cutting::Bur> out;
+  for (size_t i = 0; i < BurCount(p); ++i) out.push_back(BurOf(p, i));
+  return out;
+}
+
+int32_t RotationalKc_un_m_per_rad(const CoreParams& p, size_t bur) noexcept {
+  return BurAt(p, bur).rotational_kc_un_m_per_rad;
 }
 
 haptics::TipCell TipCellOf(const CoreParams& p) noexcept {
@@ -186,6 +249,8 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   for (int32_t h : p.cell_half_nm) out.I32(h);
   out.I32(p.cell_ball_nm);
   out.U8(p.spring_on_board ? 1 : 0);
+  out.U8(static_cast<uint8_t>(p.other_burs.size()));
+  for (const OtherBur& bur : p.other_burs) WriteBur(bur, out);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
@@ -236,6 +301,11 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   for (int32_t& h : p.cell_half_nm) h = in.I32();
   p.cell_ball_nm = in.I32();
   p.spring_on_board = in.U8() != 0;
+  const uint8_t other_burs = in.U8();
+  if (in.ok() && other_burs >= kMaxBurs) {
+    return OutOfRange("other_burs", "0 to " + std::to_string(kMaxBurs - 1), other_burs);
+  }
+  for (int i = 0; i < other_burs; ++i) p.other_burs.push_back(ReadBur(in));
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
   // Values, but not the version: a recording that cannot be run can still be listed.
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));

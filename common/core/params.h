@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
@@ -19,6 +20,17 @@ inline constexpr uint32_t kCoreVersion = 1;
 // The error of rounding an orientation to four 16-bit numbers alone: |dq| <= 1/32767, and an angle
 // is twice that.
 inline constexpr int32_t kLeastRotationCell_urad = 62;
+
+// A bur that the handpiece can be given in place of the first one (CoreParams::other_burs).
+struct OtherBur {
+  cutting::BurShape shape = cutting::BurShape::kSphere;
+  int32_t radius_nm = 0, length_nm = 0, narrow_radius_nm = 0;  // cutting::Bur
+  int32_t shank_radius_nm = 0, neck_nm = 0;
+  // As CoreParams::rotational_kc_un_m_per_rad, which depends on the bur's height.
+  int32_t rotational_kc_un_m_per_rad = 0;
+
+  bool operator==(const OtherBur&) const = default;
+};
 
 // Everything the core's result depends on besides the initial volume and the recorded inputs.
 // Integers with units, never decimal text, so that both sides start from the same bits. Written
@@ -74,11 +86,20 @@ struct CoreParams {
   // point should be, and TickInput says where it is. bus_delay_ticks is then that of the reports: a wish
   // sent in answer to a reading holds in the reading 1 + bus_delay_ticks later.
   bool spring_on_board = false;
+  // Burs 1, 2, ... of the attempt; bur 0 is the one above. Each cuts with the same B.
+  std::vector<OtherBur> other_burs;
 
   bool operator==(const CoreParams&) const = default;
 };
 
-cutting::Bur BurOf(const CoreParams& params) noexcept;
+// As many as the three bits that name a bur in a tick can tell apart.
+inline constexpr size_t kMaxBurs = 8;
+inline size_t BurCount(const CoreParams& params) noexcept { return 1 + params.other_burs.size(); }
+// Requires, here and below: bur < BurCount(params).
+cutting::Bur BurOf(const CoreParams& params, size_t bur = 0) noexcept;
+// All of them, in order.
+std::vector<cutting::Bur> BursOf(const CoreParams& params);
+int32_t RotationalKc_un_m_per_rad(const CoreParams& params, size_t bur) noexcept;
 haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that
@@ -87,7 +108,9 @@ haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
 Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
-inline constexpr size_t kParamsBytes = 271;
+inline constexpr size_t kOtherBurBytes = 25;
+inline constexpr size_t kLeastParamsBytes = 272;  // with one bur
+inline constexpr size_t kMostParamsBytes = kLeastParamsBytes + (kMaxBurs - 1) * kOtherBurBytes;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core
 // calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion

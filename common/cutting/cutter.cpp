@@ -76,12 +76,9 @@ struct Cutter::Placed {
   Box box;
 };
 
-Cutter::Cutter(Volume& volume, const Bur& bur)
-    : volume_(volume),
-      bur_(bur),
-      voxel_m_(volume.spec().voxel_m()),
-      kernels_(BestKernels()),
-      kernel_bur_(KernelBurOf(bur, voxel_m_)) {
+Cutter::Cutter(Volume& volume, std::span<const Bur> burs)
+    : volume_(volume), voxel_m_(volume.spec().voxel_m()), kernels_(BestKernels()) {
+  ENAMEL_CHECK(!burs.empty());
   const GridSpec& spec = volume.spec();
   // Eight are read at a time.
   min_phi_.resize(static_cast<size_t>(spec.brick_count()) + 7, kPhiLimit);
@@ -89,20 +86,29 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
   // The most bricks that a cut's box meets, for any orientation: the box is no longer than the
   // diagonal of the body plus the band, and a length of L brick sides meets at most floor(L) + 2
   // bricks.
-  double reach =
-      2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
-      2 * kSolidBandVoxels * voxel_m_;
-  auto side = static_cast<size_t>(reach / (kSide * voxel_m_)) + 2;
+  size_t side = 0;
+  for (const Bur& bur : burs) {
+    burs_.push_back({bur, KernelBurOf(bur, voxel_m_)});
+    double reach =
+        2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
+        2 * kSolidBandVoxels * voxel_m_;
+    side = std::max(side, static_cast<size_t>(reach / (kSide * voxel_m_)) + 2);
+  }
   touched_.resize(std::min(side * side * side, static_cast<size_t>(spec.brick_count())));
+}
+
+void Cutter::Use(size_t bur) noexcept {
+  in_use_ = bur;
+  has_last_ = lower_complete_ = false;
 }
 
 bool Cutter::AnySolidNear(const Pose& pose, double margin_m) const noexcept {
   dmat3 m = pose.orientation.Matrix();
-  double height = bur_.height_m();
-  Bur whole = bur_;
-  if (bur_.shank_radius_m > 0) {
-    height += bur_.neck_m + kShankLength_m;
-    whole = {BurShape::kCylinder, std::max(bur_.radius_m, bur_.shank_radius_m), height};
+  double height = bur().height_m();
+  Bur whole = bur();
+  if (whole.shank_radius_m > 0) {
+    height += whole.neck_m + kShankLength_m;
+    whole = {BurShape::kCylinder, std::max(whole.radius_m, whole.shank_radius_m), height};
   }
   dvec3 middle = pose.tip_m + m[2] * (0.5 * height);
   dvec3 half = HalfExtent(whole, m) + dvec3(margin_m);
@@ -123,8 +129,8 @@ void Cutter::VisitState(StateArchive& archive) {
 Cutter::Placed Cutter::Place(const Pose& pose) const noexcept {
   const GridSpec& spec = volume_.spec();
   dmat3 m = pose.orientation.Matrix();
-  dvec3 middle = pose.tip_m + m[2] * (0.5 * bur_.height_m());
-  dvec3 half = HalfExtent(bur_, m) + dvec3(kSolidBandVoxels * voxel_m_);
+  dvec3 middle = pose.tip_m + m[2] * (0.5 * bur().height_m());
+  dvec3 half = HalfExtent(bur(), m) + dvec3(kSolidBandVoxels * voxel_m_);
   dvec3 d = (spec.origin_m() - middle) / voxel_m_;
   Placed out;
   // m's columns are the bur's axes in the scene, so its transpose, read row by row here, takes the
@@ -190,7 +196,7 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
     // The farthest that a sample of a brick in the band can be from the tip: the body, and some
     // eight voxels for the band and half a brick. The tenth that is left to kMaxMotion is for
     // rounding.
-    double reach = bur_.radius_m + bur_.height_m() + 8 * voxel_m_;
+    double reach = bur().radius_m + bur().height_m() + 8 * voxel_m_;
     cull.has_motion = std::sqrt(Dot(d, d)) + std::sqrt(turn2) * reach < 0.9 * kMaxMotion * voxel_m_;
   }
   // Both halves compute the same box from the same pose, so no layer is cut twice or left out.
@@ -206,7 +212,7 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
         cull.frame = now.bur_from_sample.At(first);
         if (cull.has_motion) cull.motion = motion.At(first);
         const CullResult pass =
-            kernels_.cull(kernel_bur_, cull, &min_phi_[static_cast<size_t>(row)]);
+            kernels_.cull(burs_[in_use_].kernel, cull, &min_phi_[static_cast<size_t>(row)]);
         for (int i = 0; i < 8 && x + i <= now.box.hi.x; ++i) {
           if (pass.pieces[i] == 0) continue;
           const int brick = row + i;
@@ -230,7 +236,8 @@ void Cutter::CutBrick(int brick, const BrickJob& job, RemovedUnits& removed) noe
   int16_t* phi = volume_.MutablePhi(brick).phi.data();
   const bool mixed = volume_.HasLabels(brick);
   alignas(32) std::array<int16_t, kBrickVoxels> gone;
-  const BrickChange change = kernels_.cut(kernel_bur_, job, phi, mixed ? gone.data() : nullptr);
+  const BrickChange change =
+      kernels_.cut(burs_[in_use_].kernel, job, phi, mixed ? gone.data() : nullptr);
   min_phi_[static_cast<size_t>(brick)] = static_cast<int16_t>(change.lowest);
   // `gone` is in units of phi, 1/8192 of a voxel.
   if (change.removed != 0 && mixed) {

@@ -35,8 +35,13 @@ inline double RemovedUnitsToM3(int64_t units, double voxel_m) noexcept {
 // Thread safety: none. Real-time: Cut is safe after Volume::Reserve; the constructor allocates.
 class Cutter {
  public:
-  // `volume` must outlive the cutter and be changed by nobody else.
-  Cutter(Volume& volume, const Bur& bur);
+  // `volume` must outlive the cutter and be changed by nobody else. It begins with the first bur.
+  // Requires: burs is not empty.
+  Cutter(Volume& volume, std::span<const Bur> burs);
+  Cutter(Volume& volume, const Bur& bur) : Cutter(volume, std::span(&bur, 1)) {}
+
+  // Cuts with another of its burs from now on. Requires: bur < burs.size(), and no half of a cut waits.
+  ENAMEL_REALTIME void Use(size_t bur) noexcept;
 
   // Removes the bur at `pose`, adds what went to `removed`. The bricks that changed are in
   // touched() until the next call. False when the volume's reserve was used up (nothing is lost but
@@ -51,9 +56,11 @@ class Cutter {
   // False when no solid is within `margin_m` of the bur's box, shank included: a cheap way to know
   // that a whole move is through open air.
   bool AnySolidNear(const Pose& pose, double margin_m) const noexcept;
+  // The one in use.
+  const Bur& bur() const noexcept { return burs_[in_use_].bur; }
   size_t MaxBricks() const noexcept { return touched_.size(); }
 
-  // Saves or restores all that the next Cut depends on but the volume, the bur and its pose. Not
+  // Saves or restores all that the next Cut depends on but the volume, the bur in use and its pose. Not
   // real-time.
   void VisitState(StateArchive& archive);
 
@@ -64,11 +71,16 @@ class Cutter {
   bool CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& removed) noexcept;
   void CutBrick(int brick, const BrickJob& job, RemovedUnits& removed) noexcept;
 
+  struct Prepared {
+    Bur bur;
+    KernelBur kernel;
+  };
+
   Volume& volume_;
-  Bur bur_;
   double voxel_m_;
   Kernels kernels_;
-  KernelBur kernel_bur_;
+  std::vector<Prepared> burs_;
+  size_t in_use_ = 0;
   Pose last_;  // the last complete cut
   bool has_last_ = false;
   bool lower_complete_ = false;  // of the pose that is cut in halves

@@ -70,6 +70,13 @@ Status ReplayRun::Run(const Bytes& bytes, uint64_t until_tick, const TickObserve
   ENAMEL_RETURN_IF_ERROR(Accept(chunk));
   for (const Tick& tick : chunk->ticks) {
     if (report_.ticks == until_tick) break;
+    const size_t bur = core::BurIn(tick.input.flags), burs = core::BurCount(header_.params);
+    if (bur >= burs) {
+      return Status(Code::kInvalidInput,
+                    "tick " + std::to_string(report_.ticks) + " names bur " + std::to_string(bur) +
+                        ", the recording has burs 0 to " + std::to_string(burs - 1),
+                    "input flags");
+    }
     core::TickOutput out = core_.Step(tick.input);
     // Continues: only the first disagreement is reported, but the counts are the recording's.
     if (const char* what = Difference(tick.witness, out.witness)) NoteFirst(report_.ticks, what);

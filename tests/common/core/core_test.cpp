@@ -602,6 +602,89 @@ TEST(CoreTest, SamePolylineMakesTheSameHoleAtEverySpeedAndRate) {
   }
 }
 
+// The first bur and, as bur 1, a ball that is wider.
+CoreParams TwoBurs() {
+  CoreParams params = Params();
+  params.soft_start_ticks = 50;
+  params.other_burs = {{cutting::BurShape::kSphere, 1'000'000}};
+  return params;
+}
+
+TickInput With(TickInput input, size_t bur) {
+  input.flags |= BurFlags(bur);
+  return input;
+}
+
+TEST(BurChangeTest, AnotherBurThatIsNeverTakenChangesNothing) {
+  CoreParams one = TwoBurs();
+  one.other_burs.clear();
+  Core alone(one, test::Block(50'000, 3e-3, 3e-3)),
+      beside(TwoBurs(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 4000; ++tick) {
+    ASSERT_EQ(alone.Step(Stroke(tick)).witness, beside.Step(Stroke(tick)).witness) << tick;
+  }
+  EXPECT_EQ(alone.state_hash(), beside.state_hash());
+  EXPECT_GT(alone.removed()[1], 0);
+}
+
+// The second bur from tick 300 on, in air: from there to the end it is the core of an exercise that has it alone and
+// restarts there.
+TEST(BurChangeTest, ABurTakenInAirCutsLikeOneThatWasThereFromTheStart) {
+  CoreParams ball = test::ParamsFor({cutting::BurShape::kSphere, 1e-3});
+  ball.soft_start_ticks = 50;
+  Core alone(ball, test::Block(50'000, 3e-3, 3e-3)),
+      changed(TwoBurs(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 4000; ++tick) {
+    TickInput restart = Stroke(tick);
+    if (tick == 300) restart.flags |= kSoftRestart;
+    const TickOutput expected = alone.Step(restart);
+    const TickOutput found = changed.Step(With(Stroke(tick), tick < 300 ? 0 : 1));
+    const bool suspended = tick <= 50 || (tick >= 300 && tick <= 350);
+    ASSERT_EQ((found.flags & kSuspended) != 0, suspended) << tick;
+    ASSERT_EQ(found.witness, expected.witness) << tick;
+  }
+  EXPECT_EQ(changed.bur(), 1u);
+  EXPECT_TRUE(alone.volume() == changed.volume());
+  EXPECT_EQ(alone.removed(), changed.removed());
+}
+
+// Stroke() is a millimetre deep in the block from tick 1600 on.
+TEST(BurChangeTest, ABurTakenInTheToothNeitherCutsNorPushesUntilItIsOutOfIt) {
+  Core core(TwoBurs(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2500; ++tick) core.Step(Stroke(tick));
+  // What the first bur had passed and not yet cut still goes.
+  core.Step(With(Stroke(2500), 1));
+  const cutting::RemovedUnits before = core.removed();
+  for (int tick = 2501; tick < 3500; ++tick) {
+    const TickOutput out = core.Step(With(Stroke(tick), 1));
+    ASSERT_EQ(out.force_sent_n, dvec3(0)) << tick;
+    ASSERT_NE(out.flags & kSuspended, 0) << tick;
+  }
+  EXPECT_EQ(core.removed(), before);
+  for (int tick = 0; tick < 100; ++tick) core.Step(With(At(0, 0, 3e-3), 1));
+  for (int tick = 0; tick < 2000; ++tick) core.Step(With(At(0, 0, (3 - 2e-3 * tick) * 1e-3), 1));
+  EXPECT_GT(core.removed()[1], before[1]);
+}
+
+TEST(BurChangeTest, ANumberThatNoBurHasIsAFault) {
+  Core core(TwoBurs(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2500; ++tick) core.Step(Stroke(tick));
+  core.Step(With(Stroke(2500), 7));
+  const cutting::RemovedUnits before = core.removed();
+  const TickOutput out = core.Step(With(Stroke(2501), 2));
+  EXPECT_EQ(out.force_sent_n, dvec3(0));
+  EXPECT_NE(out.flags & kSuspended, 0);
+  EXPECT_EQ(core.removed(), before);
+  EXPECT_EQ(core.bur(), 0u);
+}
+
+TEST(BurChangeTest, TheBurOfATickIsInTheHash) {
+  Core a(TwoBurs(), test::Block(50'000, 3e-3, 3e-3)), b(TwoBurs(), test::Block(50'000, 3e-3, 3e-3));
+  a.Step(Stroke(0));
+  b.Step(With(Stroke(0), 1));
+  EXPECT_NE(a.state_hash(), b.state_hash());
+}
+
 // Every field at a value of its own.
 CoreParams FullParams() {
   CoreParams p = Params();
@@ -623,6 +706,9 @@ CoreParams FullParams() {
   p.chatter_cue_mn = 200;
   p.cue_energy_nj = 50'000;
   p.cue_power_nw = 100'000;
+  p.other_burs = {
+      {cutting::BurShape::kPear, 600'000, 2'500'000, 350'000, 800'000, 1'000'000, 800'000},
+      {cutting::BurShape::kSphere, 800'000, 0, 0, 0, 0, 800'000}};
   return p;
 }
 
@@ -630,7 +716,7 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   for (const CoreParams& params : {Params(), FullParams()}) {
     ByteWriter out;
     WriteParams(params, out);
-    EXPECT_EQ(out.size(), kParamsBytes);
+    EXPECT_EQ(out.size(), kLeastParamsBytes + params.other_burs.size() * kOtherBurBytes);
     ByteReader in(out.bytes());
     auto back = ReadParams(in);
     ASSERT_TRUE(back.ok()) << back.status().message();
@@ -660,6 +746,11 @@ TEST(CoreParamsTest, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_EQ(refused([](CoreParams& p) { p.chatter_cue_mn = -1; }), "chatter_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
+  EXPECT_EQ(refused([](CoreParams& p) { p.other_burs.resize(8, p.other_burs[0]); }), "other_burs");
+  EXPECT_EQ(refused([](CoreParams& p) { p.other_burs[1].radius_nm = 1; }), "bur_radius_nm");
+  // What a six-axis device lets the hand feel does not depend on the bur.
+  EXPECT_EQ(refused([](CoreParams& p) { p.other_burs[1].rotational_kc_un_m_per_rad = 1; }),
+            "rotational_kc_un_m_per_rad");
 }
 
 TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {
@@ -678,6 +769,16 @@ TEST(CoreParamsTest, EveryTruncationIsRefused) {
     ByteReader in(ByteView(out.bytes()).first(n));
     EXPECT_FALSE(ReadParams(in).ok()) << n;
   }
+}
+
+TEST(CoreParamsTest, MoreBursThanATickCanNameAreRefusedBeforeTheyAreRead) {
+  ByteWriter out;
+  WriteParams(Params(), out);
+  Bytes bytes = out.Take();
+  bytes.back() = kMaxBurs;
+  bytes.resize(bytes.size() + kMaxBurs * kOtherBurBytes);
+  ByteReader in(bytes);
+  EXPECT_EQ(ReadParams(in).status().field(), "other_burs");
 }
 
 TEST(CoreParamsTest, ForeignCoreVersionIsNamed) {

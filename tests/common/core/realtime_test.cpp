@@ -27,6 +27,8 @@ TEST(RealtimeTest, NoTickAllocates) {
     p.shank_radius_nm = 800'000;
     p.chatter_cue_mn = p.contact_cue_mn = 200;
     p.cue_energy_nj = 100'000;
+    p.other_burs = {{cutting::BurShape::kSphere, 500'000}};
+    p.other_burs[0].rotational_kc_un_m_per_rad = p.rotational_kc_un_m_per_rad;
     Core core(p, test::Block(50'000, 3e-3, 3e-3).Packed());
     testing_support::AllocationGuard guard;
     for (int tick = 0; tick < 4000; ++tick) {
@@ -34,6 +36,8 @@ TEST(RealtimeTest, NoTickAllocates) {
       if (tick % 700 == 699) in.gap_ticks = 1 + tick % 30;
       if (tick % 900 > 870) in.flags = 0;
       if (tick == 3500) in.flags |= kFaulted;
+      // Changed in air, and in the tooth.
+      in.flags |= BurFlags(tick < 300 || tick > 3800);
       double a = 2e-4 * std::sin(tick * 0.01);
       in.orientation = {static_cast<int16_t>(32767 * a), 0, 0, 32767};
       core.Step(in);
@@ -55,10 +59,11 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
     p.damping_mn_s_per_mm[1] = 1;  // hardly any: the bur goes where the hand goes
     p.peak_force_mn = 1000;
     p.rotational_kc_un_m_per_rad = 100'000;
+    p.other_burs = {{cutting::BurShape::kSphere, 500'000}};
     cutting::Volume block = test::Block(100'000, 6e-3, 6e-3);
     block.Reserve();
     cutting::Volume copy = block;
-    const size_t most_bricks = cutting::Cutter(copy, BurOf(p)).MaxBricks();
+    const size_t most_bricks = cutting::Cutter(copy, BursOf(p)).MaxBricks();
     Core core(p, block);
     for (int tick = 0; tick < 400; ++tick) {
       int span = 1 << (random() % 13);
@@ -68,6 +73,7 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
       in.counts[2] -= 300;
       for (auto& q : in.orientation) q = static_cast<int16_t>(random());
       in.flags = tick % 13 == 0 ? 0 : kBurOn;
+      in.flags |= BurFlags(static_cast<size_t>(tick / 40 % 2));
       core.Step(in);
       const Core::Work& work = core.work();
       ASSERT_LE(work.moves, Core::kMaxMovesPerTick);

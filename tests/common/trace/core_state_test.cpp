@@ -26,12 +26,14 @@ void CopyInto(Core& from, Core& to) {
   ASSERT_TRUE(to.VisitState(restored));
 }
 
-// Turning, gaps, a fault and a restart on top of the sample's cut.
+// Turning, gaps, another bur before the first contact and again in the tooth, a fault and a restart on top of the
+// sample's cut.
 std::vector<TickInput> BusyInputs() {
   auto inputs = sample::CutInputs(3000);
   for (size_t i = 0; i < inputs.size(); ++i) {
     auto turn = static_cast<int16_t>((i * 7) % 1500);
     inputs[i].orientation = {turn, static_cast<int16_t>(-turn / 2), 0, 32000};
+    if (i >= 150 && i < 2500) inputs[i].flags |= BurFlags(1);
   }
   inputs[900].gap_ticks = 3;
   inputs[1500].flags |= kFaulted;
@@ -52,6 +54,7 @@ CoreParams ParamsOf(haptics::LawKind law, bool torque = false) {
   params.peak_torque_un_m = torque ? 100'000 : 0;
   params.rotation_cell_urad = torque ? 300 : 0;
   params.bus_delay_ticks = torque ? 1 : 0;
+  params.other_burs[0].rotational_kc_un_m_per_rad = params.rotational_kc_un_m_per_rad;
   return params;
 }
 
@@ -59,7 +62,7 @@ class CoreStateTest : public testing::TestWithParam<haptics::LawEntry> {};
 
 void ExpectRestoredGoesOn(const CoreParams& params) {
   auto inputs = BusyInputs();
-  for (size_t keyframe : {0u, 50u, 700u, 901u, 1501u, 2000u, 2099u, 2101u}) {
+  for (size_t keyframe : {0u, 50u, 151u, 700u, 901u, 1501u, 2000u, 2099u, 2101u, 2501u}) {
     Core original(params, sample::MakeBlock()), copy(params, sample::MakeBlock());
     for (size_t i = 0; i < keyframe; ++i) original.Step(inputs[i]);
     CopyInto(original, copy);
@@ -71,6 +74,7 @@ void ExpectRestoredGoesOn(const CoreParams& params) {
       ASSERT_EQ(original.state_hash(), copy.state_hash()) << i;
     }
     EXPECT_TRUE(original.volume() == copy.volume());
+    EXPECT_EQ(copy.bur(), 0u);
     EXPECT_GT(copy.removed()[static_cast<size_t>(cutting::Tissue::kEnamel)], 0);
   }
 }

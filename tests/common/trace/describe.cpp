@@ -24,6 +24,20 @@ std::string Hex64(uint64_t v) {
   return ToHex(big_endian.bytes());
 }
 
+json::array Describe(const std::vector<core::OtherBur>& burs) {
+  json::array out;
+  for (const core::OtherBur& bur : burs) {
+    out.push_back({{"shape", Number(bur.shape)},
+                   {"radius_nm", Number(bur.radius_nm)},
+                   {"length_nm", Number(bur.length_nm)},
+                   {"narrow_radius_nm", Number(bur.narrow_radius_nm)},
+                   {"shank_radius_nm", Number(bur.shank_radius_nm)},
+                   {"neck_nm", Number(bur.neck_nm)},
+                   {"rotational_kc_un_m_per_rad", Number(bur.rotational_kc_un_m_per_rad)}});
+  }
+  return out;
+}
+
 json::object Describe(const core::CoreParams& p) {
   return {{"core_version", Number(p.core_version)},
           {"rate_hz", Number(p.rate_hz)},
@@ -57,7 +71,8 @@ json::object Describe(const core::CoreParams& p) {
           {"cue_power_nw", Number(p.cue_power_nw)},
           {"cell_half_nm", Numbers(p.cell_half_nm)},
           {"cell_ball_nm", Number(p.cell_ball_nm)},
-          {"spring_on_board", p.spring_on_board}};
+          {"spring_on_board", p.spring_on_board},
+          {"other_burs", Describe(p.other_burs)}};
 }
 
 json::object Describe(const ChunkHead& head) {

@@ -128,6 +128,26 @@ TEST(ReplayTest, CoreWithOtherParametersOrAlreadySteppedIsRefused) {
   EXPECT_FALSE(Replay(stepped, recording.header, recording.chunks).ok());
 }
 
+TEST(ReplayTest, RecomputesARecordingInWhichTheBurWasChanged) {
+  auto inputs = sample::CutInputs(3000);
+  for (size_t i = 200; i < inputs.size(); ++i) inputs[i].flags |= core::BurFlags(1);
+  const auto recording = sample::Record(inputs, 500),
+             first = sample::Record(sample::CutInputs(3000), 500);
+  auto report = RunReplay(recording);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_TRUE(report->witness_ok) << report->what << " at " << report->first_bad_tick;
+  EXPECT_EQ(report->state_hash, recording.seal.state_hash);
+  EXPECT_NE(report->state_hash, first.seal.state_hash);
+}
+
+TEST(ReplayTest, ATickWithABurThatTheHeaderDoesNotHaveIsRefused) {
+  const auto report = RunReplay(Altered(700, [](Tick& t) { t.input.flags |= core::BurFlags(2); }));
+  EXPECT_EQ(report.status().code(), Code::kInvalidInput);
+  EXPECT_EQ(report.status().field(), "input flags");
+  EXPECT_NE(report.status().message().find("tick 700 names bur 2"), std::string::npos)
+      << report.status().message();
+}
+
 TEST(ReplayTest, StopsWhenAsked) {
   auto recording = sample::Record(sample::CutInputs(600), 100);
   core::Core core(recording.header.params, sample::MakeBlock());

@@ -29,6 +29,7 @@ core::CoreParams MakeParams() {
   p.soft_start_ticks = 100;
   p.bur_radius_nm = 600'000;
   p.damping_mn_s_per_mm = {0, 6500, 3000, 500, 1500, 4000, 2500, 6500};
+  p.other_burs = {{cutting::BurShape::kCylinder, 400'000, 2'000'000}};
   return p;
 }
 
@@ -124,7 +125,7 @@ std::vector<Tick> OddTicks() {
   }
   ticks[0].witness.flags = core::kAnchorReset;
   ticks[4].input.gap_ticks = 12;
-  ticks[5].input.flags = core::kFaulted | core::kLateTick;
+  ticks[5].input.flags = core::kFaulted | core::kLateTick | core::BurFlags(5);
   return ticks;
 }
 
