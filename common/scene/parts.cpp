@@ -49,6 +49,10 @@ Part TouchCues(const Exercise& exercise) {
 }
 
 Part OtherBurs(const Exercise& exercise) {
+  if (const size_t others = exercise.other_burs.size(); others > 0) {
+    return {PartId::kOtherBurs, "other burs", true,
+            "the exercise has " + std::to_string(others) + " more to change to"};
+  }
   return {PartId::kOtherBurs, "other burs", false,
           "the exercise has one bur, a " + std::string(cutting::BurShapeName(exercise.bur_shape))};
 }

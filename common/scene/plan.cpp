@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "common/cutting/voxel_limit.h"
 #include "common/scene/cell.h"
 #include "common/scene/delay.h"
 #include "common/scene/json/json.h"
@@ -119,8 +120,7 @@ std::string BurText(const BurSpec& bur) {
 }
 
 // A scene that offers no burs takes any.
-Status CheckBur(const Scene& scene, const Exercise& exercise) {
-  BurSpec wanted = exercise.bur();
+Status CheckBur(const Scene& scene, const Exercise& exercise, const BurSpec& wanted) {
   std::string offered;
   for (const BurSpec& bur : scene.burs) {
     if (bur.SameShapeAs(wanted)) return Status::Ok();
@@ -130,6 +130,28 @@ Status CheckBur(const Scene& scene, const Exercise& exercise) {
   return Refuse("exercise '" + exercise.name + "' is done with a " + BurText(wanted) +
                     ", which scene '" + scene.name + "' does not offer: it has " + offered,
                 "bur");
+}
+
+// The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N
+// m/rad.
+int32_t RotationalKc(int32_t kc_mn_per_mm, cutting::BurShape shape, int32_t radius_nm,
+                     int32_t length_nm) {
+  double arm_m = 0.5e-9 * (shape == cutting::BurShape::kSphere ? 2.0 * radius_nm : length_nm);
+  // Fits: the stiffest Kc on the longest bur that ValidateParams lets pass gives 1e8.
+  return static_cast<int32_t>(kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
+}
+
+core::OtherBur Compile(const BurSpec& bur, int32_t kc_mn_per_mm) {
+  core::OtherBur out;
+  out.shape = bur.shape;
+  out.radius_nm = bur.radius_um * 1000;
+  out.length_nm = bur.length_um * 1000;
+  out.narrow_radius_nm = bur.narrow_radius_um * 1000;
+  out.shank_radius_nm = bur.shank_radius_um * 1000;
+  out.neck_nm = bur.neck_um * 1000;
+  out.rotational_kc_un_m_per_rad =
+      RotationalKc(kc_mn_per_mm, out.shape, out.radius_nm, out.length_nm);
+  return out;
 }
 
 core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
@@ -157,16 +179,18 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.handpiece_stall_un_m = exercise.handpiece.stall_un_m;
   p.handpiece_tangential_permille = exercise.handpiece.tangential_permille;
   p.handpiece_lag_us = exercise.handpiece.lag_us;
-  // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N
-  // m/rad.
-  double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm
-                                                                     : p.bur_length_nm);
-  // Fits: the stiffest Kc on the longest bur that ValidateParams lets pass gives 1e8.
-  p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
+  p.rotational_kc_un_m_per_rad =
+      RotationalKc(p.kc_mn_per_mm, p.bur_shape, p.bur_radius_nm, p.bur_length_nm);
+  for (const BurSpec& bur : exercise.other_burs) {
+    p.other_burs.push_back(Compile(bur, p.kc_mn_per_mm));
+  }
   // Where the hand feels it, what the device can bear.
   if (profile.torque) {
     p.rotational_kc_un_m_per_rad =
         static_cast<int32_t>(profile.torque->coupling_un_m_per_rad.value);
+    for (core::OtherBur& bur : p.other_burs) {
+      bur.rotational_kc_un_m_per_rad = p.rotational_kc_un_m_per_rad;
+    }
     p.peak_torque_un_m = static_cast<int32_t>(profile.torque->peak_un_m.value);
     p.rotation_cell_urad = static_cast<int32_t>(profile.torque->orientation_cell_urad.value);
   }
@@ -194,12 +218,21 @@ Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercis
   ENAMEL_RETURN_IF_ERROR(CheckCoupling(profile, exercise.rate_hz, profile.bus_delay_ticks.value));
   ENAMEL_RETURN_IF_ERROR(CheckTorque(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
-  ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise));
+  for (const BurSpec& bur : exercise.burs()) {
+    ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise, bur));
+  }
   // Last, and asked again in the core's own terms: a plan that the core refuses is never handed
   // out.
   core::CoreParams params = Compile(scene, exercise, profile);
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(params));
   return params;
+}
+
+std::optional<std::string> WhyTooCoarse(const Exercise& exercise, int32_t voxel_nm) {
+  for (const BurSpec& bur : exercise.burs()) {
+    if (auto why = cutting::WhyTooCoarse(bur.metric(), voxel_nm, exercise.graded)) return why;
+  }
+  return std::nullopt;
 }
 
 Status CheckVolume(const Scene& scene, const cutting::Volume& volume) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "common/base/result.h"
 #include "common/core/params.h"
 #include "common/cutting/volume.h"
@@ -20,6 +23,9 @@ namespace enamel::scene {
 // a bur that the scene does not offer), with the allowed value.
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile);
+
+// cutting::WhyTooCoarse of the first of the exercise's burs for which these voxels are.
+std::optional<std::string> WhyTooCoarse(const Exercise& exercise, int32_t voxel_nm);
 
 // Refuses a volume that is not what the scene says: another voxel size, a tissue the scene does not
 // name (it would have no damping), a tissue it names that is nowhere. Errors: kConflict.

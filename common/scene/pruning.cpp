@@ -66,7 +66,10 @@ bool Touches(const Reach& reach, const GridSpec& spec, const ivec3& brick) {
 Reach ReachOf(const Scene& scene, const Exercise& exercise) {
   const CavityTarget& t = exercise.target;
   const PointUm& at = scene.landmarks.at(t.landmark);
-  int64_t side = int64_t{t.leeway_side_um} + t.container_um + exercise.bur_radius_um;
+  int64_t side = int64_t{t.leeway_side_um} + t.container_um;
+  int32_t widest_um = 0;
+  for (const BurSpec& bur : exercise.burs()) widest_um = std::max(widest_um, bur.radius_um);
+  side += widest_um;
   int64_t bottom = int64_t{t.depth_um} + t.leeway_bottom_um + t.container_um;
   Reach reach;
   for (size_t i = 0; i < 2; ++i) {

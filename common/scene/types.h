@@ -43,6 +43,9 @@ struct BurSpec {
   int32_t narrow_radius_um = 0;
   int32_t shank_radius_um = 0;
   int32_t neck_um = 0;
+  // As on a box of burs, for people: the number of ISO 6360-1 in five groups of three digits
+  // ("806 314 237 524 012", schemas/exercise.schema.json); may be empty. Only in exercises.
+  std::string iso_number = {};
 
   cutting::Bur metric() const {
     return {shape,
@@ -343,6 +346,9 @@ struct Exercise {
   int32_t bur_narrow_radius_um = 0;
   int32_t bur_shank_radius_um = 0;
   int32_t bur_neck_um = 0;
+  std::string bur_iso_number;
+  // What the first bur may be changed for during the attempt; at most core::kMaxBurs - 1.
+  std::vector<BurSpec> other_burs;
   HandpieceSpec handpiece;
   TouchCueSpec touch_cues;
   Isolation isolation = Isolation::kNone;
@@ -360,7 +366,14 @@ struct Exercise {
             bur_length_um,
             bur_narrow_radius_um,
             bur_shank_radius_um,
-            bur_neck_um};
+            bur_neck_um,
+            bur_iso_number};
+  }
+  // All of them, in the order of core::CoreParams::other_burs.
+  std::vector<BurSpec> burs() const {
+    std::vector<BurSpec> out = {bur()};
+    out.insert(out.end(), other_burs.begin(), other_burs.end());
+    return out;
   }
 };
 

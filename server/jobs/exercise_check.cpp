@@ -8,8 +8,8 @@
 #include <optional>
 #include <string_view>
 
-#include "common/cutting/voxel_limit.h"
 #include "common/scene/json/json.h"
+#include "common/scene/plan.h"
 #include "common/scene/preparation.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/crown.h"
@@ -179,11 +179,6 @@ std::optional<scene::Scene> SceneOf(StoredBlobs& blobs, const scene::Exercise& e
   return std::move(*scene);
 }
 
-std::optional<std::string> WhyTooCoarse(const scene::Scene& scene,
-                                        const scene::Exercise& exercise) {
-  return cutting::WhyTooCoarse(exercise.bur().metric(), scene.voxel_nm, exercise.graded);
-}
-
 }  // namespace
 
 Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
@@ -209,7 +204,7 @@ Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckMetrics(*scene, exercise));
   if (exercise.graded) {
-    if (const auto coarse = WhyTooCoarse(*scene, exercise))
+    if (const auto coarse = scene::WhyTooCoarse(exercise, scene->voxel_nm))
       return Status(Code::kInvalidInput, *coarse, "bur.radius_um");
   }
   if (!exercise.target.prepared.IsZero()) return Status::Ok();
@@ -224,7 +219,7 @@ std::vector<std::string> ExerciseWarnings(StoredBlobs& blobs, const scene::Exerc
   std::vector<std::string> out = ContradictingSizes(exercise);
   const auto scene = SceneOf(blobs, exercise);
   if (!scene) return out;
-  if (const auto coarse = WhyTooCoarse(*scene, exercise)) out.push_back(*coarse);
+  if (const auto coarse = scene::WhyTooCoarse(exercise, scene->voxel_nm)) out.push_back(*coarse);
   return out;
 }
 

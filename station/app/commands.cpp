@@ -11,13 +11,13 @@
 #include "common/base/pin.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
-#include "common/cutting/voxel_limit.h"
 #include "common/import/scene_folder.h"
 #include "common/program/input.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
+#include "common/scene/plan.h"
 #include "station/app/command_line.h"
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
@@ -127,8 +127,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
       // same document.
       scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
   // As a server would refuse it.
-  if (const auto coarse =
-          cutting::WhyTooCoarse(exercise.bur().metric(), built.scene.voxel_nm, exercise.graded))
+  if (const auto coarse = scene::WhyTooCoarse(exercise, built.scene.voxel_nm))
     return Status(Code::kInvalidInput, *coarse, "voxel_um");
   ENAMEL_ASSIGN_OR_RETURN(auto report,
                           Simulate(built, exercise, profile, options.operator_name, options.seed));

@@ -5,6 +5,7 @@
 
 #include "common/scene/arrangement.h"
 #include "common/scene/builder.h"
+#include "common/scene/builtin/exercises.h"
 #include "common/scene/builtin/teeth.h"
 #include "common/scene/volume_blob.h"
 
@@ -254,6 +255,18 @@ Status CheckMemory(std::string_view name, const Box& box, int32_t voxel_nm, size
 }
 
 }  // namespace
+
+BurSpec OfferedBur(std::string_view name, std::string_view iso_number) {
+  for (BurSpec& bur : StandardBurs()) {
+    if (bur.name != name) continue;
+    // An exercise's bur has no name.
+    bur.name.clear();
+    bur.iso_number = iso_number;
+    return bur;
+  }
+  ENAMEL_CHECK(false);
+  return {};
+}
 
 std::span<const BuiltinScene> BuiltinScenes() {
   static const std::vector<BuiltinScene> scenes = [] {

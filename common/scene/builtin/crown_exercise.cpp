@@ -83,6 +83,8 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   e.bur_radius_um = 800;
   e.bur_length_um = 8'000;
   e.bur_narrow_radius_um = 500;
+  // Of fine grit (exercises.cpp): for margins and the form of cusps.
+  e.other_burs = {OfferedBur("flame-12", "806 314 243 514 012")};
   e.target.landmark = "crown_top";
   // Wider than the widest built-in crown, 11 x 10.5 mm.
   e.target.half_size_um = {6'000, 6'000, 0};

@@ -27,10 +27,18 @@ std::string SidesText() {
          " gets full marks, one that is off by " + Mm(kLeeway_um) + " gets none.";
 }
 
+// ISO numbers of what one would take (schemas/exercise.schema.json): diamonds of medium grit with a friction grip
+// shank. No shape that cuts like "fissure-10" or "taper-16" was found in a source that could be read.
+constexpr std::string_view kMediumRound = "806 314 001 524 016",
+                           kMediumPear = "806 314 237 524 012";
+
 Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("class-2", scene);
   e.title = "Class II cavity, mesial box";
+  // For the corners of the box. An inverted cone for its floor would refuse voxels of 0.1 mm
+  // (cutting/voxel_limit.h), on which schools practise too.
+  e.other_burs = {OfferedBur("pear-12", kMediumPear)};
   e.target.landmark = "mesial_box";
   e.target.half_size_um = {990, 1'600, 0};
   e.target.depth_um = 3'500;
@@ -91,6 +99,8 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("caries", scene);
   e.title = "Caries excavation";
+  // For the soft floor.
+  e.other_burs = {OfferedBur("round-16", kMediumRound)};
   e.instructions =
       "Open the lesion under the central fossa and remove all soft caries, with no more sound "
       "tissue than you need to reach it. Keep the pulp covered.";
@@ -158,6 +168,8 @@ Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("access", scene);
   e.title = "Access cavity";
+  // To lift the roof from below, once the chamber is open.
+  e.other_burs = {OfferedBur("round-16", kMediumRound)};
   PreparationPart part;
   part.outline = PreparationPart::Outline::kPolygon;
   part.corners_um.assign(kAccessOutline.begin(), kAccessOutline.end());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "common/scene/builtin/teeth.h"
 #include "common/scene/types.h"
@@ -15,6 +16,9 @@ bool Has(const Scene& scene, cutting::Tissue tissue);
 std::string NameFor(const char* kind, const Scene& scene);
 // The built-in tooth of a scene; null for another one.
 const ToothShape* ShapeOf(const Scene& scene);
+
+// A bur that the built-in scenes offer (builtin.cpp), by its name and with its ISO number.
+BurSpec OfferedBur(std::string_view name, std::string_view iso_number);
 
 // crown_exercise.cpp.
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash);

@@ -2,6 +2,7 @@
 
 #include <boost/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace enamel::scene {
@@ -14,6 +15,16 @@ struct OptionalLength {
 constexpr OptionalLength kOptionalLengths[] = {{"narrow_radius_um", &BurSpec::narrow_radius_um},
                                                {"shank_radius_um", &BurSpec::shank_radius_um},
                                                {"neck_um", &BurSpec::neck_um}};
+
+// "123 456 789 012 345".
+bool IsIsoNumber(std::string_view text) {
+  constexpr size_t kSize = 19;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool right = i % 4 == 3 ? text[i] == ' ' : text[i] >= '0' && text[i] <= '9';
+    if (!right) return false;
+  }
+  return text.size() == kSize;
+}
 
 std::string ShapeNames() {
   std::string out;
@@ -56,6 +67,32 @@ BurSpec ReadBur(ObjectReader& in) {
                   std::to_string(bur.length_um) + ", narrow radius " +
                   std::to_string(bur.narrow_radius_um) + " um");
   }
+  return bur;
+}
+
+boost::json::object NumberedBurJson(const BurSpec& bur) {
+  boost::json::object out = BurJson(bur);
+  if (!bur.iso_number.empty()) out["iso_number"] = bur.iso_number;
+  return out;
+}
+
+BurSpec ReadNumberedBur(ObjectReader in) {
+  constexpr const char* kNumber = "iso_number";
+  BurSpec bur = ReadBur(in);
+  if (in.Has(kNumber)) {
+    bur.iso_number = in.Text(kNumber, 1, 64);
+    // Its last group: the largest diameter, 1/10 mm.
+    const int32_t size = (2 * bur.radius_um + 50) / 100;
+    const std::string digits = std::to_string(1000 + size).substr(1);
+    if (!IsIsoNumber(bur.iso_number)) {
+      in.Refuse(kNumber, "five groups of three digits, a space between two",
+                "\"" + bur.iso_number + "\"");
+    } else if (!bur.iso_number.ends_with(digits)) {
+      in.Refuse(kNumber, "a number that ends in " + digits + ", the bur's diameter in 1/10 mm",
+                bur.iso_number);
+    }
+  }
+  in.Finish();
   return bur;
 }
 

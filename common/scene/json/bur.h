@@ -14,5 +14,9 @@ boost::json::object BurJson(const BurSpec& bur);
 // Refuses unknown shapes (with the list), sizes out of range and proportions that are no bur's. The
 // caller reads further members and finishes.
 BurSpec ReadBur(ObjectReader& in);
+// The same with "iso_number", as an exercise's bur may have it.
+boost::json::object NumberedBurJson(const BurSpec& bur);
+// Also refuses a number whose size is not the bur's. Finishes.
+BurSpec ReadNumberedBur(ObjectReader in);
 
 }  // namespace enamel::scene

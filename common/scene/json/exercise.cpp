@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 
+#include "common/core/params.h"
 #include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
 #include "common/scene/json/kinds.h"
@@ -33,15 +34,25 @@ json::object TargetJson(const CavityTarget& t) {
 }
 
 void ReadExerciseBur(ObjectReader& in, Exercise& e) {
-  ObjectReader object = in.Object("bur");
-  BurSpec bur = ReadBur(object);
-  object.Finish();
+  BurSpec bur = ReadNumberedBur(in.Object("bur"));
   e.bur_shape = bur.shape;
   e.bur_radius_um = bur.radius_um;
   e.bur_length_um = bur.length_um;
   e.bur_narrow_radius_um = bur.narrow_radius_um;
   e.bur_shank_radius_um = bur.shank_radius_um;
   e.bur_neck_um = bur.neck_um;
+  e.bur_iso_number = bur.iso_number;
+  if (!in.Has("other_burs")) return;
+  for (ObjectReader& object : in.Objects("other_burs", 1, core::kMaxBurs - 1)) {
+    e.other_burs.push_back(ReadNumberedBur(object));
+  }
+  for (size_t i = 0; i < e.other_burs.size(); ++i) {
+    for (size_t j = 0; j <= i; ++j) {
+      if (!e.other_burs[i].SameShapeAs(j == 0 ? e.bur() : e.other_burs[j - 1])) continue;
+      in.Refuse("other_burs", "each bur once",
+                "bur " + std::to_string(j) + " again as bur " + std::to_string(i + 1));
+    }
+  }
 }
 
 void ReadHandpiece(ObjectReader& in, Exercise& e) {
@@ -145,7 +156,12 @@ std::string ToJson(const Exercise& e) {
                    {"title", e.title},
                    {"instructions", e.instructions},
                    {"scene_sha256", e.scene.Hex()},
-                   {"bur", BurJson(e.bur())}};
+                   {"bur", NumberedBurJson(e.bur())}};
+  if (!e.other_burs.empty()) {
+    json::array burs;
+    for (const BurSpec& bur : e.other_burs) burs.push_back(NumberedBurJson(bur));
+    out["other_burs"] = std::move(burs);
+  }
   if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
   if (cues) out["touch_cues"] = TouchCuesJson(e.touch_cues);
   if (e.isolation == Isolation::kRubberDam) out["isolation"] = kRubberDam;

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/base/file.h"
@@ -78,16 +79,18 @@ json::object PartJson(const Part& part, const Worth& worth) {
   out["measured"] = worth.note;
   return out;
 }
-// Whether the voxel is fine enough for the exercise's bur: printed, and a refusal of graded work.
+// Whether the voxel is fine enough for the exercise's burs: printed, and a refusal of graded work.
 Status CheckVoxel(const Explained& s, json::object& out) {
-  const cutting::Bur bur = core::BurOf(s.params);
   const int32_t voxel_nm = s.built.scene.voxel_nm;
-  const double off = cutting::VoxelForceError(bur, voxel_nm);
-  const auto coarse = cutting::WhyTooCoarse(bur, voxel_nm, s.exercise.graded);
+  double off = 0;
+  for (const cutting::Bur& bur : core::BursOf(s.params)) {
+    off = std::max(off, cutting::VoxelForceError(bur, voxel_nm));
+  }
+  const auto coarse = scene::WhyTooCoarse(s.exercise, voxel_nm);
   out["voxel_force_error"] = off;
   out["voxel_verdict"] = !coarse ? "fine" : s.exercise.graded ? "refused" : "warned";
   if (!coarse) {
-    std::printf("\nforce of this bur at this voxel: off by up to %.1f %% in a groove\n", 100 * off);
+    std::printf("\nforce at this voxel: off by up to %.1f %% in a groove\n", 100 * off);
     return Status::Ok();
   }
   if (s.exercise.graded)

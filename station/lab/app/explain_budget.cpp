@@ -108,11 +108,15 @@ class Budget {
     // Beyond the device's own loop nothing can be picked: one faster rate says what it would buy. The core leaves the
     // estimator to the law.
     JointAxes axes = FrontAxes(model, {1.0 * s_.exercise.rate_hz, 2 * model.rate_hz}, {});
-    const cutting::Bur bur = core::BurOf(s_.params);
-    for (auto& [nm, volume] : Volumes())
-      axes.voxels.push_back(
-          {nm, MeasureForceError(bur, nm),
-           [this, volume = volume](const DeviceModel& at) { return TicksOf(volume, at); }});
+    for (auto& [nm, volume] : Volumes()) {
+      double off = 0;
+      for (const cutting::Bur& bur : core::BursOf(s_.params)) {
+        off = std::max(off, MeasureForceError(bur, nm));
+      }
+      axes.voxels.push_back({nm, off, [this, volume = volume](const DeviceModel& at) {
+                               return TicksOf(volume, at);
+                             }});
+    }
     axes.planned_voxel_nm = s_.built.scene.voxel_nm;
     axes.planned_rate_hz = s_.exercise.rate_hz;
     axes.planned_law = s_.exercise.law;

@@ -93,7 +93,7 @@ class Appraiser {
       case PartId::kTouchCues:
         return TouchCues(part.kept);
       case PartId::kOtherBurs:
-        return OtherBurs();
+        return OtherBurs(part.kept);
       case PartId::kSurface: {
         SurfaceCost c;
         const Interval ns = Apart([&] {
@@ -226,23 +226,27 @@ class Appraiser {
     return Against(without, "against the same bur without torque");
   }
 
-  // A second bur's cutter on the same volume: time to make it, and growth of the heap.
-  Worth OtherBurs() const {
-    cutting::Volume volume = s_.built.volume;
-    cutting::Bur other{cutting::BurShape::kSphere, s_.exercise.bur_radius_um * 1e-6};
-    if (s_.exercise.bur_shape == cutting::BurShape::kSphere) {
-      other.shape = cutting::BurShape::kCylinder;
-      other.length_m = 4e-3;
+  // From the heap: a process grows by whole pages, and keeps freed memory.
+  double CoreMb(const core::CoreParams& params) const {
+    const double before_mb = HeapMb();
+    const core::Core core(params, s_.built.volume);
+    return HeapMb() - before_mb;
+  }
+
+  // The first bur cuts, beside others or alone.
+  Worth OtherBurs(bool kept) {
+    core::CoreParams alone = s_.params, with = s_.params;
+    alone.other_burs.clear();
+    if (!kept) {
+      with.other_burs.resize(1);
+      with.other_burs[0].radius_nm = s_.params.bur_radius_nm;
+      with.other_burs[0].rotational_kc_un_m_per_rad = s_.params.rotational_kc_un_m_per_rad;
     }
-    // From the heap: a process grows by whole pages, and keeps freed memory.
-    double before_mb = HeapMb();
-    auto from = std::chrono::steady_clock::now();
-    cutting::Cutter cutter(volume, other);
-    std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - from;
-    char note[96];
-    std::snprintf(note, sizeof note, "a %s's cutter beside it, made in %.1f ms",
-                  std::string(cutting::BurShapeName(other.shape)).c_str(), took.count());
-    return {{}, HeapMb() - before_mb, note};
+    Timed(kept ? alone : with, packed_);
+    Ask(kept ? -1 : 1);
+    return {{},
+            CoreMb(with) - CoreMb(alone),
+            kept ? "against the first bur alone" : "with a sphere to change to"};
   }
 
   struct Made {

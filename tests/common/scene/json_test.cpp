@@ -635,5 +635,33 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{"\"class-1-", "\"Class 1 ", "/name"}),
     NameOf);
 
+TEST(SceneJsonTest, BursToChangeToAndTheirNumbersAreReadAndRefusedWithTheirPaths) {
+  const std::string text = ReadText("golden/scene_exercise_relief.json");
+  const Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  ASSERT_EQ(exercise->burs().size(), 3u);
+  EXPECT_EQ(exercise->burs()[1].shape, cutting::BurShape::kFlame);
+  EXPECT_EQ(exercise->burs()[1].iso_number, "806 314 243 514 012");
+  auto refused = [&](const char* from, const char* to) {
+    return ExerciseFromJson(Replaced(text, from, to)).status().field();
+  };
+  EXPECT_EQ(refused("243 514 012", "243 514 012x"), "/other_burs/0/iso_number");
+  EXPECT_EQ(refused("243 514 012", "243-514 012"), "/other_burs/0/iso_number");
+  EXPECT_EQ(refused("243 514 012", "243 514 014"), "/other_burs/0/iso_number")
+      << "another diameter";
+  EXPECT_EQ(refused("\"flame\"", "\"egg\""), "/other_burs/0/shape");
+  EXPECT_EQ(refused("\"radius_um\": 600", "\"radius\": 600"), "/other_burs/0/radius_um");
+  Exercise twice = *exercise;
+  twice.other_burs.push_back(twice.bur());
+  EXPECT_EQ(ExerciseFromJson(ToJson(twice)).status().field(), "/other_burs");
+  Exercise many = *exercise;
+  for (int i = 0; i < 6; ++i) {
+    many.other_burs.push_back(many.other_burs.back());
+    many.other_burs.back().radius_um += 10;
+  }
+  EXPECT_EQ(ExerciseFromJson(ToJson(many)).status().field(), "/other_burs");
+}
+
 }  // namespace
 }  // namespace enamel::scene

@@ -252,6 +252,37 @@ cutting::Volume EnamelCube() {
   return BuildVolume(GridAround(dvec3(-1e-3), dvec3(1e-3), 50'000), Field(field));
 }
 
+TEST_F(PlanTest, OtherBursComeWithTheStiffnessOfTheirOwnHeight) {
+  exercise.other_burs = {{{}, cutting::BurShape::kPear, 600, 2'000, 350}};
+  auto params = CompilePlan(scene, exercise, profile);
+  ASSERT_TRUE(params.ok()) << params.status().message();
+  // 2.5 N/mm at 1 mm.
+  EXPECT_EQ(params->other_burs, (std::vector<core::OtherBur>{{cutting::BurShape::kPear, 600'000,
+                                                              2'000'000, 350'000, 0, 0, 2'500}}));
+  EXPECT_EQ(params->rotational_kc_un_m_per_rad, 10'000) << "4 mm long";
+  // With a spring that is felt, that of the device.
+  params = CompilePlan(scene, exercise, BuiltinProfiles().back());
+  ASSERT_TRUE(params.ok()) << params.status().message();
+  EXPECT_GT(params->peak_torque_un_m, 0);
+  EXPECT_EQ(params->other_burs[0].rotational_kc_un_m_per_rad, params->rotational_kc_un_m_per_rad);
+}
+
+TEST_F(PlanTest, EachBurIsOneThatTheSceneOffersAndItsVoxelCarries) {
+  exercise.other_burs = {{{}, cutting::BurShape::kSphere, 300, 0}};
+  scene.burs = {exercise.bur()};
+  exercise.scene = {};
+  const Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_EQ(refused.field(), "bur");
+  EXPECT_NE(refused.message().find("sphere of radius 300 um"), std::string::npos)
+      << refused.message();
+  exercise.other_burs.clear();
+  EXPECT_EQ(WhyTooCoarse(exercise, 100'000), std::nullopt);
+  exercise.other_burs = {{{}, cutting::BurShape::kSphere, 300, 0}};
+  const auto coarse = WhyTooCoarse(exercise, 100'000);
+  ASSERT_TRUE(coarse);
+  EXPECT_NE(coarse->find("sphere r 0.3 mm"), std::string::npos) << *coarse;
+}
+
 TEST_F(PlanTest, TissueOfTheVolumeThatTheSceneDoesNotNameIsRefused) {
   scene.tissues = DefaultTissues({cutting::Tissue::kDentin});
   Status refused = CheckVolume(scene, EnamelCube());
