@@ -197,9 +197,12 @@ Result<std::vector<FramePose>> Player::Poses(size_t segment) const {
   }
   for (size_t i = 0; i < n; ++i) {
     out[i].gap_ticks = scene::FromPlanes(all.subspan(15 * n), n, i);
-    const uint8_t turning = raw[19 * n + i];
-    if (turning > 1) return Malformed("a bur neither turns nor stands");
-    out[i].turning = turning == 1;
+    const uint8_t tool = raw[19 * n + i];
+    out[i].turning = (tool & 1) != 0;
+    out[i].bur = tool >> 1;
+    if (out[i].bur > 0 && out[i].bur >= head_.outlines.size()) {
+      return Malformed("a bur has no outline");
+    }
   }
   return out;
 }

@@ -29,7 +29,6 @@ double RadiusAt_m(const cutting::Bur& bur, double z_m) {
 
 std::vector<OutlinePoint> OutlineOf(const cutting::Bur& bur) {
   std::vector<OutlinePoint> out;
-  if (bur.radius_m <= 0) return out;
   const double height = bur.height_m();
   for (int i = 0; i <= kOutlineSteps; ++i) {
     // Denser at both ends, where round burs turn.
@@ -54,6 +53,7 @@ FramePose PoseOf(const Recorder::Tick& tick) {
     out.axis[n] = static_cast<int8_t>(std::lround(std::clamp(axis[i], -1.0, 1.0) * 127));
   }
   out.turning = tick.turning;
+  out.bur = static_cast<uint8_t>(tick.which);
   return out;
 }
 
@@ -74,7 +74,9 @@ Bytes PosesOf(const std::vector<FramePose>& poses) {
   }
   for (size_t i = 0; i < poses.size(); ++i) column[i] = poses[i].gap_ticks;
   scene::AppendPlanes(column, out);
-  for (const FramePose& pose : poses) out.push_back(pose.turning ? 1 : 0);
+  for (const FramePose& pose : poses) {
+    out.push_back(static_cast<uint8_t>((pose.turning ? 1 : 0) | pose.bur << 1));
+  }
   return out;
 }
 
@@ -92,7 +94,7 @@ Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
   head_.rate_hz = options.rate_hz;
   head_.frame_ticks = options.frame_ticks;
   head_.segment_frames = options.segment_frames;
-  head_.outline = OutlineOf(options.bur);
+  for (const cutting::Bur& bur : options.burs) head_.outlines.push_back(OutlineOf(bur));
   changed_in_.emplace_back();
 }
 

@@ -14,7 +14,7 @@ namespace enamel::timeline {
 
 struct RecorderOptions {
   uint32_t rate_hz = 1000;
-  cutting::Bur bur;
+  std::vector<cutting::Bur> burs;
   // A tenth of a second in a frame, a minute in a segment: a segment's changes are applied within a
   // few milliseconds.
   uint32_t frame_ticks = 100;
@@ -39,6 +39,7 @@ class Recorder {
     cutting::Pose bur;  // where it cuts
     bool turning = false;
     uint32_t gap_ticks = 0;  // before this tick
+    size_t which = 0;        // of the options' burs
   };
   // After each tick, in order: the tooth as it is now, and the bricks that this tick changed
   // (core::Core::touched).

@@ -21,11 +21,12 @@ struct FramePose {
   std::array<int8_t, 3> axis{};     // toward the shank, /127
   bool turning = false;
   uint32_t gap_ticks = 0;  // that passed within the frame and were not recorded
+  uint8_t bur = 0;         // which of the head's outlines
 
   bool operator==(const FramePose&) const = default;
 };
 
-// A point of the bur's outline, from the tip to the shank's end.
+// A point of a bur's outline, from the tip to the shank's end.
 struct OutlinePoint {
   int32_t z_nm = 0, radius_nm = 0;
   bool operator==(const OutlinePoint&) const = default;
@@ -51,7 +52,7 @@ struct Head {
   // More frames than this are refused: two weeks of them at ten a second.
   static constexpr uint32_t kMaxFrames = 12'000'000;
   static constexpr uint32_t kMaxSegments = 65'536;
-  static constexpr uint32_t kMaxOutline = 256;
+  static constexpr uint32_t kMaxOutline = 256;  // points of all outlines
 
   cutting::GridSpec spec;
   Sha256 start;  // of the start tooth's file
@@ -62,11 +63,13 @@ struct Head {
   CutBall cut;                  // by the end
   // Of the parts, which follow the head in this order.
   uint32_t end_bytes = 0, still_bytes = 0, changing_bytes = 0;
-  std::vector<OutlinePoint> outline;
+  // Of each bur. A bur's begins with its only point at place 0.
+  std::vector<std::vector<OutlinePoint>> outlines;
   std::vector<Segment> segments;
 
   uint32_t frames() const { return static_cast<uint32_t>((ticks + frame_ticks - 1) / frame_ticks); }
   uint32_t FramesIn(size_t segment) const;
+  size_t OutlinePoints() const;
   size_t bytes() const;
   // Of the whole file.
   uint64_t file_bytes() const;

@@ -30,7 +30,7 @@ void WriteFixed(const Head& head, ByteWriter& out) {
   out.U32(head.rate_hz);
   out.U32(head.frame_ticks);
   out.U32(head.segment_frames);
-  out.U32(static_cast<uint32_t>(head.outline.size()));
+  out.U32(static_cast<uint32_t>(head.OutlinePoints()));
   out.U32(static_cast<uint32_t>(head.segments.size()));
   for (int32_t place : head.cut.centre_um) out.I32(place);
   out.I32(head.cut.radius_um);
@@ -56,8 +56,14 @@ uint32_t Head::FramesIn(size_t segment) const {
   return static_cast<uint32_t>(std::min<uint64_t>(segment_frames, frames() - first));
 }
 
+size_t Head::OutlinePoints() const {
+  size_t out = 0;
+  for (const std::vector<OutlinePoint>& outline : outlines) out += outline.size();
+  return out;
+}
+
 size_t Head::bytes() const {
-  return kFixedBytes + outline.size() * kOutlineBytes + segments.size() * kSegmentBytes;
+  return kFixedBytes + OutlinePoints() * kOutlineBytes + segments.size() * kSegmentBytes;
 }
 
 uint64_t Head::file_bytes() const {
@@ -69,9 +75,11 @@ uint64_t Head::file_bytes() const {
 Bytes EncodeHead(const Head& head) {
   ByteWriter out;
   WriteFixed(head, out);
-  for (const OutlinePoint& point : head.outline) {
-    out.I32(point.z_nm);
-    out.I32(point.radius_nm);
+  for (const std::vector<OutlinePoint>& outline : head.outlines) {
+    for (const OutlinePoint& point : outline) {
+      out.I32(point.z_nm);
+      out.I32(point.radius_nm);
+    }
   }
   for (const Segment& segment : head.segments) {
     out.U32(segment.pose_bytes);
@@ -93,7 +101,7 @@ Result<Head> DecodeHead(ByteView bytes) {
   out.rate_hz = in.U32();
   out.frame_ticks = in.U32();
   out.segment_frames = in.U32();
-  const uint32_t outline = in.U32(), segments = in.U32();
+  const uint32_t points = in.U32(), segments = in.U32();
   for (int32_t& place : out.cut.centre_um) place = in.I32();
   out.cut.radius_um = in.I32();
   out.end_bytes = in.U32();
@@ -107,14 +115,16 @@ Result<Head> DecodeHead(ByteView bytes) {
   // Before frames(), whose type would cut it.
   ENAMEL_RETURN_IF_ERROR(
       Bounded("ticks", out.ticks, 0, uint64_t{Head::kMaxFrames} * out.frame_ticks));
-  ENAMEL_RETURN_IF_ERROR(Bounded("points of an outline", outline, 0, Head::kMaxOutline));
+  ENAMEL_RETURN_IF_ERROR(Bounded("points of outlines", points, 0, Head::kMaxOutline));
   const uint32_t expected = (out.frames() + out.segment_frames - 1) / out.segment_frames;
   ENAMEL_RETURN_IF_ERROR(Bounded("segments", segments, expected, expected));
   ENAMEL_RETURN_IF_ERROR(Bounded("segments", segments, 0, Head::kMaxSegments));
-  for (uint32_t i = 0; i < outline && in.ok(); ++i) {
-    const int32_t z_nm = in.I32();
-    out.outline.push_back({z_nm, in.I32()});
-    if (out.outline.back().radius_nm < 0) return Malformed("a radius of the bur is below 0");
+  for (uint32_t i = 0; i < points && in.ok(); ++i) {
+    const int32_t z_nm = in.I32(), radius_nm = in.I32();
+    if (z_nm == 0) out.outlines.emplace_back();
+    if (out.outlines.empty()) return Malformed("the outline of a bur does not begin at its tip");
+    out.outlines.back().push_back({z_nm, radius_nm});
+    if (radius_nm < 0) return Malformed("a radius of the bur is below 0");
   }
   if (out.cut.radius_um < 0) return Malformed("the radius of what was removed is below 0");
   for (uint32_t i = 0; i < segments && in.ok(); ++i) {

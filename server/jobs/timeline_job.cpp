@@ -76,7 +76,7 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
                           StartTooth(store.blobs, store.timelines, header.volume, initial, asked));
   timeline::RecorderOptions options;
   options.rate_hz = header.params.rate_hz;
-  options.bur = core::BurOf(header.params);
+  options.burs = core::BursOf(header.params);
   // A tenth of a second, whatever the loop's rate.
   options.frame_ticks = std::max(1u, header.params.rate_hz / 10);
   ENAMEL_ASSIGN_OR_RETURN(options.detailed, ComparedBricks(store, attempt, initial.spec()));
@@ -86,7 +86,8 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
       core, header, chunks,
       [&](const trace::Tick& tick, const core::TickOutput& output) {
         recorder.Add(core.volume(), core.touched(),
-                     {output.anchor, (tick.input.flags & core::kBurOn) != 0, tick.input.gap_ticks});
+                     {output.anchor, (tick.input.flags & core::kBurOn) != 0, tick.input.gap_ticks,
+                      core.bur()});
       },
       [&](double done) { return asked.KeepGoing(done); });
   if (!report.ok())

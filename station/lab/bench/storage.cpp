@@ -112,7 +112,7 @@ void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Devi
             Parts& out) {
   timeline::RecorderOptions options;
   options.rate_hz = cut.params.rate_hz;
-  options.bur = core::BurOf(cut.params);
+  options.burs = core::BursOf(cut.params);
   options.frame_ticks = std::max(1u, cut.params.rate_hz / 10);
   for (const timeline::CellDeviation& value : deviation.cells) {
     options.detailed.push_back(initial.spec().BrickIndex(value.cell / cutting::kBrickSide));

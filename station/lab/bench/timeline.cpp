@@ -42,14 +42,14 @@ struct Figures {
 Status ReplayInto(const Attempt& attempt, timeline::Recorder* recorder, Bytes& out, double& took) {
   core::Core core(attempt.header.params, attempt.built.volume);
   const auto from = Clock::now();
-  auto report = trace::Replay(
-      core, attempt.header, attempt.chunks,
-      [&](const trace::Tick& tick, const core::TickOutput& output) {
-        if (recorder == nullptr) return;
-        recorder->Add(
-            core.volume(), core.touched(),
-            {output.anchor, (tick.input.flags & core::kBurOn) != 0, tick.input.gap_ticks});
-      });
+  auto report =
+      trace::Replay(core, attempt.header, attempt.chunks,
+                    [&](const trace::Tick& tick, const core::TickOutput& output) {
+                      if (recorder == nullptr) return;
+                      recorder->Add(core.volume(), core.touched(),
+                                    {output.anchor, (tick.input.flags & core::kBurOn) != 0,
+                                     tick.input.gap_ticks, core.bur()});
+                    });
   if (!report.ok()) return report.status();
   if (recorder != nullptr) out = recorder->Finish(core.volume());
   took = Seconds(from);
@@ -104,7 +104,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   Bytes file;
   ENAMEL_RETURN_IF_ERROR(ReplayInto(attempt, nullptr, file, out.replay_s));
   timeline::RecorderOptions recording;
-  recording.bur = core::BurOf(attempt.header.params);
+  recording.burs = core::BursOf(attempt.header.params);
   recording.frame_ticks = options.frame_ticks;
   timeline::Recorder recorder(attempt.built.volume, HashSha256(start), recording);
   ENAMEL_RETURN_IF_ERROR(ReplayInto(attempt, &recorder, file, out.replay_with_timeline_s));

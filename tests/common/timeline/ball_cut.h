@@ -26,7 +26,7 @@ class BallCut {
         volume_(initial_),
         cutter_((volume_.Reserve(), volume_), {cutting::BurShape::kSphere, 0.5e-3}) {
     start_ = EncodeStartTooth(StartToothOf(initial_));
-    options.bur = {cutting::BurShape::kSphere, 0.5e-3};
+    if (options.burs.empty()) options.burs = {{cutting::BurShape::kSphere, 0.5e-3}};
     options_ = options;
   }
 
@@ -39,6 +39,7 @@ class BallCut {
       Recorder::Tick tick;
       tick.bur.tip_m = {-1.6e-3 + 0.04e-3 * t, 0.2e-3 * std::sin(0.2 * t), 0.6e-3};
       tick.turning = t % 20 < 15;
+      tick.which = t < 10 ? 0 : options_.burs.size() - 1;
       tick.gap_ticks = t % 10 == 3 ? 2 : 0;
       if (tick.turning) cutter_.Cut(tick.bur, removed);
       recorder.Add(volume_, tick.turning ? cutter_.touched() : std::span<const int32_t>(), tick);

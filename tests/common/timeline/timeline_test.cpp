@@ -67,8 +67,9 @@ TEST(SurfaceTimelineGoldenTest, HeadAndPosesAreWhatTheDocumentSays) {
   EXPECT_EQ(head.rate_hz, 1000u);
   EXPECT_EQ(head.frame_ticks, 100u);
   EXPECT_EQ(head.segment_frames, 2u);
-  EXPECT_EQ(head.outline,
-            (std::vector<OutlinePoint>{{0, 100'000}, {400'000, 200'000}, {4'000'000, 0}}));
+  EXPECT_EQ(
+      head.outlines,
+      (std::vector<std::vector<OutlinePoint>>{{{0, 100'000}, {400'000, 200'000}, {4'000'000, 0}}}));
   ASSERT_EQ(head.segments.size(), 3u);
   for (int k = 0; k < 5; ++k) {
     auto poses = player->Poses(static_cast<size_t>(k / 2));
@@ -199,10 +200,42 @@ TEST(SurfaceTimelineTest, PosesSayWhereTheBurIsAndHowLongAFrameTook) {
   EXPECT_FALSE((*poses)[1].turning);
   for (const FramePose& pose : *poses) EXPECT_EQ(pose.gap_ticks, 2u);
   // A ball's outline is a half circle.
-  for (const OutlinePoint& point : player->head().outline) {
+  for (const OutlinePoint& point : player->head().outlines.at(0)) {
     const double z = point.z_nm - 500'000.0;
     EXPECT_NEAR(std::sqrt(z * z + double{1.0} * point.radius_nm * point.radius_nm), 500'000, 20);
   }
+}
+
+TEST(SurfaceTimelineTest, EachBurHasAnOutlineAndEachPoseSaysWhichItIs) {
+  RecorderOptions options;
+  options.frame_ticks = 10;
+  options.burs = {{cutting::BurShape::kSphere, 0.5e-3},
+                  {cutting::BurShape::kCylinder, 0.4e-3, 2e-3, 0, 0.8e-3, 1e-3}};
+  BallCut cut(options);
+  const Bytes file = cut.Record(25, [](int, const cutting::Volume&) {});
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  const auto& outlines = player->head().outlines;
+  ASSERT_EQ(outlines.size(), 2u);
+  EXPECT_EQ(outlines[0].size() + 2, outlines[1].size()) << "one has a shank";
+  for (const auto& outline : outlines) EXPECT_EQ(outline.front().z_nm, 0);
+  EXPECT_EQ(outlines[1][12].radius_nm, 400'000);
+  auto poses = player->Poses(0);
+  ASSERT_TRUE(poses.ok()) << poses.status().message();
+  ASSERT_EQ(poses->size(), 3u);
+  EXPECT_EQ((*poses)[0].bur, 0);
+  EXPECT_TRUE((*poses)[0].turning);
+  EXPECT_EQ((*poses)[1].bur, 1);
+  EXPECT_FALSE((*poses)[1].turning);
+  EXPECT_EQ((*poses)[2].bur, 1);
+}
+
+TEST(SurfaceTimelineGoldenTest, AnOutlineThatDoesNotBeginAtTheTipIsRefused) {
+  Bytes file = Golden("surface_timeline.entl");
+  ASSERT_TRUE(DecodeHead(file).ok());
+  constexpr size_t kOutline = 136;
+  file[kOutline] = 1;
+  EXPECT_EQ(DecodeHead(file).status().code(), Code::kInvalidInput);
 }
 
 TEST(SurfaceTimelineTest, AnAttemptWithoutATickIsATimelineToo) {

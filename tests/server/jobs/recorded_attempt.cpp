@@ -117,6 +117,11 @@ World::World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law)
   exercise.target.half_size_um = {1'500, 1'000, 0};
   exercise.target.depth_um = 1'000;
   exercise.rate_hz = rate_hz;
+  for (scene::BurSpec bur : scene.burs) {
+    if (bur.name != "pear-12") continue;
+    bur.name.clear();
+    exercise.other_burs = {bur};
+  }
   exercise.law = law;
   for (const auto& p : scene::BuiltinProfiles()) {
     if (p.name == "phantom_desktop") profile = p;
@@ -170,6 +175,9 @@ Recording World::Record(const Uuid& attempt, const Uuid& station,
     trace::Tick tick;
     tick.input.counts = CountsOf(points[i], params);
     tick.input.flags = core::kBurOn;
+    if (options.bur != 0 && i >= static_cast<size_t>(exercise.rate_hz) * 15 / 100) {
+      tick.input.flags |= core::BurFlags(options.bur);
+    }
     if (options.late && i % 100 == 0) tick.input.flags |= core::kLateTick;
     if (i == points.size() - 50) tick.input.gap_ticks = options.gap_ticks;
     if (wanders) Disturb(random, tick.input);

@@ -15,6 +15,7 @@ struct PathOptions {
   double pace = 1;             // of every stroke
   uint32_t gap_ticks = 0;      // lost in the middle
   bool late = false;           // marks some ticks late
+  size_t bur = 0;              // that is taken after 0.15 s, in the air
   uint64_t wander =
       0;  // not 0: strokes, pauses, gaps, late ticks and suspensions at random, of this seed
 };

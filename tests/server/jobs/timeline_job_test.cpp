@@ -68,6 +68,27 @@ TEST_F(TimelineJobTest, ToothAtAFrameIsTheReplaysAtItsTick) {
   }
 }
 
+// Scored, and so verified tick by tick.
+TEST_F(TimelineJobTest, AnAttemptInWhichTheBurWasChangedIsScoredAndShownWithTheBurThatCut) {
+  const Uuid changed = school_->Record({.bur = 1});
+  ASSERT_TRUE(RunScoreJob(*school_->store, changed).ok());
+  ASSERT_TRUE(Run(changed).ok());
+  timeline::Player player = Opened(changed);
+  EXPECT_EQ(player.head().outlines.size(), 2u);
+  const auto poses = player.Poses(0);
+  ASSERT_TRUE(poses.ok()) << poses.status().message();
+  EXPECT_EQ((*poses)[0].bur, 0) << "after 0.1 s";
+  EXPECT_EQ((*poses)[1].bur, 1);
+  EXPECT_EQ(poses->back().bur, 1);
+  const auto left_m3 = [&](const Uuid& attempt) {
+    const uint64_t ticks = school_->RecordingOf(attempt).seal.ticks;
+    return cutting::SolidVolume_m3(
+        ToothAfter(attempt, ticks))[static_cast<size_t>(cutting::Tissue::kGypsum)];
+  };
+  // On the same way the pear, which is wider above its ball, leaves less.
+  EXPECT_LT(left_m3(changed), left_m3(attempt_) - 0.1e-9);
+}
+
 TEST_F(TimelineJobTest, RunningItAgainGivesTheSameBytes) {
   ASSERT_TRUE(Run(attempt_).ok());
   const Sha256 first = TimelineOf(attempt_).content;

@@ -15,6 +15,7 @@ import {
   decodeSegment,
   framesIn,
   type FramePose,
+  type Outline,
   type Head,
   segmentBytes,
   TimelinePlayer,
@@ -28,8 +29,8 @@ export interface FilmScreen {
   expect(): void;
   // A part of the tooth; undefined: no surface there.
   setBlock(index: number, mesh: BlockMesh | undefined): void;
-  // The bur's outline (place along the axis, radius; mm) and where it is; undefined: it is not shown.
-  setBur(outline: Head["outline"], pose: FramePose | undefined): void;
+  // The bur and where it is; undefined: it is not shown.
+  setBur(outline: Outline | undefined, pose: FramePose | undefined): void;
   // Where the tooth is, and how much of it is there.
   setDetail(detail: Detail, extent: Extent): void;
   // What is inside.
@@ -400,7 +401,8 @@ export class Film {
   private showBur(screen: FilmScreen): void {
     const { head, player, shown } = this;
     const during = head !== undefined && shown !== undefined && shown < head.frames;
-    screen.setBur(head?.outline ?? [], during ? player?.pose(shown) : undefined);
+    const pose = during ? player?.pose(shown) : undefined;
+    screen.setBur(head?.outlines[pose?.bur ?? 0], pose);
   }
 
   // False: overtaken by a later wish. What is left stays dirty and comes first the next time, so that nothing waits

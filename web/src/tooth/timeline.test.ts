@@ -42,11 +42,13 @@ test("head and poses of the golden file are what the document says", async () =>
   assert.deepEqual(head.cut, { centreMm: [0, 0, 0.95], radiusMm: 0.552 });
   assert.equal(head.fileBytes, golden("entl").byteLength);
   assert.deepEqual(
-    head.outline.map((point) => point.map((mm) => Math.round(mm * 1e6) / 1e6)),
+    head.outlines.map((outline) => outline.map((point) => point.map((mm) => Math.round(mm * 1e6) / 1e6))),
     [
-      [0, 0.1],
-      [0.4, 0.2],
-      [4, 0],
+      [
+        [0, 0.1],
+        [0.4, 0.2],
+        [4, 0],
+      ],
     ],
   );
   for (let k = 0; k < 5; ++k) {

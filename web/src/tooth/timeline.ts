@@ -42,17 +42,21 @@ export interface Head {
   readonly endBytes: number;
   readonly stillBytes: number;
   readonly changingBytes: number;
-  readonly outline: ReadonlyArray<readonly [number, number]>; // mm: place along the axis, radius
+  readonly outlines: readonly Outline[]; // of each bur
   readonly segments: readonly Segment[];
   readonly bytes: number; // of the head itself
   readonly endsAt: number; // so many bytes of the file show the tooth at its end
   readonly fileBytes: number;
 }
 
+// mm: place along the axis, radius.
+export type Outline = ReadonlyArray<readonly [number, number]>;
+
 export interface FramePose {
   readonly tipMm: readonly [number, number, number];
   readonly axis: readonly [number, number, number]; // toward the shank, unit
   readonly turning: boolean;
+  readonly bur: number; // which of the outlines
   readonly gapTicks: number;
 }
 
@@ -98,11 +102,16 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
       number,
     ];
     if (start.byteLength < bytes) return undefined;
-    const outline = Array.from(
-      { length: points },
-      (_, i) =>
-        [view.getInt32(kHeadBytes + 8 * i, true) * 1e-6, view.getInt32(kHeadBytes + 8 * i + 4, true) * 1e-6] as const,
-    );
+    const outlines: [number, number][][] = [];
+    for (let i = 0; i < points; ++i) {
+      const [place, radius] = [0, 4].map((at) => view.getInt32(kHeadBytes + 8 * i + at, true) * 1e-6) as [
+        number,
+        number,
+      ];
+      // A bur's only point there.
+      if (place === 0) outlines.push([]);
+      outlines.at(-1)?.push([place, radius]);
+    }
     const sizes = Array.from({ length: segmentCount }, (_, i) => {
       const at = kHeadBytes + 8 * points + 20 * i;
       const [poseBytes, keyBytes, changeBytes] = [
@@ -139,7 +148,7 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
       endBytes,
       stillBytes,
       changingBytes,
-      outline,
+      outlines,
       segments,
       bytes,
       endsAt,
@@ -198,12 +207,12 @@ function readPoses(raw: Uint8Array, n: number): FramePose[] {
   const signed = new Int8Array(raw.buffer, raw.byteOffset);
   return Array.from({ length: n }, (_, i) => {
     const axis = [0, 1, 2].map((a) => signed[12 * n + a * n + i]! / 127);
-    const turning = raw[19 * n + i]!;
-    if (turning > 1) throw new Broken("a bur neither turns nor stands");
+    const tool = raw[19 * n + i]!;
     return {
       tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!],
       axis: [axis[0]!, axis[1]!, axis[2]!],
-      turning: turning === 1,
+      turning: tool % 2 === 1,
+      bur: tool >> 1,
       gapTicks: fromPlanes(raw, 15 * n, n, i),
     };
   });

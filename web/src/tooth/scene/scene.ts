@@ -5,7 +5,7 @@ import type { Film, FilmScreen } from "../film";
 import type { CameraPreset, Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
 import type { Opened } from "../opened";
 import type { BlockMesh } from "../mesher";
-import type { FramePose, Head } from "../timeline";
+import type { FramePose, Outline } from "../timeline";
 import { type BlockHit, boxOf, ToothBlocks } from "./blocks";
 import type { CutFill } from "./cut_fill";
 import { screenColor } from "./colors";
@@ -45,6 +45,7 @@ export class ToothScene implements FilmScreen {
   private readonly mark: Shape;
   private tool: PointMm | undefined;
   private bur: Shape | undefined;
+  private outline: Outline | undefined; // the bur's
   private pose: FramePose | undefined; // of the bur; undefined: it is not shown
   private trail: Shape | undefined;
   private readonly arrow: ForceArrow;
@@ -147,8 +148,13 @@ export class ToothScene implements FilmScreen {
     this.target = body === undefined ? [] : [{ mesh: body, box: boxOf(body.positionMm) }];
     this.targetCut.changed();
   }
-  setBur(outline: Head["outline"], pose: FramePose | undefined): void {
-    if (this.bur === undefined && pose !== undefined && outline.length > 1) this.bur = revolved(this.gl, outline);
+  setBur(outline: Outline | undefined, pose: FramePose | undefined): void {
+    if (outline === undefined) return;
+    if (pose !== undefined && outline !== this.outline) {
+      this.bur?.dispose();
+      this.bur = revolved(this.gl, outline);
+      this.outline = outline;
+    }
     if (this.bur === undefined) return;
     this.pose = pose;
     if (this.follows) this.follow();
