@@ -19,7 +19,8 @@ void CutColumns::Add(const trace::Chunk& chunk) {
   for (const trace::Tick& tick : chunk.ticks) {
     if (!Presses(tick.witness)) continue;
     const auto& at = tick.witness.anchor_10nm;
-    const std::pair key{DownTo(at[0], kCell_um * kUm_10nm), DownTo(at[1], kCell_um * kUm_10nm)};
+    const std::tuple key{DownTo(at[0], kCell_um * kUm_10nm), DownTo(at[1], kCell_um * kUm_10nm),
+                         core::BurIn(tick.input.flags)};
     const int32_t um = DownTo(at[2], kStep_um * kUm_10nm) * kStep_um;
     auto column = columns_.find(key);
     if (column == columns_.end()) {
@@ -34,7 +35,8 @@ void CutColumns::Add(const trace::Chunk& chunk) {
 std::vector<CutColumns::Column> CutColumns::Since(uint32_t from) const {
   std::vector<Column> out;
   for (const auto& [key, lowest] : columns_) {
-    if (lowest.chunk >= from) out.push_back({key.first, key.second, lowest.um, lowest.chunk});
+    const auto& [x, y, bur] = key;
+    if (lowest.chunk >= from) out.push_back({x, y, lowest.um, lowest.chunk, bur});
   }
   return out;
 }

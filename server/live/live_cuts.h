@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "common/base/mutex.h"
@@ -10,8 +11,8 @@
 
 namespace enamel::server {
 
-// Where the bur has been in an attempt, from its ticks: for each column of kCell_um along the scene's
-// x and y, the lowest place of the bur's tip while it pressed on something. Solid stops the bur, so
+// Where the burs have been in an attempt, from its ticks: for each column of kCell_um along the scene's
+// x and y, and each bur, the lowest place of the bur's tip while it pressed on something. Solid stops the bur, so
 // it has cut the tooth down to there.
 class CutColumns {
  public:
@@ -23,6 +24,7 @@ class CutColumns {
     int32_t x = 0, y = 0;   // whole kCell_um from the device's origin, the lower edge
     int32_t lowest_um = 0;  // from the device's origin
     uint32_t chunk = 0;     // that it was last lowered by
+    size_t bur = 0;         // the number of the bur
   };
 
   // Requires: the chunk after those added before.
@@ -37,7 +39,7 @@ class CutColumns {
     uint32_t chunk = 0;
   };
   uint32_t chunks_ = 0;
-  std::map<std::pair<int32_t, int32_t>, Lowest> columns_;
+  std::map<std::tuple<int32_t, int32_t, size_t>, Lowest> columns_;
 };
 
 // The columns of attempts in progress that somebody asks for, read from the committed chunks: all of

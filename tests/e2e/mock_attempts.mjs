@@ -264,7 +264,7 @@ function live({ row, world }) {
 // A box that is half a millimetre deeper at each look.
 function liveCut({ row, query: { from = 0 } }) {
   if (row.state !== "recording") return conflict("The attempt is not being made.");
-  const columns = Array.from({ length: 80 }, (_, i) => [(i % 10) - 5, Math.floor(i / 10) - 4, -500 - 500 * from]);
+  const columns = Array.from({ length: 80 }, (_, i) => [(i % 10) - 5, Math.floor(i / 10) - 4, -500 - 500 * from, 0]);
   return { chunks: Math.min(from + 1, 6), cell_um: 250, columns: from < 6 ? columns : [] };
 }
 

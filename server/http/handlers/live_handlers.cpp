@@ -147,7 +147,7 @@ Response GetLiveCut(const Call& call, Store& store) {
   if (!cut.ok()) return ErrorResponse(cut.status());
   json::array columns;
   for (const CutColumns::Column& column : cut->columns)
-    columns.push_back(json::array{column.x, column.y, column.lowest_um});
+    columns.push_back(json::array{column.x, column.y, column.lowest_um, column.bur});
   return JsonResponse({{"chunks", cut->chunks},
                        {"cell_um", CutColumns::kCell_um},
                        {"columns", std::move(columns)}});

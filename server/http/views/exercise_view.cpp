@@ -20,7 +20,14 @@ json::object BurJson(const scene::BurSpec& bur) {
           {"length_um", bur.length_um},
           {"narrow_radius_um", bur.narrow_radius_um},
           {"shank_radius_um", bur.shank_radius_um},
-          {"neck_um", bur.neck_um}};
+          {"neck_um", bur.neck_um},
+          {"iso_number", bur.iso_number}};
+}
+
+json::array BursJson(const scene::Exercise& exercise) {
+  json::array out;
+  for (const scene::BurSpec& bur : exercise.burs()) out.push_back(BurJson(bur));
+  return out;
 }
 
 json::value HandpieceJson(const scene::HandpieceSpec& handpiece) {
@@ -140,7 +147,7 @@ json::object SummaryJson(const Person& viewer, const ExerciseRow& row,
                    {"revision", row.revision},
                    {"published_ms", row.published_ms},
                    {"time_limit_s", exercise.time_limit_s},
-                   {"bur", BurJson(exercise.bur())},
+                   {"burs", BursJson(exercise)},
                    {"has_reference", has_reference || !exercise.target.prepared.IsZero()},
                    {"my_attempts", own_attempts}};
   AddSharing(viewer, row, out);

@@ -295,7 +295,7 @@ TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
       Parsed(By("sam").Get("/api/v1/exercises/" + school_.exercise.Text()));
   EXPECT_EQ(exercise.at("has_reference"), true);
   EXPECT_EQ(exercise.at("my_attempts"), 2);
-  EXPECT_EQ(exercise.at("bur").at("shape"), "cylinder");
+  EXPECT_EQ(exercise.at("burs").at(0).at("shape"), "cylinder");
   EXPECT_EQ(exercise.at("target").at("depth_um"), 2000);
   EXPECT_EQ(exercise.at("rubric").at("criteria").at(0).at("metric"), "wall_mesial_mm");
   EXPECT_EQ(By("ada").Post(Scored("/reference"), R"({"dentist":"","consent":true})").status, 400);

@@ -337,10 +337,10 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   row.scene = document_.scene;
   row = *school_.store->exercises.PublishExercise(row, school_.cohort_a, {{}, "test"});
   json::value shown = Parsed(By("sam").Get("/api/v1/exercises/" + row.id.Text()));
-  EXPECT_EQ(shown.at("bur").at("shape"), "pear");
-  EXPECT_EQ(shown.at("bur").at("narrow_radius_um"), 300);
-  EXPECT_EQ(shown.at("bur").at("shank_radius_um"), 800);
-  EXPECT_EQ(shown.at("bur").at("neck_um"), 900);
+  EXPECT_EQ(shown.at("burs").at(0).at("shape"), "pear");
+  EXPECT_EQ(shown.at("burs").at(0).at("narrow_radius_um"), 300);
+  EXPECT_EQ(shown.at("burs").at(0).at("shank_radius_um"), 800);
+  EXPECT_EQ(shown.at("burs").at(0).at("neck_um"), 900);
   EXPECT_EQ(shown.at("handpiece").at("stall_un_m"), 2000);
   EXPECT_EQ(shown.at("touch_cues").at("contact_mn"), 300);
   EXPECT_EQ(shown.at("touch_cues").at("chatter_mn"), 0);

@@ -58,6 +58,18 @@ TEST_F(LiveCutsTest, KeepsTheLowestPlaceOfTheTipWhereItPressed) {
   EXPECT_EQ(cut.columns[1].lowest_um, -2020) << "down to a whole step; in the air is no contact";
 }
 
+TEST_F(LiveCutsTest, EachBurHasItsOwnColumns) {
+  auto other = At(0.1, 0.1, -1);
+  other.input.flags |= core::BurFlags(2);
+  Commit({At(0.2, 0.2, -2), other});
+  const auto cut = Cut();
+  ASSERT_EQ(cut.columns.size(), 2u);
+  EXPECT_EQ(cut.columns[0].bur, 0u);
+  EXPECT_EQ(cut.columns[0].lowest_um, -2000);
+  EXPECT_EQ(cut.columns[1].bur, 2u);
+  EXPECT_EQ(cut.columns[1].lowest_um, -1000);
+}
+
 TEST_F(LiveCutsTest, WhoHasSeenSomeGetsWhatBecameDeeperSince) {
   Commit({At(0.1, 0.1, -1), At(1.1, 0.1, -1)});
   const auto first = Cut();

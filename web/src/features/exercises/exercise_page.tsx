@@ -133,11 +133,11 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
       )}
       <div>
         <dt>{say("exercise_page.bur")}</dt>
-        <dd>{burText(exercise.bur)}</dd>
+        <dd>{burText(exercise.burs)}</dd>
       </div>
       <div>
         <dt>{say("exercise_page.shank")}</dt>
-        <dd>{shankText(exercise.bur)}</dd>
+        <dd>{shankText(exercise.burs[0]!)}</dd>
       </div>
       <div>
         <dt>{say("exercise_page.handpiece")}</dt>

@@ -15,20 +15,29 @@ const bur = {
   radius_um: 500,
   length_um: 4000,
   narrow_radius_um: 0,
+  iso_number: "",
   shank_radius_um: 0,
   neck_um: 0,
 } as const;
 const spaced = (text: string) => text.replaceAll("\u00a0", " ");
 
-test("a bur is named by its shape and what one measures of it", () => {
-  assert.equal(spaced(burText(bur)), "Cylinder, 1 mm across, 4 mm long");
-  assert.equal(spaced(burText({ ...bur, shape: "sphere", length_um: 0 })), "Round, 1 mm across");
+test("burs to change to follow the first, with their ISO numbers", () => {
+  const pear = { ...bur, shape: "pear" as const, narrow_radius_um: 300, iso_number: "806 314 237 524 010" };
   assert.equal(
-    spaced(burText({ ...bur, shape: "cone", narrow_radius_um: 300 })),
+    spaced(burText([bur, pear])),
+    "Cylinder, 1 mm across, 4 mm long; Pear, 1 mm across, 0.6 mm at the shank, 4 mm long (ISO 806 314 237 524 010)",
+  );
+});
+
+test("a bur is named by its shape and what one measures of it", () => {
+  assert.equal(spaced(burText([bur])), "Cylinder, 1 mm across, 4 mm long");
+  assert.equal(spaced(burText([{ ...bur, shape: "sphere", length_um: 0 }])), "Round, 1 mm across");
+  assert.equal(
+    spaced(burText([{ ...bur, shape: "cone", narrow_radius_um: 300 }])),
     "Cone, 1 mm across, 0.6 mm at the tip, 4 mm long",
   );
   assert.equal(
-    spaced(burText({ ...bur, shape: "pear", narrow_radius_um: 300 })),
+    spaced(burText([{ ...bur, shape: "pear", narrow_radius_um: 300 }])),
     "Pear, 1 mm across, 0.6 mm at the shank, 4 mm long",
   );
 });

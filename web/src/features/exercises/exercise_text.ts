@@ -3,7 +3,11 @@ import { formatDuration, formatNumber, formatLimit, micrometresAsMm } from "../.
 import { say } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
-export function burText(bur: Bur): string {
+export function burText(burs: readonly Bur[]): string {
+  return burs.map((bur) => shapeText(bur) + (bur.iso_number && ` (ISO ${bur.iso_number})`)).join("; ");
+}
+
+function shapeText(bur: Bur): string {
   const [shape, across, long] = [
     say(`bur_shape.${bur.shape}`),
     micrometresAsMm(2 * bur.radius_um),

@@ -52,7 +52,7 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
       <dl class="facts">
         <div>
           <dt>{say("exercise_page.bur")}</dt>
-          <dd>{burText(exercise.bur)}</dd>
+          <dd>{burText(exercise.burs)}</dd>
         </div>
         <div>
           <dt>{say("nav.my_attempts")}</dt>
@@ -158,7 +158,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
                   title: say("insight.kind"),
                   cell: (exercise) => (exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")),
                 },
-                { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.bur) },
+                { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.burs) },
                 { title: say("exercise_page.time_limit"), cell: (exercise) => timeLimitText(exercise.time_limit_s) },
                 {
                   title: say("attempt_flag.reference"),

@@ -1,11 +1,11 @@
 import type { Exercise, LiveCut } from "../../api/types";
 import type { ToothPlan } from "../../tooth/messages";
 
-// Where an attempt in progress has cut: the lowest place of the bur's tip by column of the scene, in
+// Where an attempt in progress has cut: the lowest place of each bur's tip by column of the scene, in
 // mm from the device's origin.
 export interface Cut {
   readonly chunks: number;
-  readonly columns: ReadonlyMap<string, readonly [number, number, number]>; // the column's middle, and how low
+  readonly columns: ReadonlyMap<string, readonly [number, number, number, number]>; // its middle, how low, the bur
 }
 
 // An answer of fewer chunks than before is of a recording that began again.
@@ -16,7 +16,9 @@ export function withColumns(cut: Cut | undefined, { chunks, cell_um: cell, colum
     chunks,
     columns: new Map([
       ...kept,
-      ...columns.map(([x = 0, y = 0, low = 0]) => [`${x} ${y}`, [middle(x), middle(y), low / 1000]] as const),
+      ...columns.map(
+        ([x = 0, y = 0, low = 0, bur = 0]) => [`${x} ${y} ${bur}`, [middle(x), middle(y), low / 1000, bur]] as const,
+      ),
     ]),
   };
 }
@@ -29,12 +31,12 @@ export function depthsOf(
   plan: ToothPlan,
   cut: Cut,
   [originX, originY, originZ]: readonly [number, number, number],
-  burMm: number,
+  bursMm: readonly number[],
 ): Float32Array {
   const { width, height, cellMm, lowMm, frontMm } = plan;
   const depth = new Float32Array(width * height);
-  const radius = burMm / cellMm;
-  for (const [x, y, low] of cut.columns.values()) {
+  for (const [x, y, low, bur] of cut.columns.values()) {
+    const radius = bursMm[bur]! / cellMm;
     const right = (x + originX - lowMm[0]) / cellMm;
     const up = height - (y + originY - lowMm[1]) / cellMm;
     for (let row = Math.max(0, Math.ceil(up - radius - 0.5)); row < height && row + 0.5 <= up + radius; ++row) {
@@ -49,6 +51,6 @@ export function depthsOf(
   return depth;
 }
 
-export function burRadiusMm({ bur }: Exercise): number {
-  return bur.radius_um / 1000;
+export function burRadiiMm({ burs }: Exercise): number[] {
+  return burs.map((bur) => bur.radius_um / 1000);
 }

@@ -7,7 +7,7 @@ import { Canvas, type Drawing } from "../../widgets/canvas";
 import { kTargetColor } from "../../tooth/line_colors";
 import type { Axis, Plane, ToothPlan } from "../../tooth/messages";
 import { outlinePaths } from "../../widgets/target_outline";
-import { burRadiusMm, type Cut, depthsOf } from "./cut";
+import { burRadiiMm, type Cut, depthsOf } from "./cut";
 import { line, type Point } from "./lines";
 import { extentOf } from "./track";
 
@@ -32,7 +32,7 @@ export interface Workpiece {
   readonly target: Target;
   readonly plan: ToothPlan | undefined; // of the plane that is shown
   readonly originMm: Triple | undefined; // where the rows' places are counted from
-  readonly burMm: number; // radius
+  readonly bursMm: readonly number[]; // radii
   readonly cut: Cut | undefined; // where it was cut so far; undefined: not known (yet)
 }
 
@@ -49,7 +49,7 @@ export function workpieceOf(
     target: exercise.target,
     plan,
     originMm,
-    burMm: burRadiusMm(exercise),
+    bursMm: burRadiiMm(exercise),
     cut,
   };
 }
@@ -234,11 +234,11 @@ const kShallow = [230, 120, 40] as const;
 const kDeep = [70, 0, 50] as const;
 const kDeepMm = 3;
 
-function cutPictureOf({ plan, originMm, burMm, cut }: Workpiece): CutPicture | undefined {
+function cutPictureOf({ plan, originMm, bursMm, cut }: Workpiece): CutPicture | undefined {
   if (cut === undefined || plan === undefined || originMm === undefined) return undefined;
   const known = cutPictures.get(cut);
   if (known !== undefined) return known;
-  const depth = depthsOf(plan, cut, originMm, burMm);
+  const depth = depthsOf(plan, cut, originMm, bursMm);
   const picture = painted(plan, (cell) => {
     const share = Math.min(1, depth[cell]! / kDeepMm);
     const mix = (i: Axis) => kShallow[i] + share * (kDeep[i] - kShallow[i]);
