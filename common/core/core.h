@@ -167,6 +167,11 @@ class Core {
   const cutting::Volume& volume() const noexcept { return volume_; }
   // The number of the bur in the handpiece.
   size_t bur() const noexcept { return bur_; }
+  // Whether a change of it would be felt by nobody: force is off, or no solid is near bur and shank (by bricks: a bur
+  // nearer than some 12 voxels may count as in the tooth). Real-time: safe.
+  ENAMEL_REALTIME bool OutOfTooth() const noexcept {
+    return suspended_ || !cutter_.AnySolidNear({coupling_.anchor_m(), orientation_}, 0);
+  }
   const CoreParams& params() const noexcept { return params_; }
   // Removed since the start, per tissue, 1/65536 voxel.
   const cutting::RemovedUnits& removed() const noexcept { return removed_; }

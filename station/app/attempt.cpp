@@ -81,7 +81,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   render::WindowOptions w;
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.screen.visible = options.window;
-  w.view.bur = job.exercise.bur().metric();
+  w.view.burs = core::BursOf(job.header.params);
   w.view.mesial_x = scene::MesialX(job.scene.tooth);
   // The bar is full at the device's peak force, so that it means the same in every exercise.
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;

@@ -1,6 +1,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -13,17 +14,23 @@ namespace enamel::station::desk {
 namespace {
 
 constexpr ImU32 kHead = IM_COL32(150, 170, 205, 255), kShank = IM_COL32(112, 122, 138, 255),
-                kScale = IM_COL32(235, 238, 242, 255);
+                kScale = IM_COL32(235, 238, 242, 255), kBehindBurs = IM_COL32(15, 17, 20, 200);
 
 // A body of revolution with this half outline, on its side.
-void DrawOutline(const std::vector<glm::vec2>& outline, ImVec2 tip, float mm, ImU32 colour) {
-  ImDrawList* list = ImGui::GetWindowDrawList();
+void DrawOutline(const std::vector<glm::vec2>& outline, ImVec2 tip, float mm, ImU32 colour,
+                 ImDrawList* list) {
   for (size_t i = 0; i + 1 < outline.size(); ++i) {
     glm::vec2 a = outline[i] * mm, b = outline[i + 1] * mm;
     list->AddQuadFilled({tip.x + a.y, tip.y - a.x}, {tip.x + b.y, tip.y - b.x},
                         {tip.x + b.y, tip.y + b.x}, {tip.x + a.y, tip.y + a.x}, colour);
   }
 }
+
+// Of an ISO number's groups: material, shank, shape, grit, size (schemas/exercise.schema.json).
+constexpr size_t kGritAt = 12;
+constexpr std::array kGrits = {"504", "514", "524", "534", "544"};
+
+bool IsDiamond(const scene::BurSpec& bur) { return bur.iso_number.starts_with("806"); }
 
 }  // namespace
 
@@ -34,14 +41,26 @@ std::string BurText(const Words& words, const cutting::Bur& bur) {
                                 {"long", words.Decimal(1e3 * bur.height_m(), 1)}});
 }
 
+std::string BurText(const Words& words, const scene::BurSpec& bur) {
+  std::string text = BurText(words, bur.metric());
+  if (bur.iso_number.empty()) return text;
+  text = words.Say("bur.numbered", {{"bur", text}, {"number", bur.iso_number}});
+  for (const char* grit : kGrits) {
+    if (bur.iso_number.substr(kGritAt, 3) != grit || !IsDiamond(bur)) continue;
+    text = words.Say("bur.with_grit",
+                     {{"bur", text}, {"grit", words.Say("bur.grit_" + std::string(grit))}});
+  }
+  return text;
+}
+
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm) {
   ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImVec2 tip{at.x + 12, at.y + 0.42f * height_px};
   // A shank may be longer than the page is wide; the head matters.
   list->PushClipRect(at, {at.x + width_px, at.y + height_px}, true);
-  DrawOutline(render::BurShankOutline(bur), tip, mm, kShank);
-  DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead);
+  DrawOutline(render::BurShankOutline(bur), tip, mm, kShank, list);
+  DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead, list);
   // A scale below it: 5 mm.
   float y = at.y + 0.86f * height_px, tick = 0.05f * height_px, length = 5 * mm,
         thick = 0.012f * height_px;
@@ -54,6 +73,41 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm)
                 "5 mm");
   list->PopClipRect();
   ImGui::Dummy({width_px, height_px});
+}
+
+void DrawBurChoice(const std::vector<scene::BurSpec>& burs, const render::FrameState& state,
+                   const Words& words, const render::Fonts& fonts, int width, int height) {
+  if (burs.size() < 2) return;
+  const float px = fonts.scale, mm = 14 * px, edge = 10 * px, wide = 400 * px;
+  const ImFont* font = fonts.near;
+  ImDrawList* list = ImGui::GetForegroundDrawList();
+  auto tall = [&](const std::string& text) {
+    return font->CalcTextSizeA(font->FontSize, 1e6f, wide - 2 * edge, text.c_str()).y;
+  };
+  auto write = [&](const std::string& text, ImVec2 at) {
+    list->AddText(font, font->FontSize, at, kScale, text.c_str(), nullptr, wide - 2 * edge);
+  };
+  // Below the warnings, which are at the top.
+  ImVec2 at{static_cast<float>(width) - wide - 2 * edge, 0.3f * static_cast<float>(height)};
+  for (size_t i = 0; i < burs.size(); ++i) {
+    const std::string text = BurText(words, burs[i]);
+    const cutting::Bur bur = burs[i].metric();
+    const float body = 2e3f * static_cast<float>(bur.radius_m) * mm;
+    const ImVec2 end{at.x + wide, at.y + body + tall(text) + 3 * edge};
+    list->AddRectFilled(at, end, kBehindBurs, edge);
+    if (i == state.bur) list->AddRect(at, end, kScale, edge, 0, 3 * px);
+    const ImVec2 tip{at.x + edge, at.y + edge + 0.5f * body};
+    list->PushClipRect(at, end, true);
+    DrawOutline(render::BurShankOutline(bur), tip, mm, kShank, list);
+    DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead, list);
+    list->PopClipRect();
+    write(text, {at.x + edge, at.y + body + 2 * edge});
+    at.y = end.y + edge;
+  }
+  if (!state.bur_waits) return;
+  const std::string waits = words.Say("bur.waits");
+  list->AddRectFilled(at, {at.x + wide, at.y + tall(waits) + 2 * edge}, kBehindBurs, edge);
+  write(waits, {at.x + edge, at.y + edge});
 }
 
 }  // namespace enamel::station::desk

@@ -169,7 +169,7 @@ class Desk {
     view_hand_.Look(!dialog && attempt->held().turns_view(), attempt->view().state().device.tip_m,
                     attempt->view().camera());
     TurnHand(*attempt);
-    TakeHelpKeys(dialog);
+    TakeHelpKeys(*attempt, dialog);
     attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
@@ -220,13 +220,14 @@ class Desk {
     return desk::MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor());
   }
 
-  // A line to cut along and the depth are help, like the zones.
-  void TakeHelpKeys(bool dialog) {
+  // A line to cut along and the depth are help, like the zones. The bur is the exercise's own choice.
+  void TakeHelpKeys(DeskAttempt& attempt, bool dialog) {
     for (const render::InputEvent& event : screen_.events()) {
       const bool pressed =
           event.kind == render::InputEvent::Kind::kKey && event.pressed && !event.repeat && !dialog;
       if (pressed && event.code == 'T') outline_ = !outline_;
       if (pressed && event.code == 'G') depth_ = !depth_;
+      if (pressed && event.code == 'N') attempt.NextBur();
     }
   }
 
@@ -264,9 +265,13 @@ class Desk {
     if (MayShowProgress(prepared)) {
       content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
     }
+    const std::vector<scene::BurSpec> burs = prepared.exercise.burs();
+    if (burs.size() > 1) content.hint += "   " + words.Say("hint.bur");
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
+    DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), screen_.width(),
+                  screen_.height());
   }
 
   void Sound() {

@@ -44,7 +44,8 @@ int Held(const Screen& screen, int more, int less) {
 
 render::ViewOptions ViewOf(const scene::Scene& scene, const scene::Exercise& exercise) {
   render::ViewOptions view;
-  view.bur = exercise.bur().metric();
+  view.burs.clear();
+  for (const scene::BurSpec& bur : exercise.burs()) view.burs.push_back(bur.metric());
   view.aside = kAside;
   view.crown_aside = scene.up == scene::Up::kBuccal;
   view.mesial_x = scene::MesialX(scene.tooth);
@@ -94,7 +95,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   ENAMEL_RETURN_IF_ERROR(UseHandOf(attempt->prepared_, *device));
   attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
-  attempt->nearness_ = std::make_unique<NearnessWatch>(p.exercise.bur().metric(), p.volume);
+  attempt->nearness_ = std::make_unique<NearnessWatch>(core::BursOf(params), p.volume);
   attempt->gauge_.emplace(p.exercise.target, p.volume);
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
@@ -123,7 +124,7 @@ bool DeskAttempt::turns_with_view() const {
 Warned DeskAttempt::warned() const {
   const render::FrameState& now = view_->state();
   if (!view_->has_state() || !now.bur_on) return {};
-  return nearness_->Near(now.anchor);
+  return nearness_->Near(now.anchor, now.bur);
 }
 
 void DeskAttempt::WriteBesideBur(const language::Words& words, const Screen& screen, bool depth,
@@ -161,9 +162,19 @@ void DeskAttempt::Rehearse(int cpu) {
   } else {
     core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume.Packed());
   }
+  wanted_bur_ = core->bur();
   // To the one before, the gap that this begins with would be a recording that stalled.
   feed_ = std::make_unique<TickFeed>(*view_, prepared_.voxel_m(), prepared_.header.params.rate_hz);
   rehearsal_ = std::make_unique<UnrecordedRun>(std::move(core), prepared_, *held_, OptionsFor(cpu));
+}
+
+void DeskAttempt::NextBur() {
+  TickLoop* loop = rehearsal_ != nullptr ? &rehearsal_->loop()
+                   : run_ != nullptr     ? &run_->loop()
+                                         : nullptr;
+  if (loop == nullptr) return;
+  wanted_bur_ = (wanted_bur_ + 1) % core::BurCount(prepared_.header.params);
+  loop->WantBur(wanted_bur_);
 }
 
 Snapshot DeskAttempt::newest() {
@@ -172,6 +183,8 @@ Snapshot DeskAttempt::newest() {
 }
 
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
+  // As the loop begins: the first, or the one that was in use when the attempt was cut off.
+  wanted_bur_ = prepared_.core ? prepared_.core->bur() : 0;
   ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, OptionsFor(cpu)));
   run_ = std::move(run);
   return Status::Ok();

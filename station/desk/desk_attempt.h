@@ -57,6 +57,8 @@ class DeskAttempt {
 
   // Shows the target's outline on the tooth once it is computed.
   void ShowOutline(bool shown) { view_->ShowOutline(shown); }
+  // Asks for the next of the exercise's burs, after the last the first again.
+  void NextBur();
   // The tooth is meshed, and what is around it is there: nobody should cut what cannot be seen yet.
   bool drawn();
 
@@ -90,6 +92,7 @@ class DeskAttempt {
   std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<NearnessWatch> nearness_;
   std::optional<DepthGauge> gauge_;
+  size_t wanted_bur_ = 0;
   std::unique_ptr<render::ToothView> view_;
   std::unique_ptr<Surroundings> surroundings_;
   std::unique_ptr<TickFeed> feed_;

@@ -241,9 +241,10 @@ void Pages::Exercise() {
   if (prepared != nullptr) {
     ExerciseFacts(*prepared);
     ui_.Gap(10);
-    cutting::Bur bur = prepared->exercise.bur().metric();
-    ui_.Text(Say("exercise.bur", {{"bur", BurText(flow_.words(), bur)}}));
-    DrawBur(bur, 900 * ui_.px(), 170 * ui_.px(), 40 * ui_.px());
+    for (const scene::BurSpec& bur : prepared->exercise.burs()) {
+      ui_.Text(Say("exercise.bur", {{"bur", BurText(flow_.words(), bur)}}));
+      DrawBur(bur.metric(), 900 * ui_.px(), 170 * ui_.px(), 40 * ui_.px());
+    }
   } else {
     Busy();
   }

@@ -99,6 +99,12 @@ bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening);
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_to_px);
 // "Cylinder, 1.2 mm thick, 4.0 mm long".
 std::string BurText(const Words& words, const cutting::Bur& bur);
+// The same, and its ISO number and grit where it has them.
+std::string BurText(const Words& words, const scene::BurSpec& bur);
+// The burs of an exercise with several, over a picture of that size: each from the side and to one scale, and a ring
+// around the one in the handpiece. Nothing for one.
+void DrawBurChoice(const std::vector<scene::BurSpec>& burs, const render::FrameState& state,
+                   const Words& words, const render::Fonts& fonts, int width, int height);
 
 // Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);

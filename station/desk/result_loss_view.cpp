@@ -39,6 +39,7 @@ void LossView::Step() {
   frame.device = out.anchor;  // of the hand only the bur is shown
   frame.force_sent_n = out.force_sent_n;
   frame.bur_on = (input.flags & core::kBurOn) != 0;
+  frame.bur = static_cast<uint8_t>(core.bur());
   view_.Publish(frame);
   view_.PublishBricks(core.volume(), core.touched());
 }

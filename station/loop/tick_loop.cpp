@@ -58,7 +58,12 @@ const char* FaultText(Fault fault) noexcept {
 
 TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
                    const TickLoopOptions& options, TickObserver* observer)
-    : device_(device), core_(core), ring_(ring), options_(options), observer_(observer) {
+    : device_(device),
+      core_(core),
+      ring_(ring),
+      options_(options),
+      observer_(observer),
+      wanted_bur_(static_cast<uint8_t>(core.bur())) {
   ENAMEL_CHECK(options_.rate_hz > 0);
   still_ticks_needed_ =
       static_cast<uint64_t>(device.still_before_force_s() * options_.rate_hz + 0.5);
@@ -163,6 +168,9 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   if (fault() != Fault::kNone) input.flags |= core::kFaulted;
   if (soft_restart_ || await_still_ || put_down_) input.flags |= core::kSoftRestart;
   soft_restart_ = false;
+  const size_t wanted = wanted_bur_.load(std::memory_order_relaxed);
+  const bool changes = wanted != core_.bur() && core_.OutOfTooth();
+  input.flags |= core::BurFlags(changes ? wanted : core_.bur());
   return input;
 }
 
@@ -316,6 +324,8 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.output_flags = out.flags;
   snapshot.fault = fault();
   snapshot.put_down = put_down_;
+  snapshot.bur = static_cast<uint8_t>(core_.bur());
+  snapshot.bur_waits = wanted_bur_.load(std::memory_order_relaxed) != core_.bur();
   snapshots_.Write(snapshot);
   if (observer_ != nullptr) observer_->OnTick(core_, snapshot);
 }

@@ -55,7 +55,9 @@ struct Snapshot {
   uint8_t input_flags = 0;          // core::InputFlags
   uint16_t output_flags = 0;
   Fault fault = Fault::kNone;
-  bool put_down = false;  // the handpiece lies in its holder
+  bool put_down = false;   // the handpiece lies in its holder
+  uint8_t bur = 0;         // the number of the bur in the handpiece
+  bool bur_waits = false;  // another is wanted, and comes once this one is out of the tooth
 };
 
 // One tick of a fault's record.
@@ -123,6 +125,9 @@ struct TickLoopOptions {
 // While the handpiece is in its holder (kPutDown) it has no force and its bur is stopped. When it
 // is taken up, the force comes on as at the start. The attempt continues.
 //
+// A bur is changed away from the tooth or while force is off, else it waits for that: the core switches force off at
+// a change (core.h), which would be felt in the tooth.
+//
 // Force comes on softly: only after the device has been still for as long as it asks
 // (Device::still_before_force_s; still means within 0.5 mm on each axis), and then only in free air
 // (core.h), where it is 0 and grows with the way into the tooth.
@@ -131,7 +136,7 @@ struct TickLoopOptions {
 // the operator can receive at most max(0, Kc/2 - b/T_hold) |dx|^2. For a torque over an angle the
 // same formula holds with its own numbers. The sum is in the counters.
 //
-// Thread safety: Run and Tick on one thread; RequestStop, Hold, fault(), snapshot() (one reader),
+// Thread safety: Run and Tick on one thread; RequestStop, Hold, WantBur, fault(), snapshot() (one reader),
 // lateness() and durations() from others. Real-time: Tick is safe; Run only adds the sleep between
 // ticks.
 class TickLoop {
@@ -147,6 +152,10 @@ class TickLoop {
   // Hold(true): from the next tick on none is stepped until Hold(false), as with a full ring,
   // because the last samples cannot be stored. No force, no cut, a declared gap.
   void Hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
+  // The number of the bur that the handpiece is to have. Requires: bur < core::BurCount(the core's parameters).
+  void WantBur(size_t bur) noexcept {
+    wanted_bur_.store(static_cast<uint8_t>(bur), std::memory_order_relaxed);
+  }
   // Run has returned; all samples are in the ring.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
@@ -197,6 +206,7 @@ class TickLoop {
   TripleBuffer<Snapshot> snapshots_;
   std::atomic<bool> stop_{false}, held_{false};
   std::atomic<bool> finished_{false};
+  std::atomic<uint8_t> wanted_bur_;
 
   // Owned by the tick's thread.
   LoopCounters counters_;

@@ -32,7 +32,9 @@ struct FrameState {
   cutting::Pose device;   // where the hand is; drawn as a ghost when apart from the anchor
   dvec3 force_sent_n{0};  // on the operator
   bool bur_on = false;
-  uint32_t warnings = 0;  // Warning bits
+  uint8_t bur = 0;         // the number of the bur in the handpiece
+  bool bur_waits = false;  // another comes once this one is out of the tooth
+  uint32_t warnings = 0;   // Warning bits
   std::array<double, cutting::kTissueCount> removed_mm3{};
 };
 

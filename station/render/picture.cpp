@@ -45,17 +45,20 @@ glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
 
 }  // namespace
 
-Picture::Picture(const cutting::Bur& bur, size_t group_count)
+Picture::Picture(std::span<const cutting::Bur> burs, size_t group_count)
     : solid_({kLooks, kSolidVertex}, {kLit, kSolidFragment}),
       shadow_({kFullScreenVertex}, {kShadowFragment}),
       mirror_({kLooks, kSolidVertex}, {kMirrorFragment}),
       groups_(group_count),
-      bur_height_mm_(static_cast<float>(bur.height_m() * 1000)),
-      bur_radius_mm_(static_cast<float>(bur.radius_m * 1000)),
       still_sight_(programs_),
       turning_sight_(programs_) {
-  Fill(bur_head_, BurHeadShape(bur));
-  Fill(bur_shank_, BurShankShape(bur));
+  for (const cutting::Bur& bur : burs) {
+    BurBody& body = burs_.emplace_back();
+    Fill(body.head, BurHeadShape(bur));
+    Fill(body.shank, BurShankShape(bur));
+    body.height_mm = static_cast<float>(bur.height_m() * 1000);
+    body.radius_mm = static_cast<float>(bur.radius_m * 1000);
+  }
   Fill(shaft_, ShaftShape());
   Fill(tip_, TipShape());
   Fill(glass_, GlassShape());
@@ -236,7 +239,7 @@ void Picture::UseSolid(const PictureState& state, const Eye& eye) {
   solid_.Set("before", eye.before);
   solid_.Set("up_in_view", eye.up_in_view());
   solid_.Set("spin", state.bur_spin);
-  solid_.Set("flute_height_mm", bur_height_mm_);
+  solid_.Set("flute_height_mm", burs_[state.bur].height_mm);
   solid_.Set("opacity", 1.0f);
   solid_.Set("ghostly", 0.0f);
 }
@@ -250,14 +253,15 @@ void Picture::DrawShadow(const Sight& sight, const PictureState& state, const Ey
                          const PixelRect& seen) {
   glm::mat4 view_from_bur = eye.view_from_scene * *state.scene_from_bur;
   auto at = [&](float z) { return glm::vec3(view_from_bur * glm::vec4(0, 0, z, 1)); };
-  float lift = std::min(bur_radius_mm_, 0.5f * bur_height_mm_);
-  glm::vec3 tip = at(lift), neck = at(bur_height_mm_), top = at(bur_height_mm_ + kShankShadow_mm);
+  const float height_mm = burs_[state.bur].height_mm, radius_mm = burs_[state.bur].radius_mm;
+  float lift = std::min(radius_mm, 0.5f * height_mm);
+  glm::vec3 tip = at(lift), neck = at(height_mm), top = at(height_mm + kShankShadow_mm);
   int w = sight.frame->width(), h = sight.frame->height();
   PixelRect part;
   for (const glm::vec3& p : {tip, neck, top}) {
     for (float along : {0.0f, kShadowReach_mm}) {
       part = part.Around(AroundBall(glm::mat4(1), eye.clip_from_view, w, h, p - along * kKeyLight,
-                                    bur_radius_mm_ + kShadowSide_mm));
+                                    radius_mm + kShadowSide_mm));
     }
   }
   part = part.Within(seen);
@@ -272,7 +276,7 @@ void Picture::DrawShadow(const Sight& sight, const PictureState& state, const Ey
   shadow_.Set("tip", tip);
   shadow_.Set("neck", neck);
   shadow_.Set("top", top);
-  shadow_.Set("head_radius_mm", bur_radius_mm_);
+  shadow_.Set("head_radius_mm", radius_mm);
   shadow_.Set("reach_mm", kShadowReach_mm);
   shadow_.Set("side_mm", kShadowSide_mm);
   glBindVertexArray(programs_.empty_array);
@@ -282,28 +286,30 @@ void Picture::DrawShadow(const Sight& sight, const PictureState& state, const Ey
 
 void Picture::DrawBurs(const PictureState& state, const Eye& eye) {
   UseSolid(state, eye);
+  const BurBody& bur = burs_[state.bur];
   int parts = SeenFromAbove(state, eye) ? kHead : kHead | kShank;
-  DrawBur(eye, *state.scene_from_bur, parts);
+  DrawBur(bur, eye, *state.scene_from_bur, parts);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
   if (parts == kHead) {
     solid_.Set("opacity", 0.15f);
-    DrawBur(eye, *state.scene_from_bur, kShank);
+    DrawBur(bur, eye, *state.scene_from_bur, kShank);
   }
   if (state.scene_from_ghost) {
     solid_.Set("opacity", 0.42f);
     solid_.Set("ghostly", 0.85f);
-    DrawBur(eye, *state.scene_from_ghost, parts);
+    DrawBur(bur, eye, *state.scene_from_ghost, parts);
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
 }
 
-void Picture::DrawBur(const Eye& eye, const glm::mat4& scene_from_bur, int parts) {
+void Picture::DrawBur(const BurBody& bur, const Eye& eye, const glm::mat4& scene_from_bur,
+                      int parts) {
   solid_.Set("view_from_model", eye.view_from_scene * scene_from_bur);
-  if (parts & kHead) bur_head_.Draw();
-  if (parts & kShank) bur_shank_.Draw();
+  if (parts & kHead) bur.head.Draw();
+  if (parts & kShank) bur.shank.Draw();
 }
 
 // Over everything: the hand feels the force even where the tooth hides the bur.

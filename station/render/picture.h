@@ -23,6 +23,7 @@ struct PictureState {
   std::optional<glm::mat4> scene_from_ghost;   // only with scene_from_bur
   glm::vec3 arrow_from_mm{0}, arrow_mm{0};     // zero: no arrow
   float bur_spin = 0;                          // rad
+  size_t bur = 0;                              // of the picture's burs
   bool lines = false;                          // draw SetLines' lines
   bool scenery = false;                        // draw SetScenery's
   std::optional<glm::mat4> scene_from_mirror;  // none: no mirror (mouth_mirror.h)
@@ -49,7 +50,7 @@ class Picture {
   static constexpr int kStillPictures = 4;
 
   // Throws std::runtime_error when the driver refuses a resource.
-  Picture(const cutting::Bur& bur, size_t group_count);
+  Picture(std::span<const cutting::Bur> burs, size_t group_count);
 
   void Replace(const GroupMesh& mesh);
   // Lines on the tooth, in front of it by half their width.
@@ -62,6 +63,10 @@ class Picture {
   const PictureWork& work() const { return work_; }
 
  private:
+  struct BurBody {
+    TriangleBuffer head, shank;
+    float height_mm = 0, radius_mm = 0;
+  };
   // What one eye sees: the tooth, and the frame with the moving things over it.
   struct Sight {
     explicit Sight(const ToothLayer::Programs& programs) : tooth(programs) {}
@@ -84,7 +89,7 @@ class Picture {
   void DrawShadow(const Sight& sight, const PictureState& state, const Eye& eye,
                   const PixelRect& part);
   void DrawBurs(const PictureState& state, const Eye& eye);
-  void DrawBur(const Eye& eye, const glm::mat4& scene_from_bur, int parts);
+  void DrawBur(const BurBody& bur, const Eye& eye, const glm::mat4& scene_from_bur, int parts);
   void DrawArrow(const PictureState& state, const Eye& eye);
 
   const ToothLayer::Programs programs_;
@@ -95,8 +100,8 @@ class Picture {
   glm::vec4 hides_below_{0};
   std::vector<glm::vec3> work_mm_;
   std::vector<const Body*> bodies_;  // chosen
-  TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_, glass_, setting_;
-  float bur_height_mm_, bur_radius_mm_;
+  std::vector<BurBody> burs_;
+  TriangleBuffer shaft_, tip_, lines_, glass_, setting_;
   PictureWork work_;
   std::optional<glm::mat4> last_view_;
   int still_ = kStillPictures;  // pictures since the camera moved

@@ -60,7 +60,7 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
               options.crown_aside),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
-      picture_(options.bur, mesher_.group_count()) {
+      picture_(options.burs, mesher_.group_count()) {
   camera_.SetView(options.view);
 }
 
@@ -91,8 +91,9 @@ PictureState ToothView::PictureNow(float aspect) {
   if (glm::length(state_.device.tip_m - state_.anchor.tip_m) > kGhostFrom_m) {
     picture.scene_from_ghost = FromPose(state_.device);
   }
-  dvec3 middle =
-      state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] * (0.5 * options_.bur.height_m());
+  picture.bur = std::min<size_t>(state_.bur, options_.burs.size() - 1);
+  dvec3 middle = state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] *
+                                           (0.5 * options_.burs[picture.bur].height_m());
   picture.arrow_from_mm = glm::vec3(middle * 1000.0);
   picture.arrow_mm =
       glm::vec3(state_.force_sent_n / options_.force_full_scale_n) * kArrowFullScale_mm;

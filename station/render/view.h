@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "common/cutting/bur.h"
 #include "common/math/vec.h"
 
@@ -9,7 +11,8 @@ enum class View { kOblique, kOcclusal, kBuccal, kMesial };
 
 // Parameters of an attempt's picture, set before the first tick.
 struct ViewOptions {
-  cutting::Bur bur;
+  // Those that the handpiece can have; FrameState::bur says which. At least one.
+  std::vector<cutting::Bur> burs = std::vector<cutting::Bur>(1);
   double force_full_scale_n = 3.0;  // full length of the arrow and the bar
   View view = View::kOblique;
   // The point the camera orbits, scene frame; the middle of the crown for a tooth.

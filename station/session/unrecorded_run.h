@@ -31,6 +31,7 @@ class UnrecordedRun : private TickObserver {
   // The tooth as it was left, to continue with. Requires: End has returned.
   std::unique_ptr<core::Core> TakeCore() { return std::move(core_); }
   bool ticking() const { return !loop_.finished(); }
+  TickLoop& loop() { return loop_; }
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() { return loop_.snapshot(); }
   Found found();

@@ -57,11 +57,13 @@ bool IsAtSurface(const Volume& volume, const ivec3& voxel, Tissue tissue) {
 
 }  // namespace
 
-NearnessWatch::NearnessWatch(const cutting::Bur& bur, const Volume& initial)
-    : bur_(cutting::ProfileOf(bur)),
-      reach_m_(std::hypot(bur.radius_m, 0.5 * bur.height_m())),
-      middle_in_bur_m_(0, 0, 0.5 * bur.height_m()),
-      initial_(initial) {}
+NearnessWatch::NearnessWatch(const std::vector<cutting::Bur>& burs, const Volume& initial)
+    : initial_(initial) {
+  for (const cutting::Bur& bur : burs) {
+    burs_.push_back({cutting::ProfileOf(bur), std::hypot(bur.radius_m, 0.5 * bur.height_m()),
+                     dvec3(0, 0, 0.5 * bur.height_m())});
+  }
+}
 
 void NearnessWatch::AddBrick(int brick) {
   const GridSpec& spec = initial_.spec();
@@ -94,19 +96,21 @@ void NearnessWatch::Look() {
   found_.store(true, std::memory_order_release);
 }
 
-Warned NearnessWatch::Near(const cutting::Pose& pose) const {
+Warned NearnessWatch::Near(const cutting::Pose& pose, size_t bur) const {
   Warned most;
   if (!found_.load(std::memory_order_acquire)) return most;
+  const Body& body = burs_[bur];
   const dmat3 scene_from_bur = pose.orientation.Matrix();
-  const dvec3 middle_m = pose.tip_m + scene_from_bur * middle_in_bur_m_;
+  const dvec3 middle_m = pose.tip_m + scene_from_bur * body.middle_in_bur_m;
   for (const Cluster& cluster : clusters_) {
     const double within = WarnAt_m(cluster.hazard);
     // Balls around both first: of a tooth, most bricks are far away.
-    if (glm::length(cluster.middle_m - middle_m) > reach_m_ + cluster.radius_m + within) continue;
+    if (glm::length(cluster.middle_m - middle_m) > body.reach_m + cluster.radius_m + within)
+      continue;
     for (size_t i = cluster.first; i < cluster.end; ++i) {
       // From the left: by the transpose, which turns back.
       const dvec3 p = (points_[i].at_m - pose.tip_m) * scene_from_bur;
-      const double away_m = bur_.Distance(std::hypot(p.x, p.y), p.z) - points_[i].inside_m;
+      const double away_m = body.profile.Distance(std::hypot(p.x, p.y), p.z) - points_[i].inside_m;
       const double nearness = std::clamp(1 - away_m / within, 0.0, 1.0);
       if (nearness > most.nearness) most = {cluster.hazard, nearness};
     }

@@ -34,12 +34,13 @@ std::string NearText(const language::Words& words, const Warned& warned);
 class NearnessWatch {
  public:
   // `initial` outlives this.
-  NearnessWatch(const cutting::Bur& bur, const cutting::Volume& initial);
+  NearnessWatch(const std::vector<cutting::Bur>& burs, const cutting::Volume& initial);
 
   // Finds the surfaces, once.
   void Look();
   // The hazard that is nearest for its own distance. Nothing before Look.
-  Warned Near(const cutting::Pose& pose) const;
+  // Requires: bur is one of the burs' numbers.
+  Warned Near(const cutting::Pose& pose, size_t bur = 0) const;
 
  private:
   struct Point {
@@ -55,9 +56,12 @@ class NearnessWatch {
   };
   void AddBrick(int brick);
 
-  const cutting::Profile bur_;
-  const double reach_m_;  // of the bur's cutting part, from its middle
-  const dvec3 middle_in_bur_m_;
+  struct Body {
+    cutting::Profile profile;
+    double reach_m;  // of the bur's cutting part, from its middle
+    dvec3 middle_in_bur_m;
+  };
+  std::vector<Body> burs_;
   const cutting::Volume& initial_;
   std::vector<Point> points_;
   std::vector<Cluster> clusters_;

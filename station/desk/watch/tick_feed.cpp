@@ -44,6 +44,8 @@ void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   frame.device = s.device;
   frame.force_sent_n = s.force_sent_n;
   frame.bur_on = (s.input_flags & core::kBurOn) != 0;
+  frame.bur = s.bur;
+  frame.bur_waits = s.bur_waits;
   frame.warnings = WarningsOf(s) | gaps_.Look(s);
   for (size_t t = 0; t < frame.removed_mm3.size(); ++t) {
     frame.removed_mm3[t] = cutting::RemovedUnitsToM3(s.removed[t], voxel_m_) * 1e9;

@@ -75,7 +75,7 @@ class FrameBench {
         view_(View(built.scene), built.volume),
         // Reserved first: a cutter never grows its volume, and the comma keeps both in the
         // initialiser.
-        cutter_((volume_.Reserve(), volume_), View(built.scene).bur) {
+        cutter_((volume_.Reserve(), volume_), View(built.scene).burs.front()) {
     auto at = built.scene.landmarks.at("occlusal_centre");
     centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
     auto began = Clock::now();
@@ -178,7 +178,7 @@ class FrameBench {
     render::ViewOptions view;
     view.aside = 0.16f;
     view.mesial_x = scene::MesialX(scene.tooth);
-    view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+    view.burs = {{cutting::BurShape::kCylinder, 0.6e-3, 4e-3}};
     return view;
   }
 

@@ -196,6 +196,34 @@ TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
   EXPECT_EQ(facts.at("device").at("name"), "mouse and keyboard");
 }
 
+TEST_F(DeskAttemptTest, TheNextBurIsTakenShownAndRecorded) {
+  ASSERT_NO_FATAL_FAILURE(Begin("pointer"));
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 100; }));
+  EXPECT_EQ(Newest().bur, 0);
+  flow_->attempt()->NextBur();
+  ASSERT_TRUE(Reached([&] { return flow_->attempt()->view().state().bur == 1; }));
+  EXPECT_FALSE(Newest().bur_waits);
+  const uint64_t seen = Newest().counters.ticks;
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= seen + 300; }));
+  Picture("bur-change");
+  flow_->attempt()->NextBur();
+  ASSERT_TRUE(Reached([&] { return Newest().bur == 0; })) << "after the last the first again";
+  flow_->EndAttempt();
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+  auto file = workplace_->spool().Export(id_);
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  std::vector<size_t> burs;
+  for (const Bytes& bytes : file->chunks) {
+    const auto chunk = trace::DecodeChunk(bytes);
+    ASSERT_TRUE(chunk.ok());
+    for (const trace::Tick& tick : chunk->ticks) {
+      const size_t bur = core::BurIn(tick.input.flags);
+      if (burs.empty() || burs.back() != bur) burs.push_back(bur);
+    }
+  }
+  EXPECT_EQ(burs, (std::vector<size_t>{0, 1, 0}));
+}
+
 TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Choose("phantom_desktop"));

@@ -291,14 +291,21 @@ void LayoutTest::ExpectPanel() {
   content.zones = render::ZoneShares{100, 100, 12.34, 12.34};
   content.reach.leeway = render::Reach::Leeway{-1.23, 0.5, "place.mesial_wall"};
   content.reach.pulp_mm = 0.12;
+  content.state.bur_waits = true;
+  const std::vector<scene::BurSpec> burs = {
+      {{}, cutting::BurShape::kCylinder, 500, 4'000},
+      {{}, cutting::BurShape::kInvertedCone, 600, 1'200, 400, 0, 0, "806 314 010 544 012"},
+      {{}, cutting::BurShape::kWheel, 1'500, 1'000}};
   for (Language language : languages()) {
     const Words words(language);
     content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");
     content.hint = words.Say("hint.pointer") + "   " + words.Say("hint.outline") + "   " +
-                   words.Say("hint.mirror_held");
+                   words.Say("hint.bur") + "   " + words.Say("hint.mirror_held");
     const std::string name(NameOf(language));
     auto panel = [&] {
       render::DrawPanel(content, words, screen_->fonts(), screen_->width(), screen_->height());
+      DrawBurChoice(burs, content.state, words, screen_->fonts(), screen_->width(),
+                    screen_->height());
     };
     for (uint32_t warning = 0; warning < render::kWarningCount; ++warning) {
       content.state.warnings = 1U << warning;

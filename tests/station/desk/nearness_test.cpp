@@ -49,7 +49,7 @@ class NearnessTest : public testing::Test {
  protected:
   NearnessTest() { watch_.Look(); }
   const Volume corner_ = Corner();
-  NearnessWatch watch_{kRound, corner_};
+  NearnessWatch watch_{{kRound}, corner_};
 };
 
 TEST_F(NearnessTest, WarnsOfPulpFromHalfAMillimetreOn) {
@@ -76,7 +76,7 @@ TEST_F(NearnessTest, TheNearerForItsOwnDistanceIsNamed) {
 }
 
 TEST_F(NearnessTest, MeasuresTheBurAsItIsTilted) {
-  NearnessWatch watch({cutting::BurShape::kCylinder, 0.5e-3, 3e-3}, corner_);
+  NearnessWatch watch({{cutting::BurShape::kCylinder, 0.5e-3, 3e-3}}, corner_);
   watch.Look();
   cutting::Pose pose = TipAt(-2.2, 1);
   EXPECT_EQ(watch.Near(pose).nearness, 0);
@@ -92,8 +92,15 @@ TEST(NearTextTest, IsForThoseWhoDoNotHearTheTone) {
   EXPECT_EQ(NearText(kEnglish, {Hazard::kPulp, 1}), "Pulp: 0.0 mm away");
 }
 
+TEST_F(NearnessTest, MeasuresTheBurInTheHandpiece) {
+  NearnessWatch watch({kRound, {cutting::BurShape::kSphere, 0.1e-3}}, corner_);
+  watch.Look();
+  EXPECT_EQ(watch.Near(TipAt(0.35, 1)).nearness, watch_.Near(TipAt(0.35, 1)).nearness);
+  EXPECT_EQ(watch.Near(TipAt(0.35, 1), 1).nearness, 0) << "it is thinner";
+}
+
 TEST_F(NearnessTest, NothingIsNearBeforeTheSurfacesAreFound) {
-  const NearnessWatch watch(kRound, corner_);
+  const NearnessWatch watch({kRound}, corner_);
   EXPECT_EQ(watch.Near(TipAt(-1, -1.2)).nearness, 0);
 }
 

@@ -516,6 +516,43 @@ TEST_F(TickLoopTest, NoForceUntilTheDeviceWasStillAndThenOnlyFromZero) {
   EXPECT_GT(last, 0.1);
 }
 
+// --- another bur ---
+
+TEST_F(TickLoopTest, AnotherBurComesInAirAtOnceAndFromTheToothOnceItIsOutOfIt) {
+  params_.other_burs = {{cutting::BurShape::kSphere, 800'000},
+                        {cutting::BurShape::kSphere, 300'000}};
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  loop.Tick();
+  EXPECT_EQ(loop.snapshot().bur, 0);
+  loop.WantBur(1);
+  loop.Tick();
+  EXPECT_EQ(loop.snapshot().bur, 1);
+  EXPECT_FALSE(loop.snapshot().bur_waits);
+  while (device_.last_force.z < 0.2) loop.Tick();
+  loop.WantBur(2);
+  for (int i = 0; i < 20; ++i) {
+    loop.Tick();
+    ASSERT_EQ(loop.snapshot().bur, 1);
+    ASSERT_TRUE(loop.snapshot().bur_waits);
+    ASSERT_GT(device_.last_force.z, 0);
+  }
+  // Up again, faster than it went down; still near the tooth at first.
+  device_.start_z -= static_cast<int32_t>(device_.reads);
+  device_.reads = 0;
+  device_.step = -4;
+  for (int i = 0; i < 200; ++i) loop.Tick();
+  EXPECT_EQ(loop.snapshot().bur, 2);
+  EXPECT_FALSE(loop.snapshot().bur_waits);
+  std::vector<size_t> burs;
+  for (Sample s; ring.Pop(s);) {
+    const size_t bur = core::BurIn(s.tick.input.flags);
+    if (burs.empty() || burs.back() != bur) burs.push_back(bur);
+  }
+  EXPECT_EQ(burs, (std::vector<size_t>{0, 1, 2})) << "as recorded";
+}
+
 // --- the handpiece in its holder ---
 
 TEST_F(TickLoopTest, AHandpieceThatLiesInItsHolderWhenItBeginsEndsNothingAndHasNoForce) {

@@ -65,7 +65,7 @@ TEST(MouthTurningTest, WhileItTurnsThePictureIsAsLikeTheFullOneAsSsim95) {
   options.paced = false;
   render::Screen screen(options);
   render::ViewOptions view_options;
-  view_options.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+  view_options.burs = {{cutting::BurShape::kCylinder, 0.6e-3, 4e-3}};
   render::ToothView view(view_options, built->volume);
   ASSERT_TRUE(view.WaitIdle(std::chrono::seconds(60)));
   view.SetScenery(MakeMouth(built->scene, built->volume, {}));

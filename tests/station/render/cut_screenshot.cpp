@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
   station::render::VirtualDisplay display;
   cutting::Volume volume = built->volume;
   volume.Reserve();
-  options.view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+  options.view.burs = {{cutting::BurShape::kCylinder, 0.6e-3, 4e-3}};
   options.heading = "Class I cavity, molar 46";
   options.time_limit_s = 600;
   options.view.crown_aside = built->scene.up == scene::Up::kBuccal;
@@ -114,7 +114,7 @@ int main(int argc, char** argv) {
     return status.ok() ? 0 : 1;
   }
   auto landmark = built->scene.landmarks.at("occlusal_centre");
-  cutting::Cutter cutter(volume, options.view.bur);
+  cutting::Cutter cutter(volume, options.view.burs[0]);
   cutting::RemovedUnits removed{};
   station::render::FrameState state;
   state.bur_on = true;

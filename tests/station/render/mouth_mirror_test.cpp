@@ -96,7 +96,8 @@ TEST(MouthMirrorTest, ThePictureShowsInTheGlassAloneWhatIsHidden) {
   options.width_px = options.height_px = 400;
   options.paced = false;
   Screen screen(options);
-  Picture picture({cutting::BurShape::kCylinder, 0.6e-3, 4e-3}, 1);
+  const cutting::Bur bur{cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+  Picture picture(std::span(&bur, 1), 1);
   picture.Replace(TwoSided());
   Camera camera(glm::vec3(0), 16);
   camera.SetView(View::kBuccal);

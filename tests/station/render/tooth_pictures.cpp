@@ -54,7 +54,7 @@ Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& s
   options.view.focus_m = shot.focus_m;
   options.view.view_radius_m = shot.radius_m;
   options.view.mesial_x = shot.mesial_x;
-  options.view.bur = {cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
+  options.view.burs = {{cutting::BurShape::kCylinder, 0.5e-3, 4e-3}};
   auto window = station::render::Window::Create(options, volume);
   Status status = window.ok() ? (*window)->WriteScreenshot(scratch) : window.status();
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());

@@ -128,7 +128,7 @@ WindowOptions Options() {
   WindowOptions options;
   options.screen.width_px = 900;
   options.screen.height_px = 640;
-  options.view.bur = kBur;
+  options.view.burs = {kBur};
   options.view.focus_m = {0, 0, -1e-3};
   return options;
 }
