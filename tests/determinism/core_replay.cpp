@@ -92,6 +92,14 @@ core::CoreParams ParamsFor(uint64_t seed) {
     p.bus_delay_ticks = static_cast<uint32_t>(seed / 2 % 3);
     p.spring_on_board = true;
   }
+  // The next of the shapes, to change to.
+  core::OtherBur other;
+  other.shape = kShapes[seed % std::size(kShapes)];
+  other.radius_nm = 400'000;
+  other.length_nm = other.shape == cutting::BurShape::kWheel ? 600'000 : 3'000'000;
+  other.narrow_radius_nm = 300'000;
+  other.rotational_kc_un_m_per_rad = p.rotational_kc_un_m_per_rad;
+  p.other_burs = {other};
   return p;
 }
 
@@ -135,6 +143,8 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
     tick.input.bur_speed_krpm = static_cast<uint16_t>(150 + i % 4000 / 16);
     if (random() % 1000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
     if (tick.input.gap_ticks % 2 == 1) tick.input.flags |= core::kLateTick | core::kHeldGap;
+    // Between two cuts.
+    tick.input.flags |= core::BurFlags(static_cast<size_t>((i + 1000) / 4000 % 2));
     // A board whose guard holds the rest point back now and then.
     if (header.params.spring_on_board && i % 7 == 0) {
       for (int32_t& off : tick.input.rest_off_nm)
