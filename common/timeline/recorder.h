@@ -20,8 +20,8 @@ struct RecorderOptions {
   uint32_t frame_ticks = 100;
   uint32_t segment_frames = 600;
   // The tooth changes in every so many frames, at a segment's last and at the end; the bur in all. In
-  // 0.3 s a cutting bur goes about its radius. Changes of 0.1 s take nearly twice the bytes
-  // (`enamel-lab bench storage`).
+  // 0.3 s a cutting bur goes about its radius. Changes of every frame take 1.6 times the
+  // bytes (`enamel-lab bench timeline --change-frames 1`).
   uint32_t change_frames = 3;
   // Bricks to keep in detail though nothing changes there: those that a reference has cut.
   std::vector<int32_t> detailed;

@@ -45,7 +45,7 @@ Result<SharedBodies::Body> SharedBodies::Made(const Sha256& name, const Read& ma
 Result<Bytes> SharedBodies::MakeInTurn(const Read& make) {
   {
     MutexLock lock(mutex_);
-    if (!finished_.wait_for(mutex_, kPatience,
+    if (!finished_.wait_for(mutex_, patience_,
                             [&]() ENAMEL_REQUIRES(mutex_) { return making_ < kMostMade; })) {
       return Status(Code::kUnavailable, "others are being made first; try again in a few seconds");
     }

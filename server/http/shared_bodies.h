@@ -24,14 +24,17 @@ class SharedBodies {
   using Body = std::shared_ptr<const std::string>;
   using Read = std::function<Result<Bytes>()>;
 
+  // `patience`: how long Made waits for its turn.
+  explicit SharedBodies(std::chrono::milliseconds patience = kPatience) : patience_(patience) {}
+
   // `read` gives the bytes that `name` is the hash of. After a failure each waiting caller reads them itself.
   Result<Body> Get(const Sha256& name, const Read& read);
   // The same, and it stays for kFor after its last use, among the newest of kKeptBytes. Errors also:
-  // kUnavailable when it was not its turn within kPatience.
+  // kUnavailable when it was not its turn within the patience.
   Result<Body> Made(const Sha256& name, const Read& make);
 
   static constexpr size_t kKeptBytes = 32u << 20;
-  // A surface takes a second and some 100 MB while it is made.
+  // Making a surface takes a core, and the memory of a whole tooth.
   static constexpr size_t kMostMade = 2;
   static constexpr std::chrono::seconds kPatience{10};
   static constexpr std::chrono::minutes kFor{5};
@@ -50,6 +53,7 @@ class SharedBodies {
   void Keep(const Sha256& name, const Body& body) ENAMEL_REQUIRES(mutex_);
   void Forget() ENAMEL_REQUIRES(mutex_);
 
+  const std::chrono::milliseconds patience_;
   Mutex mutex_;
   std::condition_variable_any read_, finished_;
   size_t making_ ENAMEL_GUARDED_BY(mutex_) = 0;

@@ -6,7 +6,7 @@
 #include "server/storage/recordings/stored_blobs.h"
 
 // Teeth in the store, and an attempt's surface. Thread safety: functions, any thread; they block for
-// the store, and AttemptSurface computes for a second.
+// the store, and AttemptSurface meshes a whole tooth.
 namespace enamel::server {
 
 // A whole volume: a scene's. Errors: the store's, DecodeVolume's.

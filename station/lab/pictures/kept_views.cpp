@@ -20,7 +20,7 @@ namespace {
 
 using render::Image;
 
-// The voxel that scenes are built with unless another is asked for (import, run).
+// The default voxel of scenes (import, run).
 constexpr int32_t kVoxel_nm = 50'000;
 constexpr auto kLimit = std::chrono::minutes(2);
 constexpr float kNotchesForMirror = 5;  // of the wheel, until all of it is in the picture

@@ -83,7 +83,7 @@ TEST(VolumeChangeTest, WithTheVolumeThatItIsFromItIsTheOtherOne) {
   const auto back = DecodeChange(change.blob, change.before);
   ASSERT_TRUE(back.ok()) << back.status().message();
   EXPECT_TRUE(*back == change.after);
-  // What did not change takes no room, and tissues are those of before.
+  // An unchanged brick takes no room.
   EXPECT_LT(EncodeChange(change.before, change.before, change.from).size(), 160u);
   EXPECT_TRUE(ChangedFrom(EncodeVolume(change.before))->IsZero());
 }

@@ -89,6 +89,14 @@ std::vector<Samples> All(const cutting::Volume& volume) {
   return out;
 }
 
+// 80 ticks, 7 in a frame. `seen`: gets the samples after each frame.
+Bytes RecordWatched(BallCut& cut, std::map<uint32_t, std::vector<Samples>>& seen) {
+  seen[0] = All(cut.initial());
+  return cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
+    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = All(volume);
+  });
+}
+
 // As many key frames are read for a moment as its segment's place before the last has bits.
 class SurfaceTimelineSegmentTest : public ::testing::TestWithParam<uint32_t> {};
 
@@ -99,10 +107,7 @@ TEST_P(SurfaceTimelineSegmentTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuanti
   options.change_frames = 1;
   BallCut cut(options);
   std::map<uint32_t, std::vector<Samples>> seen;
-  seen[0] = All(cut.initial());
-  const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
-    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = All(volume);
-  });
+  const Bytes file = RecordWatched(cut, seen);
   auto player = Player::Open(cut.start(), file);
   ASSERT_TRUE(player.ok()) << player.status().message();
   ASSERT_EQ(player->head().frames(), 12u);
@@ -127,10 +132,7 @@ TEST(SurfaceTimelineTest, BetweenItsChangesTheToothStays) {
   options.change_frames = 3;
   BallCut cut(options);
   std::map<uint32_t, std::vector<Samples>> seen;
-  seen[0] = All(cut.initial());
-  const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
-    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = All(volume);
-  });
+  const Bytes file = RecordWatched(cut, seen);
   auto player = Player::Open(cut.start(), file);
   ASSERT_TRUE(player.ok()) << player.status().message();
   constexpr uint32_t kLook[] = {0, 0, 0, 3, 3, 5, 5, 5, 8, 8, 10, 10, 12};

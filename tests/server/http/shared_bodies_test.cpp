@@ -41,6 +41,59 @@ TEST(SharedBodiesTest, WhatManyAskForIsReadOnceAndInMemoryOnce) {
   EXPECT_EQ(reads, 2) << "nobody was sending it any more";
 }
 
+Sha256 NameOf(int i) { return HashSha256(AsBytes(std::to_string(i))); }
+
+TEST(SharedBodiesTest, NoMoreAreMadeAtOnceThanItSays) {
+  constexpr int kAsking = 6;
+  SharedBodies bodies;
+  std::atomic<int> asking{0}, making{0}, most{0}, made{0};
+  {
+    std::vector<std::jthread> all;
+    for (int i = 0; i < kAsking; ++i) {
+      all.emplace_back([&, i] {
+        ++asking;
+        const auto body = bodies.Made(NameOf(i), [&]() -> Result<Bytes> {
+          const int now = ++making;
+          for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+          }
+          // All others have come by then, and would be in here too.
+          for (int turn = 0; asking < kAsking || turn < 2000; ++turn) std::this_thread::yield();
+          --making;
+          return Bytes(1, 'x');
+        });
+        made += body.ok();
+      });
+    }
+  }
+  EXPECT_EQ(most, static_cast<int>(SharedBodies::kMostMade));
+  EXPECT_EQ(made, kAsking) << "each in its turn";
+}
+
+TEST(SharedBodiesTest, WhoseTurnDoesNotComeIsToldToComeAgain) {
+  SharedBodies bodies(std::chrono::milliseconds(0));
+  std::atomic<size_t> making{0};
+  std::atomic<bool> over{false};
+  std::vector<std::jthread> all;
+  for (int i = 0; i < static_cast<int>(SharedBodies::kMostMade); ++i) {
+    all.emplace_back([&, i] {
+      EXPECT_TRUE(bodies
+                      .Made(NameOf(i),
+                            [&]() -> Result<Bytes> {
+                              ++making;
+                              while (!over) std::this_thread::yield();
+                              return Bytes(1, 'x');
+                            })
+                      .ok());
+    });
+  }
+  while (making < SharedBodies::kMostMade) std::this_thread::yield();
+  const auto late = bodies.Made(NameOf(9), [] { return Result<Bytes>(Bytes(1, 'x')); });
+  EXPECT_EQ(late.status().code(), Code::kUnavailable);
+  over = true;
+  all.clear();
+  EXPECT_TRUE(bodies.Made(NameOf(9), [] { return Result<Bytes>(Bytes(1, 'x')); }).ok());
+}
+
 TEST(SharedBodiesTest, WhatWasComputedStaysForAWhileAndAFailureDoesNot) {
   SharedBodies bodies;
   int made = 0;
