@@ -457,11 +457,11 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   if (reserve_exhausted_) out.flags |= kReserveExhausted;
   for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
 
-  // Relative to it 32 bits of 10 nm reach 21 m, wherever the scene lies.
+  // Relative to it 32 bits of 100 nm reach 214 m, wherever the scene lies.
   dvec3 origin = TipOf({0, 0, 0});
-  out.witness.force_sent_100un = Quantise(out.force_sent_n, 1e-4);
-  out.witness.force_computed_100un = Quantise(out.force_computed_n, 1e-4);
-  out.witness.anchor_10nm = Quantise(out.anchor.tip_m - origin, 1e-8);
+  out.witness.force_sent_mn = Quantise(out.force_sent_n, 1e-3);
+  out.witness.force_computed_mn = Quantise(out.force_computed_n, 1e-3);
+  out.witness.anchor_100nm = Quantise(out.anchor.tip_m - origin, 1e-7);
   out.witness.flags = out.flags;
   wishes_[ticks_ % kWishes] = out.spring;
   ++ticks_;

@@ -64,12 +64,13 @@ struct SpringWish {
   std::array<int32_t, 3> rest_nm{};
 };
 
-// The core's output at the resolution of the recording: the witness of a tick.
+// The core's output at the resolution of the recording: the witness of a tick. Finer than any device
+// sends a force or a reading moves the tip, and what is beyond it is in the state's hash.
 struct TickWitness {
-  std::array<int32_t, 3> force_sent_100un{};      // on the operator, 0.1 mN
-  std::array<int32_t, 3> force_computed_100un{};  // before the bounds
-  std::array<int32_t, 3> anchor_10nm{};           // relative to CoreParams::device_origin_nm
-  uint16_t flags = 0;                             // haptics::CouplingFlags | OutputFlags
+  std::array<int32_t, 3> force_sent_mn{};      // on the operator, mN
+  std::array<int32_t, 3> force_computed_mn{};  // before the bounds
+  std::array<int32_t, 3> anchor_100nm{};       // relative to CoreParams::device_origin_nm
+  uint16_t flags = 0;                          // haptics::CouplingFlags | OutputFlags
 
   bool operator==(const TickWitness&) const = default;
 };
@@ -85,15 +86,15 @@ enum OutputFlags : uint16_t {
   kTouchCue = 1 << 12,
 };
 
-// The coupling's part of the force sent, 0.1 mN: what the hand pressed with, without touch cues.
-inline const std::array<int32_t, 3>& PressedForce_100un(const TickWitness& witness) noexcept {
-  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_100un : witness.force_sent_100un;
+// The coupling's part of the force sent, mN: what the hand pressed with, without touch cues.
+inline const std::array<int32_t, 3>& PressedForce_mn(const TickWitness& witness) noexcept {
+  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_mn : witness.force_sent_mn;
 }
 
 struct TickOutput {
   dvec3 force_sent_n{0};  // to send to the device, scene frame
   dvec3 force_computed_n{0};
-  // Without touch cues, as PressedForce_100un.
+  // Without touch cues, as PressedForce_mn.
   const dvec3& pressed_n() const noexcept {
     return (flags & kTouchCue) != 0 ? force_computed_n : force_sent_n;
   }

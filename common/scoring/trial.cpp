@@ -76,8 +76,8 @@ ProcessRecorder CalmRecording() {
   ProcessRecorder recorder(params);
   for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
     trace::Tick tick;
-    tick.witness.anchor_10nm[0] = 100 * i;  // 1 mm/s
-    tick.witness.force_sent_100un[2] = 10'000;
+    tick.witness.anchor_100nm[0] = 10 * i;  // 1 mm/s
+    tick.witness.force_sent_mn[2] = 1000;
     recorder.AddRecorded(tick);
   }
   return recorder;

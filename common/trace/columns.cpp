@@ -44,17 +44,16 @@ constexpr Column Scalar(const char* name) {
 // bound or a touch cue has changed the force: a column of zeros.
 template <size_t kAxis>
 constexpr Column ComputedForce(const char* name) {
-  return {
-      name,
-      [](const Tick& t) -> int64_t {
-        return int64_t{t.witness.force_computed_100un[kAxis]} - t.witness.force_sent_100un[kAxis];
-      },
-      [](Tick& t, int64_t v) {
-        // No difference of two 32-bit numbers is more; the sum below must not overflow.
-        constexpr int64_t kWidest = int64_t{1} << 32;
-        if (v < -kWidest || v > kWidest) return false;
-        return Assign(t.witness.force_computed_100un[kAxis], v + t.witness.force_sent_100un[kAxis]);
-      }};
+  return {name,
+          [](const Tick& t) -> int64_t {
+            return int64_t{t.witness.force_computed_mn[kAxis]} - t.witness.force_sent_mn[kAxis];
+          },
+          [](Tick& t, int64_t v) {
+            // No difference of two 32-bit numbers is more; the sum below must not overflow.
+            constexpr int64_t kWidest = int64_t{1} << 32;
+            if (v < -kWidest || v > kWidest) return false;
+            return Assign(t.witness.force_computed_mn[kAxis], v + t.witness.force_sent_mn[kAxis]);
+          }};
 }
 
 using core::TickInput;
@@ -71,12 +70,12 @@ constexpr std::array<Column, kColumnCount> kColumns = {{
     Scalar<&Tick::input, &TickInput::flags>("input flags"),
     Scalar<&Tick::input, &TickInput::bur_speed_krpm>("bur speed"),
     Scalar<&Tick::input, &TickInput::gap_ticks>("gap ticks"),
-    Axis<&Tick::witness, &TickWitness::anchor_10nm, 0>("anchor x"),
-    Axis<&Tick::witness, &TickWitness::anchor_10nm, 1>("anchor y"),
-    Axis<&Tick::witness, &TickWitness::anchor_10nm, 2>("anchor z"),
-    Axis<&Tick::witness, &TickWitness::force_sent_100un, 0>("force sent x"),
-    Axis<&Tick::witness, &TickWitness::force_sent_100un, 1>("force sent y"),
-    Axis<&Tick::witness, &TickWitness::force_sent_100un, 2>("force sent z"),
+    Axis<&Tick::witness, &TickWitness::anchor_100nm, 0>("anchor x"),
+    Axis<&Tick::witness, &TickWitness::anchor_100nm, 1>("anchor y"),
+    Axis<&Tick::witness, &TickWitness::anchor_100nm, 2>("anchor z"),
+    Axis<&Tick::witness, &TickWitness::force_sent_mn, 0>("force sent x"),
+    Axis<&Tick::witness, &TickWitness::force_sent_mn, 1>("force sent y"),
+    Axis<&Tick::witness, &TickWitness::force_sent_mn, 2>("force sent z"),
     ComputedForce<0>("force computed x"),
     ComputedForce<1>("force computed y"),
     ComputedForce<2>("force computed z"),

@@ -8,9 +8,9 @@ namespace {
 // Name of the first field in which the core's result and the recorded witness differ; nullptr if
 // none.
 const char* Difference(const core::TickWitness& recorded, const core::TickWitness& computed) {
-  if (recorded.force_sent_100un != computed.force_sent_100un) return "force_sent";
-  if (recorded.force_computed_100un != computed.force_computed_100un) return "force_computed";
-  if (recorded.anchor_10nm != computed.anchor_10nm) return "anchor";
+  if (recorded.force_sent_mn != computed.force_sent_mn) return "force_sent";
+  if (recorded.force_computed_mn != computed.force_computed_mn) return "force_computed";
+  if (recorded.anchor_100nm != computed.anchor_100nm) return "anchor";
   if (recorded.flags != computed.flags) return "flags";
   return nullptr;
 }

@@ -12,11 +12,11 @@ namespace {
 
 namespace json = boost::json;
 
-// Newton, rounded as in the recording: 0.1 mN.
-double SizeOf_n(const std::array<int32_t, 3>& force_100un) {
+// Newton, rounded as in the recording: 1 mN.
+double SizeOf_n(const std::array<int32_t, 3>& force_mn) {
   double squares = 0;
-  for (int32_t part : force_100un) squares += static_cast<double>(part) * part;
-  return std::round(std::sqrt(squares)) * 1e-4;
+  for (int32_t part : force_mn) squares += static_cast<double>(part) * part;
+  return std::round(std::sqrt(squares)) * 1e-3;
 }
 
 }  // namespace
@@ -44,8 +44,8 @@ Result<std::string> TickWindowJson(std::span<const Bytes> chunks, uint64_t from,
       now += tick.input.gap_ticks;
       if (now >= from && now < to) {
         time.emplace_back(now);
-        sent.emplace_back(SizeOf_n(core::PressedForce_100un(tick.witness)));
-        computed.emplace_back(SizeOf_n(tick.witness.force_computed_100un));
+        sent.emplace_back(SizeOf_n(core::PressedForce_mn(tick.witness)));
+        computed.emplace_back(SizeOf_n(tick.witness.force_computed_mn));
         late.emplace_back((tick.input.flags & core::kLateTick) != 0 ? 1 : 0);
         limited.emplace_back((tick.witness.flags & haptics::kPeakBounded) != 0 ? 1 : 0);
       }

@@ -15,7 +15,7 @@ inline constexpr uint64_t kMostWindowTicks = 4000;
 
 // The ticks of `chunks` (all of an attempt, in order) whose time, in ticks since the start with
 // gaps, is from `from` to before `to`, as JSON text (schemas/api/openapi.yaml, Ticks). Forces to
-// 0.1 mN, without touch cues. Chunks that lie before are not decoded.
+// 1 mN, without touch cues. Chunks that lie before are not decoded.
 // Errors: kInvalidInput with field "to" unless from < to <= from + kMostWindowTicks;
 // trace::DecodeChunk's.
 Result<std::string> TickWindowJson(std::span<const Bytes> chunks, uint64_t from, uint64_t to);

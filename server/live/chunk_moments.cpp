@@ -6,7 +6,7 @@ namespace enamel::server {
 
 std::vector<LiveSample> MomentsOf(const trace::Chunk& chunk, const Uuid& station,
                                   UnixMs received_ms) {
-  constexpr int32_t kAnchorPerUm = 100, kForcePerMn = 10;
+  constexpr int32_t kAnchorPerUm = 10;
   // So many ticks of 1 kHz make LiveBoard::kRowsPerSecond rows. Counted from the chunk's end, so
   // that the newest moment is among them.
   const size_t step = std::max<size_t>(1, trace::kMaxTicksPerChunk / LiveBoard::kRowsPerSecond);
@@ -18,8 +18,8 @@ std::vector<LiveSample> MomentsOf(const trace::Chunk& chunk, const Uuid& station
     sample.station = station;
     sample.tick = chunk.head.first_tick + i;
     for (size_t axis = 0; axis < 3; ++axis) {
-      sample.anchor_um[axis] = witness.anchor_10nm[axis] / kAnchorPerUm;
-      sample.force_mn[axis] = core::PressedForce_100un(witness)[axis] / kForcePerMn;
+      sample.anchor_um[axis] = witness.anchor_100nm[axis] / kAnchorPerUm;
+      sample.force_mn[axis] = core::PressedForce_mn(witness)[axis];
     }
     sample.flags = witness.flags;
     sample.received_ms = received_ms;

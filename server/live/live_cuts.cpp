@@ -5,12 +5,12 @@
 namespace enamel::server {
 namespace {
 
-constexpr int32_t kUm_10nm = 100;
+constexpr int32_t kUm_100nm = 10;
 
 int32_t DownTo(int32_t value, int32_t step) { return value / step - (value % step < 0 ? 1 : 0); }
 
 bool Presses(const core::TickWitness& witness) {
-  return core::PressedForce_100un(witness) != std::array<int32_t, 3>{};
+  return core::PressedForce_mn(witness) != std::array<int32_t, 3>{};
 }
 
 }  // namespace
@@ -18,10 +18,10 @@ bool Presses(const core::TickWitness& witness) {
 void CutColumns::Add(const trace::Chunk& chunk) {
   for (const trace::Tick& tick : chunk.ticks) {
     if (!Presses(tick.witness)) continue;
-    const auto& at = tick.witness.anchor_10nm;
-    const std::tuple key{DownTo(at[0], kCell_um * kUm_10nm), DownTo(at[1], kCell_um * kUm_10nm),
+    const auto& at = tick.witness.anchor_100nm;
+    const std::tuple key{DownTo(at[0], kCell_um * kUm_100nm), DownTo(at[1], kCell_um * kUm_100nm),
                          core::BurIn(tick.input.flags)};
-    const int32_t um = DownTo(at[2], kStep_um * kUm_10nm) * kStep_um;
+    const int32_t um = DownTo(at[2], kStep_um * kUm_100nm) * kStep_um;
     auto column = columns_.find(key);
     if (column == columns_.end()) {
       if (columns_.size() < kMostColumns) columns_.emplace(key, Lowest{um, chunk.head.seq});

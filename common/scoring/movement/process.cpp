@@ -11,8 +11,8 @@ namespace {
 
 constexpr uint32_t kSampleRate_hz = 50;
 constexpr uint32_t kCuttingWindows_per_s = 20;  // 50 ms
-constexpr double kForceUnit_n = 1e-4;
-constexpr double kAnchorUnit_m = 1e-8;
+constexpr double kForceUnit_n = 1e-3;
+constexpr double kAnchorUnit_m = 1e-7;
 // Bins and not the forces themselves: an attempt of any length takes 400 kB and no sorting.
 constexpr size_t kForceBins = 100'000;  // 100 N; more is counted in the last bin
 constexpr uint32_t kBlocks_per_s = 100, kTenths_per_s = 10;
@@ -74,10 +74,11 @@ void ProcessRecorder::Add(const trace::Tick& tick, const core::TickOutput& outpu
   if (cutting) {
     for (size_t t = 0; t < output.removed.size(); ++t) removed_.back()[t] += output.removed[t];
   }
-  const bool read_angle = ticks_ % decimation_ == 0;
+  const bool sampled = ticks_ % decimation_ == 0;
+  if (sampled) computed_m_.push_back(output.anchor.tip_m);
   strokes_.Add(tick, output);
   AddWitness(tick.input, output.witness, cutting);
-  if (read_angle && cutting_left_ > 0) AddAngle(tick.input.orientation);
+  if (sampled && cutting_left_ > 0) AddAngle(tick.input.orientation);
   const bool broken = (output.witness.flags & core::kAnchorReset) != 0;
   tremor_.Add(last_tip_m_, strokes_.in_contact() && !broken);
 }
@@ -92,7 +93,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   late_ticks_ += (input.flags & core::kLateTick) != 0;
   bounded_ticks_ += (witness.flags & haptics::kPeakBounded) != 0;
 
-  dvec3 force = ToVec(core::PressedForce_100un(witness), kForceUnit_n);
+  dvec3 force = ToVec(core::PressedForce_mn(witness), kForceUnit_n);
   double magnitude = Length(force);
   max_force_n_ = std::max(max_force_n_, magnitude);
   if (magnitude > 0) {
@@ -120,7 +121,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   last_force_n_ = force;
   AddForceRate(force, broken);
 
-  dvec3 anchor = origin_m_ + ToVec(witness.anchor_10nm, kAnchorUnit_m);
+  dvec3 anchor = origin_m_ + ToVec(witness.anchor_100nm, kAnchorUnit_m);
   if (!broken) path_m_ += Length(anchor - last_anchor_);
   last_anchor_ = anchor;
 
@@ -209,7 +210,7 @@ ProcessRecorder::Smoothness ProcessRecorder::MeasureSmoothness() const {
     if (last < first || static_cast<double>(last - first) < kLeastStroke_s * rate_hz) continue;
     std::vector<double> speed;
     for (uint64_t i = first; i < last; ++i) {
-      speed.push_back(Length(samples_[i + 1].anchor_m - samples_[i].anchor_m) * rate_hz);
+      speed.push_back(Length(computed_m_[i + 1] - computed_m_[i]) * rate_hz);
     }
     if (auto jerk = LogDimensionlessJerk(speed)) jerks.push_back(*jerk);
     if (auto arc = SpectralArcLength(speed, rate_hz)) arcs.push_back(*arc);

@@ -21,9 +21,9 @@ struct PathSample {
 };
 
 // Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are
-// taken at the resolution of the witness (10 nm, 0.1 mN), so that a recording read back without
+// taken at the resolution of the witness (0.1 um, 1 mN), so that a recording read back without
 // re-running the core gives the same figures. The force is what the hand pressed with
-// (core::PressedForce_100un): a touch cue is not the student's.
+// (core::PressedForce_mn): a touch cue is not the student's.
 class ProcessRecorder {
  public:
   // Requires: ValidateParams(params).ok().
@@ -95,6 +95,9 @@ class ProcessRecorder {
   dvec3 last_anchor_{0};
   std::vector<uint32_t> force_histogram_;  // 1 mN bins
   std::vector<PathSample> samples_;
+  // Anchors of the samples as the replay computes them: the jerk of a slow, skilled hand is less
+  // than what the witness's rounding adds.
+  std::vector<dvec3> computed_m_;
 
   double impulse_n_s_ = 0, work_j_ = 0;
   dvec3 last_tip_m_{0}, last_force_n_{0};

@@ -78,13 +78,13 @@ std::string SeriesRecorder::ToJson(const std::function<double(const dvec3&)>& pu
     out += std::string(",\"") + name + "\":";
     AppendList(out, steps_, [&](const Step& s) { AppendNumber(out, value(s), per_unit); });
   };
-  // Decimals: 0.1 ms, 0.1 mN, 0.000001 mm3, 0.1 um. Beyond them the file would only grow.
+  // Decimals: 0.1 ms, 1 mN, 0.000001 mm3, 0.1 um. Beyond them the file would only grow.
   column("t_s", 1e4, [](const Step& s) { return s.t_s; });
-  column("force_n", 1e4, [](const Step& s) { return Norm(s.force_n); });
-  column("force_mean_n", 1e4, [](const Step& s) { return s.force_sum_n / s.ticks; });
-  column("computed_n", 1e4, [](const Step& s) { return s.computed_n; });
+  column("force_n", 1e3, [](const Step& s) { return Norm(s.force_n); });
+  column("force_mean_n", 1e3, [](const Step& s) { return s.force_sum_n / s.ticks; });
+  column("computed_n", 1e3, [](const Step& s) { return s.computed_n; });
   column("late_ticks", 1, [](const Step& s) { return s.late; });
-  column("bound_n", 1e4, [](const Step& s) { return s.bound_n; });
+  column("bound_n", 1e3, [](const Step& s) { return s.bound_n; });
   if (pulp_m) column("pulp_mm", 1e3, [&](const Step& s) { return pulp_m(s.anchor_m) * 1e3; });
   column("removed_mm3", 1e6, [&](const Step& s) {
     int64_t units = 0;

@@ -21,8 +21,7 @@ class SeriesRecorder {
   SeriesRecorder(const core::CoreParams& params, double voxel_m, uint64_t expected_ticks);
   void Add(const trace::Tick& tick, const core::TickOutput& output);
 
-  // The JSON text: times to 0.1 ms, forces to 0.1 mN (their directions to 1 mN), volumes to 1e-6
-  // mm^3, positions to 0.1 um. Tissues that were never cut are left out. Deterministic. `pulp_m`:
+  // The JSON text: times to 0.1 ms, forces to 1 mN, volumes to 1e-6 mm^3, positions to 0.1 um. Tissues that were never cut are left out. Deterministic. `pulp_m`:
   // how far a point is from the pulp; empty: there is none, and no such column.
   std::string ToJson(const std::function<double(const dvec3&)>& pulp_m = {}) const;
   uint32_t step_ticks() const { return step_ticks_; }

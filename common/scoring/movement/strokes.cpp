@@ -29,7 +29,7 @@ void StrokeRecorder::Add(const trace::Tick& tick, const core::TickOutput& output
   }
   const bool broken = (output.witness.flags & core::kAnchorReset) != 0;
   if (open_ && (broken || at - now_.last_tick > lift_ticks_)) Close();
-  if (!AnyOf(core::PressedForce_100un(output.witness)) && !AnyOf(output.removed)) return;
+  if (!AnyOf(core::PressedForce_mn(output.witness)) && !AnyOf(output.removed)) return;
   if (!open_) {
     open_ = true;
     ++contacts_;

@@ -9,7 +9,7 @@
 
 // The strokes of an attempt: what people who look at a recording count and name.
 //
-// A tick is in contact when the hand presses (core::PressedForce_100un is not 0) or something is
+// A tick is in contact when the hand presses (core::PressedForce_mn is not 0) or something is
 // removed. A contact begins at a tick in contact and lasts until none has followed for kLift_s, or
 // until the tip's way is broken (core::kAnchorReset: a gap, a fault). Its end is its last tick in
 // contact. A stroke is a contact in which something was removed. Strokes are numbered from 1.

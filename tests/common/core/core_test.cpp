@@ -387,7 +387,7 @@ TEST(CoreTest, TouchCuesChangeNothingButTheForceSentAndAreSilentInAir) {
       ASSERT_EQ(a.bur_speed_ratio, b.bur_speed_ratio) << tick;
       ASSERT_EQ(a.removed, b.removed) << tick;
       ASSERT_EQ(a.pressed_n(), b.force_sent_n) << tick;
-      ASSERT_EQ(PressedForce_100un(a.witness), b.witness.force_sent_100un) << tick;
+      ASSERT_EQ(PressedForce_mn(a.witness), b.witness.force_sent_mn) << tick;
       ASSERT_EQ(a.flags & ~kTouchCue, b.flags) << tick;
       ASSERT_EQ((a.flags & kTouchCue) != 0, a.force_sent_n != b.force_sent_n) << tick;
       const double cue = glm::length(a.force_sent_n - b.force_sent_n);

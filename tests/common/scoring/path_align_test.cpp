@@ -15,10 +15,10 @@ ProcessRecorder Corner(double aside_mm, bool slow) {
   ProcessRecorder recorder(SomeParams());
   auto put = [&](double x_mm, double y_mm) {
     trace::Tick tick;
-    tick.witness.anchor_10nm = {static_cast<int32_t>(std::lround(x_mm * 1e5)),
-                                static_cast<int32_t>(std::lround(y_mm * 1e5)),
-                                static_cast<int32_t>(std::lround(aside_mm * 1e5))};
-    tick.witness.force_sent_100un[2] = 10'000;
+    tick.witness.anchor_100nm = {static_cast<int32_t>(std::lround(x_mm * 1e4)),
+                                 static_cast<int32_t>(std::lround(y_mm * 1e4)),
+                                 static_cast<int32_t>(std::lround(aside_mm * 1e4))};
+    tick.witness.force_sent_mn[2] = 1000;
     recorder.AddRecorded(tick);
   };
   for (int i = 0; i < 2000; ++i) put(i * 1e-3, 0);

@@ -10,10 +10,10 @@
 namespace enamel::scoring {
 namespace {
 
-trace::Tick TickAt(int32_t x_10nm, int32_t force_100un) {
+trace::Tick TickAt(int32_t x_100nm, int32_t force_mn) {
   trace::Tick tick;
-  tick.witness.anchor_10nm = {x_10nm, 0, 0};
-  tick.witness.force_sent_100un = {0, force_100un, 0};
+  tick.witness.anchor_100nm = {x_100nm, 0, 0};
+  tick.witness.force_sent_mn = {0, force_mn, 0};
   return tick;
 }
 
@@ -26,8 +26,8 @@ core::TickOutput OutputOf(const trace::Tick& tick, int64_t removed) {
 
 TEST(ProcessRecorderTest, PathIsTheLengthOfTheAnchorsWayWithoutJumpsAfterGaps) {
   ProcessRecorder recorder(SomeParams());
-  for (int i = 0; i <= 100; ++i) recorder.AddRecorded(TickAt(i * 100, 0));  // 1 um each
-  trace::Tick after_gap = TickAt(500'000, 0);                               // 4.9 mm away
+  for (int i = 0; i <= 100; ++i) recorder.AddRecorded(TickAt(i * 10, 0));  // 1 um each
+  trace::Tick after_gap = TickAt(50'000, 0);                               // 4.9 mm away
   after_gap.input.gap_ticks = 7;
   after_gap.witness.flags = core::kAnchorReset;
   recorder.AddRecorded(after_gap);
@@ -40,12 +40,12 @@ TEST(ProcessRecorderTest, PathIsTheLengthOfTheAnchorsWayWithoutJumpsAfterGaps) {
 TEST(ProcessRecorderTest, TouchCuesAreNotTheStudentsForce) {
   ProcessRecorder with(SomeParams()), without(SomeParams());
   for (int i = 1; i <= 400; ++i) {
-    trace::Tick tick = TickAt(0, i * 10);
-    tick.witness.force_computed_100un = {0, i * 20, 0};  // a bound has changed what was sent
+    trace::Tick tick = TickAt(0, i);
+    tick.witness.force_computed_mn = {0, i * 2, 0};  // a bound has changed what was sent
     without.Add(tick, OutputOf(tick, 1));
     if (i % 3 != 0) {
-      tick.witness.force_computed_100un = tick.witness.force_sent_100un;
-      tick.witness.force_sent_100un = {900, i * 10 + 800, -700};
+      tick.witness.force_computed_mn = tick.witness.force_sent_mn;
+      tick.witness.force_sent_mn = {90, i + 80, -70};
       tick.witness.flags = core::kTouchCue;
     }
     with.Add(tick, OutputOf(tick, 1));
@@ -62,7 +62,7 @@ TEST(ProcessRecorderTest, ForceFiguresAreThoseOfAKnownDistribution) {
   ProcessRecorder recorder(SomeParams());
   // Forces 0.01, 0.02 … 1.00 N, the upper half while cutting, and as many ticks in the air.
   for (int i = 1; i <= 100; ++i) {
-    trace::Tick tick = TickAt(0, i * 100);
+    trace::Tick tick = TickAt(0, i * 10);
     recorder.Add(tick, OutputOf(tick, i > 50 ? 9 : 0));
     trace::Tick air = TickAt(0, 0);
     recorder.Add(air, OutputOf(air, 0));
@@ -80,7 +80,7 @@ TEST(ProcessRecorderTest, CuttingTimeDoesNotDependOnTheRate) {
     params.rate_hz = rate;
     ProcessRecorder recorder(params);
     for (uint32_t i = 0; i < 2 * rate; ++i) {
-      trace::Tick tick = TickAt(0, 100);
+      trace::Tick tick = TickAt(0, 10);
       recorder.Add(tick, OutputOf(tick, i < rate && i % (rate / 50) == 0 ? 9 : 0));
     }
     // The last 50 ms begin 20 ms before the stroke's end.
@@ -90,7 +90,7 @@ TEST(ProcessRecorderTest, CuttingTimeDoesNotDependOnTheRate) {
 
 TEST(ProcessRecorderTest, CountsLateAndBoundedTicks) {
   ProcessRecorder recorder(SomeParams());
-  trace::Tick tick = TickAt(0, 10);
+  trace::Tick tick = TickAt(0, 1);
   tick.input.flags = core::kLateTick;
   recorder.AddRecorded(tick);
   tick.input.flags = 0;
@@ -103,7 +103,7 @@ TEST(ProcessRecorderTest, CountsLateAndBoundedTicks) {
 
 TEST(ProcessRecorderTest, SamplesAreAtMostFiftyPerSecondWithTheMeanForce) {
   ProcessRecorder recorder(SomeParams());
-  for (int i = 0; i < 1000; ++i) recorder.AddRecorded(TickAt(i * 10, (i % 20) * 100));
+  for (int i = 0; i < 1000; ++i) recorder.AddRecorded(TickAt(i, (i % 20) * 10));
   ASSERT_EQ(recorder.samples().size(), 50u);
   for (size_t k = 0; k < 50; ++k) {
     const PathSample& s = recorder.samples()[k];
@@ -135,7 +135,7 @@ TEST(ProcessRecorderTest, ContactsStrokesAndIdleTimeAreCountedAsPeopleCountThem)
   for (int i = 0; i < 1200; ++i) {
     const bool first = i >= 100 && i < 300, last = i >= 900 && i < 950;
     const bool hop = i >= 600 && i < 605, middle = i >= 500 && i < 700 && !hop;
-    trace::Tick tick = TickAt(0, first || middle || last ? 5000 : 0);
+    trace::Tick tick = TickAt(0, first || middle || last ? 500 : 0);
     recorder.Add(tick, OutputOf(tick, first || last ? 3 : 0));
   }
   EXPECT_EQ(recorder.strokes().contacts(), 3u);
@@ -149,7 +149,7 @@ TEST(ProcessRecorderTest, AngulationIsTheBursAxisAgainstTheTooths) {
   EXPECT_EQ(recorder.angulation_mean_deg(), std::nullopt);
   auto put = [&](int ticks, double degrees, bool about_x, bool cutting) {
     const double half = degrees / 360 * std::numbers::pi;
-    trace::Tick tick = TickAt(0, 100);
+    trace::Tick tick = TickAt(0, 10);
     tick.input.orientation = ToQuantised(
         {about_x ? std::sin(half) : 0, about_x ? 0 : std::sin(half), 0, std::cos(half)});
     for (int i = 0; i < ticks; ++i) recorder.Add(tick, OutputOf(tick, cutting ? 1 : 0));
@@ -167,25 +167,25 @@ TEST(ProcessRecorderTest, AngulationIsTheBursAxisAgainstTheTooths) {
 TEST(ProcessRecorderTest, ImpulseAndWorkAreThoseOfAKnownPush) {
   ProcessRecorder recorder(SomeParams());
   int count = 0;
-  auto move = [&](int ticks, int step, int32_t force_100un) {
+  auto move = [&](int ticks, int step, int32_t force_mn) {
     for (int i = 0; i < ticks; ++i) {
       trace::Tick tick = TickAt(0, 0);
       tick.input.counts[0] = count;  // of 30 um
-      tick.witness.force_sent_100un = {force_100un, 0, 0};
+      tick.witness.force_sent_mn = {force_mn, 0, 0};
       recorder.AddRecorded(tick);
       count += step;
     }
   };
-  move(100, 1, -20'000);
+  move(100, 1, -2000);
   move(100, -1, 0);
-  move(50, 1, 10'000);
+  move(50, 1, 1000);
   move(1, 0, 0);
   EXPECT_NEAR(recorder.work_j(), 2 * 3e-3 - 1 * 1.5e-3, 1e-12);
   EXPECT_NEAR(recorder.impulse_n_s(), 2 * 0.1 + 1 * 0.05, 1e-12);
   // A gap in which the hand went elsewhere is nobody's work.
   trace::Tick far = TickAt(0, 0);
   far.input.counts[0] = 10'000;
-  far.witness.force_sent_100un = {-30'000, 0, 0};
+  far.witness.force_sent_mn = {-3000, 0, 0};
   far.witness.flags = core::kAnchorReset;
   recorder.AddRecorded(far);
   EXPECT_NEAR(recorder.work_j(), 4.5e-3, 1e-12);
@@ -202,7 +202,7 @@ TEST(ProcessRecorderTest, TheForcesRateIsThatOfARamp) {
     for (int i = 0; i < 20 * period; ++i) {
       const double t = i % period / static_cast<double>(rate);
       const double force = 0.1 + (t < 0.1 ? 10 * t : 1 - 5 * (t - 0.1));
-      recorder.AddRecorded(TickAt(0, static_cast<int32_t>(std::lround(force * 1e4))));
+      recorder.AddRecorded(TickAt(0, static_cast<int32_t>(std::lround(force * 1e3))));
     }
     EXPECT_NEAR(recorder.force_rate_p95_n_per_s(), 10, 0.11) << rate;
   }
@@ -211,7 +211,7 @@ TEST(ProcessRecorderTest, TheForcesRateIsThatOfARamp) {
 TEST(ProcessRecorderTest, TheOrderOfWorkIsByWhenHalfOfEachTissueWasGone) {
   ProcessRecorder recorder(SomeParams());
   for (int i = 0; i < 6000; ++i) {
-    trace::Tick tick = TickAt(0, 100);
+    trace::Tick tick = TickAt(0, 10);
     if (i == 4000) tick.input.gap_ticks = 500;
     core::TickOutput output = OutputOf(tick, 0);
     using cutting::Tissue;
@@ -231,12 +231,14 @@ TEST(ProcessRecorderTest, SmoothnessIsThatOfTheMedianStroke) {
     for (int i = 0; i <= ticks; ++i) {
       const double t = i / static_cast<double>(ticks);
       const double x = from_mm + (to_mm - from_mm) * t * t * t * (10 - 15 * t + 6 * t * t);
-      trace::Tick tick = TickAt(static_cast<int32_t>(std::lround(x * 1e5)), 1000);
-      recorder.Add(tick, OutputOf(tick, 1));
+      trace::Tick tick = TickAt(static_cast<int32_t>(std::lround(x * 1e4)), 100);
+      core::TickOutput output = OutputOf(tick, 1);
+      output.anchor.tip_m.x = x * 1e-3;
+      recorder.Add(tick, output);
     }
   };
   auto lift = [&](double at_mm) {
-    const trace::Tick air = TickAt(static_cast<int32_t>(std::lround(at_mm * 1e5)), 0);
+    const trace::Tick air = TickAt(static_cast<int32_t>(std::lround(at_mm * 1e4)), 0);
     for (int i = 0; i < 300; ++i) recorder.Add(air, OutputOf(air, 0));
   };
   EXPECT_EQ(recorder.MeasureSmoothness().log_dimensionless_jerk, std::nullopt);
@@ -262,9 +264,9 @@ TEST(ProcessRecorderTest, SmoothnessIsThatOfTheMedianStroke) {
 // Ten counts of 30 um to either side at 10 Hz: 300 um / sqrt 2, in contact only.
 TEST(ProcessRecorderTest, TremorIsTheHandsWhileItTouches) {
   ProcessRecorder recorder(SomeParams());
-  auto tremble = [&](int ticks, double counts, int32_t force_100un) {
+  auto tremble = [&](int ticks, double counts, int32_t force_mn) {
     for (int i = 0; i < ticks; ++i) {
-      trace::Tick tick = TickAt(0, force_100un);
+      trace::Tick tick = TickAt(0, force_mn);
       tick.input.counts[1] =
           static_cast<int32_t>(std::lround(counts * std::sin(2 * std::numbers::pi * 0.01 * i)));
       recorder.Add(tick, OutputOf(tick, 0));
@@ -272,7 +274,7 @@ TEST(ProcessRecorderTest, TremorIsTheHandsWhileItTouches) {
   };
   tremble(3000, 40, 0);
   EXPECT_EQ(recorder.tremor_m(), std::nullopt);
-  tremble(5000, 10, 2000);
+  tremble(5000, 10, 200);
   EXPECT_NEAR(*recorder.tremor_m(), 300e-6 / std::sqrt(2), 5e-6);
 }
 
@@ -281,7 +283,7 @@ TEST(DisturbanceTest, SharesAreOfTicksOfTimeAndOfTicksWithForce) {
   auto of = [](int late, uint32_t gap, int bounded) {
     ProcessRecorder recorder(SomeParams());
     for (int i = 0; i < 1000; ++i) {
-      trace::Tick tick = TickAt(0, i < 500 ? 100 : 0);
+      trace::Tick tick = TickAt(0, i < 500 ? 10 : 0);
       if (i < late) tick.input.flags = core::kLateTick;
       if (i < bounded) tick.witness.flags = haptics::kPeakBounded;
       if (i == 700) tick.input.gap_ticks = gap;

@@ -36,9 +36,9 @@ Tick AnyTick(std::mt19937_64& random) {
   t.input.flags = Any<uint8_t>(random);
   t.input.bur_speed_krpm = Any<uint16_t>(random);
   t.input.gap_ticks = Any<uint32_t>(random);
-  for (auto& v : t.witness.force_sent_100un) v = Any<int32_t>(random);
-  for (auto& v : t.witness.force_computed_100un) v = Any<int32_t>(random);
-  for (auto& v : t.witness.anchor_10nm) v = Any<int32_t>(random);
+  for (auto& v : t.witness.force_sent_mn) v = Any<int32_t>(random);
+  for (auto& v : t.witness.force_computed_mn) v = Any<int32_t>(random);
+  for (auto& v : t.witness.anchor_100nm) v = Any<int32_t>(random);
   t.witness.flags = Any<uint16_t>(random);
   for (auto& v : t.input.rest_off_nm) v = Any<int32_t>(random);
   t.input.share_lost = Any<uint16_t>(random);

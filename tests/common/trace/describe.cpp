@@ -88,9 +88,9 @@ json::object Describe(const Tick& tick) {
           {"input_flags", Number(tick.input.flags)},
           {"bur_speed_krpm", Number(tick.input.bur_speed_krpm)},
           {"gap_ticks", Number(tick.input.gap_ticks)},
-          {"anchor_10nm", Numbers(tick.witness.anchor_10nm)},
-          {"force_sent_100un", Numbers(tick.witness.force_sent_100un)},
-          {"force_computed_100un", Numbers(tick.witness.force_computed_100un)},
+          {"anchor_100nm", Numbers(tick.witness.anchor_100nm)},
+          {"force_sent_mn", Numbers(tick.witness.force_sent_mn)},
+          {"force_computed_mn", Numbers(tick.witness.force_computed_mn)},
           {"witness_flags", Number(tick.witness.flags)},
           {"rest_off_nm", Numbers(tick.input.rest_off_nm)},
           {"share_lost", Number(tick.input.share_lost)}};

@@ -134,7 +134,7 @@ TEST(MomentTest, WrongToothInAKeyframeIsFoundByTheWitnessAndTheReplayStartsAgain
 TEST(MomentTest, RecordingThatDisagreesWithTheCoreIsToldFromBadKeyframes) {
   sample::Recording r = Attempt();
   Keyframes keyframes = KeyframesOf(r);
-  r.ticks[2550].witness.anchor_10nm[1] += 1;
+  r.ticks[2550].witness.anchor_100nm[1] += 1;
   std::span<const Tick> ticks(r.ticks);
   Sha256 previous = DecodeChunkHead(r.chunks[24])->hash;
   for (size_t c = 25; c < r.chunks.size(); ++c) {

@@ -68,9 +68,9 @@ TEST_P(ReplayDivergenceTest, IsPlacedToTickAndField) {
 }
 
 constexpr Alteration kAlterations[] = {
-    {"force_sent", [](Tick& tick) { tick.witness.force_sent_100un[1] += 1; }},
-    {"force_computed", [](Tick& tick) { tick.witness.force_computed_100un[2] -= 1; }},
-    {"anchor", [](Tick& tick) { tick.witness.anchor_10nm[0] += 1; }},
+    {"force_sent", [](Tick& tick) { tick.witness.force_sent_mn[1] += 1; }},
+    {"force_computed", [](Tick& tick) { tick.witness.force_computed_mn[2] -= 1; }},
+    {"anchor", [](Tick& tick) { tick.witness.anchor_100nm[0] += 1; }},
     {"flags", [](Tick& tick) { tick.witness.flags ^= 1; }},
     // Another input moves the force at the same tick.
     {"force_sent", [](Tick& tick) { tick.input.counts[2] -= 40; }},

@@ -116,9 +116,9 @@ std::vector<Tick> OddTicks() {
     t.input.orientation = {static_cast<int16_t>(-5 * i), 12, 0, 32767};
     t.input.flags = i < 3 ? core::kBurOn : 0;
     t.input.bur_speed_krpm = i < 3 ? 200 : 0;
-    t.witness.anchor_10nm = {230'000 + 7 * i * i, -460'000, -2'147'483'647};
-    t.witness.force_sent_100un = {-28'000 - 150 * i, 90 * i, 2'147'483'647};
-    t.witness.force_computed_100un = {-28'000 - 150 * i, 95 * i, -2'147'483'647};
+    t.witness.anchor_100nm = {230'000 + 7 * i * i, -460'000, -2'147'483'647};
+    t.witness.force_sent_mn = {-28'000 - 150 * i, 90 * i, 2'147'483'647};
+    t.witness.force_computed_mn = {-28'000 - 150 * i, 95 * i, -2'147'483'647};
     t.witness.flags = static_cast<uint16_t>(i);
     t.input.rest_off_nm = {-i, i > 4 ? 2'147'483'647 : 0, 300 * i};
     t.input.share_lost = static_cast<uint16_t>(i < 2 ? 65'535 : 0);

@@ -11,7 +11,7 @@ namespace {
 constexpr int32_t kVoxel_nm = 200'000;
 // Coprime to any relevant length of motion, so that the stations' starts are spread over all of it.
 constexpr size_t kStationStride = 7919;
-constexpr int32_t kAnchorUnit_nm = 10;  // schemas/trace_format.md, column 10
+constexpr int32_t kAnchorUnit_nm = 100;  // schemas/trace_format.md, column 10
 
 Status TakeTicks(const std::vector<Bytes>& chunks, Motion& motion) {
   for (const Bytes& bytes : chunks) {
@@ -26,7 +26,7 @@ Status TakeTicks(const std::vector<Bytes>& chunks, Motion& motion) {
 trace::Tick Shifted(trace::Tick tick, int32_t cells, const std::array<int32_t, 3>& resolution_nm) {
   for (size_t axis = 0; axis < 3; ++axis) {
     tick.input.counts[axis] += cells;
-    tick.witness.anchor_10nm[axis] += cells * (resolution_nm[axis] / kAnchorUnit_nm);
+    tick.witness.anchor_100nm[axis] += cells * (resolution_nm[axis] / kAnchorUnit_nm);
   }
   return tick;
 }

@@ -601,7 +601,7 @@ TEST_F(ScoreJobTest, AChangedWitnessIsPlacedToItsTickAndNothingIsScored) {
   school_->Spoil(attempt, [&](test::Recording& recording) {
     Bytes& last = recording.chunks.back();
     head = trace::DecodeChunkHead(last)->head;
-    last = world_.Resign(last, [](trace::Tick& tick) { tick.witness.anchor_10nm[0] += 1; });
+    last = world_.Resign(last, [](trace::Tick& tick) { tick.witness.anchor_100nm[0] += 1; });
     recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
   });
   uint64_t tick = head.first_tick + head.count / 2;

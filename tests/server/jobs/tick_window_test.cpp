@@ -39,11 +39,11 @@ TEST_F(TickWindowTest, SaysWhatWasRecordedOfEachTick) {
   double largest = 0;
   for (size_t i = 0; i < 1000; ++i) {
     const trace::Tick& tick = ticks[400 + i];
-    const auto& f = core::PressedForce_100un(tick.witness);
+    const auto& f = core::PressedForce_mn(tick.witness);
     const double newton =
-        1e-4 * std::sqrt(double(f[0]) * f[0] + double(f[1]) * f[1] + double(f[2]) * f[2]);
+        1e-3 * std::sqrt(double(f[0]) * f[0] + double(f[1]) * f[1] + double(f[2]) * f[2]);
     ASSERT_EQ(window.at("time_ticks").at(i).to_number<uint64_t>(), 400 + i);
-    ASSERT_NEAR(window.at("force_n").at(i).to_number<double>(), newton, 0.6e-4) << i;
+    ASSERT_NEAR(window.at("force_n").at(i).to_number<double>(), newton, 0.6e-3) << i;
     ASSERT_EQ(window.at("late").at(i).as_int64(), (tick.input.flags & core::kLateTick) != 0);
     largest = std::max(largest, newton);
   }

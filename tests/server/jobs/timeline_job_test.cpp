@@ -108,7 +108,7 @@ TEST_F(TimelineJobTest, AttemptsAtOneToothShareItsStartTooth) {
 TEST_F(TimelineJobTest, ARecordingThatDisagreesHasAProblemAndNoTimeline) {
   school_->Spoil(attempt_, [&](test::Recording& recording) {
     Bytes& chunk = recording.chunks.back();
-    chunk = world_.Resign(chunk, [](trace::Tick& tick) { tick.witness.anchor_10nm[0] += 1; });
+    chunk = world_.Resign(chunk, [](trace::Tick& tick) { tick.witness.anchor_100nm[0] += 1; });
   });
   ASSERT_EQ(*school_->store->timelines.TakeTimeline(), attempt_);
   ASSERT_TRUE(Run(attempt_).ok());

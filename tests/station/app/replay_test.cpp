@@ -198,7 +198,7 @@ TEST_F(ReplayTest, ForgedForceIsPlacedToItsTick) {
   trace::TraceFile file = WholeFile();
   auto chunk = trace::DecodeChunk(file.chunks[10]);
   ASSERT_TRUE(chunk.ok());
-  chunk->ticks[123].witness.force_sent_100un[2] += 5;
+  chunk->ticks[123].witness.force_sent_mn[2] += 5;
   file.chunks.resize(10);
   file.chunks.push_back(
       trace::EncodeChunk(chunk->head, chunk->ticks, trace::NewKeyPair().secret_key));

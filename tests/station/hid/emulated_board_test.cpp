@@ -75,8 +75,8 @@ TEST(EmulatedBoardTest, TheLoopCutsWithTheBoardsSpringAndTheRecordingReplays) {
     ASSERT_EQ(replayed.Step(sample.tick.input).witness, sample.tick.witness) << k;
     ASSERT_EQ(replayed.state_hash(), sample.state_hash) << k;
     for (int i = 0; i < 3; ++i) {
-      ASSERT_NEAR(sample.tick.witness.force_sent_100un[static_cast<size_t>(i)] * 1e-4,
-                  board.force_n()[i], 1.5e-4)
+      ASSERT_NEAR(sample.tick.witness.force_sent_mn[static_cast<size_t>(i)] * 1e-3,
+                  board.force_n()[i], 0.6e-3)
           << k;
     }
     most_n = std::max(most_n, glm::length(board.force_n()));

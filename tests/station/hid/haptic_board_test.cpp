@@ -733,8 +733,8 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
   };
   // Still for the tenth of a second that it requires, then down.
   for (int i = 0; i < 110; ++i) tick(start);
-  for (int i = 1; i < 120 && recorded.tick.witness.force_sent_100un[2] < 2000; ++i) tick(start - i);
-  ASSERT_GE(recorded.tick.witness.force_sent_100un[2], 2000);
+  for (int i = 1; i < 120 && recorded.tick.witness.force_sent_mn[2] < 200; ++i) tick(start - i);
+  ASSERT_GE(recorded.tick.witness.force_sent_mn[2], 200);
   bus_.Unplug(kPath);
   UntilCounted([](const DeviceCounters& c) { return c.detached == 1; });
   ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() <= 1; }));
@@ -742,7 +742,7 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
   loop.Tick();
   while (ring.Pop(recorded)) {
   }
-  EXPECT_EQ(recorded.tick.witness.force_sent_100un, (std::array<int32_t, 3>{0, 0, 0}));
+  EXPECT_EQ(recorded.tick.witness.force_sent_mn, (std::array<int32_t, 3>{0, 0, 0}));
   EXPECT_TRUE(recorded.tick.input.flags & core::kFaulted);
   EXPECT_EQ(loop.fault(), Fault::kUnplugged);
 }
@@ -773,11 +773,11 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
     ASSERT_TRUE(ring.Pop(recorded));
     UntilCounted([&](const DeviceCounters& c) { return c.writes > written; });
   };
-  auto force = [&] { return recorded.tick.witness.force_sent_100un[2]; };
+  auto force = [&] { return recorded.tick.witness.force_sent_mn[2]; };
   for (int i = 0; i < 110; ++i) tick(block.CountsAbove(300'000), kMotorsOn);
   int32_t z = block.CountsAbove(300'000);
-  while (z > block.CountsAbove(300'000) - 120 && force() < 5'000) tick(--z, kMotorsOn);
-  ASSERT_GE(force(), 5'000);
+  while (z > block.CountsAbove(300'000) - 120 && force() < 500) tick(--z, kMotorsOn);
+  ASSERT_GE(force(), 500);
   for (int i = 0; i < 10; ++i) {
     tick(z, kWatchdogTripped);
     ASSERT_EQ(force(), 0);

@@ -72,7 +72,7 @@ TEST_F(TickLoopTest, RecordsEachSteppedTickWithTheForceThatWasSent) {
     Sample s;
     ASSERT_TRUE(ring.Pop(s));
     EXPECT_EQ(s.state_hash, core.state_hash());
-    EXPECT_NEAR(s.tick.witness.force_sent_100un[2] * 1e-4, device_.last_force.z, 0.51e-4);
+    EXPECT_NEAR(s.tick.witness.force_sent_mn[2] * 1e-3, device_.last_force.z, 0.51e-3);
     cut = cut || device_.last_force.z > 0;
   }
   EXPECT_TRUE(cut);
@@ -423,7 +423,7 @@ TEST_F(TickLoopTest, StalledDeviceHasZeroForceTwentyMillisecondsAfterItsLastSamp
     Sample s;
     while (ring.Pop(s)) {
     }
-    EXPECT_EQ(s.tick.witness.force_sent_100un, (std::array<int32_t, 3>{0, 0, 0}));
+    EXPECT_EQ(s.tick.witness.force_sent_mn, (std::array<int32_t, 3>{0, 0, 0}));
   }
 }
 
