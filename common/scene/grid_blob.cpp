@@ -1,10 +1,9 @@
 #include "common/scene/grid_blob.h"
 
-#include <zstd.h>
-
 #include <string>
 
 #include "common/base/letters.h"
+#include "common/base/packed.h"
 
 namespace enamel::scene {
 namespace {
@@ -76,27 +75,11 @@ uint32_t FromPlanes(ByteView planes, size_t count, size_t i) {
   return out;
 }
 
-Bytes PackSection(ByteView raw) {
-  Bytes out(ZSTD_compressBound(raw.size()));
-  size_t n = ZSTD_compress(out.data(), out.size(), raw.data(), raw.size(), kLevel);
-  ENAMEL_CHECK(!ZSTD_isError(n));
-  out.resize(n);
-  return out;
-}
+Bytes PackSection(ByteView raw) { return Pack(raw, kLevel); }
 
 Result<Bytes> UnpackSection(ByteView packed, size_t size, std::string_view blob,
                             std::string_view section) {
-  const std::string name = "section '" + std::string(section) + "'";
-  // Before any memory is taken: the frame's claim must be what the header asks for, and that is
-  // bounded by its reader.
-  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
-    return Malformed(
-        blob, name + " does not hold the " + std::to_string(size) + " bytes its header asks for");
-  }
-  Bytes out(size);
-  size_t n = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
-  if (ZSTD_isError(n) || n != size) return Malformed(blob, name + " is damaged");
-  return out;
+  return Unpack(packed, size, std::string(blob) + ": section '" + std::string(section) + "'");
 }
 
 }  // namespace enamel::scene

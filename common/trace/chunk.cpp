@@ -1,11 +1,11 @@
 #include <sodium.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
 
+#include "common/base/packed.h"
 #include "common/trace/columns.h"
 #include "common/trace/layout.h"
 #include "common/trace/trace.h"
@@ -43,28 +43,6 @@ std::array<uint8_t, kChunkDomain.size() + 32> SignedMessage(const Sha256& hash) 
   std::copy(kChunkDomain.begin(), kChunkDomain.end(), out.begin());
   std::copy(hash.bytes.begin(), hash.bytes.end(), out.begin() + kChunkDomain.size());
   return out;
-}
-
-Bytes Pack(ByteView payload) {
-  Bytes packed(ZSTD_compressBound(payload.size()));
-  size_t size =
-      ZSTD_compress(packed.data(), packed.size(), payload.data(), payload.size(), kZstdLevel);
-  ENAMEL_CHECK(!ZSTD_isError(size));
-  packed.resize(size);
-  return packed;
-}
-
-Result<Bytes> Unpack(ByteView packed, size_t payload_size) {
-  // ZSTD_decompress never writes beyond the given size and reads no frame header for its memory.
-  Bytes payload(payload_size);
-  size_t size = ZSTD_decompress(payload.data(), payload.size(), packed.data(), packed.size());
-  if (ZSTD_isError(size)) {
-    return Status(Code::kInvalidInput,
-                  std::string("chunk payload cannot be unpacked: ") + ZSTD_getErrorName(size),
-                  "packed");
-  }
-  if (size != payload_size) return WrongSize("chunk payload", payload_size, size);
-  return payload;
 }
 
 // From the head, before anything is allocated.
@@ -125,7 +103,7 @@ Bytes EncodeChunk(ChunkHead head, std::span<const Tick> ticks, const SecretKey& 
   head.count = static_cast<uint32_t>(ticks.size());
   head.gap_ticks = SumOfGaps(ticks);
   Bytes payload = EncodeColumns(ticks);
-  Bytes packed = Pack(payload);
+  Bytes packed = Pack(payload, kZstdLevel);
 
   ByteWriter out;
   WriteMagic(kChunkMagic, out);
@@ -158,7 +136,7 @@ Result<Chunk> DecodeChunkHead(ByteView bytes) {
 Result<Chunk> DecodeChunk(ByteView bytes) {
   ENAMEL_ASSIGN_OR_RETURN(auto parts, TakeApart(bytes));
   Chunk chunk = HeadOf(parts);
-  ENAMEL_ASSIGN_OR_RETURN(auto payload, Unpack(parts.packed, parts.payload_size));
+  ENAMEL_ASSIGN_OR_RETURN(auto payload, Unpack(parts.packed, parts.payload_size, "chunk payload"));
   ENAMEL_ASSIGN_OR_RETURN(auto ticks, DecodeColumns(payload, chunk.head.count));
   chunk.ticks = std::move(ticks);
   // A server adds up the heads without unpacking (DecodeChunkHead): they must not say what ticks do

@@ -1,11 +1,10 @@
 #include "common/trace/keyframes.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <bit>
 #include <string>
 
+#include "common/base/packed.h"
 #include "common/base/state_hash.h"
 #include "common/trace/layout.h"
 
@@ -13,6 +12,7 @@ namespace enamel::trace {
 namespace {
 
 constexpr char kWhat[] = "keyframes";
+constexpr char kPart[] = "keyframes (a cache, which may be deleted)";
 constexpr uint8_t kKeyframeRecord = 1;
 constexpr size_t kMaxBricks = 1 << 20;
 constexpr size_t kBrickBytes = 4 + 2 * cutting::kBrickVoxels;
@@ -38,25 +38,6 @@ Sha256 ReadHash(ByteReader& in) {
   ByteView raw = in.Raw(out.bytes.size());
   std::copy(raw.begin(), raw.end(), out.bytes.begin());
   return out;
-}
-
-Bytes Pack(ByteView plain) {
-  Bytes packed(ZSTD_compressBound(plain.size()));
-  size_t size = ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), kZstdLevel);
-  ENAMEL_CHECK(!ZSTD_isError(size));
-  packed.resize(size);
-  return packed;
-}
-
-Result<Bytes> Unpack(ByteView packed, size_t size) {
-  Bytes plain(size);
-  size_t found = ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
-  if (ZSTD_isError(found) || found != size) {
-    return Status(Code::kInvalidInput, "keyframes: expected a packed part of " +
-                                           std::to_string(size) +
-                                           " bytes, found something else; delete the file");
-  }
-  return plain;
 }
 
 Status Unusable(const std::string& why) {
@@ -155,12 +136,12 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
     samples.I32(brick);
     for (int16_t phi : core.volume().Phi(brick).phi) samples.I16(phi);
   }
-  frame.samples = Pack(samples.bytes());
+  frame.samples = Pack(samples.bytes(), kZstdLevel);
   StateArchive archive;
   ENAMEL_CHECK(core.VisitState(archive));
   Bytes state = archive.Take();
   frame.state_size = static_cast<uint32_t>(state.size());
-  frame.state = Pack(state);
+  frame.state = Pack(state, kZstdLevel);
   // 256 for what EncodeFrame puts around the two: a reader would refuse the record.
   if (frame.samples.size() + frame.state.size() + 256 > kMaxKeyframeBytes) return;
   frames_.push_back(std::move(frame));
@@ -175,7 +156,7 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
     if (int64_t{frames_[k].bricks} > core.volume().spec().brick_count())
       return Unusable("they have more bricks than the tooth");
     ENAMEL_ASSIGN_OR_RETURN(auto samples,
-                            Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes));
+                            Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes, kPart));
     ByteReader in(samples);
     for (uint32_t n = 0; n < frames_[k].bricks; ++n) {
       int32_t brick = in.I32();
@@ -184,7 +165,7 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
       if (!core.RestoreBrick(brick, phi)) return Unusable("a brick is not the tooth's");
     }
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto state, Unpack(frames_[i].state, frames_[i].state_size));
+  ENAMEL_ASSIGN_OR_RETURN(auto state, Unpack(frames_[i].state, frames_[i].state_size, kPart));
   StateArchive archive(state);
   const KeyframePlace& place = frames_[i].place;
   if (!core.VisitState(archive) || core.ticks() != place.ticks ||

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+
+// Bytes packed with zstd (RFC 8878). Functions, any thread; they allocate.
+namespace enamel {
+
+// Levels up to 5 take some 5 ns a byte, 19 a hundred times as long. Equal bytes give equal ones
+// with one version of zstd.
+Bytes Pack(ByteView raw, int level);
+// The `size` bytes that were packed. Takes no more memory than that, whatever the frame says: the
+// caller bounds it. Errors: kInvalidInput, "`what` cannot be unpacked: …".
+Result<Bytes> Unpack(ByteView packed, size_t size, std::string_view what);
+
+}  // namespace enamel
