@@ -177,36 +177,106 @@ TEST(ChunkTest, ChunkOverAMebibyteIsRefused) {
   EXPECT_EQ(DecodeChunk(bytes).status().code(), Code::kTooLarge);
 }
 
-TEST(ChunkTest, ValueOutsideItsFieldIsRefusedWithTheColumnsName) {
+// Of so many ticks whose counts stay at 0 and whose columns are all of coding 0 and zeros, but for
+// what `column` writes itself.
+Bytes ZerosBut(size_t ticks, int column, const std::function<void(ByteWriter&)>& write) {
   ByteWriter payload;
-  for (int column = 0; column < 20; ++column) {
+  for (size_t i = 0; i < (ticks + 7) / 8; ++i) payload.U8(0);
+  for (int c = 3; c < 24; ++c) {
+    if (c == column) {
+      write(payload);
+      continue;
+    }
     payload.U8(0);
-    payload.SignedVarint(column == 7 ? 256 : 0);  // input flags are one byte
+    for (size_t i = 0; i < ticks; ++i) payload.SignedVarint(0);
   }
-  auto ticks = DecodeColumns(payload.bytes(), 1);
+  return payload.Take();
+}
+
+TEST(ChunkTest, ValueOutsideItsFieldIsRefusedWithTheColumnsName) {
+  const auto ticks = DecodeColumns(ZerosBut(1, 7,
+                                            [](ByteWriter& out) {
+                                              out.U8(0);
+                                              out.SignedVarint(256);  // input flags are one byte
+                                            }),
+                                   1);
   ASSERT_FALSE(ticks.ok());
   EXPECT_EQ(ticks.status().field(), "input flags");
 }
 
-TEST(ChunkTest, DifferenceOrderOverThreeIsRefused) {
-  Bytes payload = EncodeColumns(std::vector<Tick>(2));
-  payload[0] = 4;
-  EXPECT_FALSE(DecodeColumns(payload, 2).ok());
+TEST(ChunkTest, AnUnknownCodingIsRefused) {
+  auto coded = [](int column, uint8_t coding, int64_t slope) {
+    return DecodeColumns(ZerosBut(2, column,
+                                  [&](ByteWriter& out) {
+                                    out.U8(coding);
+                                    if (coding == 4) out.SignedVarint(slope);
+                                    if (coding == 4) out.SignedVarint(-slope);
+                                    out.SignedVarint(0);
+                                    out.SignedVarint(0);
+                                  }),
+                         2);
+  };
+  EXPECT_TRUE(coded(9, 3, 0).ok());
+  for (int column : {3, 9, 16, 19, 23}) EXPECT_FALSE(coded(column, 4, 0).ok()) << column;
+  for (int column = 10; column <= 15; ++column) {
+    EXPECT_TRUE(coded(column, 4, 1 << 24).ok()) << column;
+    EXPECT_FALSE(coded(column, 4, (1 << 24) + 1).ok()) << column;
+    EXPECT_FALSE(coded(column, 5, 0).ok()) << column;
+  }
+}
+
+TEST(ChunkTest, AMarkOfATickThatIsNotThereIsRefused) {
+  Bytes payload = EncodeColumns(std::vector<Tick>(3));
+  ASSERT_TRUE(DecodeColumns(payload, 3).ok());
+  payload[0] = 1 << 3;
+  const auto ticks = DecodeColumns(payload, 3);
+  ASSERT_FALSE(ticks.ok());
+  EXPECT_EQ(ticks.status().field(), "counts");
 }
 
 TEST(ChunkTest, PayloadMatchesTheSpecificationByHand) {
-  // Two ticks: counts x 5 then 4, everything else zero but orientation w = 32767.
-  std::vector<Tick> ticks(2);
-  ticks[0].input.counts[0] = 5;
-  ticks[1].input.counts[0] = 4;
-  std::string expected = "000a08";  // order 0: zigzag 5, 4
-  for (int i = 0; i < 5; ++i) expected += "000000";
-  expected += "01feff0300";  // order 1: zigzag 65534, 0
-  for (int i = 0; i < 17; ++i) expected += "000000";
+  // Counts x 5, 5 and then 4, everything else zero but orientation w = 32767.
+  std::vector<Tick> ticks(3);
+  for (Tick& tick : ticks) tick.input.counts[0] = 5;
+  ticks[2].input.counts[0] = 4;
+  // The first and the third tick move: 5, then -1.
+  std::string expected =
+      "05"
+      "0a0000"
+      "010000";
+  for (int i = 0; i < 3; ++i) expected += "00000000";
+  expected += "01feff030000";  // first differences: zigzag 65534, 0, 0
+  for (int i = 0; i < 17; ++i) expected += "00000000";
   EXPECT_EQ(ToHex(EncodeColumns(ticks)), expected);
 }
 
-TEST(ChunkTest, RealisticCutTakesAtMostTwelveBytesPerTick) {
+// Counts move by 64 in the second tick and by 10 in the third. The anchor's slopes are 1/2 along
+// its own way and 1/4 along the counts', the force's 1 along the counts' and -2 along the anchor's.
+TEST(ChunkTest, WhatAnchorAndForceFollowIsWhatTheSpecificationSays) {
+  ByteWriter out;
+  out.U8(0b110);
+  for (int64_t way : {64, 0, 0, 10, 0, 0}) out.SignedVarint(way);
+  for (int column = 3; column < 24; ++column) {
+    const bool follows = column == 10 || column == 13;
+    out.U8(follows ? 4 : 0);
+    if (column == 10) out.SignedVarint(1 << 15), out.SignedVarint(1 << 14);
+    if (column == 13) out.SignedVarint(1 << 16), out.SignedVarint(-(2 << 16));
+    for (int64_t left : {column == 10 ? 100 : 0, follows ? 1 : 0, follows ? -3 : 0}) {
+      out.SignedVarint(left);
+    }
+  }
+  const auto ticks = DecodeColumns(out.bytes(), 3);
+  ASSERT_TRUE(ticks.ok()) << ticks.status().message();
+  // 100; + 64 / 4 + 1; + round(17 / 2 + 10 / 4) - 3.
+  EXPECT_EQ((*ticks)[0].witness.anchor_100nm[0], 100);
+  EXPECT_EQ((*ticks)[1].witness.anchor_100nm[0], 117);
+  EXPECT_EQ((*ticks)[2].witness.anchor_100nm[0], 125);
+  // 0; + 64 - 2 * 17 + 1; + 10 - 2 * 8 - 3.
+  EXPECT_EQ((*ticks)[1].witness.force_sent_mn[0], 31);
+  EXPECT_EQ((*ticks)[2].witness.force_sent_mn[0], 22);
+}
+
+TEST(ChunkTest, RealisticCutTakesAtMostFiveBytesPerTick) {
   auto recording = sample::Record(sample::CutInputs(6000), 500);
   size_t bytes = 0, payload = 0;
   for (const Bytes& chunk : recording.chunks) bytes += chunk.size();
@@ -216,7 +286,7 @@ TEST(ChunkTest, RealisticCutTakesAtMostTwelveBytesPerTick) {
   auto ticks = static_cast<double>(recording.ticks.size());
   std::printf("%.0f ticks: %.2f bytes per tick in chunks of 500, %.2f before zstd\n", ticks,
               static_cast<double>(bytes) / ticks, static_cast<double>(payload) / ticks);
-  EXPECT_LE(static_cast<double>(bytes) / ticks, 12.0);
+  EXPECT_LE(static_cast<double>(bytes) / ticks, 5.0);
 }
 
 }  // namespace
