@@ -14,7 +14,7 @@ Bytes SealEnvelope(const EnvelopeHead& head, const DataKey& cipher,
   ByteWriter writer;
   writer.Raw(AsBytes(head.magic));
   writer.U16(head.version);
-  writer.U16(0);
+  writer.U16(head.flags);
   writer.Raw(head.person.view());
   writer.Raw(nonce);
   Bytes out = writer.Take();
@@ -28,8 +28,12 @@ Bytes SealEnvelope(const EnvelopeHead& head, const DataKey& cipher,
 
 std::optional<EnvelopeHead> HeadOfEnvelope(ByteView sealed, std::string_view magic) {
   if (sealed.size() < kEnvelopeBytes || AsText(sealed.first(magic.size())) != magic) return {};
-  return EnvelopeHead{magic, ByteReader(sealed.subspan(magic.size())).U16(),
-                      Uuid::FromBytes(sealed.subspan(8, 16))};
+  ByteReader in(sealed.subspan(magic.size()));
+  EnvelopeHead out{magic};
+  out.version = in.U16();
+  out.flags = in.U16();
+  out.person = Uuid::FromBytes(in.Raw(16));
+  return out;
 }
 
 std::optional<Bytes> OpenEnvelope(ByteView sealed, const DataKey& cipher) {

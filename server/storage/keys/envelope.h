@@ -12,7 +12,7 @@
 namespace enamel::server {
 
 // The layout that personal data and wrapped keys have in common (schemas/personal_data.md): a head
-// of magic, version, 0 and person, a nonce, and XChaCha20-Poly1305 of the content with the head as
+// of magic, version, flags and person, a nonce, and XChaCha20-Poly1305 of the content with the head as
 // additional data. Pure functions, any thread.
 inline constexpr size_t kEnvelopeHead = 4 + 2 + 2 + 16, kEnvelopeNonce = 24, kEnvelopeTag = 16;
 inline constexpr size_t kEnvelopeBytes =
@@ -22,6 +22,7 @@ struct EnvelopeHead {
   std::string_view magic;  // four characters
   uint16_t version = 0;
   Uuid person;
+  uint16_t flags = 0;
 };
 
 Bytes SealEnvelope(const EnvelopeHead& head, const DataKey& cipher,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/packed.h"
 #include "server/storage/keys/envelope.h"
 
 namespace enamel::server {
@@ -12,6 +13,9 @@ namespace {
 
 constexpr std::string_view kMagic = "ENEV";
 constexpr uint16_t kVersion = 1;
+constexpr uint16_t kAsItIs = 0, kPacked = 1;  // flags
+constexpr int kPackLevel = 6;                 // a curve over time to a fifth, in 10 ms
+constexpr uint32_t kMostPacked = 1u << 30;
 // Sub-keys of a person's key (schemas/personal_data.md).
 constexpr char kContext[] = "ENEVkeys";
 enum class SubKey : uint64_t { kCipher = 1, kNonce = 2 };
@@ -33,6 +37,33 @@ std::array<uint8_t, kEnvelopeNonce> NonceOf(const DataKey& key, const Uuid& atte
   crypto_generichash_update(&state, data.data(), data.size());
   crypto_generichash_final(&state, nonce.data(), nonce.size());
   return nonce;
+}
+
+Bytes Seal(const Uuid& person, const DataKey& key, const Uuid& attempt, uint16_t flags,
+           ByteView content) {
+  return SealEnvelope({kMagic, kVersion, person, flags}, Derive(key, SubKey::kCipher),
+                      NonceOf(key, attempt, content), content);
+}
+
+Result<DataKey> KeyOf(Keyring& keyring, const Uuid& person) {
+  auto key = keyring.Find(person);
+  if (key.status().code() != Code::kNotFound) return key;
+  return Status(Code::kNotFound,
+                "the key of person " + person.Text() +
+                    " does not exist (any more): what was kept under it cannot be read");
+}
+
+Status Damaged(const Uuid& person) {
+  return Status(Code::kStorage, "personal data of person " + person.Text() +
+                                    " is damaged, or was kept under another key; restore it and "
+                                    "the key ring from a backup");
+}
+
+// Packed as it may be. Requires: HeadOfEnvelope(sealed, kMagic).
+Result<Bytes> ContentOf(const Uuid& person, const DataKey& key, ByteView sealed) {
+  auto out = OpenEnvelope(sealed, Derive(key, SubKey::kCipher));
+  if (!out) return Damaged(person);
+  return std::move(*out);
 }
 
 }  // namespace
@@ -59,8 +90,16 @@ Status Join(Keyring& keyring, Keyring& other,
 Sha256 TombstoneOf(const Uuid& person) { return HashSha256(person.view()); }
 
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data) {
-  return SealEnvelope({kMagic, kVersion, person}, Derive(key, SubKey::kCipher),
-                      NonceOf(key, attempt, data), data);
+  return Seal(person, key, attempt, kAsItIs, data);
+}
+
+Bytes SealPacked(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data) {
+  ByteWriter packed;
+  packed.U32(static_cast<uint32_t>(data.size()));
+  packed.Raw(Pack(data, kPackLevel));
+  const bool saves = packed.size() + data.size() / 8 < data.size() && data.size() <= kMostPacked;
+  return saves ? Seal(person, key, attempt, kPacked, packed.bytes())
+               : SealPersonal(person, key, attempt, data);
 }
 
 std::optional<Uuid> PersonOfSealed(ByteView bytes) {
@@ -76,35 +115,30 @@ Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
 Result<Bytes> PersonalReader::Open(Bytes bytes) {
   const auto head = HeadOfEnvelope(bytes, kMagic);
   if (!head) return bytes;
-  if (head->version != kVersion) {
+  if (head->version != kVersion || head->flags > kPacked) {
     return Status(Code::kVersion, "personal data of version " + std::to_string(head->version) +
+                                      " and flags " + std::to_string(head->flags) +
                                       ", this enamel-server reads " + std::to_string(kVersion) +
                                       "; run the newer one that wrote it");
   }
-  const Uuid& person = head->person;
-  if (!last_ || last_->first != person) {
-    auto key = keyring_.Find(person);
-    if (key.status().code() == Code::kNotFound) {
-      return Status(Code::kNotFound,
-                    "the key of person " + person.Text() +
-                        " does not exist (any more): what was kept under it cannot be read");
-    }
-    if (!key.ok()) return key.status();
-    last_.emplace(person, *key);
+  if (!last_ || last_->first != head->person) {
+    ENAMEL_ASSIGN_OR_RETURN(const DataKey key, KeyOf(keyring_, head->person));
+    last_.emplace(head->person, key);
   }
-  auto out = OpenEnvelope(bytes, Derive(last_->second, SubKey::kCipher));
-  if (out) return std::move(*out);
-  return Status(Code::kStorage, "personal data of person " + person.Text() +
-                                    " is damaged, or was kept under another key; restore it and "
-                                    "the key ring from a backup");
+  ENAMEL_ASSIGN_OR_RETURN(Bytes content, ContentOf(head->person, last_->second, bytes));
+  if (head->flags == kAsItIs) return content;
+  ByteReader in(content);
+  const uint32_t size = in.U32();
+  if (!in.ok() || size > kMostPacked) return Damaged(head->person);
+  return Unpack(ByteView(content).subspan(in.offset()), size, "personal data");
 }
 
 Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& attempt) {
   const auto person = PersonOfSealed(sealed);
   if (!person) return Status(Code::kInvalidInput, "expected personal data, found other bytes");
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes data, OpenPersonal(keyring, sealed));
-  ENAMEL_ASSIGN_OR_RETURN(const DataKey key, keyring.Find(*person));
-  const auto nonce = NonceOf(key, attempt, data);
+  ENAMEL_ASSIGN_OR_RETURN(const DataKey key, KeyOf(keyring, *person));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes content, ContentOf(*person, key, sealed));
+  const auto nonce = NonceOf(key, attempt, content);
   return std::equal(nonce.begin(), nonce.end(), sealed.begin() + kEnvelopeHead);
 }
 

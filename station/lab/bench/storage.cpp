@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/base/packed.h"
 #include "common/program/log.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
@@ -107,11 +108,15 @@ size_t TraceBytes(const Cut& cut) {
   return out;
 }
 
+// As a server packs text before it encrypts it (schemas/personal_data.md, "Envelope").
+size_t PackedBytes(const std::string& text) { return Pack(AsBytes(text), 6).size(); }
+
 // What the replay leaves: curves over time and the surface timeline.
 void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Deviation& deviation,
             Parts& out) {
   timeline::RecorderOptions options;
   options.rate_hz = cut.params.rate_hz;
+  options.ticks = cut.ticks.size();
   options.burs = core::BursOf(cut.params);
   options.frame_ticks = std::max(1u, cut.params.rate_hz / 10);
   for (const timeline::CellDeviation& value : deviation.cells) {
@@ -134,7 +139,7 @@ void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Devi
   ENAMEL_CHECK(core.volume() == cut.volume);
   out.minutes = static_cast<double>(passed) / cut.params.rate_hz / 60;
   out.timeline = recorder.Finish(core.volume()).size();
-  out.series = series.ToJson().size();
+  out.series = PackedBytes(series.ToJson());
 }
 
 Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options& options) {
@@ -161,7 +166,7 @@ Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options
                                          reference.Data(built.volume));
   if (!metrics.ok()) return metrics.status();
   ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise->rubric, *metrics));
-  out.score = scoring::ToJson(score).size();
+  out.score = PackedBytes(scoring::ToJson(score));
   if (const auto motion = scoring::MotionOf(cut.process->samples())) {
     out.score += scoring::EncodeMotion(*motion).size();
   }

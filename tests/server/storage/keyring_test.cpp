@@ -4,6 +4,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "common/base/packed.h"
 #include "server/storage/keys/folder_keyring.h"
 #include "tests/server/storage/store_world.h"
 
@@ -73,6 +74,27 @@ TEST_F(KeyringTest, EveryChangedBitIsNoticed) {
   Bytes reserved = sealed;
   reserved[6] = 1;
   EXPECT_EQ(OpenPersonal(ring_, reserved).status().code(), Code::kStorage);
+}
+
+TEST_F(KeyringTest, WhatSavesAnEighthIsPacked) {
+  std::string curve = "{\"force_n\":[";
+  for (int i = 0; i < 2000; ++i) curve += std::to_string(i % 700) + ",";
+  const DataKey key = *ring_.FindOrMake(person_);
+  const Bytes sealed = SealPacked(person_, key, attempt_, AsBytes(curve));
+  EXPECT_LT(sealed.size(), curve.size() / 3);
+  EXPECT_EQ(AsText(*OpenPersonal(ring_, sealed)), curve);
+  EXPECT_EQ(SealPacked(person_, key, attempt_, AsBytes(curve)), sealed);
+  EXPECT_TRUE(*IsOfAttempt(ring_, sealed, attempt_));
+  EXPECT_FALSE(*IsOfAttempt(ring_, sealed, Uuid::New()));
+  // Already packed, and packed once more: as it is.
+  const Bytes packed = Pack(AsBytes(curve), 6);
+  EXPECT_EQ(SealPacked(person_, key, attempt_, packed),
+            SealPersonal(person_, key, attempt_, packed));
+  Bytes flags = sealed;
+  flags[6] = 2;
+  EXPECT_EQ(OpenPersonal(ring_, flags).status().code(), Code::kVersion);
+  flags[6] = 0;
+  EXPECT_EQ(OpenPersonal(ring_, flags).status().code(), Code::kStorage) << "not read as text";
 }
 
 TEST_F(KeyringTest, WhatIsNoEnvelopeIsReadAsItIs) {
