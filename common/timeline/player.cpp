@@ -119,8 +119,10 @@ Status Player::ReadKey(size_t segment) {
     }
     before = brick;
     if (slot_[static_cast<size_t>(brick)] >= 0) continue;
-    StateOf(brick) = FromResiduals(ByteView(key).subspan(
-        size_t{s.key_bricks} * 4 + size_t{i} * cutting::kBrickVoxels, cutting::kBrickVoxels));
+    StateOf(brick) = FromResiduals(
+        ByteView(key).subspan(size_t{s.key_bricks} * 4 + size_t{i} * cutting::kBrickVoxels,
+                              cutting::kBrickVoxels),
+        CoarseIn(segment));
   }
   return Status::Ok();
 }
@@ -128,6 +130,7 @@ Status Player::ReadKey(size_t segment) {
 Status Player::ApplyBrick(int64_t brick) {
   const auto early = [] { return Malformed("a brick's changes end early"); };
   Samples& state = StateOf(brick);
+  const int coarse = CoarseIn(segment_);
   if (changes_.mask >= changes_.mask_end) return early();
   const uint8_t layers = changes_.raw[changes_.mask++];
   for (size_t z = 0; z < 8; ++z) {
@@ -142,7 +145,7 @@ Status Player::ApplyBrick(int64_t brick) {
         if ((bits >> x & 1) == 0) continue;
         if (changes_.value >= changes_.raw.size()) return early();
         const size_t i = z * 64 + y * 8 + x;
-        state[i] = static_cast<int8_t>(changes_.raw[changes_.value++] + Predicted(state, i));
+        state[i] = FromResidual(changes_.raw[changes_.value++], Predicted(state, i), coarse);
       }
     }
   }

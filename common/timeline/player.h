@@ -45,6 +45,7 @@ class Player {
   Status ApplyFrame();
   Status ApplyBrick(int64_t brick);
   Samples& StateOf(int64_t brick);
+  int CoarseIn(size_t segment) const { return segment + 1 < head_.segments.size() ? kCoarse : 0; }
   void Reset();
 
   StartTooth start_;

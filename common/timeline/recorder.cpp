@@ -94,6 +94,10 @@ Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
   head_.rate_hz = options.rate_hz;
   head_.frame_ticks = options.frame_ticks;
   head_.segment_frames = options.segment_frames;
+  last_segment_ = options.ticks == 0
+                      ? 0
+                      : static_cast<size_t>((options.ticks - 1) / (uint64_t{options.frame_ticks} *
+                                                                   options.segment_frames));
   for (const cutting::Bur& bur : options.burs) head_.outlines.push_back(OutlineOf(bur));
   changed_in_.emplace_back();
 }
@@ -142,8 +146,12 @@ void Recorder::Add(const cutting::Volume& volume, std::span<const int32_t> touch
   if (ticks_in_frame_ == head_.frame_ticks) EndFrame(volume);
 }
 
-void Recorder::NoteChanges(int32_t brick, const Samples& now) {
-  Samples& state = StateOf(brick);
+void Recorder::NoteChanges(int32_t brick, const Samples& before, const Samples& now) {
+  const int coarse = CoarseIn(segments_.size());
+  const auto found = read_.find(brick);
+  Samples& state = found != read_.end()
+                       ? found->second
+                       : read_.emplace(brick, Coarsened(before, coarse)).first->second;
   uint8_t layers = 0;
   ByteWriter rows;
   for (size_t z = 0; z < 8; ++z) {
@@ -153,10 +161,10 @@ void Recorder::NoteChanges(int32_t brick, const Samples& now) {
       uint8_t mask = 0;
       for (size_t x = 0; x < 8; ++x) {
         const size_t i = z * 64 + y * 8 + x;
-        if (now[i] == state[i]) continue;
+        if (now[i] >> coarse == state[i] >> coarse) continue;
         mask |= static_cast<uint8_t>(1u << x);
-        state[i] = now[i];
-        values_.U8(static_cast<uint8_t>(now[i] - Predicted(state, i)));
+        state[i] = FromLevel(now[i] >> coarse, coarse);
+        values_.U8(Residual(state[i], Predicted(state, i), coarse));
       }
       if (mask == 0) continue;
       row_mask |= static_cast<uint8_t>(1u << y);
@@ -199,7 +207,9 @@ void Recorder::WriteChanges(const cutting::Volume& volume) {
   for (const auto& [brick, now] : changed) {
     heads_.Varint(static_cast<uint64_t>(brick - before - 1));
     before = brick;
-    NoteChanges(brick, now);
+    Samples& state = StateOf(brick);
+    NoteChanges(brick, state, now);
+    state = now;
     auto at = std::ranges::lower_bound(in_segment, brick);
     if (at == in_segment.end() || *at != brick) in_segment.insert(at, brick);
   }
@@ -225,6 +235,7 @@ void Recorder::EndSegment() {
     versions_[slot].push_back({segments_.size(), states_[slot]});
   }
   changed_in_.emplace_back();
+  read_.clear();
 }
 
 // The last segment's is of all that was changed before; another one's only of what changes until the
@@ -237,7 +248,9 @@ Bytes Recorder::KeyOf(size_t segment, uint32_t& bricks) const {
   ByteWriter key;
   for (int32_t brick : changed) key.U32(static_cast<uint32_t>(brick));
   Bytes raw = key.Take();
-  for (int32_t brick : changed) AppendResiduals(StateAt(brick, segment), raw);
+  const int coarse = CoarseIn(segment);
+  for (int32_t brick : changed)
+    AppendResiduals(Coarsened(StateAt(brick, segment), coarse), raw, coarse);
   return Deflate(raw);
 }
 
@@ -245,6 +258,7 @@ Bytes Recorder::Finish(const cutting::Volume& volume, const KeepGoing& keep_goin
   if (ticks_in_frame_ > 0) EndFrame(volume);
   if (unwritten_ > 0) WriteChanges(volume);
   if (!poses_.empty()) EndSegment();
+  ENAMEL_CHECK(segments_.size() == last_segment_ + 1 || segments_.empty());
   const std::vector<int32_t> changed = ChangedIn(0, segments_.size());
   std::vector<uint8_t> changing(slot_.size());
   for (const std::vector<int32_t>* bricks : {&changed, &std::as_const(detailed_)}) {

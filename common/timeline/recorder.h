@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "common/base/keep_going.h"
@@ -14,6 +15,8 @@ namespace enamel::timeline {
 
 struct RecorderOptions {
   uint32_t rate_hz = 1000;
+  // So many will be added: the samples of the last segment are exact, others coarse.
+  uint64_t ticks = 0;
   std::vector<cutting::Bur> burs;
   // A tenth of a second in a frame, a minute in a segment: a segment's changes are applied within a
   // few milliseconds.
@@ -58,9 +61,10 @@ class Recorder {
   void EndFrame(const cutting::Volume& volume);
   void WriteChanges(const cutting::Volume& volume);
   void EndSegment();
-  void NoteChanges(int32_t brick, const Samples& now);
+  void NoteChanges(int32_t brick, const Samples& before, const Samples& now);
   int32_t SlotOf(int32_t brick);
   Samples& StateOf(int32_t brick) { return states_[static_cast<size_t>(SlotOf(brick))]; }
+  int CoarseIn(size_t segment) const { return segment == last_segment_ ? 0 : kCoarse; }
   Samples StateAt(int32_t brick, size_t segment) const;
   std::vector<int32_t> ChangedIn(size_t from, size_t to) const;
   Bytes KeyOf(size_t segment, uint32_t& bricks) const;
@@ -74,12 +78,15 @@ class Recorder {
   std::vector<Packed> segments_;
   std::vector<int32_t> detailed_;
   const uint32_t change_frames_;
+  size_t last_segment_ = 0;
   uint32_t ticks_in_frame_ = 0;
   FramePose pose_;
   std::vector<FramePose> poses_;  // of this segment
 
   std::vector<int32_t> slot_;  // per brick: index into states_, or -1
   std::vector<Samples> states_;
+  // What a reader has in this segment of the bricks that changed in it.
+  std::unordered_map<int32_t, Samples> read_;
   std::vector<std::vector<Version>> versions_;    // of each state, rising
   std::vector<std::vector<int32_t>> changed_in_;  // by segment, this one included: bricks, rising
   std::vector<int32_t> dirty_;                    // touched since changes were written

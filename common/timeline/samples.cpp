@@ -30,16 +30,22 @@ int Predicted(const Samples& s, size_t i) {
   return std::clamp<int>(p, kDeep, kFarOut);
 }
 
-void AppendResiduals(const Samples& samples, Bytes& out) {
+Samples Coarsened(const Samples& samples, int coarse) {
+  Samples out;
+  for (size_t i = 0; i < out.size(); ++i) out[i] = FromLevel(samples[i] >> coarse, coarse);
+  return out;
+}
+
+void AppendResiduals(const Samples& samples, Bytes& out, int coarse) {
   for (size_t i = 0; i < samples.size(); ++i) {
-    out.push_back(static_cast<uint8_t>(samples[i] - Predicted(samples, i)));
+    out.push_back(Residual(samples[i], Predicted(samples, i), coarse));
   }
 }
 
-Samples FromResiduals(ByteView residuals) {
+Samples FromResiduals(ByteView residuals, int coarse) {
   Samples out;
   for (size_t i = 0; i < out.size(); ++i) {
-    out[i] = static_cast<int8_t>(residuals[i] + Predicted(out, i));
+    out[i] = FromResidual(residuals[i], Predicted(out, i), coarse);
   }
   return out;
 }

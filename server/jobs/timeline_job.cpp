@@ -76,6 +76,10 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
                           StartTooth(store.blobs, store.timelines, header.volume, initial, asked));
   timeline::RecorderOptions options;
   options.rate_hz = header.params.rate_hz;
+  if (!chunks.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk last, trace::DecodeChunkHead(chunks.back()));
+    options.ticks = last.head.first_tick + last.head.count;
+  }
   options.burs = core::BursOf(header.params);
   // A tenth of a second, whatever the loop's rate.
   options.frame_ticks = std::max(1u, header.params.rate_hz / 10);

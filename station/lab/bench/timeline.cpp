@@ -104,6 +104,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   Bytes file;
   ENAMEL_RETURN_IF_ERROR(ReplayInto(attempt, nullptr, file, out.replay_s));
   timeline::RecorderOptions recording;
+  recording.ticks = options.ticks;
   recording.burs = core::BursOf(attempt.header.params);
   recording.frame_ticks = options.frame_ticks;
   recording.change_frames = options.change_frames;

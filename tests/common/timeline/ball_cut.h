@@ -33,6 +33,7 @@ class BallCut {
   // Calls seen(ticks so far, volume) after each tick.
   template <typename Seen>
   Bytes Record(int ticks, Seen&& seen) {
+    options_.ticks = static_cast<uint64_t>(ticks);
     Recorder recorder(initial_, HashSha256(start_), options_);
     for (int t = 0; t < ticks; ++t) {
       cutting::RemovedUnits removed{};

@@ -32,15 +32,27 @@ int8_t GoldenSample(const ivec3& v, uint32_t frames) {
   return static_cast<int8_t>(std::clamp(std::floor(64 * d), -64.0, 63.0));
 }
 
+// All samples of a brick are as they were, or coarse: that only before the last segment.
+bool IsBrick(const Samples& found, const Samples& exact, const Player& player, uint32_t frames) {
+  const Head& head = player.head();
+  const bool last = frames == 0 || (frames - 1) / head.segment_frames + 1 == head.segments.size();
+  return found == exact || (!last && found == Coarsened(exact, kCoarse));
+}
+
 void ExpectGolden(const Player& player, uint32_t frames) {
   const ivec3 n = player.head().spec.bricks;
   for (int b = 0; b < n.x * n.y * n.z; ++b) {
     const ivec3 corner = ivec3(b % n.x, b / n.x % n.y, b / n.x / n.y) * 8;
     const Samples found = player.BrickSamples(b);
+    Samples exact;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      exact[static_cast<size_t>(i)] =
+          GoldenSample(corner + ivec3(i % 8, i / 8 % 8, i / 64), frames);
+    }
+    ASSERT_TRUE(IsBrick(found, exact, player, frames))
+        << "after " << frames << " frames, brick " << b;
     for (int i = 0; i < kBrickVoxels; ++i) {
       const ivec3 voxel = corner + ivec3(i % 8, i / 8 % 8, i / 64);
-      ASSERT_EQ(found[static_cast<size_t>(i)], GoldenSample(voxel, frames))
-          << "after " << frames << " frames, brick " << b << ", sample " << i;
       if (found[static_cast<size_t>(i)] >= 0) continue;
       const dvec3 d = dvec3(voxel) - 19.5;
       ASSERT_EQ(player.TissueAt(voxel),
@@ -116,7 +128,8 @@ TEST_P(SurfaceTimelineSegmentTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuanti
   for (uint32_t frames : {0, 3, 4, 12, 11, 7, 8, 1, 12, 0}) {
     ASSERT_TRUE(player->Seek(frames).ok());
     for (int b = 0; b < 512; ++b) {
-      ASSERT_EQ(player->BrickSamples(b), seen[frames][static_cast<size_t>(b)])
+      ASSERT_TRUE(
+          IsBrick(player->BrickSamples(b), seen[frames][static_cast<size_t>(b)], *player, frames))
           << frames << " frames, brick " << b;
     }
   }
@@ -139,7 +152,8 @@ TEST(SurfaceTimelineTest, BetweenItsChangesTheToothStays) {
   for (uint32_t frames : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 4, 11, 1}) {
     ASSERT_TRUE(player->Seek(frames).ok());
     for (int b = 0; b < 512; ++b) {
-      ASSERT_EQ(player->BrickSamples(b), seen[kLook[frames]][static_cast<size_t>(b)])
+      ASSERT_TRUE(IsBrick(player->BrickSamples(b), seen[kLook[frames]][static_cast<size_t>(b)],
+                          *player, frames))
           << frames << " frames, brick " << b;
     }
   }
@@ -155,18 +169,26 @@ TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwenty
   }
 }
 
+TEST(SurfaceTimelineTest, CoarseSamplesKeepTheirSideAndAreOffByAtMostAThirtySecondOfAVoxel) {
+  for (int q = kDeep; q <= kFarOut; ++q) {
+    const int8_t found = FromLevel(q >> kCoarse, kCoarse);
+    EXPECT_EQ(found < 0, q < 0) << q;
+    EXPECT_LE(std::abs(found - q), q < kDeep + 4 || q > kFarOut - 4 ? 3 : 2) << q;
+    EXPECT_EQ(FromLevel(found >> kCoarse, kCoarse), found) << q;
+    EXPECT_EQ(FromLevel(q, 0), q);
+  }
+}
+
 // The surface made of what was decoded, against that of the volume itself. Along the surface a
 // vertex may move: where an edge runs in it, what it crosses at is rounding.
-TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
-  BallCut cut;
-  cutting::Volume last;
-  const Bytes file = cut.Record(80, [&](int, const cutting::Volume& volume) { last = volume; });
-  auto player = Player::Open(cut.start(), file);
-  ASSERT_TRUE(player.ok()) << player.status().message();
-  ASSERT_TRUE(player->Seek(player->head().frames()).ok());
-  const cutting::Volume decoded = player->ToVolume();
+struct Off {
   size_t vertices = 0;
-  double worst = 0, turned = 1;
+  double across_m = 0, turned_cos = 1;
+};
+
+void MeasureSurface(const Player& player, const cutting::Volume& last, Off& out) {
+  const cutting::Volume decoded = player.ToVolume();
+  auto& [vertices, worst, turned] = out;
   for (int b = 0; b < 512; ++b) {
     const surface::Mesh expected = surface::ExtractBrick(last, b);
     const surface::Mesh found = surface::ExtractBrick(decoded, b);
@@ -179,9 +201,42 @@ TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
     }
     vertices += expected.position_m.size();
   }
-  EXPECT_GT(vertices, 5000u);
-  EXPECT_LT(worst, 0.02 * 50e-6);
-  EXPECT_GT(turned, std::cos(0.2));
+  std::printf("%zu vertices: off by %.4f voxel, normals by %.1f degrees\n", vertices, worst / 50e-6,
+              std::acos(turned) * 180 / 3.14159265);
+}
+
+TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
+  BallCut cut;
+  cutting::Volume last;
+  const Bytes file = cut.Record(80, [&](int, const cutting::Volume& volume) { last = volume; });
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  ASSERT_TRUE(player->Seek(player->head().frames()).ok());
+  Off off;
+  ASSERT_NO_FATAL_FAILURE(MeasureSurface(*player, last, off));
+  EXPECT_GT(off.vertices, 5000u);
+  EXPECT_LT(off.across_m, 0.02 * 50e-6);
+  EXPECT_GT(off.turned_cos, std::cos(0.2));
+}
+
+// Before the last segment.
+TEST(SurfaceTimelineTest, WhileItIsPlayedTheSurfaceIsWithinATwentiethOfAVoxel) {
+  RecorderOptions options;
+  options.frame_ticks = 10;
+  options.segment_frames = 4;
+  BallCut cut(options);
+  cutting::Volume then;
+  const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
+    if (ticks == 40) then = volume;
+  });
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  ASSERT_TRUE(player->Seek(4).ok());
+  Off off;
+  ASSERT_NO_FATAL_FAILURE(MeasureSurface(*player, then, off));
+  EXPECT_GT(off.vertices, 5000u);
+  EXPECT_LT(off.across_m, 0.05 * 50e-6);
+  EXPECT_GT(off.turned_cos, std::cos(0.3));
 }
 
 TEST(SurfaceTimelineTest, PosesSayWhereTheBurIsAndHowLongAFrameTook) {

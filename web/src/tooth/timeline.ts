@@ -12,7 +12,7 @@ import {
   reading,
   unzigzag,
 } from "./packed";
-import { bricksFromResiduals, kBrickSamples, predicted } from "./samples";
+import { bricksFromResiduals, fromLevel, kBrickSamples, kCoarse, predicted } from "./samples";
 
 // Reads what plays an attempt back: a surface timeline ("ENTT"), version 1 (schemas/surface_timeline.md). Nothing here
 // draws or fetches.
@@ -164,6 +164,9 @@ export function framesIn(head: Head, segment: number): number {
   return Math.min(head.segmentFrames, head.frames - segment * head.segmentFrames);
 }
 
+// A moment before the last segment is for a look at how it came about.
+const coarseIn = (head: Head, segment: number) => (segment < head.segments.length - 1 ? kCoarse : 0);
+
 // `bytes`: the segment's own, all of them.
 export function decodeSegment(head: Head, index: number, bytes: Uint8Array<ArrayBuffer>): Promise<Read<OpenSegment>> {
   return reading(async () => {
@@ -191,7 +194,7 @@ export function decodeSegment(head: Head, index: number, bytes: Uint8Array<Array
         throw new Broken(`brick ${brick} is out of order or outside the grid`);
     });
     const keySamples = new Int8Array(key.buffer, 4 * segment.keyBricks);
-    bricksFromResiduals(keySamples);
+    bricksFromResiduals(keySamples, coarseIn(head, index));
     return { poses: readPoses(poses, n), keyBricks, keySamples, changes };
   });
 }
@@ -362,6 +365,7 @@ export class TimelinePlayer extends ChangingPart {
 
   private applyBrick(brick: number, changes: Uint8Array): void {
     const state = this.ownSamples(brick);
+    const coarse = coarseIn(this.head, this.entered);
     const layers = this.mask(changes);
     for (let z = 0; z < 8; ++z) {
       if (!((layers >> z) & 1)) continue;
@@ -373,7 +377,8 @@ export class TimelinePlayer extends ChangingPart {
           if (!((bits >> x) & 1)) continue;
           if (this.values >= changes.length) throw new Broken("a brick's changes end early");
           const i = z * 64 + y * 8 + x;
-          state[i] = changes[this.values++]! + predicted(state, 0, i);
+          state[i] = changes[this.values++]! + (predicted(state, 0, i) >> coarse);
+          state[i] = fromLevel(state[i]!, coarse);
         }
       }
     }
