@@ -201,7 +201,7 @@ void WriteColumn(const Column& column, std::span<const Tick> ticks, ByteWriter& 
     offer(order, Bits(values));
   }
   Slopes slopes;
-  if (column.lead != Lead::kNone) {
+  if (column.lead != Lead::kNone && ticks.size() > 1) {
     const std::span<const uint64_t> all(own.data(), ticks.size());
     slopes = FitSlopes(column, ticks, all);
     values[0] = own[0];
