@@ -11,7 +11,7 @@ namespace enamel::timeline {
 namespace {
 
 constexpr std::string_view kBlob = "surface timeline";
-constexpr size_t kPoseBytes = 20, kKeyBytes = 4 + cutting::kBrickVoxels;
+constexpr size_t kPoseBytes = 20;
 
 Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
@@ -108,22 +108,32 @@ Status Player::EnterSegment(size_t segment) {
 // Those of its bricks that are not known yet.
 Status Player::ReadKey(size_t segment) {
   const Segment& s = head_.segments[segment];
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes key,
-                          Inflate(Part(segment, 1), s.key_bricks * kKeyBytes, kBlob, "key frame"));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const Bytes key,
+      Inflate(Part(segment, 1),
+              size_t{s.key_bricks} * 4 + size_t{s.key_bricks - s.key_start} * cutting::kBrickVoxels,
+              kBlob, "key frame"));
   ByteReader index(key);
   int64_t before = -1;
+  size_t at = size_t{s.key_bricks} * 4;
   for (uint32_t i = 0; i < s.key_bricks; ++i) {
-    const int64_t brick = index.U32();
+    const uint32_t entry = index.U32();
+    const bool kept = (entry & kAsAtStart) == 0;
+    const int64_t brick = entry & ~kAsAtStart;
     if (brick <= before || brick >= head_.spec.brick_count()) {
       return Malformed("brick " + std::to_string(brick) + " is out of order or outside the grid");
     }
     before = brick;
+    const size_t from = at;
+    if (kept) at += cutting::kBrickVoxels;
+    if (at > key.size()) return Malformed("fewer bricks are as at the start than its head says");
     if (slot_[static_cast<size_t>(brick)] >= 0) continue;
-    StateOf(brick) = FromResiduals(
-        ByteView(key).subspan(size_t{s.key_bricks} * 4 + size_t{i} * cutting::kBrickVoxels,
-                              cutting::kBrickVoxels),
-        CoarseIn(segment));
+    Samples& state = StateOf(brick);
+    if (kept) {
+      state = FromResiduals(ByteView(key).subspan(from, cutting::kBrickVoxels), CoarseIn(segment));
+    }
   }
+  if (at != key.size()) return Malformed("more bricks are as at the start than its head says");
   return Status::Ok();
 }
 

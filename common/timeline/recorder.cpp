@@ -149,9 +149,11 @@ void Recorder::Add(const cutting::Volume& volume, std::span<const int32_t> touch
 void Recorder::NoteChanges(int32_t brick, const Samples& before, const Samples& now) {
   const int coarse = CoarseIn(segments_.size());
   const auto found = read_.find(brick);
-  Samples& state = found != read_.end()
-                       ? found->second
-                       : read_.emplace(brick, Coarsened(before, coarse)).first->second;
+  Samples& state =
+      found != read_.end()
+          ? found->second
+          : read_.emplace(brick, before == StateAt(brick, 0) ? before : Coarsened(before, coarse))
+                .first->second;
   uint8_t layers = 0;
   ByteWriter rows;
   for (size_t z = 0; z < 8; ++z) {
@@ -240,17 +242,24 @@ void Recorder::EndSegment() {
 
 // The last segment's is of all that was changed before; another one's only of what changes until the
 // segment whose key it is read with (KeyParent).
-Bytes Recorder::KeyOf(size_t segment, uint32_t& bricks) const {
+Bytes Recorder::KeyOf(size_t segment) {
   const size_t last = segments_.size() - 1;
   const std::vector<int32_t> changed =
       segment == last ? ChangedIn(0, last) : ChangedIn(segment, KeyParent(segment, last));
-  bricks = static_cast<uint32_t>(changed.size());
-  ByteWriter key;
-  for (int32_t brick : changed) key.U32(static_cast<uint32_t>(brick));
-  Bytes raw = key.Take();
+  Segment& head = head_.segments[segment];
   const int coarse = CoarseIn(segment);
-  for (int32_t brick : changed)
-    AppendResiduals(Coarsened(StateAt(brick, segment), coarse), raw, coarse);
+  ByteWriter numbers;
+  Bytes residuals;
+  for (int32_t brick : changed) {
+    const Samples& state = StateAt(brick, segment);
+    const bool as_at_start = state == StateAt(brick, 0);
+    head.key_start += as_at_start;
+    numbers.U32(static_cast<uint32_t>(brick) | (as_at_start ? kAsAtStart : 0));
+    if (!as_at_start) AppendResiduals(Coarsened(state, coarse), residuals, coarse);
+  }
+  head.key_bricks = static_cast<uint32_t>(changed.size());
+  Bytes raw = numbers.Take();
+  raw.insert(raw.end(), residuals.begin(), residuals.end());
   return Deflate(raw);
 }
 
@@ -275,7 +284,7 @@ Bytes Recorder::Finish(const cutting::Volume& volume, const KeepGoing& keep_goin
   head_.changing_bytes = static_cast<uint32_t>(parts[2].size());
   std::vector<Bytes> keys(segments_.size());
   for (size_t i = 0; i < keys.size(); ++i) {
-    keys[i] = KeyOf(i, head_.segments[i].key_bricks);
+    keys[i] = KeyOf(i);
     head_.segments[i].key_bytes = static_cast<uint32_t>(keys[i].size());
   }
   Bytes out = EncodeHead(head_);

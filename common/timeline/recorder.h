@@ -67,7 +67,7 @@ class Recorder {
   int CoarseIn(size_t segment) const { return segment == last_segment_ ? 0 : kCoarse; }
   Samples StateAt(int32_t brick, size_t segment) const;
   std::vector<int32_t> ChangedIn(size_t from, size_t to) const;
-  Bytes KeyOf(size_t segment, uint32_t& bricks) const;
+  Bytes KeyOf(size_t segment);
 
   const cutting::Volume& initial_;
   Head head_;

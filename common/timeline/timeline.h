@@ -37,9 +37,13 @@ struct Segment {
   uint64_t offset = 0;  // from the start of the file; the last segment comes first there
   uint32_t pose_bytes = 0, key_bytes = 0, change_bytes = 0;  // packed, one after the other
   uint32_t key_bricks = 0;                                   // in the key frame
+  uint32_t key_start = 0;                                    // of them still as at the start
   uint32_t change_size = 0;                                  // of the changes, unpacked
   uint64_t bytes() const { return uint64_t{pose_bytes} + key_bytes + change_bytes; }
 };
+
+// In a key frame, beside the number of a brick that is still as at the start.
+inline constexpr uint32_t kAsAtStart = 1u << 31;
 
 // The segment whose key frame that of `segment` is read with (schemas/surface_timeline.md, "Key
 // frame"). Requires: segment < last.

@@ -10,7 +10,7 @@ namespace {
 constexpr std::string_view kLetters = "ENTT";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "surface timeline";
-constexpr size_t kFixedBytes = 136, kOutlineBytes = 8, kSegmentBytes = 20;
+constexpr size_t kFixedBytes = 136, kOutlineBytes = 8, kSegmentBytes = 24;
 
 Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
@@ -86,6 +86,7 @@ Bytes EncodeHead(const Head& head) {
     out.U32(segment.key_bytes);
     out.U32(segment.change_bytes);
     out.U32(segment.key_bricks);
+    out.U32(segment.key_start);
     out.U32(segment.change_size);
   }
   return out.Take();
@@ -133,9 +134,13 @@ Result<Head> DecodeHead(ByteView bytes) {
     segment.key_bytes = in.U32();
     segment.change_bytes = in.U32();
     segment.key_bricks = in.U32();
+    segment.key_start = in.U32();
     segment.change_size = in.U32();
     if (segment.key_bricks > out.spec.brick_count()) {
       return Malformed("a key frame has more bricks than the grid");
+    }
+    if (segment.key_start > segment.key_bricks) {
+      return Malformed("a key frame has more bricks as at the start than bricks");
     }
     out.segments.push_back(segment);
   }

@@ -32,11 +32,13 @@ int8_t GoldenSample(const ivec3& v, uint32_t frames) {
   return static_cast<int8_t>(std::clamp(std::floor(64 * d), -64.0, 63.0));
 }
 
-// All samples of a brick are as they were, or coarse: that only before the last segment.
+// Each sample is as it was; before the last segment, of the same level.
 bool IsBrick(const Samples& found, const Samples& exact, const Player& player, uint32_t frames) {
   const Head& head = player.head();
   const bool last = frames == 0 || (frames - 1) / head.segment_frames + 1 == head.segments.size();
-  return found == exact || (!last && found == Coarsened(exact, kCoarse));
+  return std::ranges::equal(found, exact, [last](int8_t a, int8_t b) {
+    return last ? a == b : a >> kCoarse == b >> kCoarse;
+  });
 }
 
 void ExpectGolden(const Player& player, uint32_t frames) {

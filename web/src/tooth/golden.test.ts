@@ -3,7 +3,6 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import type { Result } from "../base/result";
 import { type Bricks, ChangingPart, decodeChanging } from "./changing";
-import { fromLevel, kCoarse } from "./samples";
 import { decodeHead, decodeSegment, type Head, segmentBytes, TimelinePlayer } from "./timeline";
 
 export const golden = (name: string) =>
@@ -37,8 +36,6 @@ export function expectedSample(x: number, y: number, z: number, frames: number):
     d = Math.max(d, 4 - Math.sqrt((x - 19.5) ** 2 + (y - 19.5) ** 2 + (z - (34 - 1.5 * j)) ** 2));
   return Math.max(-64, Math.min(63, Math.floor(64 * d)));
 }
-// As it is kept before the last segment.
-export const coarse = (sample: number) => fromLevel(sample >> kCoarse, kCoarse);
 export const sampleAt = (brick: number, i: number) =>
   [
     (brick % 5) * 8 + (i & 7),

@@ -18,6 +18,7 @@ import { bricksFromResiduals, fromLevel, kBrickSamples, kCoarse, predicted } fro
 // draws or fetches.
 
 const kHeadBytes = 136;
+const kAsAtStart = 2 ** 31; // in a key frame, beside a brick's number
 
 type Read<T> = Result<T, string>;
 
@@ -27,6 +28,7 @@ export interface Segment {
   readonly keyBytes: number;
   readonly changeBytes: number;
   readonly keyBricks: number;
+  readonly keyStart: number; // of them, still as at the start
   readonly changeSize: number;
 }
 
@@ -92,7 +94,7 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
     const segmentCount = Math.ceil(frames / segmentFrames);
     between("segments", view.getUint32(104, true), segmentCount, segmentCount);
     between("segments", segmentCount, 0, 65_536);
-    const bytes = kHeadBytes + 8 * points + 20 * segmentCount;
+    const bytes = kHeadBytes + 8 * points + 24 * segmentCount;
     const mm = (at: number) => view.getInt32(at, true) / 1000;
     const radiusMm = mm(120);
     if (radiusMm < 0) throw new Broken("timeline: the radius of what was removed is below 0");
@@ -113,7 +115,7 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
       outlines.at(-1)?.push([place, radius]);
     }
     const sizes = Array.from({ length: segmentCount }, (_, i) => {
-      const at = kHeadBytes + 8 * points + 20 * i;
+      const at = kHeadBytes + 8 * points + 24 * i;
       const [poseBytes, keyBytes, changeBytes] = [
         view.getUint32(at, true),
         view.getUint32(at + 4, true),
@@ -124,7 +126,8 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
         keyBytes,
         changeBytes,
         keyBricks: view.getUint32(at + 12, true),
-        changeSize: view.getUint32(at + 16, true),
+        keyStart: view.getUint32(at + 16, true),
+        changeSize: view.getUint32(at + 20, true),
       };
     });
     // The last one comes first.
@@ -178,7 +181,7 @@ export function decodeSegment(head: Head, index: number, bytes: Uint8Array<Array
     const poses = await inflate(part(0, segment.poseBytes), 20 * n, "poses");
     const key = await inflate(
       part(segment.poseBytes, segment.keyBytes),
-      segment.keyBricks * (4 + kBrickSamples),
+      4 * segment.keyBricks + kBrickSamples * (segment.keyBricks - segment.keyStart),
       "key frame",
     );
     const changes = await inflate(
@@ -189,10 +192,13 @@ export function decodeSegment(head: Head, index: number, bytes: Uint8Array<Array
     const keyView = new DataView(key.buffer);
     const keyBricks = Uint32Array.from({ length: segment.keyBricks }, (_, i) => keyView.getUint32(4 * i, true));
     const count = head.grid.bricks[0] * head.grid.bricks[1] * head.grid.bricks[2];
-    keyBricks.forEach((brick, i) => {
-      if (brick >= count || (i > 0 && brick <= keyBricks[i - 1]!))
-        throw new Broken(`brick ${brick} is out of order or outside the grid`);
+    const numberOf = (i: number) => keyBricks[i]! % kAsAtStart;
+    keyBricks.forEach((_, i) => {
+      if (numberOf(i) >= count || (i > 0 && numberOf(i) <= numberOf(i - 1)))
+        throw new Broken(`brick ${numberOf(i)} is out of order or outside the grid`);
     });
+    if (keyBricks.filter((entry) => entry >= kAsAtStart).length !== segment.keyStart)
+      throw new Broken(`segment ${index}: another number of bricks is as at the start`);
     const keySamples = new Int8Array(key.buffer, 4 * segment.keyBricks);
     bricksFromResiduals(keySamples, coarseIn(head, index));
     return { poses: readPoses(poses, n), keyBricks, keySamples, changes };
@@ -320,9 +326,15 @@ export class TimelinePlayer extends ChangingPart {
     const last = this.head.segments.length - 1;
     for (let left = last - index; ; left &= left - 1) {
       const { keyBricks, keySamples } = this.segments.get(last - left)!;
-      for (const [i, brick] of keyBricks.entries())
-        if (!this.current.has(brick))
-          this.current.set(brick, keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
+      let at = 0;
+      for (const entry of keyBricks) {
+        const brick = entry % kAsAtStart;
+        const from = at;
+        if (entry < kAsAtStart) at += kBrickSamples;
+        if (this.current.has(brick)) continue;
+        if (entry < kAsAtStart) this.current.set(brick, keySamples.slice(from, at));
+        else this.ownSamples(brick);
+      }
       if (left === 0) break;
     }
     const { changes } = segment;
