@@ -485,7 +485,8 @@ TEST_F(HttpServerTest, AStoreFailureIsA500WithoutDetail) {
   RunningServer server(school_, options_);
   Visitor sam(server.port(), "sam");
   std::filesystem::remove_all(school_.folder.path() / "data" / "blobs");
-  RawResponse response = sam.Get("/api/v1/exercises");
+  // Not what a test before this one may have read: documents are kept by their hash (DocumentOf).
+  RawResponse response = sam.Get("/api/v1/exercises/" + school_.exercise.Text() + "/document");
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(ErrorCode(response), "internal");
   EXPECT_EQ(response.body.find(school_.folder.path().string()), std::string::npos);
