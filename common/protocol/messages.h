@@ -16,13 +16,6 @@ namespace enamel::protocol {
 
 inline constexpr uint32_t kProtocolVersion = 1;
 
-// Field of `unavailable` to OpenAttempt: this recording waits for something that a restore has
-// taken from the server, however long; others do not wait for it.
-inline constexpr const char* kAwaited = "awaited";
-// Field of `conflict` to MarkReference: the attempt does not do what its exercise asks for. Sent
-// again with a reason in this field it is taken.
-inline constexpr const char* kAnyway = "anyway";
-
 // Message -> bytes for one frame.
 Bytes Serialize(const google::protobuf::MessageLite& message);
 // Bytes of one frame -> message. Unknown fields are kept, not refused. A body of a kind this

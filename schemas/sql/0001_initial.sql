@@ -127,6 +127,7 @@ CREATE TABLE attempts (
   trace_blob      BLOB CHECK (length(trace_blob) = 32),  -- whole trace file, once sealed
   progress        REAL NOT NULL DEFAULT 0,
   problem         TEXT NOT NULL DEFAULT '',
+  problem_field   TEXT NOT NULL DEFAULT '',  -- which problem: wire/README.md, "Refusals"
   score           REAL,
   critical_fail   INTEGER NOT NULL DEFAULT 0 CHECK (critical_fail IN (0, 1)),
   score_json      BLOB,

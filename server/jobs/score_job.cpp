@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/unix_time.h"
+#include "common/protocol/refusals.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
@@ -43,6 +44,11 @@ Status Stopped() {
   return Status(Code::kUnavailable, "stopped: the job runs again after the next start");
 }
 
+// Not the place in the recording, which says little to its person.
+Status AsUnreadable(const Status& status) {
+  return status.ok() ? status : Status(status.code(), status.message(), protocol::kUnreadable);
+}
+
 // Farther than this from the pulp nobody asks how far.
 constexpr double kFarFromPulp_m = 5e-3;
 
@@ -58,8 +64,8 @@ class ScoreJob {
         key_(key) {}
 
   Status Run() {
-    ENAMEL_RETURN_IF_ERROR(LoadTrace());
-    ENAMEL_RETURN_IF_ERROR(CheckChain());
+    ENAMEL_RETURN_IF_ERROR(AsUnreadable(LoadTrace()));
+    ENAMEL_RETURN_IF_ERROR(AsUnreadable(CheckChain()));
     ENAMEL_RETURN_IF_ERROR(LoadDocuments());
     ENAMEL_RETURN_IF_ERROR(LoadReferences());
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayFrom));
@@ -158,10 +164,11 @@ class ScoreJob {
     if (rows.empty()) {
       // Then the tooth that the target names is what an attempt is compared with.
       if (row_.as_reference || exercise_.target.prepared_tooth) return Status::Ok();
-      return Status(Code::kNotFound,
+      return Status(Code::kConflict,
                     "no reference yet: exercise \"" + exercise_.title +
                         "\" has no reference cut to compare with; the attempt is scored once an "
-                        "instructor adds one");
+                        "instructor adds one",
+                    protocol::kNoReference);
     }
     for (const ReferenceRow& row : rows) {
       is_reference_ = is_reference_ || row.attempt == attempt_;
@@ -225,7 +232,8 @@ class ScoreJob {
                       " differs. Nothing was scored. The station ran \"" +
                       header_.station_software + "\", core version " +
                       std::to_string(header_.params.core_version) +
-                      "; check its memory and its software");
+                      "; check its memory and its software",
+                  protocol::kReplay);
   }
 
   Status Finish(const cutting::Volume& final_volume, const scoring::ProcessRecorder& process,
@@ -531,7 +539,7 @@ Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progres
   Status status = ScoreJob(store, attempt, lease, progress, cache ? *cache : own, key).Run();
   // Any other error would come again: the attempt states it, instead of the queue trying forever.
   if (status.ok() || WorthAnotherTry(status)) return status;
-  return store.results.FailAttempt(attempt, status.message(), lease);
+  return store.results.FailAttempt(attempt, status, lease);
 }
 
 }  // namespace enamel::server

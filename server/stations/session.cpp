@@ -305,7 +305,7 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
                   "this password is only good for choosing your own: open the page" +
                       (services_.page_url.empty() ? "" : ", " + services_.page_url) +
                       ", choose your own, and sign in here again",
-                  "password");
+                  "one_time_password");
   }
   return identity.person;
 }
@@ -410,9 +410,10 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_hands(HandsAllowedName(HandsFor(row)));
   ref.set_sign_off(terms.sign_off);
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
+  ref.set_stations(stations);
   Status may = MayBegin(row, services_.clock(), station_->id, stations);
   // Listed with the reason, so that a student sees the exercise and why it cannot begin now.
-  if (!may.ok()) ref.set_refusal(may.message());
+  if (!may.ok()) *ref.mutable_refusal() = protocol::ToError(may);
   return Status::Ok();
 }
 

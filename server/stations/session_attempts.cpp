@@ -5,6 +5,7 @@
 
 #include "common/base/log_request.h"
 #include "common/base/utf8.h"
+#include "common/protocol/refusals.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "server/live/chunk_moments.h"

@@ -1,4 +1,5 @@
 #include "common/base/log_request.h"
+#include "common/protocol/refusals.h"
 #include "server/jobs/reference_check.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
@@ -34,7 +35,7 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
   const LogAttempt logged(row.id);
   if (!CanMarkReference(seen.person, row, seen.shares_cohort)) {
     return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
-                  "attempt");
+                  "as_reference");
   }
   ENAMEL_RETURN_IF_ERROR(CheckWords(request));
   if (row.state != AttemptState::kScored) {

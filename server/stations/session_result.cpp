@@ -58,7 +58,10 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   state.set_exam(row.exam);
   state.set_released(row.released);
   for (const char* flag : AttemptFlagNames(row.flags & ~kReviewFlags)) state.add_flags(flag);
-  state.set_problem(row.problem);
+  if (!row.problem.empty()) {
+    *state.mutable_problem() =
+        protocol::ToError(Status(Code::kConflict, row.problem, row.problem_field));
+  }
   if (row.state != AttemptState::kScored) return reply;
   ENAMEL_ASSIGN_OR_RETURN(const bool shown, MaySeeScore(seen));
   if (!shown) return reply;

@@ -279,8 +279,9 @@ struct AttemptRow {
   bool critical_fail = false;
   std::optional<ScoreOverride> overridden;  // counts instead of `score`
   double progress = 0;                      // 0..1 while scoring
-  UnixMs expired_ms = 0;  // when a retention rule removed the recording; 0: it is there
-  std::string problem;    // why failed or quarantined
+  UnixMs expired_ms = 0;      // when a retention rule removed the recording; 0: it is there
+  std::string problem;        // why failed or quarantined
+  std::string problem_field;  // which problem (common/protocol/refusals.h)
 
   // Terms it was begun under, as they were then.
   std::optional<Uuid> assignment{};  // none: a reference cut, an instructor's try

@@ -54,7 +54,7 @@ const char* HeadingOf(ListGroup group) {
 
 ListGroup GroupOf(const Catalogue::Exercise& exercise, int64_t now_unix_ms) {
   if (exercise.attempt_limit > 0 && exercise.attempts_left == 0) return ListGroup::kDone;
-  const bool open = exercise.refusal.empty();
+  const bool open = exercise.refusal.ok();
   if (open && exercise.due_unix_ms > 0 && exercise.due_unix_ms - now_unix_ms <= kWeek_ms) {
     return ListGroup::kDue;
   }

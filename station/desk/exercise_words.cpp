@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/scene/builtin/builtin.h"
+#include "station/desk/problem_words.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -66,7 +67,7 @@ Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now
   card.title = WordedTitle(words, exercise.title);
   if (std::string place = PlaceText(words, exercise); !place.empty()) card.lines.push_back(place);
   std::string terms = AssignmentText(words, exercise, now_unix_ms);
-  if (exercise.facts && exercise.refusal.empty()) {
+  if (exercise.facts && exercise.refusal.ok()) {
     terms = words.Say(exercise.facts->graded ? "card.graded" : "card.practice", {{"terms", terms}});
   }
   card.lines.push_back(terms);
@@ -86,7 +87,7 @@ Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now
 
 std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
                            int64_t now_unix_ms) {
-  if (!exercise.refusal.empty()) return RefusalText(words, exercise, now_unix_ms);
+  if (!exercise.refusal.ok()) return RefusalText(words, exercise);
   std::string due, left;
   if (exercise.due_unix_ms > 0) {
     const int64_t span_ms = exercise.due_unix_ms - now_unix_ms;
@@ -141,21 +142,22 @@ std::string ReservedText(const Words& words, const ReservedAttempt& reserved,
                     {"span", SpanText(words, reserved.ticket.expires_unix_ms - now_unix_ms)}});
 }
 
-// In the order in which the server looks.
-std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise,
-                        int64_t now_unix_ms) {
-  if (exercise.refusal.empty()) return {};
-  if (exercise.opens_unix_ms > now_unix_ms) {
+std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise) {
+  const Status& refusal = exercise.refusal;
+  if (refusal.ok()) return {};
+  if (refusal.field() == "opens") {
     return words.Say("assignment.opens", {{"date", DateText(exercise.opens_unix_ms)}});
   }
-  const bool over = exercise.due_unix_ms > 0 && exercise.due_unix_ms < now_unix_ms;
-  if (over && !exercise.late_allowed) {
+  if (refusal.field() == "due") {
     return words.Say("assignment.over", {{"date", DateText(exercise.due_unix_ms)}});
   }
-  if (exercise.attempt_limit > 0 && exercise.attempts_left == 0) {
+  if (refusal.field() == "attempt_limit") {
     return words.Say("assignment.used", {{"count", int64_t{exercise.attempt_limit}}});
   }
-  return exercise.refusal;
+  if (refusal.field() == "stations") {
+    return words.Say("assignment.stations", {{"stations", exercise.stations}});
+  }
+  return ProblemText(words, refusal);
 }
 
 }  // namespace enamel::station::desk

@@ -29,10 +29,8 @@ std::string HandedInText(const Words& words, const SpooledAttempt& attempt,
 // A ticket taken in advance: "Ada, 11 hours left; device: Omega 3DOF".
 std::string ReservedText(const Words& words, const ReservedAttempt& reserved,
                          const std::string& device, int64_t now_unix_ms);
-// Why an attempt at this exercise cannot be begun now; empty: it can. In the server's words where
-// the window has none.
-std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise,
-                        int64_t now_unix_ms);
+// Why an attempt at this exercise cannot be begun now; empty: it can.
+std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise);
 
 // Which tooth and side it is: "Tooth 46, occlusal, with caries". Empty: no tooth, or not known.
 std::string PlaceText(const Words& words, const Catalogue::Exercise& exercise);

@@ -233,8 +233,7 @@ void Pages::Exercise() {
   const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(WordedTitle(flow_.words(), ref.title));
   if (ref.exam) ui_.Note(Say(ref.sign_off ? "exercise.exam_signed" : "exercise.exam"));
-  ui_.Problem(flow_.problem().empty() ? RefusalText(flow_.words(), ref, UnixMs())
-                                      : flow_.problem());
+  ui_.Problem(flow_.problem().empty() ? RefusalText(flow_.words(), ref) : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();
   ui_.BeginList("facts");
@@ -275,7 +274,7 @@ void Pages::Devices() {
 
 void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
-  bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
+  bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.ok();
   bool resumed = flow_.way() == Way::kResumed;
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {

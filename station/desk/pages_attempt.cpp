@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "station/desk/pages.h"
+#include "station/desk/problem_words.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -120,8 +121,9 @@ void Pages::HandIn() {
     ui_.Problem(Say("hand_in.cannot_store"));
     if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
-    ui_.Problem(Say(IsDamaged(up.problem) ? "hand_in.damaged" : "hand_in.refused",
-                    {{"reason", up.problem.message()}}));
+    ui_.Problem(IsDamaged(up.problem)
+                    ? Say("hand_in.damaged")
+                    : Say("hand_in.refused", {{"reason", ProblemText(flow_.words(), up.problem)}}));
   } else if (!up.reachable) {
     ui_.Problem(Say("hand_in.away"));
   }
@@ -208,7 +210,7 @@ void Pages::Result() {
   } else if (progress && (progress->state == "failed" || progress->state == "quarantined")) {
     ui_.Gap();
     ui_.Large(Say("result.no_score"));
-    ui_.Text(Say("result.server_says", {{"reason", progress->problem}}));
+    ui_.Text(NoScoreText(flow_.words(), progress->problem));
     ui_.Note(Say("result.tell"));
   } else if (progress && (progress->state == "ticketed" || progress->state == "recording")) {
     ui_.Gap();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/protocol/refusals.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
@@ -43,14 +44,38 @@ constexpr std::array kSaid = {
     Said{kConflict, "coupling_mn_per_mm", "problem.other_device"},
     Said{kConflict, "coupling_un_m_per_rad", "problem.other_device"},
     Said{kConflict, "hand", "problem.other_device"},
-    // What an assignment allows.
-    Said{Code::kForbidden, "hand", "problem.hand"},
-    Said{Code::kForbidden, "clock", "problem.clock"},
-    Said{Code::kForbidden, "signer", "sign_off.not_allowed"},
     // This station.
     Said{Code::kStorage, kRecordingHere, "problem.disk"},
     Said{kConflict, kRecordingHere, "problem.recording_elsewhere"},
 };
+
+// Of a refusal that few people meet.
+std::string_view KeyOf(Code code) {
+  switch (code) {
+    case Code::kOk:
+    case Code::kInternal:
+      break;
+    case Code::kInvalidInput:
+      return "problem.invalid_input";
+    case Code::kUnauthenticated:
+      return "problem.unauthenticated";
+    case Code::kForbidden:
+      return "problem.forbidden";
+    case Code::kNotFound:
+      return "problem.not_found";
+    case Code::kConflict:
+      return "problem.conflict";
+    case Code::kTooLarge:
+      return "problem.too_large";
+    case Code::kUnavailable:
+      return "problem.unavailable";
+    case Code::kStorage:
+      return "problem.storage";
+    case Code::kVersion:
+      return "problem.version";
+  }
+  return "problem.internal";
+}
 
 }  // namespace
 
@@ -58,7 +83,14 @@ std::string ProblemText(const language::Words& words, const Status& status) {
   const auto said = std::ranges::find_if(kSaid, [&](const Said& s) {
     return s.field == status.field() && s.code.value_or(status.code()) == status.code();
   });
-  return said == kSaid.end() ? status.message() : words.Say(said->key);
+  if (said != kSaid.end()) return words.Say(said->key);
+  if (!protocol::IsListed(status.code(), status.field())) return words.Say(KeyOf(status.code()));
+  return words.Say("refusal." + status.field(), {{"said", status.message()}});
+}
+
+std::string NoScoreText(const language::Words& words, const Status& problem) {
+  return protocol::IsListed(problem.code(), problem.field()) ? ProblemText(words, problem)
+                                                             : words.Say("result.no_words");
 }
 
 std::string SofterText(const language::Words& words, scene::DelayUsed::From from,

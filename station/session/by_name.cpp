@@ -61,8 +61,8 @@ Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>&
     named = true;
     if (!e.assignment.IsZero()) assignments.push_back(WordsOf(e));
     if (!wanted.assignment.IsZero() && e.assignment != wanted.assignment) continue;
-    if (!e.refusal.empty()) {
-      refusals.insert(e.refusal);
+    if (!e.refusal.ok()) {
+      refusals.insert(e.refusal.message());
       continue;
     }
     const std::string refusal = HandRefusal(e, wanted.hand);

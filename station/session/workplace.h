@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/base/mutex.h"
+#include "common/protocol/refusals.h"
 #include "station/session/look_back.h"
 #include "station/session/prepared_attempt.h"
 #include "station/session/running_attempt.h"

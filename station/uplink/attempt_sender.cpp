@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/protocol/messages.h"
+#include "common/protocol/refusals.h"
 
 namespace enamel::station {
 namespace {

@@ -200,9 +200,11 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     }
     out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
-                             e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
+                             e.attempts_left(), e.exam(), HandsIn(e.hands()),
+                             e.has_refusal() ? protocol::ToStatus(e.refusal()) : Status::Ok()});
     out.exercises.back().sign_off = e.sign_off();
     out.exercises.back().opens_unix_ms = e.opens_unix_ms();
+    out.exercises.back().stations = Printable(e.stations());
     if (e.has_best_score()) out.exercises.back().best_score = e.best_score();
     out.exercises.back().last_remark = ShortenedText(e.last_remark(), kMaxCardRemark);
   }
@@ -292,7 +294,9 @@ Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uu
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_attempt_state()) return Unexpected("AttemptState");
   const wire::AttemptState& state = reply.attempt_state();
-  AttemptProgress out{state.state(), state.progress(), state.problem(), state.result_json()};
+  AttemptProgress out{state.state(), state.progress(),
+                      state.has_problem() ? protocol::ToStatus(state.problem()) : Status::Ok(),
+                      state.result_json()};
   for (const wire::EarlierScore& earlier : state.scores()) {
     ENAMEL_ASSIGN_OR_RETURN(const auto id, protocol::ReadUuid(earlier.attempt(), "attempt"));
     out.scores.push_back({id, earlier.score()});

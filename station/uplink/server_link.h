@@ -50,12 +50,13 @@ struct Catalogue {
     uint32_t attempt_limit = 0, attempts_left = 0;
     bool exam = false;
     HandsAllowed hands = HandsAllowed::kAny;
-    std::string refusal;                    // why an attempt cannot be begun now; empty: it can
+    Status refusal;                         // why an attempt cannot be begun now; ok: it can
     std::optional<double> best_score = {};  // of this person's that may be seen, 0..100
     std::optional<Facts> facts = {};        // none: not read (Workplace::Describe)
     std::string last_remark = {};  // somebody else's, about this person's work; empty: none
     bool sign_off = false;         // a second person signs at the chair (SignOff)
     int64_t opens_unix_ms = 0;     // of the assignment; 0: it is open
+    std::string stations = {};     // names of those that the exam is taken at; empty: any
   };
   struct Profile {
     std::string name, title;
@@ -95,7 +96,7 @@ struct Wanted {
 struct AttemptProgress {
   std::string state;        // "recording", "sealed", "scoring", "scored", "failed", "quarantined"
   double progress = 0;      // 0..1 while scoring
-  std::string problem;      // why it failed or is quarantined, in words
+  Status problem;           // why it failed or is quarantined
   std::string result_json;  // once scored and visible to the person (schemas/score.md); else empty
   // With it: of this person's attempts at the exercise, oldest first, this one's among them.
   struct Score {

@@ -126,6 +126,7 @@ CREATE TABLE attempts (
   trace_blob      BYTEA CHECK (length(trace_blob) = 32),
   progress        DOUBLE PRECISION NOT NULL DEFAULT 0,
   problem         TEXT COLLATE "C" NOT NULL DEFAULT '',
+  problem_field   TEXT COLLATE "C" NOT NULL DEFAULT '',
   score           DOUBLE PRECISION,
   critical_fail   BIGINT NOT NULL DEFAULT 0 CHECK (critical_fail IN (0, 1)),
   score_json      BYTEA,

@@ -42,7 +42,8 @@ constexpr char kMayBeTaken[] =
 // before.
 Status BeginRun(Db& db, const Uuid& attempt) {
   Query q(db,
-          "UPDATE attempts SET state = ?3, problem = '', progress = 0 WHERE tenant = ?1 AND id = "
+          "UPDATE attempts SET state = ?3, problem = '', problem_field = '', progress = 0 WHERE "
+          "tenant = ?1 AND id = "
           "?2 AND state IN (?4, ?5, ?6)");
   q.Bind(attempt).Bind(static_cast<int64_t>(AttemptState::kScoring));
   for (AttemptState from : {AttemptState::kSealed, AttemptState::kScored, AttemptState::kFailed}) {
@@ -70,7 +71,8 @@ Status GiveLease(Db& db, const JobRow& job, UnixMs until_ms, const Uuid& owner) 
 Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std::string& problem) {
   Query q(db, "UPDATE attempts SET state = CASE WHEN score IS NULL THEN " + Sql(without_score) +
                   " ELSE " + Sql(AttemptState::kScored) +
-                  " END, problem = ?3, progress = CASE WHEN score IS NULL THEN 0 ELSE 1 END WHERE "
+                  " END, problem = ?3, problem_field = '', progress = CASE WHEN score IS NULL THEN "
+                  "0 ELSE 1 END WHERE "
                   "tenant = ?1 AND id = ?2 AND state = " +
                   Sql(AttemptState::kScoring));
   return q.Bind(attempt).Bind(problem).Run();

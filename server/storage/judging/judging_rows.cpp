@@ -176,7 +176,7 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
   // Asking for a score is how an instructor lets a quarantined attempt in.
   if (row.state == AttemptState::kQuarantined) {
     Query accept(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
-                         ", problem = '' WHERE tenant = ?1 AND id = ?2");
+                         ", problem = '', problem_field = '' WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(accept.Bind(attempt).Run());
   }
   return QueueScoreJob(db, attempt, cause);

@@ -142,7 +142,8 @@ Status RepeatRun(Db& db, const Uuid& attempt, int32_t run) {
 // The row of an attempt as its newest run left it.
 Status SetResult(Db& db, const Uuid& attempt, const AttemptResult& result) {
   Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kScored) +
-                  ", progress = 1, problem = '', score = ?3, critical_fail = ?4, score_json = ?5, "
+                  ", progress = 1, problem = '', problem_field = '', score = ?3, critical_fail = "
+                  "?4, score_json = ?5, "
                   "final_volume = ?6, deviation = ?7, series = ?8, reference = ?9 "
                   "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
                   Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
@@ -244,17 +245,17 @@ Status ResultRows::RestoreResult(const Uuid& attempt, int32_t run, const Actor& 
 }
 
 // An earlier score counts again: a run that fails takes nothing away that somebody has seen.
-Status ResultRows::FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& lease) {
+Status ResultRows::FailAttempt(const Uuid& attempt, const Status& problem, const Uuid& lease) {
   return rows_.Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
     Query q(db, "UPDATE attempts SET state = CASE WHEN score IS NULL THEN " +
                     Sql(AttemptState::kFailed) + " ELSE " + Sql(AttemptState::kScored) +
-                    " END, problem = ?3, progress = "
+                    " END, problem = ?3, problem_field = ?4, progress = "
                     "CASE WHEN score IS NULL THEN 0 ELSE 1 END WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",
-                      JsonOf({{"problem", problem}}));
+                      JsonOf({{"problem", problem.message()}}));
   });
 }
 

@@ -46,7 +46,7 @@ class ResultRows {
   // `lease`: of the run that made the result; stores the run's cause and finishes its job. Zero: no
   // run, the cause is "seal". Errors also: kUnavailable with kLeaseOver.
   Status FinishAttempt(const Uuid& attempt, const AttemptResult& result, const Uuid& lease);
-  Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& lease);
+  Status FailAttempt(const Uuid& attempt, const Status& problem, const Uuid& lease);
   // Of a run's attempt. Errors: kUnavailable with kLeaseOver: stop.
   Status SetProgress(const Uuid& lease, double progress);
   Result<AttemptResult> ResultOf(const Uuid& attempt);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/protocol/refusals.h"
 #include "server/storage/attempts/attempt_flags.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/sql_names.h"
@@ -42,7 +43,8 @@ Status Repeated(Db& db, const Ingest& ingest, const ChunkPut& chunk, ByteView se
   if (ingest.state != AttemptState::kQuarantined) {
     Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
-    ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
+    ENAMEL_RETURN_IF_ERROR(
+        Quarantine(db, chunk.attempt, Status(Code::kConflict, problem, protocol::kContradicted)));
   } else {
     ENAMEL_RETURN_IF_ERROR(
         SetFlags(db, chunk.attempt, kContradicted, problem, Actor{{}, "station link"}));

@@ -1,5 +1,6 @@
 #include "server/storage/recordings/seal_rows.h"
 
+#include "common/protocol/refusals.h"
 #include "server/storage/attempts/job_rows.h"
 #include "server/storage/audit/audit_trail.h"
 #include "server/storage/engine/query.h"
@@ -129,14 +130,19 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     // has looked. Nor is graded work with a hand that was not admitted, which a ticket was refused
     // for or would have been.
     if ((ingest.flags & kOtherHand) != 0) {
-      ENAMEL_RETURN_IF_ERROR(Quarantine(db, seal.attempt,
-                                        "the assignment does not allow the device that held the "
-                                        "tool. An instructor can have the attempt scored anyway"));
+      ENAMEL_RETURN_IF_ERROR(Quarantine(
+          db, seal.attempt,
+          Status(Code::kConflict,
+                 "the assignment does not allow the device that held the tool. An instructor can "
+                 "have the attempt scored anyway",
+                 protocol::kOtherHand)));
     } else if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
       ENAMEL_RETURN_IF_ERROR(Quarantine(
           db, seal.attempt,
-          "this exam has more ticks than the time between its ticket and their arrival allows: it "
-          "was not made in real time. An instructor can have it scored anyway"));
+          Status(Code::kConflict,
+                 "this exam has more ticks than the time between its ticket and their arrival "
+                 "allows: it was not made in real time. An instructor can have it scored anyway",
+                 protocol::kFasterThanTime)));
     } else {
       ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt, "seal"));
     }

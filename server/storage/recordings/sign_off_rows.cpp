@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/protocol/refusals.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/audit/audit_trail.h"
 #include "server/training/ticket_rules.h"
@@ -18,25 +19,35 @@ Result<std::optional<Uuid>> SignerOf(Db& db, const Uuid& attempt, SignedAt at) {
 }
 
 Status MayBeSignedNow(const AttemptRow& row, SignedAt at, UnixMs now_ms) {
-  auto conflict = [](const char* why) { return Status(Code::kConflict, why, "attempt"); };
-  if (!row.sign_off) return conflict("this attempt needs no signature at the chair");
+  auto conflict = [](const char* why, const char* field) {
+    return Status(Code::kConflict, why, field);
+  };
+  if (!row.sign_off) {
+    return conflict("this attempt needs no signature at the chair", protocol::kNotToSign);
+  }
   const bool opened = row.state != AttemptState::kTicketed;
   if (at == SignedAt::kStart) {
     if (opened || (row.flags & kReturned) != 0) {
       return conflict(
           "the start of this attempt can no longer be signed: it was begun, or its ticket was "
-          "given back");
+          "given back",
+          protocol::kStartAgain);
     }
     // The signer saw who begins now, and not who began an hour later.
     if (now_ms > row.ticketed_ms + kExamTicketValidMs) {
       return conflict(
-          "the ticket of this attempt ran out after 10 minutes; go back and start again");
+          "the ticket of this attempt ran out after 10 minutes; go back and start again",
+          protocol::kStartAgain);
     }
     return Status::Ok();
   }
-  if (!opened) return conflict("this attempt has not arrived at the server yet; try again");
+  if (!opened) {
+    return conflict("this attempt has not arrived at the server yet; try again",
+                    protocol::kNotArrived);
+  }
   if (row.sealed_ms == 0) return Status::Ok();
-  return conflict("this attempt is handed in, so its end can no longer be signed");
+  return conflict("this attempt is handed in, so its end can no longer be signed",
+                  protocol::kNotToSign);
 }
 
 }  // namespace
@@ -46,7 +57,10 @@ Status SignOffRows::Sign(const Uuid& attempt, SignedAt at, UnixMs now_ms, const 
     ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
     ENAMEL_ASSIGN_OR_RETURN(const auto signer, SignerOf(db, attempt, at));
     if (signer == by.person) return Status::Ok();
-    if (signer) return Status(Code::kConflict, "somebody else has signed this already", "attempt");
+    if (signer) {
+      return Status(Code::kConflict, "somebody else has signed this already",
+                    protocol::kSignedAlready);
+    }
     ENAMEL_RETURN_IF_ERROR(MayBeSignedNow(row, at, now_ms));
     Query q(db,
             "INSERT INTO sign_offs (tenant, attempt, stage, signer, signed_ms) VALUES (?1, ?2, ?3, "

@@ -138,8 +138,10 @@ Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
                                           "a header came with another hash, " +
                                               HashSha256(header).Hex() + ", than the stored " +
                                               HashSha256(stored).Hex()));
-      return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
-                                         " was used for another recording; get a new ticket");
+      return Status(Code::kConflict,
+                    "the ticket of attempt " + attempt.Text() +
+                        " was used for another recording; get a new ticket",
+                    "ticket");
     }
     if ((ingest.flags & kReturned) != 0) {
       return Status(

@@ -85,12 +85,12 @@ Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed) {
   return q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run();
 }
 
-Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
+Status Quarantine(Db& db, const Uuid& attempt, const Status& problem) {
   Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kQuarantined) +
-                  ", problem = ?3 WHERE tenant = ?1 AND id = ?2");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+                  ", problem = ?3, problem_field = ?4 WHERE tenant = ?1 AND id = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
   return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
-                    JsonOf({{"problem", problem}}));
+                    JsonOf({{"problem", problem.message()}}));
 }
 
 Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {

@@ -47,7 +47,7 @@ Status Expired(const Uuid& attempt);
 
 // Keeps a chunk that contradicts the committed one. `sealed`: under the person's key.
 Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed);
-Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem);
+Status Quarantine(Db& db, const Uuid& attempt, const Status& problem);
 // Records a second recording made with the same ticket: a copy of a station's folder can use its
 // tickets once more. The order of arrival proves nothing, so neither counts as the right one: the
 // attempt is flagged, the committed part stays, and the reason names the other.

@@ -149,7 +149,9 @@ TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
   Status waiting = Report(report);
   EXPECT_EQ(waiting.code(), Code::kUnavailable);
   EXPECT_NE(waiting.message().find("recording"), std::string::npos) << waiting.message();
-  ASSERT_TRUE(store->results.FailAttempt(open, "witness differs at tick 7", {}).ok());
+  ASSERT_TRUE(
+      store->results.FailAttempt(open, Status(Code::kConflict, "witness differs at tick 7"), {})
+          .ok());
   Status failed = Report(report);
   EXPECT_EQ(failed.code(), Code::kConflict);
   EXPECT_NE(failed.message().find("tick 7"), std::string::npos);
@@ -344,7 +346,7 @@ TEST_F(CommandsTest, TerminalObeysNoTextOfAnyList) {
     ASSERT_TRUE(published.ok()) << published.status().message();
     world.exercise = *published;
     AttemptRow attempt = world.NewAttemptOf(person.id);
-    ASSERT_TRUE(store->results.FailAttempt(attempt.id, evil, {}).ok());
+    ASSERT_TRUE(store->results.FailAttempt(attempt.id, Status(Code::kConflict, evil), {}).ok());
     ASSERT_TRUE(
         store->audit.NoteAudit({{}, evil}, "attempt.awaits", Uuid::New().Text(), evil).ok());
     ASSERT_TRUE(store->profiles.PutProfile({"device", "Device", world.profile}, kSystem).ok());

@@ -71,11 +71,11 @@ TEST_F(AssignmentTest, StationIsToldDatesLimitsAndWhatIsInTheWay) {
   EXPECT_EQ(ref.opens_unix_ms(), open_.opens_ms);
   EXPECT_EQ(ref.due_unix_ms(), open_.due_ms);
   EXPECT_EQ(ref.attempts_left(), 2u);
-  EXPECT_NE(ref.refusal().find("opens"), std::string::npos) << ref.refusal();
+  EXPECT_EQ(ref.refusal().field(), "opens") << ref.refusal().message();
   EXPECT_EQ(Ask().error().code(), "forbidden");
-  EXPECT_EQ(Ask().error().message(), ref.refusal());
+  EXPECT_EQ(Ask().error().message(), ref.refusal().message());
   world_.now = open_.opens_ms;
-  EXPECT_EQ(Listed().refusal(), "");
+  EXPECT_FALSE(Listed().has_refusal());
   AttemptRow row = RowOf(Ask());
   EXPECT_EQ(row.assignment, open_.id);
   EXPECT_EQ(row.due_ms, open_.due_ms);

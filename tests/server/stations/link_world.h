@@ -5,6 +5,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 
+#include "common/protocol/refusals.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
@@ -101,6 +102,19 @@ inline Answer CarryTo(Session& session, const wire::Request& request) {
   return session.Handle(request);
 }
 
+// Forbidden, or no longer possible, to a person: the chair has a sentence for each reason.
+inline void ExpectSayable(const wire::Request& request, const wire::Reply& reply) {
+  const bool of_a_person = request.has_sign_in() || request.has_choose_password() ||
+                           request.has_request_ticket() || request.has_sign_off() ||
+                           request.has_mark_reference();
+  if (!of_a_person || !reply.has_error()) return;
+  const Status why = protocol::ToStatus(reply.error());
+  if (why.code() != Code::kForbidden && why.code() != Code::kConflict) return;
+  EXPECT_TRUE(protocol::IsListed(why.code(), why.field()))
+      << CodeName(why.code()) << " \"" << why.field()
+      << "\" is not in kRefusals: " << why.message();
+}
+
 // Makes requests; `Ask` carries one to the server and back, over a Session or over TLS.
 class ScriptedStation {
  public:
@@ -111,6 +125,7 @@ class ScriptedStation {
     request.set_id(++last_id_);
     wire::Reply reply = ask_(request);
     EXPECT_EQ(reply.reply_to(), last_id_);
+    ExpectSayable(request, reply);
     return reply;
   }
 

@@ -197,7 +197,8 @@ TEST_F(SessionTest, ContradictingChunkQuarantines) {
   EXPECT_EQ(station_.Put(other).error().code(), "conflict");
   auto state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(state.state(), "quarantined");
-  EXPECT_FALSE(state.problem().empty());
+  EXPECT_EQ(state.problem().code(), "conflict");
+  EXPECT_EQ(state.problem().field(), protocol::kContradicted) << state.problem().message();
 }
 
 TEST_F(SessionTest, ChunkSignedWithAnotherKeyIsRefused) {

@@ -187,7 +187,8 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
   auto job = store_->jobs.LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
-  ASSERT_TRUE(store_->results.FailAttempt(waiting, "no reference yet", {}).ok());
+  ASSERT_TRUE(
+      store_->results.FailAttempt(waiting, Status(Code::kConflict, "no reference yet"), {}).ok());
   ASSERT_TRUE(store_->jobs.FinishJob((*job)->lease, true, "").ok());
 
   Uuid reference = world.ScoredAttempt();

@@ -590,7 +590,8 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
   EXPECT_EQ(store_->results.SetProgress(run, 0.6).code(), Code::kUnavailable);
   EXPECT_EQ(store_->results.FinishAttempt(attempt, {}, run).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->results.FailAttempt(attempt, "too late", run).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->results.FailAttempt(attempt, Status(Code::kConflict, "too late"), run).code(),
+            Code::kUnavailable);
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
   ASSERT_TRUE(store_->jobs.FinishJob(run, false, "cancelled").ok());
   EXPECT_EQ(store_->jobs.Jobs("cancelled")->size(), 1u);
@@ -623,7 +624,9 @@ TEST_P(TeachingTest, RunWhoseLeaseWasTakenOverDoesNotQueueItsJobAgain) {
   EXPECT_EQ(store_->results.SetProgress(slow.lease, 0.5).field(), kLeaseOver)
       << "while the other one runs";
   EXPECT_EQ(store_->results.FinishAttempt(attempt, {}, slow.lease).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->results.FailAttempt(attempt, "slow", slow.lease).code(), Code::kUnavailable);
+  EXPECT_EQ(
+      store_->results.FailAttempt(attempt, Status(Code::kConflict, "slow"), slow.lease).code(),
+      Code::kUnavailable);
   ASSERT_TRUE(store_->jobs.FinishJob(slow.lease, true, "").ok());
   EXPECT_EQ(store_->jobs.Jobs("running")->size(), 1u);
   ASSERT_TRUE(store_->results.FinishAttempt(attempt, {}, other.lease).ok());
@@ -667,7 +670,8 @@ TEST_P(TeachingTest, RunThatFailsLeavesTheScoreThatWasThereAndSaysWhy) {
   ASSERT_TRUE(store_->judging.Rescore(attempt, "rescore", kSystem).ok());
   Uuid run = store_->jobs.LeaseJob(1, 1000)->value().lease;
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->problem, "");
-  ASSERT_TRUE(store_->results.FailAttempt(attempt, "the scene is gone", {}).ok());
+  ASSERT_TRUE(
+      store_->results.FailAttempt(attempt, Status(Code::kConflict, "the scene is gone"), {}).ok());
   ASSERT_TRUE(store_->jobs.FinishJob(run, true, "").ok());
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kScored);
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->problem, "the scene is gone");
@@ -779,7 +783,9 @@ TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
             .ok());
     ASSERT_TRUE(store_->jobs.FinishJob(other->lease, true, "").ok());
   }
-  ASSERT_TRUE(store_->results.FailAttempt(attempt, "no reference yet", run.lease).ok());
+  ASSERT_TRUE(
+      store_->results.FailAttempt(attempt, Status(Code::kConflict, "no reference yet"), run.lease)
+          .ok());
   ASSERT_TRUE(store_->jobs.FinishJob(run.lease, true, "").ok());
   auto again = *store_->jobs.LeaseJob(3, 1000);
   ASSERT_TRUE(again.has_value());

@@ -34,12 +34,12 @@ TEST(ExerciseListTest, EachExerciseIsInOneGroup) {
     e.due_unix_ms = kToday + days * kDay_ms;
     EXPECT_EQ(GroupOf(e, kToday), ListGroup::kDue) << days;
   }
-  e.refusal = "it was due";
+  e.refusal = Status(Code::kForbidden, "it was due", "due");
   EXPECT_EQ(GroupOf(e, kToday), ListGroup::kGraded) << "nothing is to be done about it";
   e.attempt_limit = 2;
   EXPECT_EQ(GroupOf(e, kToday), ListGroup::kDone);
   e.attempts_left = 1;
-  e.refusal.clear();
+  e.refusal = {};
   EXPECT_EQ(GroupOf(e, kToday), ListGroup::kDue);
   e = {};
   EXPECT_EQ(GroupOf(e, kToday), ListGroup::kGraded) << "of which nothing is known";

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "common/protocol/refusals.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/delay.h"
 #include "common/scene/find_profile.h"
@@ -85,10 +86,45 @@ TEST_F(ProblemTextTest, AnExerciseWhosePartsDoNotFitIsSaid) {
   EXPECT_EQ(ProblemText(kEnglish, Plan()), said) << Plan().field();
 }
 
-TEST_F(ProblemTextTest, WhatOnlyTheServerKnowsStaysInItsWords) {
-  EXPECT_EQ(ProblemText(kEnglish, Status(Code::kForbidden, "go to chair 4", "stations")),
-            "go to chair 4");
-  EXPECT_EQ(ProblemText(kEnglish, Status(Code::kUnavailable, "no", "rate_hz")), "no");
+TEST(RefusalTextTest, EveryReasonOfAServerIsSaidInEveryLanguage) {
+  for (language::Language each : language::kLanguages) {
+    const language::Words words(each);
+    for (const protocol::Refusal& r : protocol::kRefusals) {
+      EXPECT_TRUE(words.Has("refusal." + std::string(r.field))) << r.field;
+      const Status status(r.code, "go to chair 4", std::string(r.field));
+      const std::string said = ProblemText(words, status);
+      EXPECT_NE(said, "") << r.field;
+      EXPECT_EQ(said.find("refusal."), std::string::npos) << r.field;
+      // A reference's figures are for instructors.
+      if (r.field != protocol::kAnyway) {
+        EXPECT_EQ(said.find("chair 4"), std::string::npos) << said;
+      }
+    }
+  }
+}
+
+TEST(RefusalTextTest, NoReasonIsSaidInTheServersWords) {
+  for (language::Language each : language::kLanguages) {
+    const language::Words words(each);
+    std::set<std::string> said;
+    for (int code = 1; code <= static_cast<int>(Code::kInternal); ++code) {
+      const std::string text =
+          ProblemText(words, Status(static_cast<Code>(code), "out of tune", "x"));
+      EXPECT_EQ(text.find("out of tune"), std::string::npos) << text;
+      EXPECT_EQ(text.find("problem."), std::string::npos) << text;
+      said.insert(text);
+    }
+    EXPECT_EQ(said.size(), static_cast<size_t>(Code::kInternal)) << "one for each code";
+  }
+}
+
+TEST(RefusalTextTest, AnAttemptWithoutAScoreSaysWhyOrWhoKnows) {
+  const Status none(Code::kConflict, "no reference yet", protocol::kNoReference);
+  EXPECT_EQ(
+      NoScoreText(kEnglish, none),
+      "This exercise has no reference yet. Your attempt is scored once an instructor adds one.");
+  EXPECT_EQ(NoScoreText(kEnglish, Status(Code::kConflict, "scene 7f is gone")),
+            "The server has the recording, but could not score it. Your instructor can see why.");
 }
 
 TEST(SofterTextTest, SaysWhyAForceIsSofterAndThatOneMayBegin) {

@@ -128,21 +128,29 @@ TEST(ResultTextTest, WhatCannotBeBegunSaysWhyInTheReadersLanguage) {
   tzset();
   const Words german(language::Language::kGerman);
   Catalogue::Exercise e;
-  EXPECT_EQ(RefusalText(german, e, kNow), "");
-  e.refusal = "the exam is taken at chair 4; go there";
-  EXPECT_EQ(RefusalText(german, e, kNow), e.refusal) << "which only the server knows";
+  EXPECT_EQ(RefusalText(german, e), "");
+  auto refuse = [&](const char* field) {
+    e.refusal = Status(Code::kForbidden, "go to chair 4", field);
+  };
+  refuse("stations");
+  e.stations = "Chair 4";
+  EXPECT_EQ(RefusalText(german, e),
+            "Diese Prüfung findet an einer anderen Station statt: Chair 4. Gehen Sie dorthin.");
+  refuse("attempt_limit");
   e.attempt_limit = 3;
-  EXPECT_EQ(RefusalText(kEnglish, e, kNow),
+  EXPECT_EQ(RefusalText(kEnglish, e),
             "all 3 attempts are used: your instructor can excuse one, so that it does not count");
-  EXPECT_EQ(RefusalText(german, e, kNow).find("alle 3 Versuche"), 0u);
+  EXPECT_EQ(RefusalText(german, e).find("alle 3 Versuche"), 0u);
+  refuse("due");
   e.due_unix_ms = kNow - kMinute;
-  EXPECT_EQ(RefusalText(kEnglish, e, kNow),
+  EXPECT_EQ(RefusalText(kEnglish, e),
             "was due 1971-11-26 10:39: ask your instructor for more time");
-  e.late_allowed = true;
-  EXPECT_EQ(RefusalText(kEnglish, e, kNow).find("all 3"), 0u);
+  refuse("opens");
   e.opens_unix_ms = kNow + kMinute;
-  EXPECT_EQ(RefusalText(kEnglish, e, kNow), "opens 1971-11-26 10:41: come back then");
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), RefusalText(kEnglish, e, kNow));
+  EXPECT_EQ(RefusalText(kEnglish, e), "opens 1971-11-26 10:41: come back then");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), RefusalText(kEnglish, e));
+  refuse("of_tomorrow");
+  EXPECT_EQ(RefusalText(german, e).find("chair"), std::string::npos) << RefusalText(german, e);
 }
 
 TEST(ResultTextTest, ADeviceIsNamedAsPeopleCallIt) {

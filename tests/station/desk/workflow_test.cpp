@@ -267,11 +267,12 @@ TEST_F(WorkflowTest, WhoLeavesTheFirstPasswordSignsInWithTheOldOneAgain) {
   flow_->SignIn("ada", "k7mq-2xhd");
   Settle();
   EXPECT_EQ(flow_->place(), Place::kFirstPassword);
-  server_->refuse_passwords = Status(Code::kUnauthenticated, "it has expired");
+  server_->refuse_passwords = Status(Code::kUnauthenticated, "it has expired", "one_time_password");
   flow_->ChoosePassword("kettle orbit plum fence", "kettle orbit plum fence");
   Settle();
   EXPECT_EQ(flow_->place(), Place::kSignIn);
-  EXPECT_EQ(flow_->problem(), "it has expired");
+  EXPECT_EQ(flow_->problem().find("This one-time password no longer works"), 0u)
+      << flow_->problem();
 }
 
 TEST(ProblemOfPasswordTest, SaysWhatThePageSays) {

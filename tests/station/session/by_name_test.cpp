@@ -10,7 +10,7 @@ Catalogue::Exercise Assigned(const char* name, int64_t due_unix_ms, const char* 
   e.name = name;
   e.assignment = Uuid::New();
   e.due_unix_ms = due_unix_ms;
-  e.refusal = refusal;
+  if (*refusal != 0) e.refusal = Status(Code::kForbidden, refusal, "due");
   return e;
 }
 
@@ -58,7 +58,7 @@ TEST(ByNameTest, OpenExamIsNotDodgedByAHandThatItDoesNotAdmit) {
   EXPECT_NE(chosen.status().message().find(all[0].assignment.Text()), std::string::npos)
       << chosen.status().message();
   EXPECT_TRUE(ChooseByName(all, {"a", all[0].assignment, Held(HandKind::kProgram)}).ok());
-  all[1].refusal = "it was due on Monday";
+  all[1].refusal = Status(Code::kForbidden, "it was due on Monday", "due");
   EXPECT_EQ(ChooseByName(all, {"a", {}, Held(HandKind::kProgram)})->assignment, all[0].assignment);
 }
 

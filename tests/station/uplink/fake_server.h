@@ -22,6 +22,7 @@
 #include "common/protocol/attempt_facts.h"
 #include "common/protocol/frame.h"
 #include "common/protocol/messages.h"
+#include "common/protocol/refusals.h"
 #include "common/protocol/remark.h"
 #include "station/uplink/credentials.h"
 #include "tests/support/read_message.h"
