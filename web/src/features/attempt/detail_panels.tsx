@@ -53,10 +53,8 @@ export const RecordingPanel = still(function RecordingPanel({
           <dd>{formatDuration(attempt.duration_s)}</dd>
         </div>
         <div>
-          <dt>{say("recording.chunks")}</dt>
-          <dd>
-            {formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}
-          </dd>
+          <dt>{say("recording.size")}</dt>
+          <dd>{formatBytes(attempt.trace_bytes)}</dd>
         </div>
         <div>
           <dt>{say("common.station")}</dt>

@@ -221,7 +221,9 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
               onClick={() => onPlace(deduction)}
             >
               <Brief
-                shown={say("score.show_me")}
+                shown={say(
+                  places.length === 1 ? "score.show_me" : deduction.left ? "score.show_left" : "score.show_over",
+                )}
                 full={say("score.show_which", { criterion: criterion.title, what: deductionText(deduction) })}
               />
             </button>
