@@ -156,6 +156,14 @@ async function editExercise(world) {
     .getByRole("table", { name: "Changes from the published version" })
     .getByRole("row", { name: /Target, depth/ })
     .waitFor();
+  for (let i = 0; i < 2; ++i) await page.getByRole("button", { name: "Add a bur" }).click();
+  const second = page.getByRole("group", { name: "Bur 2", exact: true });
+  await second.getByLabel("ISO 6360 number").fill("806 314 001 524 010");
+  await page.getByRole("button", { name: "Remove bur 3" }).click();
+  await page
+    .getByRole("table", { name: "Changes from the published version" })
+    .getByRole("row", { name: /Burs to change to.*806 314 001 524 010/ })
+    .waitFor();
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
   await first.getByLabel("Points", { exact: true }).fill("45");
   await page.getByRole("button", { name: "Check past attempts" }).click();

@@ -38,6 +38,7 @@ export function stillWrong({ busy, error, text }: Checked<unknown>, now: Json): 
   return equal(valueAt(JSON.parse(text) as Json, place), valueAt(now, place)) ? error : undefined;
 }
 
+// `optional`: an empty field takes the place away.
 export function DocumentText({
   form,
   path,
@@ -45,7 +46,8 @@ export function DocumentText({
   hint,
   maxLength,
   long = false,
-}: PlaceProps & { readonly maxLength: number; readonly long?: boolean }) {
+  optional = false,
+}: PlaceProps & { readonly maxLength: number; readonly long?: boolean; readonly optional?: boolean }) {
   const value = form.edit.at(path);
   const common = {
     label,
@@ -53,7 +55,7 @@ export function DocumentText({
     maxLength,
     problem: problemAt(form, path),
     value: typeof value === "string" ? value : "",
-    onValue: (text: string) => form.edit.set(path, text),
+    onValue: (text: string) => form.edit.set(path, optional && text === "" ? undefined : text),
   };
   return long ? <LongTextField {...common} rows={3} /> : <TextField {...common} />;
 }

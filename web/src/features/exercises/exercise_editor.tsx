@@ -14,7 +14,6 @@ import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import {
   type DocumentForm,
-  DocumentChoice,
   DocumentFlag,
   DocumentNumber,
   DocumentText,
@@ -24,7 +23,8 @@ import { Button } from "../../widgets/button";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
-import { placeTitle, placeWords, rubricProblems, shapeOptions } from "./editor_text";
+import { BurFields, OtherBurs } from "./bur_fields";
+import { placeTitle, placeWords, rubricProblems } from "./editor_text";
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
 import { RubricPreviewCard } from "./rubric_preview";
@@ -286,40 +286,13 @@ function General({ form }: { readonly form: DocumentForm }) {
 
 function Tool({ form }: { readonly form: DocumentForm }) {
   const { edit } = form;
-  const ball = edit.at(["bur", "shape"]) === "sphere";
   const handpiece = edit.at(["handpiece"]) !== undefined;
   const cues = edit.at(["touch_cues"]) !== undefined;
   return (
     <Card title={say("editor.bur_handpiece")}>
       <div class="form">
-        <div class="form-grid">
-          <DocumentChoice form={form} path={["bur", "shape"]} label={say("editor.shape")} options={shapeOptions()} />
-          <DocumentNumber form={form} path={["bur", "radius_um"]} label={say("editor.radius")} scale={kMm} />
-          <DocumentNumber
-            form={form}
-            path={["bur", "length_um"]}
-            label={say("editor.length")}
-            hint={ball ? say("editor.zero_ball") : say("editor.least_length")}
-            scale={kMm}
-          />
-          <DocumentNumber
-            form={form}
-            path={["bur", "narrow_radius_um"]}
-            label={say("editor.narrow")}
-            hint={say("editor.narrow_hint")}
-            scale={kMm}
-            optional
-          />
-          <DocumentNumber
-            form={form}
-            path={["bur", "shank_radius_um"]}
-            label={say("editor.shank")}
-            hint={say("editor.no_shank")}
-            scale={kMm}
-            optional
-          />
-          <DocumentNumber form={form} path={["bur", "neck_um"]} label={say("editor.neck")} scale={kMm} optional />
-        </div>
+        <BurFields form={form} path={["bur"]} />
+        <OtherBurs form={form} />
         <Part
           form={form}
           on={handpiece}
