@@ -48,11 +48,11 @@ boost::json::object Show(const HidInfo& info, const std::filesystem::path& data)
                           {"taken_for", hid::HidKindText(kind)},
                           {"product", info.name},
                           {"path", info.path},
-                          {"usable", hid::WhyNotUsable(info).empty()}};
+                          {"usable", hid::WhyNotUsable(info).ok()}};
   std::printf("%-28s %-22s %s\n", hid::DeviceNameOf(info).c_str(), hid::HidKindText(kind),
               info.name.c_str());
-  if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
-    std::printf("    %s\n", refused.c_str());
+  if (const Status refused = hid::WhyNotUsable(info); !refused.ok()) {
+    std::printf("    %s\n", refused.message().c_str());
   } else if (kind == HidKind::kHapticBoard) {
     std::printf("    %s\n", BoardText(info, out).c_str());
     const auto delay = DelayKnownHere(data, hid::UnitOf(info));
@@ -76,7 +76,7 @@ void ShowSdk(boost::json::array& listed, const std::filesystem::path& data) {
   for (const sdk::SdkDevice& device : attached) {
     std::printf("%-28s %s%s: profile %s\n", device.choice.c_str(), device.name.c_str(),
                 device.ids.empty() ? "" : (" " + device.ids).c_str(), device.profile.c_str());
-    if (!device.problem.empty()) std::printf("    %s\n", device.problem.c_str());
+    if (!device.problem.ok()) std::printf("    %s\n", device.problem.message().c_str());
     const std::string asked = sdk::AskedForText(device);
     if (!asked.empty()) std::printf("    %s\n", asked.c_str());
     // A measurement belongs to a unit: without a name for it there is none.
@@ -90,7 +90,7 @@ void ShowSdk(boost::json::array& listed, const std::filesystem::path& data) {
                             {"profile", device.profile},
                             {"delay_ticks", delay.ticks},
                             {"delay_measured", delay.from != scene::DelayUsed::From::kAssumed},
-                            {"usable", device.problem.empty()}});
+                            {"usable", device.problem.ok()}});
   }
 }
 

@@ -268,8 +268,8 @@ Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
   }
   for (const sdk::SdkDevice& found : driven) {
     add((found.ids.empty() ? "" : found.ids + ": ") + found.name + ", driver " + found.choice +
-        (found.problem.empty() ? "" : ", " + found.problem));
-    usable = usable && found.problem.empty();
+        (found.problem.ok() ? "" : ", " + found.problem.message()));
+    usable = usable && found.problem.ok();
   }
   if (!may_use) {
     return {"devices", Verdict::kFail, there,
@@ -286,7 +286,7 @@ Finding DelayOf(const fs::path& data, const sdk::SdkDevice& device) {
   const auto profile = scene::FindProfile(device.profile);
   if (!profile.ok()) return {"delay", Verdict::kWarn, profile.status().message(), ""};
   std::optional<scene::AnswerTime> answers;
-  if (device.answers && device.problem.empty()) {
+  if (device.answers && device.problem.ok()) {
     hid::DeviceChoice choice;
     choice.device = device.choice;
     choice.thread_setup = [] { (void)RequestRealtime(); };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "station/desk/problem_words.h"
 #include "station/devices/operators.h"
 #include "station/sdk/open_sdk_device.h"
 
@@ -27,8 +28,8 @@ Pedal FindPedal(const Words& words, const std::vector<HidInfo>& attached,
   for (const HidInfo& info : attached) {
     if (hid::Recognise(info) != HidKind::kFootPedal) continue;
     // The device is not at fault: it has a button of its own, so it is still offered.
-    if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
-      return {"", words.Say("device.pedal_refused", {{"reason", refused}})};
+    if (const Status refused = hid::WhyNotUsable(info); !refused.ok()) {
+      return {"", words.Say("device.pedal_refused", {{"reason", ProblemText(words, refused)}})};
     }
     return {hid::DeviceNameOf(info), words.Say("device.pedal")};
   }
@@ -43,7 +44,7 @@ std::string BoardText(const Words& words, const hid::FeatureReport& board) {
 void AskBoard(const Words& words, const HidInfo& info, DeviceOffer& offer) {
   auto board = hid::AskBoard(info);
   if (!board.ok()) {
-    offer.problem = board.status().message();
+    offer.problem = ProblemText(words, board.status());
     return;
   }
   // The board's own name: a bus name means nothing to a person.
@@ -61,7 +62,9 @@ DeviceOffer AttachedOffer(const Words& words, const HidInfo& info, const Pedal& 
   offer.title = info.name.empty() ? hid::HidKindText(hid::Recognise(info)) : info.name;
   offer.device = hid::DeviceNameOf(info);
   offer.pedal = pedal.choice;
-  offer.problem = hid::WhyNotUsable(info);
+  if (const Status refused = hid::WhyNotUsable(info); !refused.ok()) {
+    offer.problem = ProblemText(words, refused);
+  }
   if (!board) {
     offer.profile = "pointer";
     offer.detail = words.Say("device.shown");
@@ -81,7 +84,7 @@ DeviceOffer SdkOffer(const Words& words, const sdk::SdkDevice& found, const Peda
   offer.device = found.choice;
   offer.profile = found.profile;
   offer.pedal = pedal.choice;
-  offer.problem = found.problem;
+  if (!found.problem.ok()) offer.problem = ProblemText(words, found.problem);
   offer.detail = words.Say("device.with_pedal",
                            {{"device", words.Say("device.by_library", {{"library", found.choice}})},
                             {"pedal", pedal.words}});

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/protocol/refusals.h"
+#include "station/devices/trouble.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
@@ -84,6 +85,7 @@ std::string ProblemText(const language::Words& words, const Status& status) {
     return s.field == status.field() && s.code.value_or(status.code()) == status.code();
   });
   if (said != kSaid.end()) return words.Say(said->key);
+  if (trouble::IsListed(status.field())) return words.Say("device_trouble." + status.field());
   if (!protocol::IsListed(status.code(), status.field())) return words.Say(KeyOf(status.code()));
   return words.Say("refusal." + status.field(), {{"said", status.message()}});
 }

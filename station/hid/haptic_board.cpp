@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/scene/cell.h"
+#include "station/devices/trouble.h"
 
 namespace enamel::station::hid {
 namespace {
@@ -100,7 +101,7 @@ Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings
                 board->name_ + " says what it is and sends no pose within a second (" +
                     std::to_string(board->refused_.load()) +
                     " reports were refused): plug it in again",
-                "device");
+                trouble::kSilent);
 }
 
 std::string UnitOf(const HidInfo& info) {

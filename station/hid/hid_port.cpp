@@ -1,12 +1,14 @@
 #include "station/hid/hid_port.h"
 
 #include <hidapi/hidapi.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
 
 #include "common/base/mutex.h"
+#include "station/devices/trouble.h"
 
 namespace enamel::station::hid {
 namespace {
@@ -94,11 +96,12 @@ Result<std::unique_ptr<HidPort>> HidPort::Open(const std::string& path) {
   MutexLock lock(context);
   hid_device* handle = hid_open_path(path.c_str());
   if (handle == nullptr) {
+    const bool is_there = ::access(path.c_str(), F_OK) == 0;
     return Status(Code::kUnavailable,
                   "cannot open " + path + " (" + Utf8(hid_error(nullptr)) +
                       "): when permission is what is missing, install station/ops/60-enamel.rules "
                       "in /etc/udev/rules.d and plug the device in again",
-                  "device");
+                  is_there ? trouble::kPermission : trouble::kNotAttached);
   }
   return std::unique_ptr<HidPort>(new HidPort(handle));
 }
@@ -123,7 +126,7 @@ Result<Bytes> HidPort::GetFeature(uint8_t id, size_t size) {
                   "the device does not answer what it is (feature report " + std::to_string(id) +
                       "): plug it in again; if that does not help, its firmware does not follow "
                       "schemas/hid_haptic_report.md",
-                  "device");
+                  trouble::kSilent);
   }
   out.resize(static_cast<size_t>(got));
   return out;

@@ -3,6 +3,8 @@
 #include <array>
 #include <chrono>
 
+#include "station/devices/trouble.h"
+
 namespace enamel::station::hid {
 namespace {
 
@@ -26,7 +28,7 @@ Result<HidInfo> FindHid(const HidMatch& match) {
                          : "device " + match.Text() + " is not attached: plug it in. There ") +
           (there.empty() ? "is no HID device at all" : "are " + there) +
           " ('enamel-station devices' lists them)",
-      "device");
+      trouble::kNotAttached);
 }
 
 HidReader::HidReader(HidMatch match, ReportSink& sink)

@@ -23,8 +23,8 @@ const char* HidKindText(HidKind kind);  // "haptic board", …
 // pedal.
 std::string DeviceNameOf(const HidInfo& info);
 
-// Why this program may not open it, and what to do; empty if it may. Opens nothing.
-std::string WhyNotUsable(const HidInfo& info);
+// Why this program may not open it, and what to do; ok if it may. Opens nothing.
+Status WhyNotUsable(const HidInfo& info);
 
 struct DeviceChoice {
   // "hid" or "spacemouse", the first attached; or either with ":VENDOR:PRODUCT[:SERIAL]".

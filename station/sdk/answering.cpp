@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "station/devices/limited.h"
+#include "station/devices/trouble.h"
 
 namespace enamel::station::sdk {
 namespace {
@@ -104,7 +105,7 @@ Status AnsweringBus::ChoosePatience() {
     return Status(Code::kUnavailable,
                   Name() + " takes more than " + std::to_string(kLongestPatience.count()) +
                       " ms for half of its answers: close other programs, and " + faster_,
-                  "device");
+                  trouble::kSlow);
   }
   patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
   return Status::Ok();
@@ -113,7 +114,7 @@ Status AnsweringBus::ChoosePatience() {
 Status SaysNothing(const std::string& name) {
   return Status(Code::kUnavailable,
                 name + " sends no pose within a second: switch it on, and plug it in again",
-                "device");
+                trouble::kSilent);
 }
 
 Status AwaitFirstPose(PolledBus& bus) {
@@ -128,9 +129,9 @@ Status AwaitFirstPose(PolledBus& bus) {
   return SaysNothing(bus.Name());
 }
 
-Status UsableUnless(const std::string& problem, const std::string& name) {
-  if (problem.empty()) return Status::Ok();
-  return Status(Code::kUnavailable, name + ": " + problem, "device");
+Status UsableUnless(const Status& problem, const std::string& name) {
+  if (problem.ok()) return problem;
+  return Status(problem.code(), name + ": " + problem.message(), problem.field());
 }
 
 Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,
@@ -143,7 +144,7 @@ Status CheckHome(const std::string& name, const dvec3& tip_m, double reach_m,
           " mm from the middle of its workspace, which reaches " +
           std::to_string(std::lround(reach_m * 1e3)) +
           " mm: move it there. If it is there, its encoders are not calibrated: " + how_to_home,
-      "device");
+      trouble::kMiddle);
 }
 
 }  // namespace enamel::station::sdk

@@ -68,8 +68,8 @@ Status SaysNothing(const std::string& name);
 // Sends force 0 until the first pose, for a second. Errors: SaysNothing.
 Status AwaitFirstPose(PolledBus& bus);
 
-// Of a device that cannot be used because of `problem`. Empty: it can.
-Status UsableUnless(const std::string& problem, const std::string& name);
+// Of a device that cannot be used because of `problem`. Ok: it can.
+Status UsableUnless(const Status& problem, const std::string& name);
 
 // Whether a first pose, m from the middle of the workspace, is within the arm's reach. One whose encoders
 // lost their home is not, or by chance. Errors: kUnavailable, with `how_to_home`.

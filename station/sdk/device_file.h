@@ -15,7 +15,7 @@ namespace enamel::station::sdk {
 Result<std::unique_ptr<Fd>> OpenAlone(const std::string& path);
 
 // Whether this program may open it; else what to do. Opens nothing.
-std::string WhyNotOpenable(const std::string& path);
+Status WhyNotOpenable(const std::string& path);
 
 // The USB socket that "/dev/hidraw3" or "/dev/ttyACM0" is plugged into: "1-2.3". It names a unit that
 // has no serial number. Empty if the system does not say.

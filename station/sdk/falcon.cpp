@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/file.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/falcon_arm.h"
@@ -213,7 +214,7 @@ Result<Bytes> ReadFirmware(const std::string& file) {
                 "firmware missing: put Novint's firmware into " + file +
                     ", or name its file (falcon:/FOLDER/FILE)" +
                     (firmware.ok() ? "; the file is empty" : "; " + firmware.status().message()),
-                "device");
+                trouble::kFirmware);
 }
 
 Status LoadFirmware(Line& line, const std::string& file) {
@@ -232,7 +233,7 @@ Status LoadFirmware(Line& line, const std::string& file) {
                                       ": take another file, switch it off and on"
                                 : " did not take its firmware in ten tries: switch it off "
                                   "and on, and plug it into this computer without a hub"),
-      "device");
+      trouble::kFirmware);
 }
 
 std::string UnitOf(const UsbInfo& info) { return "falcon:usb:" + info.place; }
@@ -339,7 +340,7 @@ class Falcon final : public AnsweringBus {
                       std::string(kName) +
                           " is not calibrated: pull its grip out as far as it goes and push it in, "
                           "until its light is blue, and begin again",
-                      "device");
+                      trouble::kGrip);
       }
     }
     return Status::Ok();
@@ -360,11 +361,11 @@ Result<Line> OpenLine(const UsbInfo& info) {
 }
 
 // Why it cannot be used now, and what to do; empty: it can. Sends it frames of force 0.
-std::string WhyNotUsable(const UsbInfo& info, const std::string& file) {
+Status WhyNotUsable(const UsbInfo& info, const std::string& file) {
   auto line = OpenLine(info);
-  if (!line.ok()) return line.status().message();
-  if (!SetForFrames(*line) || IsLoaded(*line)) return {};
-  return ReadFirmware(file).status().message();
+  if (!line.ok()) return line.status();
+  if (!SetForFrames(*line) || IsLoaded(*line)) return Status::Ok();
+  return ReadFirmware(file).status();
 }
 
 }  // namespace
@@ -373,7 +374,7 @@ Result<std::unique_ptr<PolledBus>> OpenFalcon(const BusChoice& choice) {
   const auto attached = ListUsb(kVendor, kProduct);
   if (attached.empty()) {
     return Status(Code::kNotFound, "no Novint Falcon is attached: plug it in and switch it on",
-                  "device");
+                  trouble::kNotAttached);
   }
   const UsbInfo& info = attached.front();
   ENAMEL_ASSIGN_OR_RETURN(Line line, OpenLine(info));

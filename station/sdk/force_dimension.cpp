@@ -5,6 +5,7 @@
 
 #include "station/devices/force_keeper.h"
 #include "station/devices/limited.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/frames.h"
@@ -123,16 +124,20 @@ std::string UnitOf(const Dhd& dhd, char id) {
 }
 
 // Why the device cannot be used now, and what to do; empty: it can.
-std::string WhyNotUsable(const Dhd& dhd, char id) {
+Status WhyNotUsable(const Dhd& dhd, char id) {
   std::array<int, kMostStatus> status{};
-  if (dhd.status(status.data(), id) < 0) return "it does not report its status: plug it in again";
+  if (dhd.status(status.data(), id) < 0) {
+    return Status(Code::kUnavailable, "it does not report its status: plug it in again",
+                  trouble::kSilent);
+  }
   if (status[kStatusReset] != 0 ||
       (status[kStatusWristDetected] != 0 && status[kStatusWristInit] == 0)) {
-    return "it is not calibrated: put its handle into the calibration pit, and turn the handle "
-           "through its "
-           "whole range where it turns, until its light no longer blinks";
+    return Status(Code::kUnavailable,
+                  "it is not calibrated: put its handle into the calibration pit, and turn the "
+                  "handle through its whole range where it turns, until its light no longer blinks",
+                  trouble::kPit);
   }
-  return {};
+  return Status::Ok();
 }
 
 class ForceDimension final : public PolledBus {
@@ -230,7 +235,7 @@ Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice) {
     return Status(Code::kUnavailable,
                   std::string("no Force Dimension device (") + dhd.error() +
                       "): connect it and switch it on, and close other programs that use it",
-                  "device");
+                  trouble::kNotAttached);
   }
   auto bus = std::make_unique<ForceDimension>(dhd, static_cast<char>(id), choice.peak_n);
   ENAMEL_RETURN_IF_ERROR(bus->Begin());

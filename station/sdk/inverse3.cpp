@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "station/devices/trouble.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/web_socket.h"
@@ -65,18 +66,26 @@ std::string NameOf(const std::string& id) { return "Inverse3 " + id; }
 std::string UnitNamed(const std::string& id) { return "inverse3:" + id; }
 
 // Why the device cannot be used now, and what to do; empty: it can.
-std::string WhyNotUsable(const json::value& device) {
+Status WhyNotUsable(const json::value& device) {
+  const auto because = [](const char* why, const char* which) {
+    return Status(Code::kUnavailable, why, which);
+  };
   const json::value* status = Member(&device, "status");
-  if (IsFalse(Member(status, "power_supply"))) return "it has no power: connect its power supply";
+  if (IsFalse(Member(status, "power_supply")))
+    return because("it has no power: connect its power supply", trouble::kPower);
   if (IsFalse(Member(status, "calibrated")))
-    return "it is not calibrated: rest its grip on the inkwell until its light is steady";
+    return because("it is not calibrated: rest its grip on the inkwell until its light is steady",
+                   trouble::kInkwell);
   if (IsTrue(Member(status, "in_use")))
-    return "it is in use by another program: close that program";
-  if (IsFalse(Member(status, "ready"))) return "it is not ready: wait, or switch it off and on";
+    return because("it is in use by another program: close that program", trouble::kInUse);
+  if (IsFalse(Member(status, "ready")))
+    return because("it is not ready: wait, or switch it off and on", trouble::kNotReady);
   const json::value* damping = Member(Member(Member(&device, "config"), "filters"), "damping");
   if (Number(Member(damping, "scalar"), 0) != 0)
-    return "its service adds damping: set filters.damping to 0 in /etc/haply-inverse-service";
-  return {};
+    return because(
+        "its service adds damping: set filters.damping to 0 in /etc/haply-inverse-service",
+        trouble::kDamping);
+  return Status::Ok();
 }
 
 // The service's first message, which lists what is attached.
@@ -90,7 +99,7 @@ Result<json::value> ReadInventory(WebSocket& socket) {
     return Status(Code::kUnavailable,
                   "expected an inventory from Haply's service, found none within a second: restart "
                   "haply-inverse-service",
-                  "device");
+                  trouble::kService);
   }
   return out;
 }
@@ -149,14 +158,15 @@ class Inverse3 final : public AnsweringBus {
     return Status(Code::kUnavailable,
                   Name() + ": its service gives no position in answer to a force, named " +
                       kForms[0] + " or " + kForms[1] + ": update the service",
-                  "device");
+                  trouble::kService);
   }
   Status TakeInventory() {
     ENAMEL_ASSIGN_OR_RETURN(const json::value message, ReadInventory(*socket_));
     const json::value* device = Listed(message, "inverse3", {});
     if (device == nullptr) {
       return Status(Code::kNotFound,
-                    "Haply's service finds no Inverse3: switch it on and connect it", "device");
+                    "Haply's service finds no Inverse3: switch it on and connect it",
+                    trouble::kNotAttached);
     }
     id_ = Text(Member(device, "device_id"));
     session_ = Text(Member(&message, "session_id"));

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <string_view>
 
+#include "station/devices/trouble.h"
+
 namespace enamel::station::sdk {
 namespace {
 
@@ -34,7 +36,7 @@ Result<MakersLibrary> MakersLibrary::Load(const Names& names, const std::string&
                 std::string("the library of ") + names.maker + " cannot be loaded (" + why +
                     "): install " + names.install + ", or name the library's file (" +
                     names.driver + ":/FOLDER/" + names.files[0] + ")",
-                "device");
+                trouble::kLibrary);
 }
 
 void* MakersLibrary::Symbol(const char* name) {
@@ -49,7 +51,7 @@ Status MakersLibrary::Check() const {
                 std::string("the library of ") + names_->maker + " (" + file_ +
                     ") has no function " + missing_ + ": install a newer version of " +
                     names_->install,
-                "device");
+                trouble::kLibrary);
 }
 
 Status MakersLibrary::TooOld(const std::string& version, const char* expected) const {
@@ -57,7 +59,7 @@ Status MakersLibrary::TooOld(const std::string& version, const char* expected) c
                 std::string("the library of ") + names_->maker + " (" + file_ + ") is version " +
                     version + ", expected " + expected + " or newer: install a newer version of " +
                     names_->install,
-                "device");
+                trouble::kLibrary);
 }
 
 std::vector<SdkDevice> WithoutLibrary(const MakersLibrary::Names& names, const Status& why,
@@ -70,7 +72,7 @@ std::vector<SdkDevice> WithoutLibrary(const MakersLibrary::Names& names, const S
     const bool fits = std::ranges::any_of(names.usb_ids, [&](std::string_view begin) {
       return !begin.empty() && ids.starts_with(begin);
     });
-    if (fits) out.push_back({"", std::string(names.maker) + " device", "", ids, "", why.message()});
+    if (fits) out.push_back({"", std::string(names.maker) + " device", "", ids, "", why});
   }
   std::ranges::sort(out, {}, &SdkDevice::ids);
   return out;

@@ -6,6 +6,7 @@
 #include "station/devices/force_keeper.h"
 #include "station/devices/force_signal.h"
 #include "station/devices/limited.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/frames.h"
@@ -124,7 +125,7 @@ Result<Handle> Init(const Hd& hd) {
                 std::string("OpenHaptics opens no device (") + (why == nullptr ? "" : why) + "): " +
                     (taken ? "it is in use by another program: close that program"
                            : "connect it, switch it on, and run Touch_Setup once"),
-                "device");
+                taken ? trouble::kInUse : trouble::kNotAttached);
 }
 
 std::string NameOf(const Hd& hd) { return hd.Text(kModelType, "OpenHaptics device"); }
@@ -133,7 +134,7 @@ std::string UnitOf(const Hd& hd) {
   return serial.empty() ? serial : "openhaptics:" + serial;
 }
 // As far as nobody has to help.
-std::string WhyNotUsable(const Hd& hd) {
+Status WhyNotUsable(const Hd& hd) {
   if (hd.check_calibration() == kNeedsUpdate) {
     int style = 0;
     hd.integers(kCalibrationStyle, &style);
@@ -141,7 +142,9 @@ std::string WhyNotUsable(const Hd& hd) {
   }
   const bool needs_hand = hd.check_calibration() == kNeedsHand;
   hd.TakeError();
-  return needs_hand ? "it is not calibrated: put its stylus into the inkwell" : "";
+  if (!needs_hand) return Status::Ok();
+  return Status(Code::kUnavailable, "it is not calibrated: put its stylus into the inkwell",
+                trouble::kInkwell);
 }
 
 // Only the library's own servo thread may open a frame, every millisecond; it must not be kept waiting. So
@@ -190,7 +193,7 @@ class OpenHaptics final : public PolledBus {
       return Status(Code::kUnavailable,
                     name_ + ": its servo loop does not start (" + (why == nullptr ? "" : why) +
                         "): close other programs that use it",
-                    "device");
+                    trouble::kInUse);
     }
     return AwaitFirstPose(*this);
   }

@@ -20,7 +20,7 @@ struct SdkDevice {
   std::string profile;   // name of its device profile
   std::string ids;       // "1234:0006"; empty where the library does not say
   std::string unit;      // as Device::Unit
-  std::string problem;   // why it cannot be used now, and what to do; empty if it can
+  Status problem;        // why it cannot be used now, and what to do; ok if it can
   bool answers = false;  // to forces, and only so: no maker's library switches its motors on
 };
 

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "station/devices/trouble.h"
 #include "station/sdk/answering.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/device_file.h"
@@ -218,7 +219,7 @@ Result<std::unique_ptr<PolledBus>> OpenPolhemSerial(const BusChoice& choice) {
       return Status(Code::kNotFound,
                     "no Polhem is attached to a serial port: plug it in, or name the port "
                     "(polhem_serial:/dev/ttyACM0)",
-                    "device");
+                    trouble::kNotAttached);
     }
     path = ports.front();
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "station/devices/trouble.h"
+
 namespace enamel::station::sdk {
 namespace {
 
@@ -57,16 +59,16 @@ Status Refused(const UsbInfo& info, int error) {
               name +
                   " may not be used by you: an admin installs station/ops/60-enamel.rules, then "
                   "plug it in again",
-              "device"};
+              trouble::kPermission};
     case LIBUSB_ERROR_BUSY:
       return {Code::kUnavailable,
               name + " is in use: close the other program or window that uses this device",
-              "device"};
+              trouble::kInUse};
     default:
       return {
           Code::kUnavailable,
           "cannot open " + name + " (" + libusb_error_name(error) + "): plug the device in again",
-          "device"};
+          trouble::kNotAttached};
   }
 }
 

@@ -8,6 +8,8 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <optional>
 
+#include "station/devices/trouble.h"
+
 // The only source of the station that compiles Beast's WebSocket, which takes a compiler long.
 namespace enamel::station::sdk {
 namespace {
@@ -68,7 +70,7 @@ Result<std::unique_ptr<WebSocket>> WebSocket::Connect(const std::string& host,
     return Status(Code::kUnavailable,
                   "no answer from ws://" + host + ":" + port + " (" +
                       (s.step ? s.step->message() : "timed out") + ")",
-                  "device");
+                  trouble::kService);
   };
   Error error;
   tcp::resolver resolver(s.context);

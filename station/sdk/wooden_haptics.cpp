@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "station/devices/trouble.h"
 #include "station/hid/hid_reader.h"
 #include "station/hid/open_device.h"
 #include "station/sdk/answering.h"
@@ -227,7 +228,7 @@ class WoodenHaptics final : public AnsweringBus {
                   kMbedIds + std::string(" sends reports of ") + std::to_string(report_bytes_) +
                       " bytes, expected " + std::to_string(model_.report_bytes) + " from " +
                       Name() + ": choose woodenhaptics for 8 bytes, polhem for 14",
-                  "device");
+                  trouble::kModel);
   }
 
   const Model& model_;

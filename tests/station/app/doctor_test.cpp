@@ -16,8 +16,8 @@ TEST(DoctorTest, TheDelayOfAnInverse3sAnswersIsSaidBesideItsProfiles) {
   const test::TempFolder folder;
   lab::EmulatedInverse3 service;
   service.Delay(std::chrono::milliseconds(3), std::chrono::microseconds(100));
-  sdk::SdkDevice device{
-      service.choice(), "Inverse3 049D", "inverse3", "", "inverse3:049D", "", true};
+  sdk::SdkDevice device{service.choice(), "Inverse3 049D", "inverse3", "",
+                        "inverse3:049D",  Status::Ok(),    true};
   Finding finding = DelayOf(folder.path(), device);
   EXPECT_EQ(finding.verdict, Verdict::kWarn);
   for (const char* said :
@@ -41,7 +41,7 @@ TEST(DoctorTest, TheDelayOfAnInverse3sAnswersIsSaidBesideItsProfiles) {
   EXPECT_NE(finding.found.find("0.43 ms when it was calibrated"), std::string::npos)
       << finding.found;
   // One in use is not opened.
-  device.problem = "it is in use";
+  device.problem = Status(Code::kUnavailable, "it is in use", "in_use");
   const uint64_t asked = another.requests();
   finding = DelayOf(folder.path(), device);
   EXPECT_EQ(finding.found.find("answers within"), std::string::npos) << finding.found;
@@ -49,14 +49,18 @@ TEST(DoctorTest, TheDelayOfAnInverse3sAnswersIsSaidBesideItsProfiles) {
 }
 
 TEST(DoctorTest, ADeviceIsNamedWithItsDriverAndWhatIsMissing) {
-  sdk::SdkDevice falcon{"falcon",    "Novint Falcon",  "falcon",
-                        "0403:cb48", "falcon:usb:1-2", "firmware missing: put it there",
+  sdk::SdkDevice falcon{"falcon",
+                        "Novint Falcon",
+                        "falcon",
+                        "0403:cb48",
+                        "falcon:usb:1-2",
+                        Status(Code::kUnavailable, "firmware missing: put it there", "firmware"),
                         true};
   Finding finding = DevicesOf({}, {falcon});
   EXPECT_EQ(finding.verdict, Verdict::kFail);
   EXPECT_EQ(finding.found,
             "0403:cb48: Novint Falcon, driver falcon, firmware missing: put it there");
-  falcon.problem.clear();
+  falcon.problem = {};
   finding = DevicesOf({}, {falcon, falcon});
   EXPECT_EQ(finding.verdict, Verdict::kOk);
   EXPECT_EQ(finding.found,

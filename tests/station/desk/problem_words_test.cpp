@@ -9,6 +9,7 @@
 #include "common/scene/delay.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/plan.h"
+#include "station/devices/trouble.h"
 #include "tests/station/desk/english.h"
 
 namespace enamel::station::desk {
@@ -100,6 +101,20 @@ TEST(RefusalTextTest, EveryReasonOfAServerIsSaidInEveryLanguage) {
         EXPECT_EQ(said.find("chair 4"), std::string::npos) << said;
       }
     }
+  }
+}
+
+TEST(RefusalTextTest, EveryReasonOfADriverIsSaidInEveryLanguage) {
+  for (language::Language each : language::kLanguages) {
+    const language::Words words(each);
+    std::set<std::string> said;
+    for (std::string_view field : trouble::kAll) {
+      EXPECT_TRUE(words.Has("device_trouble." + std::string(field))) << field;
+      said.insert(
+          ProblemText(words, Status(Code::kUnavailable, "ttyACM0 is odd", std::string(field))));
+    }
+    EXPECT_EQ(said.size(), trouble::kAll.size());
+    for (const std::string& text : said) EXPECT_EQ(text.find("ttyACM0"), std::string::npos) << text;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
+#include "station/devices/trouble.h"
 #include "station/lab/devices/emulated_inverse3.h"
 #include "station/loop/tick_loop.h"
 #include "station/sdk/buses.h"
@@ -519,7 +520,7 @@ TEST(HidArmTest, BothFirmwaresOfItsIdsAreListedWithTheirProfiles) {
   for (const SdkDevice& d : ListSdkDevices()) {
     if (d.ids != "1234:0006") continue;
     listed.push_back(d.choice + " " + d.profile);
-    EXPECT_EQ(d.problem, "");
+    EXPECT_TRUE(d.problem.ok()) << d.problem.message();
     const std::string asked = AskedForText(d);
     for (const char* member : {"damping_mn_s_per_m", "friction_mn", "mass_g", "continuous_force_mn",
                                "enamel-station calibrate --device "}) {
@@ -641,7 +642,9 @@ TEST(Inverse3Test, OneThatCannotBeUsedIsRefusedAndListedWithWhatToDo) {
     EXPECT_NE(refused.message().find(expected), std::string::npos) << refused.message();
     const auto listed = FindInverse3At(service.address());
     ASSERT_EQ(listed.size(), 1u);
-    EXPECT_NE(listed[0].problem.find(expected), std::string::npos) << listed[0].problem;
+    EXPECT_NE(listed[0].problem.message().find(expected), std::string::npos);
+    EXPECT_EQ(listed[0].problem.field(), refused.field());
+    EXPECT_NE(refused.field(), trouble::kDevice) << refused.message();
   }
 }
 
@@ -652,7 +655,7 @@ TEST(Inverse3Test, ItIsListedWithItsIdAndProfileAndNothingIsStarted) {
   EXPECT_EQ(listed[0].name, "Inverse3 049D");
   EXPECT_EQ(listed[0].unit, "inverse3:049D");
   EXPECT_TRUE(scene::FindProfile(listed[0].profile).ok());
-  EXPECT_EQ(listed[0].problem, "");
+  EXPECT_TRUE(listed[0].problem.ok()) << listed[0].problem.message();
   EXPECT_EQ(service.requests(), 0u);
   service.Disconnect();
   EXPECT_TRUE(FindInverse3At(service.address()).empty());

@@ -6,6 +6,7 @@
 
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/falcon_arm.h"
 #include "station/sdk/open_sdk_device.h"
@@ -165,12 +166,13 @@ TEST(FalconTest, WithoutFirmwareItIsListedAndRefusedWithWhatIsMissing) {
     return all.front();
   };
   SdkDevice found = listed("/none");
-  EXPECT_EQ(found.ids + " " + found.name + " " + found.unit + found.problem,
+  EXPECT_EQ(found.ids + " " + found.name + " " + found.unit + found.problem.message(),
             "0403:cb48 Novint Falcon falcon:usb:1-2");
   EXPECT_TRUE(scene::FindProfile(found.profile).ok());
   arm.SwitchOn();
-  EXPECT_EQ(listed(arm.firmware_file()).problem, "");
-  const std::string missing = listed("/none").problem;
+  EXPECT_TRUE(listed(arm.firmware_file()).problem.ok());
+  const std::string missing = listed("/none").problem.message();
+  EXPECT_EQ(listed("/none").problem.field(), trouble::kFirmware);
   EXPECT_TRUE(missing.starts_with("firmware missing: put Novint's firmware into /none")) << missing;
   std::filesystem::remove(arm.firmware_file());
   ExpectRefused(Open(arm).status(), {"firmware missing", arm.firmware_file().c_str()});
@@ -179,14 +181,15 @@ TEST(FalconTest, WithoutFirmwareItIsListedAndRefusedWithWhatIsMissing) {
 TEST(FalconTest, OneThatMayNotBeUsedOrIsInUseIsListedWithWhatToDo) {
   EmulatedFalcon arm;
   auto device = MustOpen(arm);
-  EXPECT_NE(FindFalcon().front().problem.find("in use"), std::string::npos);
+  EXPECT_EQ(FindFalcon().front().problem.field(), trouble::kInUse);
   device.reset();
   arm.Unplug();
   EXPECT_TRUE(FindFalcon().empty());
   EXPECT_EQ(Open(arm).status().code(), Code::kNotFound);
   ScriptedUsb locked{0x0403, 0xcb48, false, {}, {}};
   UsbBus::Get().Plug("1-2", locked);
-  EXPECT_NE(FindFalcon().front().problem.find("60-enamel.rules"), std::string::npos);
+  EXPECT_EQ(FindFalcon().front().problem.field(), trouble::kPermission);
+  EXPECT_NE(FindFalcon().front().problem.message().find("60-enamel.rules"), std::string::npos);
 }
 
 TEST(FalconTest, ATipAtTheRimOfItsWorkspaceIsRefused) {

@@ -12,6 +12,7 @@
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
 #include "station/desk/device_offers.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/buses.h"
 #include "station/sdk/makers_library.h"
 #include "station/sdk/open_sdk_device.h"
@@ -247,7 +248,9 @@ TEST_F(SdkDeviceTest, OneThatIsNotCalibratedIsRefusedAndListedWithWhatToDo) {
     EXPECT_EQ(sdk.Get().open, 0);
     const auto found = ListSdkDevices();
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_NE(found[0].problem.find(expected), std::string::npos) << found[0].problem;
+    EXPECT_NE(found[0].problem.message().find(expected), std::string::npos)
+        << found[0].problem.message();
+    EXPECT_NE(found[0].problem.field(), trouble::kDevice) << found[0].problem.message();
     arms_.clear();
   }
 }
@@ -330,7 +333,7 @@ TEST_F(SdkDeviceTest, ADeviceWithoutItsLibraryIsListedWithWhatIsMissing) {
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].ids, "0403:cb48");
   EXPECT_EQ(found[1].ids, "1451:0402");
-  EXPECT_EQ(found[1].problem, "no library");
+  EXPECT_EQ(found[1].problem.message(), "no library");
 }
 
 TEST_F(SdkDeviceTest, WithoutADeviceTheLibraryIsQuotedWithWhatToDo) {
