@@ -11,6 +11,7 @@
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
 #include "station/desk/script.h"
+#include "station/desk/stop_sign.h"
 #include "station/desk/view_hand.h"
 #include "station/render/panel.h"
 #include "station/sound/speaker.h"
@@ -260,7 +261,13 @@ class Desk {
       content.reach = attempt.reach();
     }
     if (content.state.warnings & render::kWarnDisk) render::HideProgress(content);
-    content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
+    const Stop stop = flow_.dialog() == Dialog::kNone
+                          ? StopOf(newest.fault, newest.put_down,
+                                   (content.state.warnings & render::kWarnDisk) != 0)
+                          : Stop::kNone;  // which says why itself
+    if (stop == Stop::kNone) {
+      content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
+    }
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
     if (MayShowProgress(prepared)) {
       content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
@@ -270,8 +277,13 @@ class Desk {
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
-    DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), screen_.width(),
-                  screen_.height());
+    if (stop == Stop::kNone) {
+      DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), screen_.width(),
+                    screen_.height());
+    }
+    const bool kept = flow_.place() == Place::kRunning;
+    DrawStop(stop, kept ? words.Say("stop.kept") : std::string(), screen_.fonts(), screen_.width(),
+             screen_.height());
   }
 
   void Sound() {

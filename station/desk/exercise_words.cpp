@@ -121,10 +121,9 @@ std::string DeviceText(const Words& words, std::string_view profile,
 
 std::string CutOffText(const Words& words, const SpooledAttempt& attempt, const std::string& device,
                        int64_t now_unix_ms) {
-  return words.Say("cut_off.text",
-                   {{"count", int64_t{attempt.chunks}},
-                    {"device", device},
-                    {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
+  return words.Say(
+      "cut_off.text",
+      {{"device", device}, {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
 }
 
 std::string HandedInText(const Words& words, const SpooledAttempt& attempt,

@@ -20,7 +20,7 @@ std::string AssignmentText(const Words& words, const Catalogue::Exercise& exerci
 // A device as people call it, for the name of its profile: "Omega 3DOF". `profiles`: the server's.
 std::string DeviceText(const Words& words, std::string_view profile,
                        std::span<const Catalogue::Profile> profiles);
-// An interrupted attempt: "12 parts recorded, started 3 hours ago; device: Omega 3DOF".
+// An interrupted attempt: "Begun 3 hours ago; device: Omega 3DOF".
 std::string CutOffText(const Words& words, const SpooledAttempt& attempt, const std::string& device,
                        int64_t now_unix_ms);
 // An attempt handed in: "Handed in, made 5 minutes ago; device: Omega 3DOF".

@@ -4,6 +4,7 @@
 
 #include "station/desk/pages.h"
 #include "station/desk/problem_words.h"
+#include "station/desk/stop_sign.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -73,6 +74,7 @@ void Pages::Paused() {
   const bool put_down = run != nullptr && run->snapshot().put_down;
   ui_.BeginDialog("paused", Say(put_down ? "paused.put_down" : "paused.title"),
                   Ui::Space::kIsThePedal);
+  DrawStopSign(put_down ? Stop::kHolder : Stop::kPaused, ui_.Square(kSign_px));
   if (put_down) ui_.Text(Say("paused.in_holder"));
   ui_.Text(Say("paused.text"));
   ui_.Gap(12);
@@ -110,14 +112,17 @@ void Pages::HandIn() {
   Uploader::State up = flow_.upload();
   uint32_t chunks = flow_.chunks();
   const Status problem = flow_.recording_problem();
-  // "All parts are on the server" would be true and misleading if the end is not stored.
+  // "100 % is on the server" would be true and misleading if the end is not stored.
   const bool partly = !problem.ok() || (!flow_.busy() && !flow_.recorded());
-  ui_.Bar(Say(partly ? "hand_in.parts_without_end" : "hand_in.parts",
-              {{"done", int64_t{up.committed}}, {"count", int64_t{chunks}}}),
-          chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
+  const double share = chunks > 0 ? static_cast<double>(up.committed) / chunks : 0;
+  // Rounded down: 100 % is all of it.
+  const std::string percent = flow_.words().Decimal(std::floor(100 * share), 0);
+  ui_.Bar(Say(partly ? "hand_in.share_without_end" : "hand_in.share", {{"percent", percent}}),
+          share);
   ui_.Problem(flow_.problem());
   if (!problem.ok() && flow_.busy()) {
     // Still retrying: until then somebody can free space.
+    DrawStopSign(Stop::kDisk, ui_.Square(kSign_px));
     ui_.Problem(Say("hand_in.cannot_store"));
     if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {

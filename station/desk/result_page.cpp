@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "station/desk/pages.h"
+#include "station/desk/stop_sign.h"
 #include "station/render/materials.h"
 #include "station/words/score_words.h"
 
@@ -155,6 +156,7 @@ void Pages::Practice() {
 
 void Pages::PracticePaused() {
   ui_.BeginDialog("practice-paused", Say("paused.title"), Ui::Space::kIsThePedal);
+  DrawStopSign(Stop::kPaused, ui_.Square(kSign_px));
   ui_.Text(Say("practice.note"));
   ui_.Gap(12);
   if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();

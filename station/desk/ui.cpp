@@ -320,6 +320,13 @@ void Ui::Gap(float height) {
   ImGui::Dummy({1, height * px()});
 }
 
+Rect Ui::Square(float side) {
+  Gap(0);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::Dummy({side * px(), side * px()});
+  return {at.x, at.y, at.x + side * px(), at.y + side * px()};
+}
+
 void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px()); }
 
 bool Ui::Button(const std::string& label, Look look, bool enabled) {

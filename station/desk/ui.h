@@ -85,6 +85,8 @@ class Ui {
   void Note(const std::string& text);     // the same, quieter
   void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
+  // A square to draw into, in the current ImGui window.
+  Rect Square(float px);
   void Indent();  // the next button, as the words of a Line
   // The next button begins beside the last, where the page has room for it and nothing is between.
   void SameLine() { beside_ = after_button_; }

@@ -169,7 +169,7 @@ float DrawWarnings(const PanelContent& content, const Words& words, const Fonts&
                    float height, float px) {
   std::string text = WarningText(words, content);
   if (text.empty()) return 0;
-  float left = (kPanelWidth_px + 4 * kMargin_px) * px;
+  const float left = PanelRight(fonts);
   const float wrap = width - left - 3 * kMargin_px * px;
   // Several at a time in smaller letters: the tooth is below them.
   const ImVec2 large = fonts.far->CalcTextSizeA(fonts.far->FontSize, FLT_MAX, wrap, text.c_str());
@@ -210,7 +210,7 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
                  float width, float bottom, float px) {
   const float inset = 70 * px, size = 34 * px;
   // Beside the panel, which is at the left.
-  const float left_px = (kPanelWidth_px + 4 * kMargin_px) * px;
+  const float left_px = PanelRight(fonts);
   const glm::vec2 middle(0.5f * (left_px + width), 0.5f * (top + bottom));
   const float to_side = (0.5f * (width - left_px) - inset) / std::max(std::fabs(away.x), 1e-3f),
               to_top = (0.5f * (bottom - top) - inset) / std::max(std::fabs(away.y), 1e-3f);
@@ -324,6 +324,8 @@ void HideProgress(PanelContent& content) {
   content.reach = {};
   content.state.removed_mm3 = {};
 }
+
+float PanelRight(const Fonts& fonts) { return (kPanelWidth_px + 4 * kMargin_px) * fonts.scale; }
 
 void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
                int height) {

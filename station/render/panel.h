@@ -69,6 +69,9 @@ void HideProgress(PanelContent& content);
 void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
                int height);
 
+// Where what DrawPanel writes at the left ends, in window pixels.
+float PanelRight(const Fonts& fonts);
+
 // A hint whose lines break only where several spaces part two keys: a key and what it does stay
 // together.
 std::string Unbroken(const std::string& hint);

@@ -1,18 +1,15 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include <atomic>
 #include <boost/json.hpp>
-#include <fstream>
 #include <optional>
 #include <thread>
 
-#include "common/scene/cell.h"
 #include "station/desk/pages.h"
 #include "station/desk/warm_up.h"
 #include "station/desk/workflow.h"
-#include "station/hid/haptic_report.h"
 #include "tests/station/desk/english.h"
+#include "tests/station/desk/played_board.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
@@ -23,60 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing_support::HidBus;
-using testing_support::ScriptedHid;
 using Clock = Workflow::Clock;
 
 constexpr char kPin[] = "804217";
-
-// A haptic board of this profile that reports its pose about a thousand times a second.
-class PlayedBoard {
- public:
-  PlayedBoard(const fs::path& node, const std::string& profile_name) : path_(node.string()) {
-    std::ofstream(node) << "";  // who may read and write the file may use the device
-    ScriptedHid d;
-    d.path = path_;
-    d.vendor = 0x1209;
-    d.product = 0x0001;
-    d.usage_page = hid::kBoardUsagePage;
-    d.usage = hid::kBoardUsage;
-    hid::FeatureReport f;
-    for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
-      if (p.name != profile_name) continue;
-      f.resolution_nm.fill(static_cast<uint32_t>(scene::CountNm(p)));
-      f.peak_force_mn.fill(static_cast<uint32_t>(p.peak_force_mn.value));
-    }
-    f.rate_hz = 1000;
-    f.max_watchdog_ms = 100;
-    f.name = "Bench arm";
-    f.profile = profile_name;
-    auto bytes = hid::EncodeFeature(f);
-    d.feature.assign(bytes.begin(), bytes.end());
-    HidBus::Get().Plug(d);
-    player_ = std::thread([this] { Play(); });
-  }
-  ~PlayedBoard() {
-    stop_ = true;
-    player_.join();
-  }
-
-  std::atomic<uint8_t> buttons{0};  // bit 0 the pedal, bit 1 in its holder
-
- private:
-  void Play() {
-    hid::InputReport report;
-    while (!stop_) {
-      ++report.sequence;
-      report.time_us += 1000;
-      report.buttons = buttons;
-      HidBus::Get().Send(path_, hid::EncodeInput(report));
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-  }
-
-  const std::string path_;
-  std::atomic<bool> stop_{false};
-  std::thread player_;
-};
 
 // Attempts in the window, on tickets kept for later; pages are drawn as for a person.
 class DeskAttemptTest : public testing::Test {

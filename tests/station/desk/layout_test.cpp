@@ -10,6 +10,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
+#include "station/desk/stop_sign.h"
 #include "station/render/panel.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
@@ -81,8 +82,10 @@ class PagesLayoutTest : public LayoutTest {
     credentials.ticket_key = keys.public_key;
     ASSERT_TRUE(SaveCredentials(data(), credentials).ok());
     workplace_ = std::move(*Workplace::Open({.data = data()}));
-    KeepAttempt(data(), workplace_->spool(), credentials, keys.secret_key, server_->person,
-                "pointer", kKeptPin);
+    for (int i = 0; i < 2; ++i) {
+      KeepAttempt(data(), workplace_->spool(), credentials, keys.secret_key, server_->person,
+                  "pointer", kKeptPin);
+    }
     flow_.emplace(*workplace_, WorkflowOptions{});
     pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
   }
@@ -113,6 +116,13 @@ class PagesLayoutTest : public LayoutTest {
       Expect(what + ", " + std::string(NameOf(language)), [&] { (void)pages_->Draw(); });
     }
   }
+  void RunChosen() {
+    flow_->Start(false);
+    Await([&] { return flow_->place() == Place::kRunning; });
+    // What has no tick cannot be handed in.
+    Await([&] { return flow_->attempt()->run()->snapshot().counters.ticks > 10; });
+  }
+  void ExpectPractice();
   void ExpectDialog(Dialog dialog, const std::string& what) {
     flow_->Open(dialog);
     ExpectPage(what);
@@ -263,6 +273,7 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   flow_->OpenHandedIn(0);
   Await([&] { return flow_->score().has_value(); });
   ExpectPage("result");
+  ExpectPractice();
 
   pages_.reset();
   flow_.reset();
@@ -276,6 +287,38 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
     Expect("trouble, " + std::string(NameOf(language)),
            [&] { (void)DrawOpeningProblem(*ui_, words, opening); });
   }
+}
+
+// A cut that was interrupted is ended by somebody who may continue it for practice.
+void PagesLayoutTest::ExpectPractice() {
+  flow_->SignOut();
+  flow_->ToReserved();
+  flow_->AskPin(0);
+  flow_->OpenReserved(kKeptPin);
+  Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  RunChosen();
+  Await([&] { return flow_->chunks() > 0; });
+  pages_.reset();
+  flow_.emplace(*workplace_, WorkflowOptions{});
+  pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
+  server_->role = "instructor";
+  flow_->SignIn("ada", "secret");
+  Await([&] { return flow_->place() == Place::kExercises && !flow_->busy(); });
+  const auto kept =
+      std::ranges::find_if(flow_->cut_off(), [](const auto& a) { return a.chunks > 0; });
+  ASSERT_NE(kept, flow_->cut_off().end());
+  flow_->OpenCutOff(static_cast<size_t>(kept - flow_->cut_off().begin()));
+  flow_->GoOnWithCutOff();
+  Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  ExpectPage("exercise that continues");
+  RunChosen();
+  flow_->EndAttempt();
+  Await([&] { return flow_->may_go_on() && !flow_->busy(); });
+  ExpectPage("result that continues");
+  flow_->GoOnForPractice();
+  ExpectPage("practice");
+  ExpectDialog(Dialog::kPracticePaused, "practice paused");
+  flow_->EndPractice();
 }
 
 void LayoutTest::ExpectPanel() {
@@ -302,10 +345,14 @@ void LayoutTest::ExpectPanel() {
     content.hint = words.Say("hint.pointer") + "   " + words.Say("hint.outline") + "   " +
                    words.Say("hint.bur") + "   " + words.Say("hint.mirror_held");
     const std::string name(NameOf(language));
+    Stop stop = Stop::kNone;
     auto panel = [&] {
       render::DrawPanel(content, words, screen_->fonts(), screen_->width(), screen_->height());
-      DrawBurChoice(burs, content.state, words, screen_->fonts(), screen_->width(),
-                    screen_->height());
+      if (stop == Stop::kNone) {
+        DrawBurChoice(burs, content.state, words, screen_->fonts(), screen_->width(),
+                      screen_->height());
+      }
+      DrawStop(stop, words.Say("stop.kept"), screen_->fonts(), screen_->width(), screen_->height());
     };
     for (uint32_t warning = 0; warning < render::kWarningCount; ++warning) {
       content.state.warnings = 1U << warning;
@@ -316,6 +363,8 @@ void LayoutTest::ExpectPanel() {
     for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kUnplugged,
                         Fault::kSwitchedOff}) {
       content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(fault))}});
+      stop = StopOf(fault, false, false);
+      content.bur_away.reset();
       Expect(std::string(FaultKey(fault)) + ", " + name, panel);
     }
     content.fault.clear();
@@ -358,7 +407,7 @@ void LayoutTest::ExpectBar() {
     const Words words(language);
     Expect("bar, " + std::string(NameOf(language)), [&] {
       ui_->Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
-      ui_->Bar(words.Say("hand_in.parts_without_end", {{"done", 120}, {"count", 275}}), 0.5);
+      ui_->Bar(words.Say("hand_in.share_without_end", {{"percent", std::string("99")}}), 0.5);
       ui_->Problem(words.Say("hand_in.cannot_store"));
       ui_->End();
       ui_->EndFrame();

@@ -192,11 +192,10 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   SpooledAttempt cut;
   cut.chunks = 12;
   cut.created_unix_ms = kNow - 3 * 60 * kMinute;
-  EXPECT_EQ(CutOffText(kEnglish, cut, "Omega 3DOF", kNow),
-            "12 parts recorded, started 3 hours ago; device: Omega 3DOF");
+  EXPECT_EQ(CutOffText(kEnglish, cut, "Omega 3DOF", kNow), "Begun 3 hours ago; device: Omega 3DOF");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
   EXPECT_EQ(CutOffText(kEnglish, cut, "Omega 3DOF", kNow),
-            "12 parts recorded, started less than a minute ago; device: Omega 3DOF");
+            "Begun less than a minute ago; device: Omega 3DOF");
   EXPECT_EQ(HandedInText(kEnglish, cut, "Omega 3DOF", kNow),
             "Not all of it is on the server yet; made less than a minute ago; device: Omega 3DOF");
   cut.seal.emplace();

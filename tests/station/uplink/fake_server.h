@@ -128,6 +128,7 @@ class FakeServer {
   // The person who signs in, for any login.
   Uuid person = Uuid::New();
   // The password is for one use, until ChoosePassword replaces it.
+  std::string role = "student";  // of whoever signs in
   std::atomic<bool> must_change_password{false};
   // What ChoosePassword is refused with; set it before one comes.
   std::optional<Status> refuse_passwords;
@@ -303,7 +304,7 @@ class FakeServer {
       }
       wire::SignedIn& in = *reply.mutable_signed_in();
       in.set_person_id(protocol::ToField(person.view()));
-      in.set_role("student");
+      in.set_role(role);
       in.set_session(must_change_password ? "once" : "own");
       in.set_must_change_password(must_change_password);
     } else if (request.has_list_exercises()) {
