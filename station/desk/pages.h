@@ -14,6 +14,8 @@ using language::Words;
 
 // A page that uses the whole window; values are shares of it.
 inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
+// With room for an end that cannot be stored.
+inline constexpr Ui::Page kHandInPage{0.15f, 0.06f, 0.7f, 0.88f, false};
 
 // Draws the page of the current place and passes choices to the workflow. Text being typed into
 // fields is kept here, and forgotten on leaving.

@@ -107,7 +107,7 @@ void Pages::AskGiveUp() {
 }
 
 void Pages::HandIn() {
-  ui_.Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
+  ui_.Begin("hand-in", kHandInPage);
   ui_.Title(Say("hand_in.title"));
   Uploader::State up = flow_.upload();
   uint32_t chunks = flow_.chunks();

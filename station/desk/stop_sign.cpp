@@ -65,12 +65,12 @@ class Pen {
 void DrawPlug(const Pen& pen, float gap) {
   const float left = 0.44f - gap / 2, right = 0.44f + gap / 2;
   pen.Line(0.04f, 0.5f, left - 0.2f, 0.5f);
-  pen.Box(left - 0.22f, 0.34f, left, 0.66f);
+  pen.Box(left - 0.22f, 0.24f, left, 0.76f);
   if (gap > 0) {
-    pen.Line(left, 0.42f, left + 0.1f, 0.42f, 0.05f);
-    pen.Line(left, 0.58f, left + 0.1f, 0.58f, 0.05f);
+    pen.Line(left, 0.38f, left + 0.1f, 0.38f);
+    pen.Line(left, 0.62f, left + 0.1f, 0.62f);
   }
-  pen.Box(right + 0.06f, 0.3f, right + 0.3f, 0.7f);
+  pen.Box(right + 0.06f, 0.18f, right + 0.3f, 0.82f);
   pen.Line(right + 0.28f, 0.5f, 0.96f, 0.5f);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <imgui.h>
+#include <sqlite3.h>
 
 #include <fstream>
 #include <optional>
@@ -121,6 +122,20 @@ class PagesLayoutTest : public LayoutTest {
     Await([&] { return flow_->place() == Place::kRunning; });
     // What has no tick cannot be handed in.
     Await([&] { return flow_->attempt()->run()->snapshot().counters.ticks > 10; });
+  }
+  // As where the station's power went.
+  void TakeSealsAway() {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open((data() / "spool.sqlite").c_str(), &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 20'000);  // the uploader writes too
+    EXPECT_EQ(sqlite3_exec(db,
+                           "UPDATE attempts SET seal_chunks = NULL, seal_ticks = NULL, "
+                           "seal_last_sha256 = NULL, seal_state_hash = NULL, sealed_at_server = 0 "
+                           "WHERE created_unix_ms = (SELECT max(created_unix_ms) FROM attempts)",
+                           nullptr, nullptr, nullptr),
+              SQLITE_OK);
+    EXPECT_EQ(sqlite3_changes(db), 1);
+    sqlite3_close(db);
   }
   void ExpectPractice();
   void ExpectDialog(Dialog dialog, const std::string& what) {
@@ -299,6 +314,8 @@ void PagesLayoutTest::ExpectPractice() {
   RunChosen();
   Await([&] { return flow_->chunks() > 0; });
   pages_.reset();
+  flow_.reset();  // ends the attempt
+  TakeSealsAway();
   flow_.emplace(*workplace_, WorkflowOptions{});
   pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
   server_->role = "instructor";
@@ -406,9 +423,14 @@ void LayoutTest::ExpectBar() {
   for (Language language : languages()) {
     const Words words(language);
     Expect("bar, " + std::string(NameOf(language)), [&] {
-      ui_->Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
+      ui_->Begin("hand-in", kHandInPage);
+      ui_->Title(words.Say("hand_in.title"));
       ui_->Bar(words.Say("hand_in.share_without_end", {{"percent", std::string("99")}}), 0.5);
+      DrawStopSign(Stop::kDisk, ui_->Square(kSign_px));
       ui_->Problem(words.Say("hand_in.cannot_store"));
+      for (const char* choice : {"hand_in.give_up_end", "hand_in.leave", "hand_in.again"}) {
+        (void)ui_->Button(words.Say(choice));
+      }
       ui_->End();
       ui_->EndFrame();
     });
