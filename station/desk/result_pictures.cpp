@@ -14,12 +14,6 @@ namespace {
 
 constexpr int kStill_px = 640;  // of a side
 
-render::GroupMesh Whole(const surface::Mesh& mesh, std::span<const uint8_t> materials) {
-  render::GroupMesh out;
-  render::Append(mesh, materials, out);
-  return out;
-}
-
 }  // namespace
 
 Result<ResultSurfaces> SurfacesOf(LookBack& recording,
@@ -29,17 +23,19 @@ Result<ResultSurfaces> SurfacesOf(LookBack& recording,
   ResultSurfaces out;
   out.camera = render::StillCamera(ViewOf(prepared), prepared.volume);
   const surface::Mesh before = surface::ExtractSurface(prepared.volume);
-  out.before = Whole(before, before.tissue);
-  out.after_surface = surface::ExtractSurface(end.core->volume().Unpacked(), &out.after_cells);
-  out.after = Whole(out.after_surface, out.after_surface.tissue);
+  render::Append(before, render::ToothLooks(prepared.volume), out.before);
+  const cutting::Volume after = end.core->volume().Unpacked();
+  out.after_surface = surface::ExtractSurface(after, &out.after_cells);
+  render::Append(out.after_surface, render::ToothLooks(after), out.after);
   return out;
 }
 
 render::GroupMesh TargetSurface(const PreparedAttempt& prepared) {
   const auto target = PreparedFor(prepared.scene, prepared.exercise.target, prepared.volume);
   if (!target) return {};
-  const surface::Mesh mesh = surface::ExtractSurface(*target);
-  return Whole(mesh, mesh.tissue);
+  render::GroupMesh out;
+  render::Append(surface::ExtractSurface(*target), render::ToothLooks(*target), out);
+  return out;
 }
 
 Result<render::GroupMesh> DeviationSurface(const surface::Mesh& after, std::span<const ivec3> cells,
@@ -52,7 +48,9 @@ Result<render::GroupMesh> DeviationSurface(const surface::Mesh& after, std::span
     const auto off_um = known.At_um(cell);
     materials.push_back(off_um ? render::DeviationMaterial(1e-3 * *off_um) : render::kUntouched);
   }
-  return Whole(after, materials);
+  render::GroupMesh out;
+  render::Append(after, materials, out);
+  return out;
 }
 
 ResultPictures::ResultPictures(const ResultSurfaces& surfaces)

@@ -96,6 +96,9 @@ TriangleBuffer::TriangleBuffer() {
   glEnableVertexAttribArray(2);
   glVertexAttribIPointer(2, 1, GL_UNSIGNED_BYTE, sizeof(GpuVertex),
                          at(offsetof(GpuVertex, tissue)));
+  glEnableVertexAttribArray(3);
+  glVertexAttribPointer(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(GpuVertex),
+                        at(offsetof(GpuVertex, look)));
   glBindVertexArray(0);
 }
 

@@ -41,7 +41,7 @@ class Program {
   GLuint name_ = 0;
 };
 
-// Indexed triangles of GpuVertex: attributes 0 position, 1 normal, 2 tissue or material. Optionally
+// Indexed triangles of GpuVertex: attributes 0 position, 1 normal, 2 tissue or material, 3 look. Optionally
 // coarser triangles of the same vertices.
 class TriangleBuffer {
  public:

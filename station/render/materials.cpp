@@ -53,6 +53,15 @@ std::array<float, 16> Gloss() {
 
 }  // namespace
 
+glm::vec3 TissueColour(cutting::Tissue tissue) {
+  static const auto colours = Colours();
+  return colours[static_cast<size_t>(tissue)];
+}
+double TissueGloss(cutting::Tissue tissue) {
+  static const auto gloss = Gloss();
+  return static_cast<double>(gloss[static_cast<size_t>(tissue)]);
+}
+
 void SetMaterials(const Program& program) {
   program.Set("colours", std::span<const glm::vec3>(Colours()));
   program.Set("gloss", std::span<const float>(Gloss()));

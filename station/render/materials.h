@@ -1,8 +1,13 @@
 #pragma once
 
+#include "common/cutting/tissue.h"
 #include "station/render/gl_objects.h"
 
 namespace enamel::station::render {
+
+// Linear; of enamel and dentin those of an endless layer (tooth_looks.h).
+glm::vec3 TissueColour(cutting::Tissue tissue);
+double TissueGloss(cutting::Tissue tissue);
 
 // Colours and gloss of the tissues and of Material (revolve.h), for the program in use.
 void SetMaterials(const Program& program);

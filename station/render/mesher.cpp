@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
 
 #include "station/render/revolve.h"
@@ -52,16 +50,36 @@ void ForEachNormal(std::span<const GpuVertex> vertices, std::span<const uint32_t
 
 }  // namespace
 
-void Append(const surface::Mesh& part, std::span<const uint8_t> materials, GroupMesh& mesh) {
+namespace {
+
+// `finish(vertex, i)`: what else the i-th vertex has.
+template <typename Finish>
+void AppendWith(const surface::Mesh& part, GroupMesh& mesh, Finish&& finish) {
   auto base = static_cast<uint32_t>(mesh.vertices.size());
   for (size_t i = 0; i < part.position_m.size(); ++i) {
     glm::vec3 p = part.position_m[i] * 1000.0f, n = part.normal[i];
-    mesh.vertices.push_back(
-        {{p.x, p.y, p.z}, {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)}, materials[i]});
+    GpuVertex vertex{{p.x, p.y, p.z}, {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)}, part.tissue[i]};
+    finish(vertex, i);
+    mesh.vertices.push_back(vertex);
   }
   for (const auto& t : part.triangles) {
     for (uint32_t i : t) mesh.indices.push_back(base + i);
   }
+}
+
+}  // namespace
+
+void Append(const surface::Mesh& part, std::span<const uint8_t> materials, GroupMesh& mesh) {
+  AppendWith(part, mesh, [&](GpuVertex& vertex, size_t i) { vertex.tissue = materials[i]; });
+}
+
+void Append(const surface::Mesh& part, const ToothLooks& looks, GroupMesh& mesh) {
+  AppendWith(part, mesh, [&](GpuVertex& vertex, size_t i) {
+    if (!ToothLooks::IsTooth(vertex.tissue)) return;
+    vertex.look = looks.At(dvec3(part.position_m[i]), dvec3(part.normal[i]),
+                           static_cast<cutting::Tissue>(vertex.tissue));
+    vertex.tissue = kTooth;
+  });
 }
 
 Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices) {
@@ -103,6 +121,7 @@ Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watc
       watch_(std::move(watch)),
       groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
       replica_(initial),
+      looks_(replica_),
       bricks_(initial.spec()) {
   replica_.Reserve();
   auto bricks = static_cast<size_t>(initial.spec().brick_count());
@@ -216,94 +235,10 @@ bool Mesher::CoarsenOne() {
   return true;
 }
 
-// Enamel scatters 6.6 times per mm with a mean cosine of 0.68 (red light; Zijp, ten Bosch, Groenhuis,
-// J. Dent. Res. 74, 1995, 1891-1898) and hardly absorbs. Two fluxes then exchange 3/4 of what turns
-// back per mm (van Gemert, Star, Lasers Life Sci. 1, 1987), and 1 / (1 + S t) of the light passes a
-// layer t (Kubelka, J. Opt. Soc. Am. 38, 1948).
-constexpr double kScattered_per_mm = 0.75 * 6.6 * (1 - 0.68);
-// Through more, less than a shade of kCementShades shows.
-constexpr double kThickest_m = 2.4e-3;
-
-// What of the colour seen is the dentin's, through enamel: the light passes twice.
-double ShareThrough(double enamel_m) {
-  const double passes = 1 / (1 + kScattered_per_mm * 1e3 * enamel_m);
-  return passes * passes;
-}
-
-// Where enamel ends the labels of voxels make a staircase. The share of enamel within some voxels
-// around a point of the surface, just under it, is the same line without the steps.
-Mesher::Around Mesher::EnamelAround(const dvec3& p, const dvec3& n) const {
-  using cutting::Tissue;
-  constexpr double kReach = 3;  // voxels
-  constexpr std::array<double, 2> kRings = {0.4, 1};
-  constexpr int kOfRing = 8;
-  const double voxel_m = replica_.spec().voxel_m();
-  const dvec3 u =
-      glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  const dvec3 v = glm::cross(n, u);
-  int enamel = 0, both = 0;
-  dvec3 sum(0);
-  for (const double ring : kRings) {
-    for (int i = 0; i < kOfRing; ++i) {
-      const double turn = 2 * std::numbers::pi * (i + ring) / kOfRing;
-      const dvec3 at = p + kReach * ring * voxel_m * (std::cos(turn) * u + std::sin(turn) * v);
-      const Tissue there = replica_.TissueAtPoint(at);
-      both += there == Tissue::kEnamel || there == Tissue::kDentin;
-      if (there != Tissue::kEnamel) continue;
-      ++enamel;
-      sum += at;
-    }
-  }
-  if (both == 0) return {-1, p};
-  return {static_cast<double>(enamel) / both, enamel == 0 ? p : sum / double(enamel)};
-}
-
-// How thick enamel is over dentin, from a point a voxel inside it; infinite where it shows no
-// dentin.
-double Mesher::EnamelUnder_m(const dvec3& p, const dvec3& n) const {
-  using cutting::Tissue;
-  constexpr double kStep_m = 0.2e-3;
-  for (double end = kStep_m; end <= kThickest_m; end += kStep_m) {
-    const Tissue there = replica_.TissueAtPoint(p - end * n);
-    if (there == Tissue::kEnamel) continue;
-    if (there != Tissue::kDentin) break;
-    double from = end - kStep_m, to = end;
-    for (int i = 0; i < 4; ++i) {
-      const double middle = 0.5 * (from + to);
-      (replica_.TissueAtPoint(p - middle * n) == Tissue::kEnamel ? from : to) = middle;
-    }
-    return replica_.spec().voxel_m() + to;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-uint8_t Mesher::MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8_t tissue) const {
-  using cutting::Tissue;
-  const bool enamel = tissue == static_cast<uint8_t>(Tissue::kEnamel);
-  if (!enamel && tissue != static_cast<uint8_t>(Tissue::kDentin)) return tissue;
-  const dvec3 n(normal), p = dvec3(at_m) - replica_.spec().voxel_m() * n;
-  const Around around = EnamelAround(p, n);
-  if (around.share < 0) return tissue;
-  double share = around.share;
-  if (share > 0) {
-    const bool enamel_here = replica_.TissueAtPoint(p) == Tissue::kEnamel;
-    share *= 1 - ShareThrough(EnamelUnder_m(enamel_here ? p : around.enamel_m, n));
-  }
-  return static_cast<uint8_t>(kCementLine + std::lround(share * (kCementShades - 1)));
-}
-
 GroupMesh Mesher::Assemble(size_t group) const {
   GroupMesh out;
   out.group = group;
-  std::vector<uint8_t> materials;
-  for (int32_t b : bricks_of_group_[group]) {
-    const surface::Mesh& mesh = bricks_.at(b);
-    materials.clear();
-    for (size_t v = 0; v < mesh.position_m.size(); ++v) {
-      materials.push_back(MaterialAt(mesh.position_m[v], mesh.normal[v], mesh.tissue[v]));
-    }
-    Append(mesh, materials, out);
-  }
+  for (int32_t b : bricks_of_group_[group]) Append(bricks_.at(b), looks_, out);
   out.bounds = BoundsOf(out.vertices, out.indices);
   return out;
 }

@@ -13,6 +13,7 @@
 #include "common/cutting/volume.h"
 #include "common/surface/brick_meshes.h"
 #include "station/render/brick_feed.h"
+#include "station/render/tooth_looks.h"
 
 namespace enamel::station::render {
 
@@ -20,9 +21,10 @@ namespace enamel::station::render {
 struct GpuVertex {
   float position_mm[3];
   int8_t normal[3];  // 127 = 1
-  uint8_t tissue;
+  uint8_t tissue;    // or Material (revolve.h)
+  Look look{};       // of kTooth
 };
-static_assert(sizeof(GpuVertex) == 16);
+static_assert(sizeof(GpuVertex) == 20);
 
 // A mesh's place and the directions of its triangles, so that hidden ones are not drawn.
 struct Bounds {
@@ -46,8 +48,10 @@ struct GroupMesh {
   bool same_surface = false;  // same as the previous one: only `coarse` is new
 };
 
-// Adds a mesh, with the material of each of its vertices. `mesh.bounds` are as before.
+// Add a mesh: with the material of each of its vertices, or as a tooth whose tissues look so.
+// `mesh.bounds` are as before.
 void Append(const surface::Mesh& part, std::span<const uint8_t> materials, GroupMesh& mesh);
+void Append(const surface::Mesh& part, const ToothLooks& looks, GroupMesh& mesh);
 
 // Called with the replica on the mesher's thread after it has changed, at most every
 // kWatchInterval, to measure what was removed. The picture waits meanwhile.
@@ -82,14 +86,6 @@ class Mesher {
   bool CoarsenOne();  // false when there is nothing to do
   void LetWatch();
   GroupMesh Assemble(size_t group) const;
-  // The share of enamel in tooth around a point, -1 where there is none; and the enamel's middle.
-  struct Around {
-    double share = -1;
-    dvec3 enamel_m{0};
-  };
-  Around EnamelAround(const dvec3& p, const dvec3& n) const;
-  double EnamelUnder_m(const dvec3& p, const dvec3& n) const;
-  uint8_t MaterialAt(const glm::vec3& at_m, const glm::vec3& normal, uint8_t tissue) const;
   void Deliver(GroupMesh mesh);
   size_t GroupOf(const ivec3& brick) const;
 
@@ -99,6 +95,7 @@ class Mesher {
   ivec3 groups_{0};
   // Owned by the mesher's thread.
   cutting::Volume replica_;
+  const ToothLooks looks_;
   surface::BrickMeshes bricks_;
   std::vector<std::vector<int32_t>> bricks_of_group_;
   std::vector<int32_t> changed_;

@@ -5,20 +5,18 @@ namespace enamel::station::render {
 const char* const kLooks = R"(#version 330 core
 uniform vec3 colours[16];
 uniform float gloss[16];
-// Colour and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14. 213 to 232 is the rubber
-// dam, 233 to 255 from dentin to enamel.
-vec4 Looks(uint material) {
-  if (material >= 233u) {
-    float enamel = float(material - 233u) / 22.0;
-    return vec4(mix(colours[2], colours[1], enamel), mix(gloss[2], gloss[1], enamel));
-  }
-  if (material >= 213u) return vec4(colours[15], gloss[15]);
-  if (material < 12u) return vec4(colours[material], gloss[material]);
+// Colour, as its square root, and gloss. 12 to 212 is the gingiva: from 12 by 13 to 14. 213 to 232 is
+// the rubber dam, 233 a tooth, which has a look of its own.
+vec4 Coloured(vec3 colour, float shine) { return vec4(sqrt(colour), shine); }
+vec4 Looks(uint material, vec4 own) {
+  if (material >= 233u) return own;
+  if (material >= 213u) return Coloured(colours[15], gloss[15]);
+  if (material < 12u) return Coloured(colours[material], gloss[material]);
   float at = float(material - 12u) / 100.0;
   int first = at < 1.0 ? 12 : 13;
   float part = at - float(first - 12);
-  return vec4(mix(colours[first], colours[first + 1], part),
-              mix(gloss[first], gloss[first + 1], part));
+  return Coloured(mix(colours[first], colours[first + 1], part),
+                  mix(gloss[first], gloss[first + 1], part));
 }
 // The dark of the mouth and the rest of the sheet fade into the background.
 float Opacity(uint material) {
@@ -32,6 +30,7 @@ const char* const kSolidVertex = R"(
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
+layout(location = 3) in vec4 look;
 uniform mat4 view_from_model, clip_from_view;
 uniform vec4 before;
 out vec3 local, view_position, view_normal, albedo;
@@ -42,8 +41,8 @@ void main() {
   local = position_mm;
   view_position = p.xyz;
   view_normal = mat3(view_from_model) * normal;
-  vec4 looks = Looks(material);
-  albedo = looks.rgb;
+  vec4 looks = Looks(material, look);
+  albedo = looks.rgb * looks.rgb;
   shine = looks.a;
   kind = material;
   gl_Position = clip_from_view * p;
@@ -101,14 +100,14 @@ const char* const kToothVertex = R"(
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in uint material;
+layout(location = 3) in vec4 look;
 uniform mat4 view_from_model, clip_from_view;
 uniform vec4 before;
 out vec4 view_normal_and_opacity;
 out vec4 root_albedo_and_shine;
 void main() {
   view_normal_and_opacity = vec4(mat3(view_from_model) * normal, Opacity(material));
-  vec4 looks = Looks(material);
-  root_albedo_and_shine = vec4(sqrt(looks.rgb), looks.a);
+  root_albedo_and_shine = Looks(material, look);
   vec4 p = view_from_model * vec4(position_mm, 1.0);
   gl_Position = clip_from_view * p;
   gl_ClipDistance[0] = dot(before, p);

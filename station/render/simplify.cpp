@@ -70,19 +70,36 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
 
 // Materials that shade into each other (revolve.h) are one within such a band of shades, so that a
 // large triangle's colours are no coarser than that.
-constexpr int kBand = 20, kCementBand = 6;
-uint8_t KindOf(uint8_t material) {
-  if (material >= kCementLine) {
-    return static_cast<uint8_t>(kCementLine + (material - kCementLine) / kCementBand);
+constexpr int kBand = 20;
+// So do colours of a tooth: within a sixteenth of red, and of blue.
+constexpr int kColourBand = 16, kColourBands = 256 / kColourBand;
+size_t KindOf(const GpuVertex& v) {
+  const uint8_t material = v.tissue;
+  if (material == kTooth) {
+    const auto& [red, green, blue] = v.look.root_albedo;
+    return size_t{kTooth} + red / kColourBand * kColourBands + blue / kColourBand;
   }
   if (material < kGingiva) return material;
   const uint8_t first = material < kRubberDam ? kGingiva : kRubberDam;
-  return static_cast<uint8_t>(first + (material - first) / kBand);
+  return first + static_cast<size_t>(material - first) / kBand;
+}
+constexpr size_t kKinds = kTooth + size_t{kColourBands} * kColourBands;
+
+// Whether a tooth's look changes within some tenths of a millimetre: as where dentin becomes enamel.
+bool IsBorder(const GpuVertex& a, const GpuVertex& b, const GpuVertex& c) {
+  constexpr int kMostApart = 9;  // a twentieth of what enamel and dentin differ by, twice
+  if (a.tissue != kTooth) return false;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto [lo, hi] =
+        std::minmax({a.look.root_albedo[i], b.look.root_albedo[i], c.look.root_albedo[i]});
+    if (hi - lo > kMostApart) return true;
+  }
+  return false;
 }
 
 // Triangles of one tissue or material without edges, by it; and all others.
 struct Parts {
-  std::array<std::vector<uint32_t>, 256> smooth;
+  std::array<std::vector<uint32_t>, kKinds> smooth;
   std::vector<uint32_t> others;
 };
 
@@ -94,12 +111,9 @@ Parts Split(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>&
                     &c = vertices[indices[i + 2]];
     glm::vec3 n[] = {NormalOf(a), NormalOf(b), NormalOf(c)};
     float least = std::min({glm::dot(n[0], n[1]), glm::dot(n[1], n[2]), glm::dot(n[2], n[0])});
-    const uint8_t kind = KindOf(a.tissue);
-    const auto [lo, hi] = std::minmax({a.tissue, b.tissue, c.tissue});
-    // Where dentin becomes enamel within some tenths of a millimetre.
-    const bool border = lo >= kCementLine && hi > lo + 1;
+    const size_t kind = KindOf(a);
     bool smooth =
-        kind == KindOf(b.tissue) && kind == KindOf(c.tissue) && !border && least >= least_crease;
+        kind == KindOf(b) && kind == KindOf(c) && !IsBorder(a, b, c) && least >= least_crease;
     auto& part = smooth ? parts.smooth[kind] : parts.others;
     part.insert(part.end(), indices.begin() + static_cast<ptrdiff_t>(i),
                 indices.begin() + static_cast<ptrdiff_t>(i) + 3);

@@ -1,0 +1,142 @@
+#include "station/render/tooth_looks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+
+#include "station/render/materials.h"
+
+namespace enamel::station::render {
+namespace {
+
+using cutting::Tissue;
+
+// Enamel scatters 6.6 times per mm with a mean cosine of 0.68 (red light; Zijp, ten Bosch, Groenhuis,
+// J. Dent. Res. 74, 1995, 1891-1898). Two fluxes then exchange 3/4 of what turns back per mm (van
+// Gemert, Star, Lasers Life Sci. 1, 1987).
+constexpr double kEnamel_per_mm = 0.75 * 6.6 * (1 - 0.68);
+
+// Below this depth less than a thirtieth of the colour is that of the ground.
+constexpr double kThickestEnamel_m = 3e-3;
+constexpr double kStep_m = 0.2e-3;
+// Light spreads sideways on its way: the mean of five ways, four of them aslant.
+constexpr int kWays = 5;
+constexpr double kAslant = 0.5;  // sine of that angle
+
+// What of the colour seen is the dentin's, through enamel. 1 / (1 + S t) of the light passes a layer t
+// that absorbs nothing (Kubelka, J. Opt. Soc. Am. 38, 1948), and it passes twice.
+double DentinShare(double enamel_m) {
+  const double passes = 1 / (1 + kEnamel_per_mm * 1e3 * enamel_m);
+  return passes * passes;
+}
+
+struct Frame {
+  dvec3 u, v;
+};
+Frame FrameOf(const dvec3& n) {
+  const dvec3 u =
+      glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+  return {u, glm::cross(n, u)};
+}
+
+uint8_t ToByte(double v) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+}
+
+Look LookOf(const dvec3& albedo, double gloss) {
+  Look out;
+  for (size_t i = 0; i < 3; ++i) {
+    out.root_albedo[i] = ToByte(std::sqrt(std::max(albedo[static_cast<int>(i)], 0.0)));
+  }
+  out.gloss = ToByte(gloss);
+  return out;
+}
+
+dvec3 ColourOf(Tissue tissue) { return dvec3(TissueColour(tissue)); }
+
+}  // namespace
+
+ToothLooks::ToothLooks(const cutting::Volume& now) : now_(now), voxel_m_(now.spec().voxel_m()) {}
+
+bool ToothLooks::IsTooth(uint8_t tissue) {
+  return tissue == static_cast<uint8_t>(Tissue::kEnamel) ||
+         tissue == static_cast<uint8_t>(Tissue::kDentin);
+}
+
+Tissue ToothLooks::SolidAt(const dvec3& p) const {
+  const dvec3 at = (p - now_.spec().origin_m()) / voxel_m_ + 0.5;
+  if (at.x < 0 || at.y < 0 || at.z < 0) return Tissue::kAir;
+  const ivec3 voxel(at);
+  return now_.PhiAt(voxel) < 0 ? now_.TissueAt(voxel) : Tissue::kAir;
+}
+
+// Where enamel ends the labels of voxels make a staircase. The shares of the tissues within some voxels
+// around a point of the surface, just under it, give the same line without the steps.
+ToothLooks::Mixed ToothLooks::MixedAround(const dvec3& p, const dvec3& n) const {
+  constexpr double kReach = 3;  // voxels
+  constexpr std::array<double, 2> kRings = {0.4, 1};
+  constexpr int kOfRing = 8;
+  const auto [u, v] = FrameOf(n);
+  int enamel = 0, dentin = 0;
+  Mixed out;
+  for (const double ring : kRings) {
+    for (int i = 0; i < kOfRing; ++i) {
+      const double turn = 2 * std::numbers::pi * (i + ring) / kOfRing;
+      const dvec3 at = p + kReach * ring * voxel_m_ * (std::cos(turn) * u + std::sin(turn) * v);
+      const Tissue there = now_.TissueAtPoint(at);
+      dentin += there == Tissue::kDentin;
+      if (there != Tissue::kEnamel) continue;
+      ++enamel;
+      out.enamel_m += at;
+    }
+  }
+  if (enamel > 0) out.enamel_m /= enamel;
+  if (enamel + dentin > 0) out.enamel = static_cast<double>(enamel) / (enamel + dentin);
+  out.known = enamel + dentin > 0;
+  return out;
+}
+
+ToothLooks::Ground ToothLooks::GroundBelow(Tissue own, const dvec3& p, const dvec3& way,
+                                           double limit_m) const {
+  for (double end = kStep_m; end <= limit_m; end += kStep_m) {
+    const Tissue there = SolidAt(p + end * way);
+    if (there == own) continue;
+    double from = end - kStep_m, to = end;
+    for (int i = 0; i < 4; ++i) {
+      const double middle = 0.5 * (from + to);
+      (SolidAt(p + middle * way) == own ? from : to) = middle;
+    }
+    return {there, voxel_m_ + to};
+  }
+  return {own, limit_m};
+}
+
+dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
+  const auto [u, v] = FrameOf(n);
+  dvec3 sum(0);
+  for (int i = 0; i < kWays; ++i) {
+    const double turn = 0.5 * std::numbers::pi * i;
+    const dvec3 aside = std::cos(turn) * u + std::sin(turn) * v;
+    const dvec3 way = i == kWays - 1 ? -n : kAslant * aside - std::sqrt(1 - kAslant * kAslant) * n;
+    const Ground ground = GroundBelow(Tissue::kEnamel, p, way, kThickestEnamel_m);
+    const double dentin = ground.tissue == Tissue::kDentin ? DentinShare(ground.at_m) : 0;
+    sum += glm::mix(ColourOf(Tissue::kEnamel), ColourOf(Tissue::kDentin), dentin);
+  }
+  return sum / double{kWays};
+}
+
+Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const {
+  const dvec3 p = surface_m - voxel_m_ * n;
+  const Mixed around = MixedAround(p, n);
+  double share = around.known ? around.enamel : tissue == Tissue::kEnamel;
+  dvec3 colour = ColourOf(Tissue::kDentin);
+  if (share > 0) {
+    const bool enamel_here = !around.known || now_.TissueAtPoint(p) == Tissue::kEnamel;
+    colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), share);
+  }
+  return LookOf(colour,
+                glm::mix(TissueGloss(Tissue::kDentin), TissueGloss(Tissue::kEnamel), share));
+}
+
+}  // namespace enamel::station::render

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/cutting/volume.h"
+#include "common/math/vec.h"
+
+namespace enamel::station::render {
+
+// What a vertex of a tooth does with light.
+struct Look {
+  std::array<uint8_t, 3> root_albedo{};  // the square root of the linear one; 255 = 1
+  uint8_t gloss = 0;                     // 255 = 1
+
+  bool operator==(const Look&) const = default;
+};
+
+// The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
+// get the same as built-in ones. Enamel is a layer through which dentin shows.
+// Thread safety: reads the volume only. Not real-time.
+class ToothLooks {
+ public:
+  // `now` must outlive this.
+  explicit ToothLooks(const cutting::Volume& now);
+
+  static bool IsTooth(uint8_t tissue);
+  // Of a vertex (surface::Mesh): a point of the surface, its normal, the tissue under it. Requires:
+  // IsTooth(tissue).
+  Look At(const dvec3& surface_m, const dvec3& normal, cutting::Tissue tissue) const;
+
+ private:
+  // Of enamel and dentin around a point.
+  struct Mixed {
+    bool known = false;  // there is some
+    double enamel = 0;   // its share
+    dvec3 enamel_m{0};   // its middle
+  };
+  // Where a layer ends.
+  struct Ground {
+    cutting::Tissue tissue;  // the layer's own: it does not end
+    double at_m;             // below the surface
+  };
+  // Air outside the surface too.
+  cutting::Tissue SolidAt(const dvec3& p) const;
+  Mixed MixedAround(const dvec3& p, const dvec3& n) const;
+  // From a point a voxel inside, which is in tissue `own`.
+  Ground GroundBelow(cutting::Tissue own, const dvec3& p, const dvec3& way, double limit_m) const;
+  dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
+
+  const cutting::Volume& now_;
+  const double voxel_m_;
+};
+
+}  // namespace enamel::station::render
