@@ -105,7 +105,8 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
           nearness->Look();
           zones->Look(now);
           reach->Look(now);
-        });
+        },
+        &p.volume);
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");
   }

@@ -26,7 +26,7 @@ Result<ResultSurfaces> SurfacesOf(LookBack& recording,
   render::Append(before, render::ToothLooks(prepared.volume), out.before);
   const cutting::Volume after = end.core->volume().Unpacked();
   out.after_surface = surface::ExtractSurface(after, &out.after_cells);
-  render::Append(out.after_surface, render::ToothLooks(after), out.after);
+  render::Append(out.after_surface, render::ToothLooks(after, &prepared.volume), out.after);
   return out;
 }
 
@@ -34,7 +34,7 @@ render::GroupMesh TargetSurface(const PreparedAttempt& prepared) {
   const auto target = PreparedFor(prepared.scene, prepared.exercise.target, prepared.volume);
   if (!target) return {};
   render::GroupMesh out;
-  render::Append(surface::ExtractSurface(*target), render::ToothLooks(*target), out);
+  render::Append(surface::ExtractSurface(*target), render::ToothLooks(*target, &prepared.volume), out);
   return out;
 }
 

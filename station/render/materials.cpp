@@ -41,12 +41,15 @@ std::array<glm::vec3, 16> Colours() {
 std::array<float, 16> Gloss() {
   std::array<float, 16> g;
   g.fill(0.25f);
-  g[1] = 0.55f;
-  g[2] = 0.15f;
+  g[1] = 0.8f;  // wet
+  g[2] = 0.5f;
+  g[3] = 0.6f;
+  g[4] = 0.1f;  // soft
+  g[7] = 0.7f;
   g[kBurHead] = g[kBurShank] = 1.0f;
   g[kForceArrow] = g[kTargetLine] = 0.1f;
   // Wet, and duller into the dark.
-  g[kGingiva] = 0.4f, g[kGingiva + 1] = 0.3f, g[kGingiva + 2] = 0;
+  g[kGingiva] = 0.7f, g[kGingiva + 1] = 0.6f, g[kGingiva + 2] = 0;
   g[15] = 0.06f;  // matt
   return g;
 }

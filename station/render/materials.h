@@ -7,7 +7,10 @@ namespace enamel::station::render {
 
 // Linear; of enamel and dentin those of an endless layer (tooth_looks.h).
 glm::vec3 TissueColour(cutting::Tissue tissue);
+// Of an uncut surface.
 double TissueGloss(cutting::Tissue tissue);
+// What a bur leaves of it.
+inline constexpr double kCutGloss = 0.2;
 
 // Colours and gloss of the tissues and of Material (revolve.h), for the program in use.
 void SetMaterials(const Program& program);

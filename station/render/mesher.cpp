@@ -116,12 +116,13 @@ bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm) {
   return open >= kRightAngle || glm::dot(bounds.axis, to_middle) / distance <= std::sin(open);
 }
 
-Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch)
+Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch,
+               const cutting::Volume* uncut)
     : feed_(feed),
       watch_(std::move(watch)),
       groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
       replica_(initial),
-      looks_(replica_),
+      looks_(replica_, uncut),
       bricks_(initial.spec()) {
   replica_.Reserve();
   auto bricks = static_cast<size_t>(initial.spec().brick_count());

@@ -67,7 +67,9 @@ class Mesher {
   static constexpr std::chrono::milliseconds kRest{250};
 
   // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
-  Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {});
+  // `uncut`: as ToothLooks takes it.
+  Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {},
+         const cutting::Volume* uncut = nullptr);
   ~Mesher();
   Mesher(const Mesher&) = delete;
   Mesher& operator=(const Mesher&) = delete;

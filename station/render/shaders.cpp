@@ -64,7 +64,9 @@ vec3 Lit(vec3 base, float shine, vec3 n, vec3 to_eye, vec3 up_in_view) {
   float s = max(dot(n, normalize(key + to_eye)), 0.0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4;
   float s48 = s8 * s8 * s8 * s8 * s8 * s8;
   float side = 1.0 - max(dot(n, to_eye), 0.0), rim = side * side * side;
-  vec3 c = base * light + shine * (0.55 * s48 + 0.10 * rim) * vec3(1.0, 0.98, 0.95);
+  // What is wet or polished mirrors the lamp beside.
+  float s96 = s48 * s48, s384 = s96 * s96 * s96 * s96, film = max(2.0 * shine - 1.0, 0.0);
+  vec3 c = base * light + (shine * (0.45 * s48 + 0.10 * rim) + film * s384) * vec3(1.0, 0.98, 0.95);
   return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
 }
 )";

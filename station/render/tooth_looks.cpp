@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/trigonometric.hpp>
 #include <numbers>
 
 #include "station/render/materials.h"
@@ -12,24 +11,30 @@ namespace {
 
 using cutting::Tissue;
 
-// Enamel scatters 6.6 times per mm with a mean cosine of 0.68 (red light; Zijp, ten Bosch, Groenhuis,
-// J. Dent. Res. 74, 1995, 1891-1898). Two fluxes then exchange 3/4 of what turns back per mm (van
-// Gemert, Star, Lasers Life Sci. 1, 1987).
-constexpr double kEnamel_per_mm = 0.75 * 6.6 * (1 - 0.68);
+// What scatters `scattered` times per mm with a mean cosine of `forward` turns that share back; two
+// fluxes exchange 3/4 of it (van Gemert, Star, Lasers Life Sci. 1, 1987).
+constexpr double Exchanged_per_mm(double scattered, double forward) {
+  return 0.75 * scattered * (1 - forward);
+}
+// Zijp, ten Bosch, Groenhuis, J. Dent. Res. 74, 1995, 1891-1898.
+constexpr double kEnamel_per_mm = Exchanged_per_mm(6.6, 0.68);
 
-// Below this depth less than a thirtieth of the colour is that of the ground.
+// 1 / (1 + S t) of the light passes a layer t that absorbs nothing (Kubelka, J. Opt. Soc. Am. 38,
+// 1948); what comes back from the ground passes it twice.
+double PassesTwice(double per_mm, double thickness_m) {
+  const double passes = 1 / (1 + per_mm * 1e3 * thickness_m);
+  return passes * passes;
+}
+
+// A layer's ground is looked for as far as it shows.
 constexpr double kThickestEnamel_m = 3e-3;
 constexpr double kStep_m = 0.2e-3;
 // Light spreads sideways on its way: the mean of five ways, four of them aslant.
 constexpr int kWays = 5;
 constexpr double kAslant = 0.5;  // sine of that angle
 
-// What of the colour seen is the dentin's, through enamel. 1 / (1 + S t) of the light passes a layer t
-// that absorbs nothing (Kubelka, J. Opt. Soc. Am. 38, 1948), and it passes twice.
-double DentinShare(double enamel_m) {
-  const double passes = 1 / (1 + kEnamel_per_mm * 1e3 * enamel_m);
-  return passes * passes;
-}
+// A vertex of an uncut surface is within 0.1 voxel of it (surface.h, radii from 0.25 mm).
+constexpr double kUncutWithin = 0.3;
 
 struct Frame {
   dvec3 u, v;
@@ -57,11 +62,22 @@ dvec3 ColourOf(Tissue tissue) { return dvec3(TissueColour(tissue)); }
 
 }  // namespace
 
-ToothLooks::ToothLooks(const cutting::Volume& now) : now_(now), voxel_m_(now.spec().voxel_m()) {}
+double ShareThroughEnamel(double thickness_m) { return PassesTwice(kEnamel_per_mm, thickness_m); }
+
+ToothLooks::ToothLooks(const cutting::Volume& now, const cutting::Volume* uncut)
+    : now_(now), uncut_(uncut), voxel_m_(now.spec().voxel_m()) {}
 
 bool ToothLooks::IsTooth(uint8_t tissue) {
-  return tissue == static_cast<uint8_t>(Tissue::kEnamel) ||
-         tissue == static_cast<uint8_t>(Tissue::kDentin);
+  switch (static_cast<Tissue>(tissue)) {
+    case Tissue::kEnamel:
+    case Tissue::kDentin:
+    case Tissue::kPulp:
+    case Tissue::kCaries:
+    case Tissue::kNeighbour:
+      return true;
+    default:
+      return false;
+  }
 }
 
 Tissue ToothLooks::SolidAt(const dvec3& p) const {
@@ -107,36 +123,57 @@ ToothLooks::Ground ToothLooks::GroundBelow(Tissue own, const dvec3& p, const dve
       const double middle = 0.5 * (from + to);
       (SolidAt(p + middle * way) == own ? from : to) = middle;
     }
-    return {there, voxel_m_ + to};
+    return {there, voxel_m_ + to, p + to * way};
   }
-  return {own, limit_m};
+  return {own, limit_m, p + limit_m * way};
 }
 
-dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
+template <typename Colour>
+dvec3 ToothLooks::MeanOfWays(Tissue own, const dvec3& p, const dvec3& n, double limit_m,
+                             Colour&& colour) const {
   const auto [u, v] = FrameOf(n);
   dvec3 sum(0);
   for (int i = 0; i < kWays; ++i) {
     const double turn = 0.5 * std::numbers::pi * i;
     const dvec3 aside = std::cos(turn) * u + std::sin(turn) * v;
     const dvec3 way = i == kWays - 1 ? -n : kAslant * aside - std::sqrt(1 - kAslant * kAslant) * n;
-    const Ground ground = GroundBelow(Tissue::kEnamel, p, way, kThickestEnamel_m);
-    const double dentin = ground.tissue == Tissue::kDentin ? DentinShare(ground.at_m) : 0;
-    sum += glm::mix(ColourOf(Tissue::kEnamel), ColourOf(Tissue::kDentin), dentin);
+    sum += colour(GroundBelow(own, p, way, limit_m));
   }
   return sum / double{kWays};
+}
+
+dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
+  const dvec3 thick = ColourOf(Tissue::kEnamel);
+  return MeanOfWays(Tissue::kEnamel, p, n, kThickestEnamel_m, [&](const Ground& ground) {
+    switch (ground.tissue) {
+      case Tissue::kDentin:
+        return glm::mix(thick, ColourOf(ground.tissue), ShareThroughEnamel(ground.at_m));
+      default:
+        return thick;
+    }
+  });
+}
+
+bool ToothLooks::IsUncut(const dvec3& surface_m) const {
+  return uncut_ == nullptr || std::abs(uncut_->DistanceAt_m(surface_m)) < kUncutWithin * voxel_m_;
 }
 
 Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const {
   const dvec3 p = surface_m - voxel_m_ * n;
   const Mixed around = MixedAround(p, n);
-  double share = around.known ? around.enamel : tissue == Tissue::kEnamel;
-  dvec3 colour = ColourOf(Tissue::kDentin);
-  if (share > 0) {
+  const double enamel = around.known ? around.enamel : tissue == Tissue::kEnamel;
+  const bool uncut = IsUncut(surface_m);
+  dvec3 colour = ColourOf(tissue);
+  double gloss = TissueGloss(tissue);
+  if (tissue == Tissue::kEnamel || tissue == Tissue::kDentin) {
     const bool enamel_here = !around.known || now_.TissueAtPoint(p) == Tissue::kEnamel;
-    colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), share);
+    colour = ColourOf(Tissue::kDentin);
+    if (enamel > 0) {
+      colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), enamel);
+    }
+    gloss = glm::mix(TissueGloss(Tissue::kDentin), TissueGloss(Tissue::kEnamel), enamel);
   }
-  return LookOf(colour,
-                glm::mix(TissueGloss(Tissue::kDentin), TissueGloss(Tissue::kEnamel), share));
+  return LookOf(colour, uncut || tissue == Tissue::kPulp ? gloss : kCutGloss * gloss);
 }
 
 }  // namespace enamel::station::render

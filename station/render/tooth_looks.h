@@ -16,13 +16,22 @@ struct Look {
   bool operator==(const Look&) const = default;
 };
 
+// What of the colour seen over dentin is the dentin's.
+double ShareThroughEnamel(double thickness_m);
+
 // The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
-// get the same as built-in ones. Enamel is a layer through which dentin shows.
-// Thread safety: reads the volume only. Not real-time.
+// get the same as built-in ones:
+//
+// * enamel lets through what is below it: dentin;
+// * uncut enamel is wet and shines, what was cut is matt.
+//
+// Thread safety: reads the volumes only. Not
+// real-time.
 class ToothLooks {
  public:
-  // `now` must outlive this.
-  explicit ToothLooks(const cutting::Volume& now);
+  // `uncut`: the tooth before a bur touched it, or null where all of it counts as uncut. Both must
+  // outlive this.
+  explicit ToothLooks(const cutting::Volume& now, const cutting::Volume* uncut = nullptr);
 
   static bool IsTooth(uint8_t tissue);
   // Of a vertex (surface::Mesh): a point of the surface, its normal, the tissue under it. Requires:
@@ -40,15 +49,22 @@ class ToothLooks {
   struct Ground {
     cutting::Tissue tissue;  // the layer's own: it does not end
     double at_m;             // below the surface
+    dvec3 place_m;
   };
   // Air outside the surface too.
   cutting::Tissue SolidAt(const dvec3& p) const;
   Mixed MixedAround(const dvec3& p, const dvec3& n) const;
   // From a point a voxel inside, which is in tissue `own`.
   Ground GroundBelow(cutting::Tissue own, const dvec3& p, const dvec3& way, double limit_m) const;
+  // The mean of colour(ground) over ways inward.
+  template <typename Colour>
+  dvec3 MeanOfWays(cutting::Tissue own, const dvec3& p, const dvec3& n, double limit_m,
+                   Colour&& colour) const;
   dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
+  bool IsUncut(const dvec3& surface_m) const;
 
   const cutting::Volume& now_;
+  const cutting::Volume* const uncut_;
   const double voxel_m_;
 };
 

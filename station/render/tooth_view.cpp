@@ -50,7 +50,8 @@ glm::mat4 FromPose(const cutting::Pose& pose) {
 
 }  // namespace
 
-ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch)
+ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch,
+                     const cutting::Volume* uncut)
     : options_(options),
       camera_(glm::vec3(options.focus_m * 1000.0),
               options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
@@ -59,7 +60,7 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
       mirror_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0),
               options.crown_aside),
       feed_(initial.spec().brick_count(), kRingBricks),
-      mesher_(initial, feed_, std::move(watch)),
+      mesher_(initial, feed_, std::move(watch), uncut),
       picture_(options.burs, mesher_.group_count()) {
   camera_.SetView(options.view);
 }

@@ -42,9 +42,11 @@ class ToothView {
  public:
   static constexpr size_t kBricksPerTick = 4;
 
-  // Starts meshing a copy of `initial`. `watch` sees the replica at intervals (mesher.h). Throws
-  // std::runtime_error when the driver refuses a resource.
-  ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch = {});
+  // Starts meshing a copy of `initial`. `watch` sees the replica at intervals (mesher.h). `uncut`: the
+  // tooth before a bur touched it, which must outlive the view; null: what is cut looks as if it were
+  // not. Throws std::runtime_error when the driver refuses a resource.
+  ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch = {},
+            const cutting::Volume* uncut = nullptr);
 
   // --- producer ---
   // Sets the newest state; older ones that were not drawn are dropped. Real-time: safe, wait-free.

@@ -98,7 +98,8 @@ class Drawing {
   // A view of `tooth` that looks at all of it, or near the exercise's place.
   std::unique_ptr<ToothView> See(const cutting::Volume& tooth, const scene::Exercise& exercise,
                                  bool near) const {
-    auto view = std::make_unique<ToothView>(desk::ViewOf(built_.scene, exercise), tooth);
+    auto view = std::make_unique<ToothView>(desk::ViewOf(built_.scene, exercise), tooth,
+                                            render::VolumeWatch{}, &built_.volume);
     Look(*view, exercise, near);
     return view;
   }

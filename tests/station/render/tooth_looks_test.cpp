@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "station/render/materials.h"
+#include "tests/support/analytic_volume.h"
 
 namespace enamel::station::render {
 namespace {
@@ -61,6 +62,29 @@ TEST(ToothLooksTest, DentinShowsThroughEnamelTheMoreTheThinnerItIs) {
   // the four of five ways that are aslant.
   EXPECT_NEAR(enamel_at(1.4), 0.52, 0.04);
   EXPECT_NEAR(enamel_at(3.4), 0.90, 0.02);
+}
+
+// Surfaces of a field, of enamel, around the origin.
+class GrooveTest : public testing::Test {
+ protected:
+  using Field = std::function<double(const dvec3&)>;
+  static Volume Of(const Field& field_m) {
+    GridSpec spec{50'000, ivec3(8), {-1'600'000, -1'610'000, -1'590'000}};
+    return test::VolumeOf(spec, Tissue::kEnamel, field_m);
+  }
+  // The planes fall toward a line, or away from it, at 35 degrees.
+  static double Valley(const dvec3& p) { return std::min(Slope(p, 1), Slope(p, -1)); }
+  static double Slope(const dvec3& p, double side) {
+    return (p.z - side * 0.7 * p.x) / std::hypot(1, 0.7);
+  }
+};
+
+TEST_F(GrooveTest, WhatABurCutsIsMatt) {
+  const Volume valley = Of(Valley), before = Of([](const dvec3&p) { return p.z - 0.5e-3; });
+  const ToothLooks looks(valley, &before);
+  const Look cut = looks.At(dvec3(0), {0, 0, 1}, Tissue::kEnamel),
+             uncut = ToothLooks(before, &before).At({0, 0, 0.5e-3}, {0, 0, 1}, Tissue::kEnamel);
+  EXPECT_LT(cut.gloss, 0.3 * uncut.gloss);
 }
 
 }  // namespace
