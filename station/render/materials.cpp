@@ -65,6 +65,8 @@ double TissueGloss(cutting::Tissue tissue) {
   return static_cast<double>(gloss[static_cast<size_t>(tissue)]);
 }
 
+glm::vec3 StainColour() { return Linear(104, 84, 66); }
+
 void SetMaterials(const Program& program) {
   program.Set("colours", std::span<const glm::vec3>(Colours()));
   program.Set("gloss", std::span<const float>(Gloss()));

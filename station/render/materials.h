@@ -12,6 +12,9 @@ double TissueGloss(cutting::Tissue tissue);
 // What a bur leaves of it.
 inline constexpr double kCutGloss = 0.2;
 
+// Of fissures and pits.
+glm::vec3 StainColour();
+
 // Colours and gloss of the tissues and of Material (revolve.h), for the program in use.
 void SetMaterials(const Program& program);
 

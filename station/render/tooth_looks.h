@@ -23,6 +23,7 @@ double ShareThroughEnamel(double thickness_m);
 // get the same as built-in ones:
 //
 // * enamel lets through what is below it: dentin;
+// * narrow grooves of the uncut surface are stained: fissures and pits;
 // * uncut enamel is wet and shines, what was cut is matt.
 //
 // Thread safety: reads the volumes only. Not
@@ -62,6 +63,8 @@ class ToothLooks {
                    Colour&& colour) const;
   dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
   bool IsUncut(const dvec3& surface_m) const;
+  // The largest curvature of the surface across a groove, 1/m; below 0 on a ridge.
+  double Concavity(const dvec3& surface_m, const dvec3& n) const;
 
   const cutting::Volume& now_;
   const cutting::Volume* const uncut_;

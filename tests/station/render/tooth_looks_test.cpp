@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "common/scene/builder.h"
 #include "station/render/materials.h"
 #include "tests/support/analytic_volume.h"
 
@@ -74,17 +75,45 @@ class GrooveTest : public testing::Test {
   }
   // The planes fall toward a line, or away from it, at 35 degrees.
   static double Valley(const dvec3& p) { return std::min(Slope(p, 1), Slope(p, -1)); }
+  static double Ridge(const dvec3& p) { return std::max(Slope(p, -1), Slope(p, 1)); }
   static double Slope(const dvec3& p, double side) {
     return (p.z - side * 0.7 * p.x) / std::hypot(1, 0.7);
   }
+  static double Light(const ToothLooks& looks, double x_m, double z_m) {
+    return AlbedoOf(looks.At({x_m, 0, z_m}, {0, 0, 1}, Tissue::kEnamel)).r;
+  }
 };
 
-TEST_F(GrooveTest, WhatABurCutsIsMatt) {
+TEST_F(GrooveTest, ANarrowGrooveIsStainedAndWhatIsBesideItIsNot) {
+  const Volume valley = Of(Valley), ridge = Of(Ridge);
+  const ToothLooks in_valley(valley), on_ridge(ridge);
+  const double clean = Light(in_valley, 0.6e-3, 0.42e-3);
+  EXPECT_LT(Light(in_valley, 0, 0), 0.6 * clean);
+  EXPECT_NEAR(Light(on_ridge, 0, 0), clean, 0.06);
+}
+
+TEST_F(GrooveTest, AWideHollowIsNotStained) {
+  auto bowl = [](const dvec3& p) { return 2e-3 - glm::length(p - dvec3(0, 0, 2e-3)); };
+  const Volume hollow = Of(bowl), plane = Of([](const dvec3&p) { return p.z; });
+  EXPECT_NEAR(Light(ToothLooks(hollow), 0, 0), Light(ToothLooks(plane), 0, 0), 0.01);
+}
+
+TEST_F(GrooveTest, WhatABurCutsIsCleanAndMatt) {
   const Volume valley = Of(Valley), before = Of([](const dvec3&p) { return p.z - 0.5e-3; });
   const ToothLooks looks(valley, &before);
+  EXPECT_NEAR(Light(looks, 0, 0), Light(looks, 0.6e-3, 0.42e-3), 0.06);
   const Look cut = looks.At(dvec3(0), {0, 0, 1}, Tissue::kEnamel),
              uncut = ToothLooks(before, &before).At({0, 0, 0.5e-3}, {0, 0, 1}, Tissue::kEnamel);
   EXPECT_LT(cut.gloss, 0.3 * uncut.gloss);
+}
+
+TEST_F(GrooveTest, TeethThatTouchAreNotStained) {
+  GridSpec spec{50'000, ivec3(8), {-1'600'000, -1'610'000, -1'590'000}};
+  const Volume touching = scene::BuildVolume(spec, [](const dvec3& p) {
+    return scene::FieldSample{Valley(p), p.x < 0 ? Tissue::kNeighbour : Tissue::kEnamel, 0};
+  });
+  const ToothLooks looks(touching);
+  EXPECT_GT(Light(looks, 0.03e-3, 0), 0.9 * Light(looks, 0.6e-3, 0.42e-3));
 }
 
 }  // namespace
