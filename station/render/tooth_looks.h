@@ -16,13 +16,16 @@ struct Look {
   bool operator==(const Look&) const = default;
 };
 
+// Light on a layer of enamel, by its thickness: red, green and blue.
 // What of the colour seen over dentin is the dentin's.
 double ShareThroughEnamel(double thickness_m);
+// What comes back from a layer over nothing, as a share of what a thick layer gives.
+dvec3 EnamelOverDark(double thickness_m);
 
 // The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
 // get the same as built-in ones:
 //
-// * enamel lets through what is below it: dentin;
+// * enamel lets through what is below it: dentin, the dark of the mouth behind an edge;
 // * narrow grooves of the uncut surface are stained: fissures and pits;
 // * uncut enamel is wet and shines, what was cut is matt.
 //

@@ -65,6 +65,39 @@ TEST(ToothLooksTest, DentinShowsThroughEnamelTheMoreTheThinnerItIs) {
   EXPECT_NEAR(enamel_at(3.4), 0.90, 0.02);
 }
 
+// CIE L*a*b* of linear sRGB.
+dvec3 Lab(const dvec3& c) {
+  auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+  const double x = f((0.4124 * c.r + 0.3576 * c.g + 0.1805 * c.b) / 0.9505),
+               y = f(0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b),
+               z = f((0.0193 * c.r + 0.1192 * c.g + 0.9505 * c.b) / 1.089);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+TEST(ToothLooksTest, AMillimetreOfEnamelIsAsTranslucentAndOpalescentAsMeasured) {
+  const dvec3 thick = TissueColour(Tissue::kEnamel), back = EnamelOverDark(1e-3);
+  // S t from the share x / (1 + x) that comes back; then over a white ground of 0.9.
+  const dvec3 x = back / (1.0 - back), white = (0.1 * x + 0.9) / (0.1 * x + 1.0);
+  // 15 to 19 in reviews of it (Lee, Restor. Dent. Endod. 41, 2016, 159-166).
+  EXPECT_NEAR(glm::length(Lab(thick * white) - Lab(thick * back)), 17, 2);
+  const dvec3 apart = Lab(1.0 - back) - Lab(back);
+  EXPECT_NEAR(std::hypot(apart.y, apart.z), 22.9, 3);
+}
+
+TEST(ToothLooksTest, AnEdgeWithoutDentinIsDarkerAndBluish) {
+  // A slab of enamel, 1 mm thick at first; beside it dentin inside.
+  const Volume volume = Block({6, 12, 16}, [](const dvec3& p) {
+    return p.z < 3 && p.x > 0.7 && p.x < 1.7 ? Tissue::kDentin : Tissue::kEnamel;
+  });
+  const ToothLooks looks(volume);
+  auto at = [&](double z_mm) {
+    return AlbedoOf(looks.At({2.375e-3, 2.4e-3, 1e-3 * z_mm}, {1, 0, 0}, Tissue::kEnamel));
+  };
+  const dvec3 edge = at(5), body = at(1.2);
+  EXPECT_LT(edge.r, 0.95 * body.r);
+  EXPECT_GT(edge.b / edge.r, 1.1 * body.b / body.r);
+}
+
 // Surfaces of a field, of enamel, around the origin.
 class GrooveTest : public testing::Test {
  protected:
