@@ -65,6 +65,8 @@ double TissueGloss(cutting::Tissue tissue) {
   return static_cast<double>(gloss[static_cast<size_t>(tissue)]);
 }
 
+LesionColours Lesion() { return {Linear(248, 248, 242), Linear(178, 124, 60)}; }
+
 glm::vec3 StainColour() { return Linear(104, 84, 66); }
 
 void SetMaterials(const Program& program) {

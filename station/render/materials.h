@@ -12,6 +12,11 @@ double TissueGloss(cutting::Tissue tissue);
 // What a bur leaves of it.
 inline constexpr double kCutGloss = 0.2;
 
+// Of a lesion, beside that of caries: its border in enamel, and in dentin.
+struct LesionColours {
+  glm::vec3 chalk, soft;
+};
+LesionColours Lesion();
 // Of fissures and pits.
 glm::vec3 StainColour();
 

@@ -35,6 +35,9 @@ constexpr double kAslant = 0.5;  // sine of that angle
 // Darkness is behind a layer only where it ends away from the light: cosine of both faces.
 constexpr double kBehind = -0.4;
 
+// Reach of the diffuse border of a lesion. No source of how wide it is was found.
+constexpr double kLesionReach_m = 0.35e-3;
+
 // Grooves are as narrow as this; their curvature from where the stain begins, and where it is full. No
 // source of how much fissures are stained on average was found.
 constexpr double kGroove_m = 0.15e-3;
@@ -72,6 +75,15 @@ double Ramp(double v, double lo, double hi) {
   return t * t * (3 - 2 * t);
 }
 
+// Of a lesion by its share around a point; `sound` is the colour without it.
+dvec3 CariesColour(double share, const dvec3& sound, double enamel) {
+  const LesionColours colours = Lesion();
+  const dvec3 edge = glm::mix(dvec3(colours.soft), dvec3(colours.chalk), enamel);
+  dvec3 out = glm::mix(sound, edge, Ramp(share, 0.05, 0.4));
+  out = glm::mix(out, dvec3(colours.soft), Ramp(share, 0.35, 0.8));
+  return glm::mix(out, ColourOf(Tissue::kCaries), Ramp(share, 0.65, 1));
+}
+
 }  // namespace
 
 double ShareThroughEnamel(double thickness_m) { return PassesTwice(kEnamel_per_mm, thickness_m); }
@@ -90,7 +102,43 @@ dvec3 EnamelOverDark(double thickness_m) {
 }
 
 ToothLooks::ToothLooks(const cutting::Volume& now, const cutting::Volume* uncut)
-    : now_(now), uncut_(uncut), voxel_m_(now.spec().voxel_m()) {}
+    : now_(now), uncut_(uncut), voxel_m_(now.spec().voxel_m()) {
+  MarkNear();
+}
+
+void ToothLooks::MarkNear() {
+  const cutting::GridSpec& spec = now_.spec();
+  near_.resize(static_cast<size_t>(spec.brick_count()));
+  auto bit = [](uint8_t tissue) { return static_cast<uint8_t>(1 << tissue); };
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    uint8_t& has = near_[static_cast<size_t>(b)];
+    if (!now_.HasLabels(b)) {
+      has = bit(static_cast<uint8_t>(now_.UniformTissue(b)));
+      continue;
+    }
+    for (const uint8_t label : now_.Labels(b).tissue) has |= bit(label);
+  }
+  // As far as a way leads, axis by axis.
+  const int reach = static_cast<int>(std::ceil(kLesionReach_m / (cutting::kBrickSide * voxel_m_)));
+  const std::array<int, 3> strides = {1, spec.bricks.x, spec.bricks.x * spec.bricks.y};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<uint8_t> before = near_;
+    for (int b = 0; b < spec.brick_count(); ++b) {
+      const int stride = strides[static_cast<size_t>(axis)];
+      const int at = b / stride % spec.bricks[axis];
+      for (int i = std::max(-reach, -at); i <= reach && at + i < spec.bricks[axis]; ++i) {
+        near_[static_cast<size_t>(b)] |= before[static_cast<size_t>(b + i * stride)];
+      }
+    }
+  }
+}
+
+bool ToothLooks::IsNear(const dvec3& p, Tissue tissue) const {
+  const cutting::GridSpec& spec = now_.spec();
+  const dvec3 at = (p - spec.origin_m()) / (cutting::kBrickSide * voxel_m_);
+  const ivec3 brick = glm::clamp(ivec3(at), ivec3(0), spec.bricks - 1);
+  return near_[static_cast<size_t>(spec.BrickIndex(brick))] >> static_cast<uint8_t>(tissue) & 1;
+}
 
 bool ToothLooks::IsTooth(uint8_t tissue) {
   switch (static_cast<Tissue>(tissue)) {
@@ -172,6 +220,7 @@ dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
   return MeanOfWays(Tissue::kEnamel, p, n, kThickestEnamel_m, [&](const Ground& ground) {
     switch (ground.tissue) {
       case Tissue::kDentin:
+      case Tissue::kCaries:
         return glm::mix(thick, ColourOf(ground.tissue), ShareThroughEnamel(ground.at_m));
       case Tissue::kAir: {
         const dvec3 out = now_.SlopeAtSample((ground.place_m - now_.spec().origin_m()) / voxel_m_);
@@ -182,6 +231,32 @@ dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
         return thick;
     }
   });
+}
+
+// Points of the unit ball, at as many depths and directions as there are points: those of a lattice would
+// cross a straight border many at a time.
+std::array<dvec3, 48> BallPoints() {
+  std::array<dvec3, 48> points;
+  constexpr double kGolden = 0.6180339887498949;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double place = static_cast<double>(i);
+    const double z = 1 - 2 * (place + 0.5) / static_cast<double>(points.size());
+    const double turn = 2 * std::numbers::pi * kGolden * place, ring = std::sqrt(1 - z * z);
+    const double radius = std::cbrt(std::fmod((place + 0.5) * 0.7548776662466927, 1.0));
+    points[i] = radius * dvec3(ring * std::cos(turn), ring * std::sin(turn), z);
+  }
+  return points;
+}
+
+double ToothLooks::CariesAround(const dvec3& p) const {
+  static const auto points = BallPoints();
+  int caries = 0, all = 0;
+  for (const dvec3& point : points) {
+    const Tissue there = now_.TissueAtPoint(p + kLesionReach_m * point);
+    caries += there == Tissue::kCaries;
+    all += there != Tissue::kAir;
+  }
+  return all == 0 ? 0 : static_cast<double>(caries) / all;
 }
 
 bool ToothLooks::IsUncut(const dvec3& surface_m) const {
@@ -221,6 +296,11 @@ Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const
       colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), enamel);
     }
     gloss = glm::mix(TissueGloss(Tissue::kDentin), TissueGloss(Tissue::kEnamel), enamel);
+  }
+  if (tissue != Tissue::kPulp && IsNear(p, Tissue::kCaries)) {
+    const double caries = CariesAround(p);
+    colour = CariesColour(caries, colour, enamel);
+    gloss = glm::mix(gloss, TissueGloss(Tissue::kCaries), Ramp(caries, 0, 0.4));
   }
   const bool grows_grooves =
       tissue == Tissue::kNeighbour || (tissue == Tissue::kEnamel && enamel == 1);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "common/cutting/volume.h"
 #include "common/math/vec.h"
@@ -25,16 +26,17 @@ dvec3 EnamelOverDark(double thickness_m);
 // The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
 // get the same as built-in ones:
 //
-// * enamel lets through what is below it: dentin, the dark of the mouth behind an edge;
+// * enamel lets through what is below it: dentin, a lesion, the dark of the mouth behind an edge;
+// * a lesion goes from chalk white at its border in enamel by yellow-brown to brown, without steps;
 // * narrow grooves of the uncut surface are stained: fissures and pits;
 // * uncut enamel is wet and shines, what was cut is matt.
 //
-// Thread safety: reads the volumes only. Not
+// Lesions are looked for only in bricks near one. Thread safety: reads the volumes only. Not
 // real-time.
 class ToothLooks {
  public:
   // `uncut`: the tooth before a bur touched it, or null where all of it counts as uncut. Both must
-  // outlive this.
+  // outlive this; no tissue of `now` changes.
   explicit ToothLooks(const cutting::Volume& now, const cutting::Volume* uncut = nullptr);
 
   static bool IsTooth(uint8_t tissue);
@@ -55,6 +57,8 @@ class ToothLooks {
     double at_m;             // below the surface
     dvec3 place_m;
   };
+  void MarkNear();
+  bool IsNear(const dvec3& p, cutting::Tissue tissue) const;
   // Air outside the surface too.
   cutting::Tissue SolidAt(const dvec3& p) const;
   Mixed MixedAround(const dvec3& p, const dvec3& n) const;
@@ -65,6 +69,8 @@ class ToothLooks {
   dvec3 MeanOfWays(cutting::Tissue own, const dvec3& p, const dvec3& n, double limit_m,
                    Colour&& colour) const;
   dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
+  // The share of a lesion around a point: 1/2 at its border.
+  double CariesAround(const dvec3& p) const;
   bool IsUncut(const dvec3& surface_m) const;
   // The largest curvature of the surface across a groove, 1/m; below 0 on a ridge.
   double Concavity(const dvec3& surface_m, const dvec3& n) const;
@@ -72,6 +78,7 @@ class ToothLooks {
   const cutting::Volume& now_;
   const cutting::Volume* const uncut_;
   const double voxel_m_;
+  std::vector<uint8_t> near_;  // per brick: a bit for each tissue near it
 };
 
 }  // namespace enamel::station::render

@@ -149,5 +149,38 @@ TEST_F(GrooveTest, TeethThatTouchAreNotStained) {
   EXPECT_GT(Light(looks, 0.03e-3, 0), 0.9 * Light(looks, 0.6e-3, 0.42e-3));
 }
 
+TEST(ToothLooksTest, ALesionGoesFromChalkWhiteToBrownWithoutAStep) {
+  const Volume volume =
+      Block({16, 8, 4}, [](const dvec3& p) { return p.x < 3 ? Tissue::kEnamel : Tissue::kCaries; });
+  const ToothLooks looks(volume);
+  auto at = [&](double x_mm) {
+    const Tissue own = x_mm < 3 ? Tissue::kEnamel : Tissue::kCaries;
+    return AlbedoOf(looks.At(1e-3 * dvec3(x_mm, 1.6, 1.575), {0, 0, 1}, own));
+  };
+  const dvec3 sound = at(2), edge = at(2.9), inner = at(3.1), core = at(4);
+  EXPECT_GT(edge.b, sound.b) << "chalk";
+  EXPECT_LT(inner.r, edge.r);
+  EXPECT_NEAR(core.r, TissueColour(Tissue::kCaries).r, 0.01);
+  // In a voxel; chalk and brown differ by 1.3.
+  for (double x = 2.4; x < 3.6; x += 0.05) {
+    EXPECT_LT(glm::length(at(x + 0.05) - at(x)), 0.65) << x;
+  }
+  EXPECT_LT(looks.At({4e-3, 1.6e-3, 1.575e-3}, {0, 0, 1}, Tissue::kCaries).gloss, 40);
+}
+
+// Under the middle of a block's top.
+dvec3 TopWith(Tissue above, Tissue below, double thickness_mm) {
+  constexpr double kTop_mm = 2.375;
+  const Volume volume = Block(
+      {12, 12, 6}, [&](const dvec3& p) { return kTop_mm - p.z < thickness_mm ? above : below; });
+  return AlbedoOf(ToothLooks(volume).At(1e-3 * dvec3(2.4, 2.4, kTop_mm), {0, 0, 1}, above));
+}
+
+TEST(ToothLooksTest, ALesionThrowsAShadowThroughSoundEnamel) {
+  const dvec3 over_dentin = TopWith(Tissue::kEnamel, Tissue::kDentin, 0.8),
+              over_lesion = TopWith(Tissue::kEnamel, Tissue::kCaries, 0.8);
+  EXPECT_LT(over_lesion.r, 0.93 * over_dentin.r);
+}
+
 }  // namespace
 }  // namespace enamel::station::render
