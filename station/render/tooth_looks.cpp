@@ -18,6 +18,8 @@ constexpr double Exchanged_per_mm(double scattered, double forward) {
 }
 // Zijp, ten Bosch, Groenhuis, J. Dent. Res. 74, 1995, 1891-1898.
 constexpr double kEnamel_per_mm = Exchanged_per_mm(6.6, 0.68);
+// Fried et al., Appl. Opt. 34, 1995, 1278-1285: 260 to 280 per cm, 0.93.
+constexpr double kDentin_per_mm = Exchanged_per_mm(27, 0.93);
 
 // 1 / (1 + S t) of the light passes a layer t that absorbs nothing (Kubelka, J. Opt. Soc. Am. 38,
 // 1948); what comes back from the ground passes it twice.
@@ -27,7 +29,7 @@ double PassesTwice(double per_mm, double thickness_m) {
 }
 
 // A layer's ground is looked for as far as it shows.
-constexpr double kThickestEnamel_m = 3e-3;
+constexpr double kThickestEnamel_m = 3e-3, kThickestDentin_m = 1.2e-3;
 constexpr double kStep_m = 0.2e-3;
 // Light spreads sideways on its way: the mean of five ways, four of them aslant.
 constexpr int kWays = 5;
@@ -119,7 +121,8 @@ void ToothLooks::MarkNear() {
     for (const uint8_t label : now_.Labels(b).tissue) has |= bit(label);
   }
   // As far as a way leads, axis by axis.
-  const int reach = static_cast<int>(std::ceil(kLesionReach_m / (cutting::kBrickSide * voxel_m_)));
+  const double reach_m = std::max(kThickestDentin_m, kLesionReach_m);
+  const int reach = static_cast<int>(std::ceil(reach_m / (cutting::kBrickSide * voxel_m_)));
   const std::array<int, 3> strides = {1, spec.bricks.x, spec.bricks.x * spec.bricks.y};
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<uint8_t> before = near_;
@@ -233,6 +236,15 @@ dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
   });
 }
 
+dvec3 ToothLooks::DentinColour(const dvec3& p, const dvec3& n) const {
+  const dvec3 thick = ColourOf(Tissue::kDentin);
+  if (!IsNear(p, Tissue::kPulp) && !IsNear(p, Tissue::kCaries)) return thick;
+  return MeanOfWays(Tissue::kDentin, p, n, kThickestDentin_m, [&](const Ground& ground) {
+    if (ground.tissue != Tissue::kPulp && ground.tissue != Tissue::kCaries) return thick;
+    return glm::mix(thick, ColourOf(ground.tissue), PassesTwice(kDentin_per_mm, ground.at_m));
+  });
+}
+
 // Points of the unit ball, at as many depths and directions as there are points: those of a lattice would
 // cross a straight border many at a time.
 std::array<dvec3, 48> BallPoints() {
@@ -291,7 +303,7 @@ Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const
   double gloss = TissueGloss(tissue);
   if (tissue == Tissue::kEnamel || tissue == Tissue::kDentin) {
     const bool enamel_here = !around.known || now_.TissueAtPoint(p) == Tissue::kEnamel;
-    colour = ColourOf(Tissue::kDentin);
+    colour = enamel < 1 ? DentinColour(p, n) : dvec3(0);
     if (enamel > 0) {
       colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), enamel);
     }

@@ -27,11 +27,12 @@ dvec3 EnamelOverDark(double thickness_m);
 // get the same as built-in ones:
 //
 // * enamel lets through what is below it: dentin, a lesion, the dark of the mouth behind an edge;
+// * dentin lets through the pulp and a lesion, where they are near;
 // * a lesion goes from chalk white at its border in enamel by yellow-brown to brown, without steps;
 // * narrow grooves of the uncut surface are stained: fissures and pits;
 // * uncut enamel is wet and shines, what was cut is matt.
 //
-// Lesions are looked for only in bricks near one. Thread safety: reads the volumes only. Not
+// Lesions and pulp are looked for only in bricks near one. Thread safety: reads the volumes only. Not
 // real-time.
 class ToothLooks {
  public:
@@ -69,6 +70,7 @@ class ToothLooks {
   dvec3 MeanOfWays(cutting::Tissue own, const dvec3& p, const dvec3& n, double limit_m,
                    Colour&& colour) const;
   dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
+  dvec3 DentinColour(const dvec3& p, const dvec3& n) const;
   // The share of a lesion around a point: 1/2 at its border.
   double CariesAround(const dvec3& p) const;
   bool IsUncut(const dvec3& surface_m) const;

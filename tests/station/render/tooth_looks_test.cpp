@@ -182,5 +182,14 @@ TEST(ToothLooksTest, ALesionThrowsAShadowThroughSoundEnamel) {
   EXPECT_LT(over_lesion.r, 0.93 * over_dentin.r);
 }
 
+TEST(ToothLooksTest, ThePulpShinesPinkThroughHalfAMillimetreOfDentin) {
+  const dvec3 dentin = TissueColour(Tissue::kDentin);
+  const dvec3 near = TopWith(Tissue::kDentin, Tissue::kPulp, 0.5),
+              far = TopWith(Tissue::kDentin, Tissue::kPulp, 1.5);
+  EXPECT_GT(near.r / near.g, 1.15 * dentin.r / dentin.g);
+  EXPECT_NEAR(far.r, dentin.r, 0.01);
+  EXPECT_NEAR(far.g, dentin.g, 0.01);
+}
+
 }  // namespace
 }  // namespace enamel::station::render
