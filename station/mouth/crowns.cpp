@@ -90,18 +90,19 @@ render::GroupMesh Crown::Mesh(int32_t voxel_nm) const {
                          [&](const dvec3& p) { return scene::ToothField(shape, p); });
   const surface::Mesh surface = surface::ExtractSurface(volume);
   render::GroupMesh out;
-  for (size_t i = 0; i < surface.position_m.size(); ++i) {
+  render::Append(surface, render::ToothLooks(volume), out);
+  for (size_t i = 0; i < out.vertices.size(); ++i) {
     const dvec3 p = 1e3 * dvec3(surface.position_m[i]), n(surface.normal[i]);
     const glm::dvec2 at = middle + Turned(glm::dvec2(p) * scale, turn_rad);
     const dvec3 normal = glm::normalize(dvec3(Turned(glm::dvec2(n) / scale, turn_rad), n.z));
     auto byte = [](double v) { return static_cast<int8_t>(std::lround(127 * v)); };
-    const bool enamel = surface.tissue[i] == static_cast<uint8_t>(cutting::Tissue::kEnamel);
-    out.vertices.push_back(
-        {{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(p.z)},
-         {byte(normal.x), byte(normal.y), byte(normal.z)},
-         static_cast<uint8_t>(enamel ? cutting::Tissue::kNeighbour : cutting::Tissue::kDentin)});
+    render::GpuVertex& vertex = out.vertices[i];
+    const std::array<double, 3> place = {at.x, at.y, p.z};
+    for (int k = 0; k < 3; ++k) {
+      vertex.position_mm[k] = static_cast<float>(place[static_cast<size_t>(k)]);
+      vertex.normal[k] = byte(normal[k]);
+    }
   }
-  for (const auto& t : surface.triangles) out.indices.insert(out.indices.end(), t.begin(), t.end());
   return out;
 }
 
