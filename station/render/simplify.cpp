@@ -18,9 +18,11 @@ struct Shading {
   float least_crease;  // between two corners' normals: less is an edge or a groove
   float least_lean;    // of a corner's normal from a large triangle's
   float most_wrong;    // share of the surface where it may lean more
+  int most_apart;      // between two corners' looks: more is a border, as of dentin and enamel
+  int band;            // of looks that count as one
 };
-constexpr Shading kAtRest{0.985f, 0.9f, 0.0f};    // 10 and 26 degrees
-constexpr Shading kMoving{0.978f, 0.9f, 0.004f};  // 12 and 26 degrees
+constexpr Shading kAtRest{0.985f, 0.9f, 0.0f, 9, 16};     // 10 and 26 degrees
+constexpr Shading kMoving{0.978f, 0.9f, 0.004f, 40, 64};  // 12 and 26 degrees
 
 // Bricks of a group repeat the vertices on the faces between them.
 void Weld(GroupMesh& mesh) {
@@ -71,28 +73,25 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
 // Materials that shade into each other (revolve.h) are one within such a band of shades, so that a
 // large triangle's colours are no coarser than that.
 constexpr int kBand = 20;
-// So do colours of a tooth: within a sixteenth of red, and of blue.
-constexpr int kColourBand = 16, kColourBands = 256 / kColourBand;
-size_t KindOf(const GpuVertex& v) {
+// So do colours of a tooth: within a band of red, and one of blue.
+size_t KindOf(const GpuVertex& v, int band) {
   const uint8_t material = v.tissue;
   if (material == kTooth) {
     const auto& [red, green, blue] = v.look.root_albedo;
-    return size_t{kTooth} + red / kColourBand * kColourBands + blue / kColourBand;
+    return kTooth + static_cast<size_t>(red / band * (256 / band) + blue / band);
   }
   if (material < kGingiva) return material;
   const uint8_t first = material < kRubberDam ? kGingiva : kRubberDam;
   return first + static_cast<size_t>(material - first) / kBand;
 }
-constexpr size_t kKinds = kTooth + size_t{kColourBands} * kColourBands;
+constexpr size_t kKinds = kTooth + 256;
 
-// Whether a tooth's look changes within some tenths of a millimetre: as where dentin becomes enamel.
-bool IsBorder(const GpuVertex& a, const GpuVertex& b, const GpuVertex& c) {
-  constexpr int kMostApart = 9;  // a twentieth of what enamel and dentin differ by, twice
+bool IsBorder(const GpuVertex& a, const GpuVertex& b, const GpuVertex& c, int most_apart) {
   if (a.tissue != kTooth) return false;
   for (size_t i = 0; i < 3; ++i) {
     const auto [lo, hi] =
         std::minmax({a.look.root_albedo[i], b.look.root_albedo[i], c.look.root_albedo[i]});
-    if (hi - lo > kMostApart) return true;
+    if (hi - lo > most_apart) return true;
   }
   return false;
 }
@@ -104,16 +103,16 @@ struct Parts {
 };
 
 Parts Split(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>& indices,
-            float least_crease) {
+            const Shading& shading) {
   Parts parts;
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
     const GpuVertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]],
                     &c = vertices[indices[i + 2]];
     glm::vec3 n[] = {NormalOf(a), NormalOf(b), NormalOf(c)};
     float least = std::min({glm::dot(n[0], n[1]), glm::dot(n[1], n[2]), glm::dot(n[2], n[0])});
-    const size_t kind = KindOf(a);
-    bool smooth =
-        kind == KindOf(b) && kind == KindOf(c) && !IsBorder(a, b, c) && least >= least_crease;
+    const size_t kind = KindOf(a, shading.band);
+    bool smooth = kind == KindOf(b, shading.band) && kind == KindOf(c, shading.band) &&
+                  !IsBorder(a, b, c, shading.most_apart) && least >= shading.least_crease;
     auto& part = smooth ? parts.smooth[kind] : parts.others;
     part.insert(part.end(), indices.begin() + static_cast<ptrdiff_t>(i),
                 indices.begin() + static_cast<ptrdiff_t>(i) + 3);
@@ -128,7 +127,7 @@ std::vector<uint32_t> Fewer(const std::vector<GpuVertex>& vertices,
   const float* positions = vertices[0].position_mm;
   float scale = meshopt_simplifyScale(positions, vertices.size(), sizeof(GpuVertex));
   if (scale <= 0) return indices;
-  Parts parts = Split(vertices, indices, shading.least_crease);
+  Parts parts = Split(vertices, indices, shading);
   std::vector<uint32_t> out = std::move(parts.others), fewer;
   for (const std::vector<uint32_t>& part : parts.smooth) {
     if (part.empty()) continue;
