@@ -86,6 +86,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   // The bar is full at the device's peak force, so that it means the same in every exercise.
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
+  w.uncut = &job.volume;
   // Resumed: the tooth as already cut.
   return render::Window::Create(w, job.core ? job.core->volume().Unpacked() : job.volume);
 }

@@ -103,7 +103,7 @@ void SteerMirror(const Screen& screen, ToothView& view, double dt_s) {
 Window::Window(const WindowOptions& options, const cutting::Volume& initial)
     : options_(options),
       screen_(options.screen),
-      tooth_(options.view, initial),
+      tooth_(options.view, initial, {}, options.uncut),
       governor_(GovernorFor(screen_)) {}
 
 Result<std::unique_ptr<Window>> Window::Create(const WindowOptions& options,

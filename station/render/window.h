@@ -16,9 +16,10 @@ using language::Words;
 struct WindowOptions {
   ScreenOptions screen;
   ViewOptions view;
-  std::string heading;      // shown in the panel: "Class I, molar 46"
-  bool panel = true;        // false: only the solid picture
-  double time_limit_s = 0;  // 0: none; the timer counts up either way
+  std::string heading;                     // shown in the panel: "Class I, molar 46"
+  bool panel = true;                       // false: only the solid picture
+  double time_limit_s = 0;                 // 0: none; the timer counts up either way
+  const cutting::Volume* uncut = nullptr;  // as ToothView takes it
 };
 
 // A window that only shows one attempt: for `run --window`, screenshots and tests. Threads and

@@ -72,7 +72,7 @@ class FrameBench {
         quality_(quality),
         screen_(screen),
         volume_(built.volume),
-        view_(View(built.scene), built.volume),
+        view_(View(built.scene), built.volume, {}, &built.volume),
         // Reserved first: a cutter never grows its volume, and the comma keeps both in the
         // initialiser.
         cutter_((volume_.Reserve(), volume_), View(built.scene).burs.front()) {

@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   }
   station::render::VirtualDisplay display;
   cutting::Volume volume = built->volume;
+  options.uncut = &built->volume;
   volume.Reserve();
   options.view.burs = {{cutting::BurShape::kCylinder, 0.6e-3, 4e-3}};
   options.heading = "Class I cavity, molar 46";

@@ -46,10 +46,12 @@ struct Shot {
   int mesial_x = 1;
 };
 
-Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& scratch) {
+Image Draw(const cutting::Volume& volume, const cutting::Volume& uncut, const Shot& shot,
+           const std::string& scratch) {
   station::render::WindowOptions options;
   options.screen.width_px = options.screen.height_px = kTile_px;
   options.screen.visible = options.panel = false;
+  options.uncut = &uncut;
   options.view.view = shot.view;
   options.view.focus_m = shot.focus_m;
   options.view.view_radius_m = shot.radius_m;
@@ -189,18 +191,20 @@ class Album {
   }
 
   // Draws the volume, changes it, draws it again.
-  void BeforeAfter(const char* file, cutting::Volume volume, const Shot& shot,
+  void BeforeAfter(const char* file, const cutting::Volume& uncut, const Shot& shot,
                    const std::function<void(cutting::Volume&)>& change) {
-    Image before = Draw(volume, shot, Scratch());
+    Image before = Draw(uncut, uncut, shot, Scratch());
+    cutting::Volume volume = uncut;
     volume.Reserve();
     change(volume);
-    Write(file, Beside(before, Draw(volume, shot, Scratch())));
+    Write(file, Beside(before, Draw(volume, uncut, shot, Scratch())));
   }
 
+  // `uncut`: of b.
   void Pair(const char* file, const cutting::Volume& a, const Shot& shot_a,
-            const cutting::Volume& b, const Shot& shot_b) {
-    Image left = Draw(a, shot_a, Scratch());
-    Write(file, Beside(left, Draw(b, shot_b, Scratch())));
+            const cutting::Volume& b, const Shot& shot_b, const cutting::Volume& uncut) {
+    Image left = Draw(a, a, shot_a, Scratch());
+    Write(file, Beside(left, Draw(b, uncut, shot_b, Scratch())));
   }
 
  private:
@@ -234,7 +238,8 @@ int main(int argc, char** argv) {
                       {View::kOblique, {0, 0, -1e-3}, 7e-3, mesial_x},
                       [&](cutting::Volume& v) { CutCrown(scene::LowerFirstMolar(), v); });
     album.Pair("tooth_molar.png", built.volume, {View::kBuccal, {0, 0, -6.9e-3}, 12.2e-3, mesial_x},
-               CutOpen(built, false), {View::kMesial, {0, 0, -6.9e-3}, 12.2e-3, mesial_x});
+               CutOpen(built, false), {View::kMesial, {0, 0, -6.9e-3}, 12.2e-3, mesial_x},
+               built.volume);
   }
   {
     auto built = album.Build("molar-class-2");
@@ -248,7 +253,7 @@ int main(int argc, char** argv) {
     const int mesial_x = scene::MesialX(built.scene.tooth);
     album.Pair((std::string("tooth_") + name + ".png").c_str(), built.volume,
                {View::kBuccal, {0, 0, -6.5e-3}, 12.8e-3, mesial_x}, CutOpen(built, false),
-               {View::kMesial, {0, 0, -6.5e-3}, 12.8e-3, mesial_x});
+               {View::kMesial, {0, 0, -6.5e-3}, 12.8e-3, mesial_x}, built.volume);
   }
   {
     auto built = album.Build("block");
@@ -257,6 +262,7 @@ int main(int argc, char** argv) {
     auto caries = album.Build("molar-caries");
     album.Pair("tooth_block_caries.png", shaped, {View::kOblique, {0, 0, 4e-3}, 12e-3},
                CutOpen(caries, true),
-               {View::kOblique, {0, 0, 0}, 7e-3, scene::MesialX(caries.scene.tooth)});
+               {View::kOblique, {0, 0, 0}, 7e-3, scene::MesialX(caries.scene.tooth)},
+               caries.volume);
   }
 }
