@@ -40,10 +40,8 @@ constexpr double kBehind = -0.4;
 // Reach of the diffuse border of a lesion. No source of how wide it is was found.
 constexpr double kLesionReach_m = 0.35e-3;
 
-// Grooves are as narrow as this; their curvature from where the stain begins, and where it is full. No
-// source of how much fissures are stained on average was found.
+// Grooves are as narrow as this.
 constexpr double kGroove_m = 0.15e-3;
-constexpr double kGrooveFrom_per_m = 0.9e3, kGrooveFull_per_m = 3.2e3, kMostStained = 0.65;
 
 // A vertex of an uncut surface is within 0.1 voxel of it (surface.h, radii from 0.25 mm).
 constexpr double kUncutWithin = 0.3;

@@ -284,7 +284,7 @@ async function section(world) {
 
 const near = (hex) => (pixel) =>
   pixel.every((value, i) => Math.abs(value - Number.parseInt(hex.slice(1 + 2 * i, 3 + 2 * i), 16)) < 10);
-const isDentin = near("#d9a95f");
+const isDentin = near("#e2bb74");
 const isTarget = near("#6d28d9");
 
 async function filledSection(world) {

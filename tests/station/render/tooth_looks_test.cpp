@@ -4,7 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <functional>
+#include <glm/exponential.hpp>
+#include <iterator>
+#include <string>
 
 #include "common/scene/builder.h"
 #include "station/render/materials.h"
@@ -189,6 +194,27 @@ TEST(ToothLooksTest, ThePulpShinesPinkThroughHalfAMillimetreOfDentin) {
   EXPECT_GT(near.r / near.g, 1.15 * dentin.r / dentin.g);
   EXPECT_NEAR(far.r, dentin.r, 0.01);
   EXPECT_NEAR(far.g, dentin.g, 0.01);
+}
+
+// The page draws with the same colours (web/src/tooth/scene/stain.test.ts).
+TEST(ToothLooksTest, ColoursAndGroovesAreThoseOfThePage) {
+  auto hex = [](const glm::vec3& linear) {
+    const glm::ivec3 c(glm::round(glm::pow(linear, glm::vec3(1 / 2.2f)) * 255.0f));
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", c.r, c.g, c.b);
+    return std::string(text);
+  };
+  std::string found;
+  for (const Tissue tissue : {Tissue::kEnamel, Tissue::kDentin, Tissue::kPulp, Tissue::kCaries}) {
+    found += std::string(cutting::TissueName(tissue)) + " " + hex(TissueColour(tissue)) + "\n";
+  }
+  found += "stain " + hex(StainColour()) + "\n";
+  char numbers[120];
+  std::snprintf(numbers, sizeof numbers,
+                "groove_from_per_mm %g\ngroove_full_per_mm %g\nmost_stained %g\n",
+                1e-3 * kGrooveFrom_per_m, 1e-3 * kGrooveFull_per_m, kMostStained);
+  std::ifstream file(std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/tooth_look.txt");
+  EXPECT_EQ(found + numbers, std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
 }  // namespace

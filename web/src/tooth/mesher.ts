@@ -17,6 +17,7 @@ export interface BlockMesh {
   readonly positionMm: Float32Array<ArrayBuffer>; // (n x 3), scene frame
   readonly normal: Int8Array<ArrayBuffer>; // (n x 4), x y z 0, /127, outward
   readonly tissue: Uint8Array<ArrayBuffer>; // (n)
+  readonly cut?: Uint8Array<ArrayBuffer>; // (n): other than 0 where a bur was
   readonly deviation: Float32Array<ArrayBuffer> | undefined; // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
   readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
@@ -39,6 +40,7 @@ export class ToothMesher {
   private readonly position = new Float32Array(3 * kCells ** 3);
   private readonly normal = new Int8Array(4 * kCells ** 3);
   private readonly tissue = new Uint8Array(kCells ** 3);
+  private readonly cut = new Uint8Array(kCells ** 3);
   private readonly compared = new Float32Array(2 * kCells ** 3);
   // Of the tooth at its end; vertices of cells that it knows carry it, at whatever moment.
   deviation: ToothDeviation | undefined;
@@ -115,6 +117,7 @@ export class ToothMesher {
       positionMm: this.position.slice(0, 3 * this.vertices),
       normal: this.normal.slice(0, 4 * this.vertices),
       tissue: this.tissue.slice(0, this.vertices),
+      cut: this.cut.slice(0, this.vertices),
       deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices),
       triangle: this.triangle.slice(0, this.corners),
     };
@@ -298,7 +301,12 @@ export class ToothMesher {
     this.vertexOf[cell] = index;
     const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
     const under = this.place(n, index, vx, vy, vz);
-    this.tissue[index] = this.tissueAt(vx + (under & 1), vy + ((under >> 1) & 1), vz + (under >> 2));
+    const [ux, uy, uz] = [under & 1, (under >> 1) & 1, under >> 2];
+    const [brick, sample] = this.placeOf(vx + ux, vy + uy, vz + uz);
+    this.tissue[index] = this.part.tissue(brick, sample);
+    const start = this.part.startSamples(brick);
+    const now = this.samples[n + (uz * kSide + uy) * kSide + ux];
+    this.cut[index] = now === (typeof start === "number" ? start : start[sample]) ? 0 : 1;
     if (this.deviation !== undefined) this.compare(index, vx, vy, vz, this.deviation);
     return index;
   }
@@ -308,14 +316,15 @@ export class ToothMesher {
     this.compared[2 * index + 1] = um === undefined ? 0 : 1;
   }
   private deviationOf(x: number, y: number, z: number, { bricks }: ToothDeviation): number | undefined {
-    const [nx, ny] = this.part.bricks.grid.bricks;
     if (x < 0 || y < 0 || z < 0) return undefined;
-    const um = bricks.get(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3))?.[(z & 7) * 64 + (y & 7) * 8 + (x & 7)];
+    const [brick, cell] = this.placeOf(x, y, z);
+    const um = bricks.get(brick)?.[cell];
     return um === kNotCompared ? undefined : um;
   }
-  private tissueAt(x: number, y: number, z: number): number {
+  // Of a voxel: its brick, and which of its samples.
+  private placeOf(x: number, y: number, z: number): readonly [number, number] {
     const [nx, ny] = this.part.bricks.grid.bricks;
-    return this.part.tissue(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3), (z & 7) * 64 + (y & 7) * 8 + (x & 7));
+    return [((z >> 3) * ny + (y >> 3)) * nx + (x >> 3), (z & 7) * 64 + (y & 7) * 8 + (x & 7)];
   }
 
   // Where the vertex of the cell at sample `n`, of voxel (vx, vy, vz), is and where it points; returns the inside corner

@@ -1,5 +1,7 @@
 // How tissues are drawn; index: the tissue number of a surface.
-const kColors = ["#cccccc", "#f1e8d4", "#d9a95f", "#c7405f", "#5d4030", "#7fa3bf", "#cfd3c8", "#b9c9b2"] as const;
+const kColors = ["#cccccc", "#f2ead6", "#e2bb74", "#ba2e30", "#704a2c", "#7fa3bf", "#cfd3c8", "#b9c9b2"] as const;
+// Of fissures and pits.
+export const kStainColor = "#685442";
 
 export const kTissues = kColors.length;
 

@@ -1,5 +1,6 @@
 import type { BlockMesh } from "../mesher";
 import { type Gl, Shape } from "./gl";
+import { withStain } from "./stain";
 import { TriangleGrid } from "./triangle_grid";
 import { lengthOf, type Matrix, sub, type Vec } from "./vec";
 
@@ -41,13 +42,13 @@ export class ToothBlocks {
     this.blocks.get(index)?.drawn.dispose();
     this.blocks.delete(index);
     if (mesh === undefined) return;
-    const { positionMm, normal, tissue, deviation, triangle } = mesh;
+    const { positionMm, normal, deviation, triangle } = mesh;
     const drawn = new Shape(
       this.gl,
       {
         position: { data: positionMm, size: 3 },
         normal: { data: normal, size: 4, normalized: true },
-        tissue: { data: tissue, size: 1 },
+        tissue: { data: withStain(mesh), size: 1 },
         deviation: deviation === undefined ? undefined : { data: deviation, size: 2 },
       },
       triangle,

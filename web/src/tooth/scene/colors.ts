@@ -1,5 +1,5 @@
 import { parseHex } from "../deviation_scale";
-import { kTissues, tissueColor } from "../tissue_color";
+import { kStainColor, kTissues, tissueColor } from "../tissue_color";
 
 // Colours as shaders take them: 0 … 1, of the screen (sRGB) or linear, as light adds up.
 
@@ -19,7 +19,7 @@ export function linearColor(hex: string): Rgb {
   return [r, g, b];
 }
 
-// Of all tissues, one after the other.
+// Of all tissues, one after the other; then of stain.
 export function palette(color: (hex: string) => Rgb): number[] {
-  return Array.from({ length: kTissues }, (_, tissue) => color(tissueColor(tissue))).flat();
+  return Array.from({ length: kTissues + 1 }, (_, i) => color(i < kTissues ? tissueColor(i) : kStainColor)).flat();
 }

@@ -58,8 +58,8 @@ test("a slice through the middle of a ball is a disc of dentin in one of enamel"
     const at = 4 * (Math.floor(across / 2) * across + Math.floor(((share + 1) / 2) * across));
     return [...pixels.slice(at, at + 4)];
   };
-  assert.deepEqual(color(0), [0xd9, 0xa9, 0x5f, 255], "dentin within 0.9 mm");
-  assert.deepEqual(color(0.35), [0xd9, 0xa9, 0x5f, 255]);
-  assert.deepEqual(color(0.6), [0xf1, 0xe8, 0xd4, 255], "enamel around it");
-  assert.deepEqual(color(-0.65), [0xf1, 0xe8, 0xd4, 255]);
+  assert.deepEqual(color(0), [0xe2, 0xbb, 0x74, 255], "dentin within 0.9 mm");
+  assert.deepEqual(color(0.35), [0xe2, 0xbb, 0x74, 255]);
+  assert.deepEqual(color(0.6), [0xf2, 0xea, 0xd6, 255], "enamel around it");
+  assert.deepEqual(color(-0.65), [0xf2, 0xea, 0xd6, 255]);
 });

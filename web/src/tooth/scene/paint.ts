@@ -20,7 +20,7 @@ import { kUnmoved, type Matrix } from "./vec";
 
 const kInsideColor = "#b98a5e"; // of a cut whose tissues are not known
 const kScalePixels = 256;
-const kTooth = { roughness: 0.55, metal: 0 };
+const kTooth = { roughness: 0.45, metal: 0 };
 const kSteel = { color: "#8a94a0", roughness: 0.35, metal: 0.6 };
 
 // Of the picture that is drawn.

@@ -1,5 +1,6 @@
 import { kContourStepMm, kDeviationRangeMm } from "../deviation_scale";
 import { kTissues } from "../tissue_color";
+import { kCutFlag, kMostStained, kStainSteps } from "./stain";
 import { type Matrix, unit } from "./vec";
 
 // What vertices and pixels of a tooth are made of. Two lamps hang at the camera and shine at the scene's origin; a
@@ -10,6 +11,7 @@ const kLamps = [
   { at: [-0.6, 0.9, 0.9], light: 1.9 },
   { at: [1, -0.3, 0.6], light: 0.45 },
 ] as const;
+const kMatt = 0.3; // how much rougher what was cut is
 const kGlossShare = 0.03; // what the gloss adds where light is worked out at the vertices
 
 const glsl = (value: number) => value.toFixed(6);
@@ -56,7 +58,14 @@ uniform vec3 untouched;
 in vec2 vDeviation;
 vec3 onScale(float mm) { return texture(scale, vec2(0.5 + 0.5 * mm / ${glsl(kDeviationRangeMm)}, 0.5)).rgb; }
 `;
-const kTissueColor = `palette[min(int(tissue + 0.5), ${kTissues - 1})]`;
+// The palette ends with the stain of fissures; `tissue` is that of stain.ts.
+const kTissueColor = `
+uniform vec3 palette[${kTissues + 1}];
+vec3 tissueColor(float tissue) {
+  int code = int(tissue + 0.5) % ${kCutFlag};
+  return mix(palette[code % 8], palette[${kTissues}], ${glsl(kMostStained / kStainSteps)} * float(code / 8));
+}
+`;
 
 export const kFullVertex = `
 ${kCutVertex}
@@ -64,10 +73,11 @@ in vec3 position;
 in vec3 normal;
 in float tissue;
 in vec2 deviation;
+out float vMatt;
 uniform mat4 projection;
 uniform mat4 view;
 uniform mat4 model;
-uniform vec3 palette[${kTissues}];
+${kTissueColor}
 out vec3 vNormal;
 out vec3 vPlace;
 #ifdef HEAT
@@ -82,8 +92,9 @@ void main() {
 #ifdef HEAT
   vDeviation = deviation;
 #else
-  vColor = ${kTissueColor};
+  vColor = tissueColor(tissue);
 #endif
+  vMatt = step(${glsl(kCutFlag - 0.5)}, tissue);
 #ifdef CUT
   vBehind = dot(plane, vec4(position, 1.0));
 #endif
@@ -98,6 +109,7 @@ ${kCutFragment}
 ${kLampWays}
 in vec3 vNormal;
 in vec3 vPlace;
+in float vMatt;
 uniform float roughness;
 uniform float metal;
 out vec4 pixel;
@@ -142,7 +154,7 @@ ${kDiscard}
   vec3 color = ownColor();
   vec3 n = normalize(vNormal), eye = normalize(-vPlace);
   vec3 bend = max(abs(dFdx(n)), abs(dFdy(n)));
-  float rough = min(1.0, roughness + max(max(bend.x, bend.y), bend.z));
+  float rough = min(1.0, roughness + ${glsl(kMatt)} * vMatt + max(max(bend.x, bend.y), bend.z));
   vec3 sum = ${glsl(kAround / Math.PI)} * color * (1.0 - metal);
 ${kLamps.map(({ light }, i) => `  sum += lit(color, n, eye, rough, wayTo[${i}], ${glsl(light)});\n`).join("")}
   pixel = vec4(shown(sum), 1.0);
@@ -163,7 +175,7 @@ in float tissue;
 in vec2 deviation;
 uniform mat4 view;
 uniform mat4 picture;
-uniform vec3 palette[${kTissues}];
+${kTissueColor}
 #ifdef TISSUE
 out vec3 vColor;
 #else
@@ -177,7 +189,7 @@ void main() {
   float light = pow(${glsl(kAround / Math.PI + kGlossShare)}
 ${kLamps.map(({ light }, i) => `    + ${glsl(light / Math.PI)} * max(0.0, dot(n, wayTo[${i}]))`).join("\n")}, 1.0 / 2.2);
 #ifdef TISSUE
-  vColor = light * ${kTissueColor};
+  vColor = light * tissueColor(tissue);
 #else
   vLight = light;
 #endif

@@ -1,0 +1,36 @@
+import type { BlockMesh } from "../mesher";
+
+// Fissures are dark and what a bur cut is matt, as at the chair (station/render/tooth_looks.cpp), as far as a mesh tells.
+
+const kEnamel = 1;
+// Curvature across a groove from which on it is stained, and where that is full; 1/mm.
+export const kFrom = 0.9;
+export const kFull = 3.2;
+export const kMostStained = 0.65; // of the colour
+export const kStainSteps = 15;
+export const kCutFlag = 128;
+
+// Of each vertex: its tissue, 8 × its stain, and kCutFlag. The surface's curvature is how its normals turn along the
+// edges of its triangles; in a groove they lean toward each other.
+export function withStain({ positionMm: p, normal, tissue, triangle, cut }: BlockMesh): Uint8Array<ArrayBuffer> {
+  const bent = new Float32Array(tissue.length);
+  for (let i = 0; i < triangle.length; ++i) {
+    const a = triangle[i]!;
+    const b = triangle[i % 3 === 2 ? i - 2 : i + 1]!;
+    let turn = 0;
+    let length2 = 0;
+    for (let k = 0; k < 3; ++k) {
+      const way = p[3 * b + k]! - p[3 * a + k]!;
+      turn -= (way * (normal[4 * b + k]! - normal[4 * a + k]!)) / 127;
+      length2 += way * way;
+    }
+    const found = turn / length2;
+    if (found > bent[a]!) bent[a] = found;
+    if (found > bent[b]!) bent[b] = found;
+  }
+  return tissue.map((own, i) => {
+    if (cut?.[i]) return own + kCutFlag;
+    const share = own === kEnamel ? Math.min(1, Math.max(0, (bent[i]! - kFrom) / (kFull - kFrom))) : 0;
+    return own + 8 * Math.round(kStainSteps * share * share * (3 - 2 * share));
+  });
+}
