@@ -34,7 +34,8 @@ render::GroupMesh TargetSurface(const PreparedAttempt& prepared) {
   const auto target = PreparedFor(prepared.scene, prepared.exercise.target, prepared.volume);
   if (!target) return {};
   render::GroupMesh out;
-  render::Append(surface::ExtractSurface(*target), render::ToothLooks(*target, &prepared.volume), out);
+  render::Append(surface::ExtractSurface(*target), render::ToothLooks(*target, &prepared.volume),
+                 out);
   return out;
 }
 

@@ -21,7 +21,7 @@ enum Material : uint8_t {
   kTargetLine = 11,
   kGingiva = 12,     // the first of kGingivaShades: gingiva, mucosa in the middle, the mouth's dark
   kRubberDam = 213,  // the first of kRubberDamShades: from the sheet to nothing
-  kTooth = 233,  // GpuVertex::look says which
+  kTooth = 233,      // GpuVertex::look says which
 };
 // As in the shaders; from kGingivaDark on nothing is seen.
 inline constexpr int kGingivaShades = 201, kGingivaDark = 190, kRubberDamShades = 20;
