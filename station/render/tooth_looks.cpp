@@ -216,7 +216,7 @@ dvec3 ToothLooks::MeanOfWays(Tissue own, const dvec3& p, const dvec3& n, double 
   return sum / double{kWays};
 }
 
-dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
+dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n, bool uncut) const {
   const dvec3 thick = ColourOf(Tissue::kEnamel);
   return MeanOfWays(Tissue::kEnamel, p, n, kThickestEnamel_m, [&](const Ground& ground) {
     switch (ground.tissue) {
@@ -224,6 +224,10 @@ dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n) const {
       case Tissue::kCaries:
         return glm::mix(thick, ColourOf(ground.tissue), ShareThroughEnamel(ground.at_m));
       case Tissue::kAir: {
+        // The dark is the mouth's, behind an edge that has grown so. A wall that a bur left stands in
+        // the light of the cavity on one side and of the mouth on the other.
+        const bool was_air = uncut_ == nullptr || uncut_->DistanceAt_m(ground.place_m) > -voxel_m_;
+        if (!uncut || !was_air) return thick;
         const dvec3 out = now_.SlopeAtSample((ground.place_m - now_.spec().origin_m()) / voxel_m_);
         if (Dot(out, n) > kBehind * glm::length(out)) return thick;
         return thick * EnamelOverDark(ground.at_m);
@@ -303,7 +307,7 @@ Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const
     const bool enamel_here = !around.known || now_.TissueAtPoint(p) == Tissue::kEnamel;
     colour = enamel < 1 ? DentinColour(p, n) : dvec3(0);
     if (enamel > 0) {
-      colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n), enamel);
+      colour = glm::mix(colour, EnamelColour(enamel_here ? p : around.enamel_m, n, uncut), enamel);
     }
     gloss = glm::mix(TissueGloss(Tissue::kDentin), TissueGloss(Tissue::kEnamel), enamel);
   }

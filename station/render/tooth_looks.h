@@ -30,7 +30,7 @@ inline constexpr double kGrooveFrom_per_m = 0.9e3, kGrooveFull_per_m = 3.2e3, kM
 // The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
 // get the same as built-in ones:
 //
-// * enamel lets through what is below it: dentin, a lesion, the dark of the mouth behind an edge;
+// * enamel lets through what is below it: dentin, a lesion, the dark of the mouth behind an uncut edge;
 // * dentin lets through the pulp and a lesion, where they are near;
 // * a lesion goes from chalk white at its border in enamel by yellow-brown to brown, without steps;
 // * narrow grooves of the uncut surface are stained: fissures and pits;
@@ -73,7 +73,7 @@ class ToothLooks {
   template <typename Colour>
   dvec3 MeanOfWays(cutting::Tissue own, const dvec3& p, const dvec3& n, double limit_m,
                    Colour&& colour) const;
-  dvec3 EnamelColour(const dvec3& p, const dvec3& n) const;
+  dvec3 EnamelColour(const dvec3& p, const dvec3& n, bool uncut) const;
   dvec3 DentinColour(const dvec3& p, const dvec3& n) const;
   // The share of a lesion around a point: 1/2 at its border.
   double CariesAround(const dvec3& p) const;

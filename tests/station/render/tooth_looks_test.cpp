@@ -122,6 +122,22 @@ class GrooveTest : public testing::Test {
   }
 };
 
+// A slab of 1 mm that a bur has left of one of 1.7 mm: light falls on both sides of it.
+TEST_F(GrooveTest, AWallThatWasCutIsNoEdgeBeforeTheMouthsDark) {
+  auto slab = [](double to_m) {
+    return [to_m](const dvec3& p) { return std::max(-0.5e-3 - p.x, p.x - to_m); };
+  };
+  const Volume wall = Of(slab(0.5e-3)), before = Of(slab(1.2e-3));
+  auto light = [](const ToothLooks& looks, double side) {
+    return AlbedoOf(looks.At({side * 0.5e-3, 0, 0}, {side, 0, 0}, Tissue::kEnamel)).b;
+  };
+  const double thick = TissueColour(Tissue::kEnamel).b;
+  for (double side : {-1.0, 1.0}) {
+    EXPECT_NEAR(light(ToothLooks(wall, &before), side), thick, 0.01) << side;
+    EXPECT_LT(light(ToothLooks(wall), side), 0.9 * thick) << side;
+  }
+}
+
 TEST_F(GrooveTest, ANarrowGrooveIsStainedAndWhatIsBesideItIsNot) {
   const Volume valley = Of(Valley), ridge = Of(Ridge);
   const ToothLooks in_valley(valley), on_ridge(ridge);
