@@ -71,6 +71,10 @@ void Ui::ReadKeys() {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
     // A held key keeps moving the focus but chooses once; in a field, arrows and space edit the
     // text.
+    const bool walks = event.code == render::kKeyTab || event.code == render::kKeyDown ||
+                       event.code == render::kKeyUp || event.code == render::kKeyRight ||
+                       event.code == render::kKeyLeft;
+    walked_ |= walks;
     bool once = !event.repeat, writing = focus_ < shown_.size() && shown_[focus_].field;
     switch (event.code) {
       case render::kKeyTab:
@@ -113,6 +117,7 @@ void Ui::Enter(const std::string& name) {
     page_ = name;
     focus_ = 0;
     moved_ = true;
+    walked_ = false;
     choose_ = false;  // the key that opened the page
   } else if (next_ != focus_) {
     // Among the last frame's choices: this frame's are only known at its end.
@@ -364,6 +369,9 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   if (!enabled) return false;
   Focused focus = Next(label);
   Listed(label, false);
+  // What loses something is not the first choice of a page, even where it is the only one: a person
+  // who presses Enter has not read it.
+  if (look == Look::kDanger && !walked_) focus = {};
   if (focus.has) Ring();
   return chosen || focus.chosen;
 }

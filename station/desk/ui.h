@@ -168,6 +168,7 @@ class Ui {
   size_t focus_ = 0, count_ = 0;
   size_t next_ = 0;  // the focus after this frame's keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
+  bool walked_ = false;        // somebody has moved the focus on this page
   bool spaced_ = true;         // the space bar chooses
   bool typing_ = false;        // and writes instead: in the last frame Typed had text
   bool after_button_ = false;  // drawn last

@@ -203,6 +203,27 @@ TEST_F(UiTest, AKeyThatIsHeldGoesOnMovingTheFocus) {
   EXPECT_EQ(chosen, (std::vector<int>{0, 0, 0, 1}));
 }
 
+TEST_F(UiTest, EnterChoosesWhatLosesSomethingOnlyAfterSomebodyWentThere) {
+  int lost = 0;
+  auto page = [&] {
+    ui_->Begin("hand-in");
+    lost += ui_->Button("Hand in without the end", Ui::Look::kDanger);
+    ui_->End();
+  };
+  Play(page);
+  Press(render::kKeyEnter);
+  Play(page);
+  Play(page);
+  EXPECT_EQ(lost, 0);
+  Release(render::kKeyEnter);
+  Press(render::kKeyTab);
+  Play(page);
+  Press(render::kKeyEnter);
+  Play(page);
+  Play(page);
+  EXPECT_EQ(lost, 1);
+}
+
 // What a badge reader types, and xdotool: a key is up again before the next frame.
 std::vector<InputEvent> Typed(std::string_view text) {
   std::vector<InputEvent> events;
