@@ -160,6 +160,8 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
                                        false, GL_NEAREST);
   }
   ChooseBodies(state);
+  ShapeOf(state.chips, chip_shape_);
+  Fill(chips_, chip_shape_);
   const Eye eye{state.view_from_scene, state.clip_from_view, false, {0, 0, 0, 1}};
   DrawSight(sight, state, eye, quality,
             PixelRect::Whole(sight.tooth.width(), sight.tooth.height()));
@@ -185,6 +187,8 @@ void Picture::DrawSight(Sight& sight, const PictureState& state, const Eye& eye,
   if (state.scene_from_bur) {
     DrawShadow(sight, state, eye, part);
     Scissor(part);
+    UseSolid(state, eye);
+    chips_.Draw();
     DrawBurs(state, eye);
   }
   glDisable(GL_SCISSOR_TEST);

@@ -8,6 +8,7 @@
 
 #include "common/cutting/bur.h"
 #include "common/surface/level_lines.h"
+#include "station/render/chips.h"
 #include "station/render/gl_objects.h"
 #include "station/render/mesher.h"
 #include "station/render/quality.h"
@@ -26,6 +27,7 @@ struct PictureState {
   size_t bur = 0;                              // of the picture's burs
   bool lines = false;                          // draw SetLines' lines
   bool scenery = false;                        // draw SetScenery's
+  std::span<const Chip> chips;                 // only with scene_from_bur
   std::optional<glm::mat4> scene_from_mirror;  // none: no mirror (mouth_mirror.h)
 };
 
@@ -38,9 +40,9 @@ struct PictureWork {
 };
 
 // The solid part of the picture, by OpenGL 3.3. The tooth is kept as a layer (tooth_layer.h). Each
-// frame draws the moving things over a copy of that layer: the bur's shadow, the bur, the ghost of
-// the hand, the mirror, the force. *Why:* while somebody cuts, the camera rests and the cut changes a
-// thousandth of the surface; a computer without graphics card cannot redraw all of it each time.
+// frame draws the moving things over a copy of that layer: the bur's shadow, chips, the bur, the
+// ghost of the hand, the mirror, the force. *Why:* while somebody cuts, the camera rests and the cut
+// changes a thousandth of the surface; a computer without graphics card cannot redraw all of it.
 // While the camera moves the layer may be a lighter one (Quality::lighter_turning); it is redrawn in
 // full once the camera has rested for kStillPictures. The mirror has a layer of its own, seen by the
 // mirrored eye, only while it is shown and only where its glass is. Draws into its own buffer; the
@@ -80,7 +82,7 @@ class Picture {
   void Changed(const Bounds& bounds);
   // What to draw into the layer for this state.
   void ChooseBodies(const PictureState& state);
-  // Tooth, lines, shadow into the part of the frame; then the burs, which may stand before it.
+  // Tooth, lines, shadow into the part of the frame; then chips and burs, which may be before it.
   void DrawSight(Sight& sight, const PictureState& state, const Eye& eye, const Quality& quality,
                  const PixelRect& part);
   void DrawMirror(const Sight& sight, const PictureState& state, const Eye& eye,
@@ -101,7 +103,8 @@ class Picture {
   std::vector<glm::vec3> work_mm_;
   std::vector<const Body*> bodies_;  // chosen
   std::vector<BurBody> burs_;
-  TriangleBuffer shaft_, tip_, lines_, glass_, setting_;
+  TriangleBuffer shaft_, tip_, lines_, glass_, setting_, chips_;
+  Shape chip_shape_;  // kept for its memory
   PictureWork work_;
   std::optional<glm::mat4> last_view_;
   int still_ = kStillPictures;  // pictures since the camera moved

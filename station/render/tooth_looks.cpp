@@ -59,15 +59,6 @@ uint8_t ToByte(double v) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
 }
 
-Look LookOf(const dvec3& albedo, double gloss) {
-  Look out;
-  for (size_t i = 0; i < 3; ++i) {
-    out.root_albedo[i] = ToByte(std::sqrt(std::max(albedo[static_cast<int>(i)], 0.0)));
-  }
-  out.gloss = ToByte(gloss);
-  return out;
-}
-
 dvec3 ColourOf(Tissue tissue) { return dvec3(TissueColour(tissue)); }
 
 double Ramp(double v, double lo, double hi) {
@@ -85,6 +76,15 @@ dvec3 CariesColour(double share, const dvec3& sound, double enamel) {
 }
 
 }  // namespace
+
+Look LookOf(const dvec3& albedo, double gloss) {
+  Look out;
+  for (size_t i = 0; i < 3; ++i) {
+    out.root_albedo[i] = ToByte(std::sqrt(std::max(albedo[static_cast<int>(i)], 0.0)));
+  }
+  out.gloss = ToByte(gloss);
+  return out;
+}
 
 double ShareThroughEnamel(double thickness_m) { return PassesTwice(kEnamel_per_mm, thickness_m); }
 

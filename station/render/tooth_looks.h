@@ -16,6 +16,8 @@ struct Look {
 
   bool operator==(const Look&) const = default;
 };
+// From a linear colour.
+Look LookOf(const dvec3& albedo, double gloss);
 
 // Light on a layer of enamel, by its thickness: red, green and blue.
 // What of the colour seen over dentin is the dentin's.

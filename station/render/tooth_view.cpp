@@ -80,6 +80,22 @@ void ToothView::FlushBricks(const cutting::Volume& volume) {
   mesher_.WaitIdle(kFlushLimit);
 }
 
+void ToothView::TakeNewest() {
+  const auto& newest = latest_.Read();
+  if (!newest) return;
+  // What was removed before the first state was not seen to be removed.
+  const FrameState before = has_state_ ? state_ : *newest;
+  state_ = *newest;
+  has_state_ = true;
+  const auto dt_s = static_cast<float>(std::max(state_.time_s - before.time_s, 0.0));
+  auto removed_mm3 = state_.removed_mm3;
+  for (size_t t = 0; t < removed_mm3.size(); ++t) removed_mm3[t] -= before.removed_mm3[t];
+  chips_.Step(dt_s);
+  chips_.Add(removed_mm3, options_.burs[BurNow()], state_.anchor, dt_s);
+}
+
+size_t ToothView::BurNow() const { return std::min<size_t>(state_.bur, options_.burs.size() - 1); }
+
 PictureState ToothView::PictureNow(float aspect) {
   PictureState picture;
   picture.view_from_scene = camera_.ViewFromScene();
@@ -88,11 +104,12 @@ PictureState ToothView::PictureNow(float aspect) {
   picture.scenery = true;
   if (mirror_.shown()) picture.scene_from_mirror = mirror_.SceneFromMirror();
   if (!has_state_) return picture;
+  picture.chips = chips_.all();
   picture.scene_from_bur = FromPose(state_.anchor);
   if (glm::length(state_.device.tip_m - state_.anchor.tip_m) > kGhostFrom_m) {
     picture.scene_from_ghost = FromPose(state_.device);
   }
-  picture.bur = std::min<size_t>(state_.bur, options_.burs.size() - 1);
+  picture.bur = BurNow();
   dvec3 middle = state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] *
                                            (0.5 * options_.burs[picture.bur].height_m());
   picture.arrow_from_mm = glm::vec3(middle * 1000.0);
@@ -123,10 +140,7 @@ unsigned TextureOf(const Target& picture) { return picture.colour(); }
 
 void ToothView::Draw(int width, int height, const Quality& quality) {
   for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);
-  if (const auto& newest = latest_.Read()) {
-    state_ = *newest;
-    has_state_ = true;
-  }
+  TakeNewest();
   picture_.Draw(PictureNow(static_cast<float>(width) / static_cast<float>(height)), width, height,
                 quality);
 }

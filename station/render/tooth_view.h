@@ -11,6 +11,7 @@
 #include "common/cutting/volume.h"
 #include "station/render/brick_feed.h"
 #include "station/render/camera.h"
+#include "station/render/chips.h"
 #include "station/render/frame_state.h"
 #include "station/render/mesher.h"
 #include "station/render/mouth_mirror.h"
@@ -81,7 +82,11 @@ class ToothView {
   bool WaitIdle(std::chrono::milliseconds limit) { return mesher_.WaitIdle(limit); }
 
  private:
+  // Takes the newest state, and lets fly what was removed since the last one drawn.
+  void TakeNewest();
   PictureState PictureNow(float aspect);
+  // Of the view's burs, the one in the handpiece.
+  size_t BurNow() const;
 
   const ViewOptions options_;
   Camera camera_;
@@ -89,6 +94,7 @@ class ToothView {
   FrameState state_;
   bool has_state_ = false;
   float spin_ = 0;
+  Chips chips_;
   bool outline_shown_ = false;
   TripleBuffer<std::optional<FrameState>> latest_;  // none before the first Publish
   BrickFeed feed_;

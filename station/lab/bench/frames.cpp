@@ -36,8 +36,8 @@ struct FrameBenchOptions {
   std::filesystem::path json;
 };
 
-constexpr int kTicksPerFrame = 16;       // at 60 frames a second
-constexpr double kFeed_m = 5e-3 * 1e-3;  // per tick: 5 mm/s
+constexpr int kTicksPerFrame = 16;                          // at 60 frames a second
+constexpr double kTick_s = 1e-3, kFeed_m = 5e-3 * kTick_s;  // 5 mm/s
 constexpr auto kCoarseLimit = std::chrono::seconds(2);
 constexpr double kSlotHalf_m = 1.5e-3, kSlotStep_m = 0.3e-3, kSlotDepth_m = 1.2e-3;
 
@@ -201,6 +201,11 @@ class FrameBench {
     double z = std::max(-0.2e-3 * (layer + 1), -kSlotDepth_m);
     Show(centre_ + dvec3(slot % 2 == 0 ? x : -x, across * kSlotStep_m, z));
     cutter_.Cut(state_.anchor, removed_);
+    state_.time_s += kTick_s;
+    for (size_t t = 0; t < removed_.size(); ++t) {
+      state_.removed_mm3[t] =
+          cutting::RemovedUnitsToM3(removed_[t], volume_.spec().voxel_m()) * 1e9;
+    }
     view_.PublishBricks(volume_, cutter_.touched());
   }
 

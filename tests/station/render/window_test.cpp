@@ -354,6 +354,27 @@ TEST_F(TurningTest, WhatIsCutWhileTheCameraTurnsIsWholeOnceItRests) {
   EXPECT_LT(differ, fresh.width * fresh.height / 200);
 }
 
+TEST_F(TurningTest, ChipsFlyWhileSomethingIsRemovedAndLeaveNoTrace) {
+  const Quality& quality = *FindQuality("good");
+  Screen screen(Plain());
+  ToothView view(Options().view, Slab());
+  ASSERT_TRUE(view.WaitIdle(std::chrono::seconds(30)));
+  FrameState state;
+  state.removed_mm3.fill(3);  // before this window opened
+  auto drawn = [&](double dentin_mm3) {
+    state.time_s += 0.05;
+    state.removed_mm3[static_cast<size_t>(Tissue::kDentin)] += dentin_mm3;
+    view.Publish(state);
+    return Draw(screen, view, quality);
+  };
+  const Shot before = drawn(0);
+  EXPECT_EQ(drawn(0).rgb, before.rgb);
+  const Shot cutting = drawn(0.2);
+  EXPECT_GT(cutting.Count(IsDentin), before.Count(IsDentin) + 100);
+  for (double age_s = 0; age_s < static_cast<double>(Chips::kLongest_s); age_s += 0.05) drawn(0);
+  EXPECT_EQ(drawn(0).rgb, before.rgb);
+}
+
 TEST_F(WindowTest, TheBurThrowsAShadowOnTheToothBelow) {
   Volume volume = Slab();
   auto created = Window::Create(Options(), volume);
