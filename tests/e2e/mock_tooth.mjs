@@ -125,7 +125,11 @@ function predicted(s, i) {
     (x && y && z ? s[i - 73] : 0);
   return Math.max(-64, Math.min(63, p));
 }
-const residuals = (s) => Uint8Array.from(s, (q, i) => q - predicted(s, i));
+// The middle of the samples that a level of `coarse` bits fewer stands for; the outermost two are exact.
+const fromLevel = (level, coarse) =>
+  level === -64 >> coarse ? -64 : level === 63 >> coarse ? 63 : (level << coarse) + ((1 << coarse) >> 1);
+const coarsened = (s, coarse) => Int8Array.from(s, (q) => fromLevel(q >> coarse, coarse));
+const residuals = (s, coarse = 0) => Uint8Array.from(s, (q, i) => (q >> coarse) - (predicted(s, i) >> coarse));
 
 const u32 = (...values) => {
   const out = Buffer.alloc(4 * values.length);
@@ -261,10 +265,10 @@ function cutBricks(whole, box) {
   return out;
 }
 
-function maskedChanges(now, before, masks, values) {
-  const state = before.slice();
+// `state` becomes `now`, as a reader has it.
+function maskedChanges(now, state, coarse, masks, values) {
   const bits = new Uint8Array(64);
-  for (let i = 0; i < 512; ++i) if (now[i] !== before[i]) bits[i >> 3] |= 1 << (i & 7);
+  for (let i = 0; i < 512; ++i) if (now[i] >> coarse !== state[i] >> coarse) bits[i >> 3] |= 1 << (i & 7);
   masks.push(
     [...Array(8).keys()].reduce(
       (byte, z) => byte | (bits.subarray(8 * z, 8 * z + 8).some((row) => row !== 0) ? 1 << z : 0),
@@ -279,8 +283,8 @@ function maskedChanges(now, before, masks, values) {
   }
   for (let i = 0; i < 512; ++i) {
     if (!((bits[i >> 3] >> (i & 7)) & 1)) continue;
-    values.push((now[i] - predicted(state, i)) & 255);
-    state[i] = now[i];
+    values.push(((now[i] >> coarse) - (predicted(state, i) >> coarse)) & 255);
+    state[i] = fromLevel(now[i] >> coarse, coarse);
   }
 }
 
@@ -314,10 +318,13 @@ function timeline({ cut, start, changing, ball }, seconds, pace) {
       planes(Array(n).fill(0)),
       Buffer.alloc(n, 1),
     ]);
+    // Steps are coarser before the last segment.
+    const coarse = first + n < frames ? 2 : 0;
+    const read = new Map(cut.map(({ brick }) => [brick, coarsened(now.get(brick), coarse)]));
     // All that ever changes: then no key frame needs another.
     const key = Buffer.concat([
       u32(...cut.map(({ brick }) => brick)),
-      ...cut.map(({ brick }) => residuals(now.get(brick))),
+      ...cut.map(({ brick }) => residuals(read.get(brick), coarse)),
     ]);
     const [heads, masks, values] = [[], [], []];
     for (let k = 0; k < n; ++k) {
@@ -327,7 +334,7 @@ function timeline({ cut, start, changing, ball }, seconds, pace) {
       varint(heads, moved.length);
       moved.forEach(({ brick, samples }, i) => {
         varint(heads, i === 0 ? brick : brick - moved[i - 1].brick - 1);
-        maskedChanges(samples, now.get(brick), masks, values);
+        maskedChanges(samples, read.get(brick), coarse, masks, values);
         now.set(brick, samples);
       });
     }
@@ -338,7 +345,7 @@ function timeline({ cut, start, changing, ball }, seconds, pace) {
       Buffer.from(values),
     ]);
     const packed = [poses, key, changes].map((raw) => deflateSync(raw));
-    index.push(u32(...packed.map((bytes) => bytes.length), cut.length, changes.length));
+    index.push(u32(...packed.map((bytes) => bytes.length), cut.length, 0, changes.length));
     parts.unshift(Buffer.concat(packed));
   }
   const outline = [
