@@ -1,6 +1,6 @@
 import { type ChangingPart, kTriangles } from "./changing";
 import { kNotCompared, type ToothDeviation } from "./deviation";
-import { kBrickSide, kDeep, kFarOut, kSteps } from "./samples";
+import { kBrickSide, kCoarse, kDeep, kFarOut, kSteps } from "./samples";
 
 // Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a
 // vertex in each cell that the surface crosses, at the mean of its edges' crossings; a quad for
@@ -26,6 +26,9 @@ const kWholeRow = (1 << kBrickSide) - 1; // of a brick's samples
 const kLastOfRow = 1 << (kBrickSide - 1);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
 const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
+
+// Of a voxel in its brick.
+const sampleOf = (x: number, y: number, z: number) => (z & 7) * 64 + (y & 7) * 8 + (x & 7);
 
 // Makes the meshes of a tooth as it is now. Owns buffers that it uses again, one mesh at a
 // time: a whole tooth is hundreds of thousands of vertices, and an object for each would be most of
@@ -301,12 +304,16 @@ export class ToothMesher {
     this.vertexOf[cell] = index;
     const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
     const under = this.place(n, index, vx, vy, vz);
-    const [ux, uy, uz] = [under & 1, (under >> 1) & 1, under >> 2];
-    const [brick, sample] = this.placeOf(vx + ux, vy + uy, vz + uz);
+    const ux = under & 1;
+    const uy = (under >> 1) & 1;
+    const uz = under >> 2;
+    const brick = this.brickOf(vx + ux, vy + uy, vz + uz);
+    const sample = sampleOf(vx + ux, vy + uy, vz + uz);
     this.tissue[index] = this.part.tissue(brick, sample);
     const start = this.part.startSamples(brick);
-    const now = this.samples[n + (uz * kSide + uy) * kSide + ux];
-    this.cut[index] = now === (typeof start === "number" ? start : start[sample]) ? 0 : 1;
+    const now = this.samples[n + (uz * kSide + uy) * kSide + ux]!;
+    // Of the same level: before the last segment no more is known.
+    this.cut[index] = now >> kCoarse === (typeof start === "number" ? start : start[sample]!) >> kCoarse ? 0 : 1;
     if (this.deviation !== undefined) this.compare(index, vx, vy, vz, this.deviation);
     return index;
   }
@@ -317,14 +324,12 @@ export class ToothMesher {
   }
   private deviationOf(x: number, y: number, z: number, { bricks }: ToothDeviation): number | undefined {
     if (x < 0 || y < 0 || z < 0) return undefined;
-    const [brick, cell] = this.placeOf(x, y, z);
-    const um = bricks.get(brick)?.[cell];
+    const um = bricks.get(this.brickOf(x, y, z))?.[sampleOf(x, y, z)];
     return um === kNotCompared ? undefined : um;
   }
-  // Of a voxel: its brick, and which of its samples.
-  private placeOf(x: number, y: number, z: number): readonly [number, number] {
-    const [nx, ny] = this.part.bricks.grid.bricks;
-    return [((z >> 3) * ny + (y >> 3)) * nx + (x >> 3), (z & 7) * 64 + (y & 7) * 8 + (x & 7)];
+  private brickOf(x: number, y: number, z: number): number {
+    const { bricks } = this.part.bricks.grid;
+    return ((z >> 3) * bricks[1] + (y >> 3)) * bricks[0] + (x >> 3);
   }
 
   // Where the vertex of the cell at sample `n`, of voxel (vx, vy, vz), is and where it points; returns the inside corner

@@ -14,19 +14,24 @@ export const kCutFlag = 128;
 // edges of its triangles; in a groove they lean toward each other.
 export function withStain({ positionMm: p, normal, tissue, triangle, cut }: BlockMesh): Uint8Array<ArrayBuffer> {
   const bent = new Float32Array(tissue.length);
-  for (let i = 0; i < triangle.length; ++i) {
-    const a = triangle[i]!;
-    const b = triangle[i % 3 === 2 ? i - 2 : i + 1]!;
-    let turn = 0;
-    let length2 = 0;
-    for (let k = 0; k < 3; ++k) {
-      const way = p[3 * b + k]! - p[3 * a + k]!;
-      turn -= (way * (normal[4 * b + k]! - normal[4 * a + k]!)) / 127;
-      length2 += way * way;
+  const grown = tissue.map((own, i) => (own === kEnamel && !cut?.[i] ? 1 : 0));
+  for (let t = 0; t < triangle.length; t += 3) {
+    // Most of a moment's triangles are of what was cut.
+    if ((grown[triangle[t]!]! | grown[triangle[t + 1]!]! | grown[triangle[t + 2]!]!) === 0) continue;
+    for (let side = 0; side < 3; ++side) {
+      const a = triangle[t + side]!;
+      const b = triangle[side === 2 ? t : t + side + 1]!;
+      let turn = 0;
+      let length2 = 0;
+      for (let k = 0; k < 3; ++k) {
+        const way = p[3 * b + k]! - p[3 * a + k]!;
+        turn -= (way * (normal[4 * b + k]! - normal[4 * a + k]!)) / 127;
+        length2 += way * way;
+      }
+      const found = turn / length2;
+      if (found > bent[a]!) bent[a] = found;
+      if (found > bent[b]!) bent[b] = found;
     }
-    const found = turn / length2;
-    if (found > bent[a]!) bent[a] = found;
-    if (found > bent[b]!) bent[b] = found;
   }
   return tissue.map((own, i) => {
     if (cut?.[i]) return own + kCutFlag;
