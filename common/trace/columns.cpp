@@ -294,7 +294,7 @@ Status ReadCounts(ByteReader& in, std::span<Tick> ticks) {
   std::array<int32_t, 3> at{};
   for (size_t i = 0; i < ticks.size(); ++i) {
     for (size_t k = 0; k < 3 && (moved[i / 8] >> i % 8 & 1) != 0; ++k) {
-      // Wraps, and fits only if no 64 bits were needed.
+      // A sum that wraps is far outside the field.
       const auto value = static_cast<int64_t>(static_cast<uint64_t>(int64_t{at[k]}) +
                                               static_cast<uint64_t>(in.SignedVarint()));
       if (!in.ok()) return Bad("counts", kEndsEarly);

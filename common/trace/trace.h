@@ -97,8 +97,8 @@ struct ChunkHead {
   bool operator==(const ChunkHead&) const = default;
 };
 
-// Encodes ticks: columns, delta, zigzag varint, zstd; lossless. Then signs. About 0.3 ms for 500
-// ticks. head.count and gap_ticks are filled in here. Requires: 1 <= ticks.size() <=
+// Encodes ticks: columns, differences, zigzag varint, zstd; lossless. Then signs. Not real-time: it
+// allocates and fits. head.count and gap_ticks are filled in here. Requires: 1 <= ticks.size() <=
 // kMaxTicksPerChunk.
 Bytes EncodeChunk(ChunkHead head, std::span<const Tick> ticks, const SecretKey& station_key);
 

@@ -25,7 +25,7 @@ Response Packed(const Request& request, Response response);
 // Packed where it is JSON. 200 with all of it; 206 with the one requested range; 416 for a range
 // beyond its end; 304 when If-None-Match names it. Several ranges, an invalid range, and one under an If-Range that names
 // something else give all of it, as RFC 9110 allows. `read` is not called for a 304; its failure is
-// damage of ours, a 500. What is made on request gives a 503 when its turn does not come.
+// damage of ours, a 500. A body that the server makes on request is a 503 when its turn does not come.
 Response KeptResponse(const Request& request, const Kept& kept, SharedBodies& bodies,
                       const SharedBodies::Read& read);
 

@@ -271,10 +271,10 @@ class ScoreJob {
         timeline::DeviationOf(final_volume.spec(), surface.cell, judged.deviation_m);
     const Bytes tooth = scene::EncodeChange(final_volume, initial_, header_.volume),
                 deviation = timeline::EncodeDeviation(by_cell);
-    ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
+    ENAMEL_RETURN_IF_ERROR(PutText(score_json, result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(tooth, result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(deviation, result.deviation));
-    ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
+    ENAMEL_RETURN_IF_ERROR(PutText(series_json, result.series));
     // As it will be read: the document's numbers have fewer digits than the computed ones.
     ENAMEL_ASSIGN_OR_RETURN(auto stored, scoring::ScoreFromJson(score_json));
     const Sha256 judgement = JudgementOf(stored);
@@ -498,8 +498,12 @@ class ScoreJob {
   }
 
   Status Put(ByteView bytes, Sha256& hash) {
-    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.blobs.PutAttemptBlob(attempt_, bytes));
-    hash = put;
+    ENAMEL_ASSIGN_OR_RETURN(hash, store_.blobs.PutAttemptBlob(attempt_, bytes));
+    return Status::Ok();
+  }
+
+  Status PutText(std::string_view text, Sha256& hash) {
+    ENAMEL_ASSIGN_OR_RETURN(hash, store_.blobs.PutAttemptText(attempt_, text));
     return Status::Ok();
   }
 

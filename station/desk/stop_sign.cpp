@@ -198,7 +198,8 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, in
   const auto steps = StepsOf(stop);
   size_t count = 0;
   while (count < steps.size() && steps[count] != nullptr) ++count;
-  ImGui::Dummy({side + static_cast<float>(count) * (side + apart), side});
+  const float drawn = side + static_cast<float>(count) * (side + apart);
+  ImGui::Dummy({drawn, side});
   DrawStopSign(stop, {at.x, at.y, at.x + side, at.y + side});
   for (size_t i = 0; i < count; ++i) {
     at.x += side;
@@ -210,11 +211,7 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, in
   }
   if (!held.empty()) {
     ImGui::PushFont(fonts.far);
-    ImGui::PushTextWrapPos(
-        ImGui::GetCursorPosX() +
-        std::max(side + static_cast<float>(count) * (side + apart), 0.8f * (w - left)));
-    ImGui::TextUnformatted(held.c_str());
-    ImGui::PopTextWrapPos();
+    ImGui::TextUnformatted(Ui::Lines(*fonts.far, held, std::max(drawn, 0.8f * (w - left))).c_str());
     ImGui::PopFont();
   }
   ImGui::End();

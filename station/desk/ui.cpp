@@ -369,8 +369,8 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   if (!enabled) return false;
   Focused focus = Next(label);
   Listed(label, false);
-  // What loses something is not the first choice of a page, even where it is the only one: a person
-  // who presses Enter has not read it.
+  // Not even the only choice of a page loses something by Enter alone: that key is often pressed
+  // before the page is read.
   if (look == Look::kDanger && !walked_) focus = {};
   if (focus.has) Ring();
   return chosen || focus.chosen;

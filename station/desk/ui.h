@@ -140,6 +140,8 @@ class Ui {
   const std::string& page() const { return shown_page_; }
   // Words shown in the last whole frame, in order.
   const std::string& words() const { return shown_words_; }
+  // `text` in lines of at most so many pixels (InLines, lines.h).
+  static std::string Lines(const ImFont& font, std::string_view text, float width);
 
  private:
   struct Focused {
@@ -157,8 +159,6 @@ class Ui {
   void ReadKeys();
   void Enter(const std::string& name);
   void Say(const std::string& text);
-  // In lines of at most so many pixels.
-  static std::string Lines(const ImFont& font, std::string_view text, float width);
 
   render::Screen& screen_;
   std::string page_, shown_page_, wanted_, words_, shown_words_;

@@ -26,8 +26,8 @@ struct Chip {
 
 // What flies off while a bur cuts: as many grains as what is removed asks for, up to kMost, after
 // which the oldest make room. For the eye: a true grain is dust that leaves the picture within a
-// frame, and these neither hit the tooth nor stay on it. The same calls give the same grains on
-// every computer. Allocates nothing. Not thread-safe.
+// frame, and these neither hit the tooth nor stay on it. The same calls give the same grains.
+// Allocates nothing. Not thread-safe.
 class Chips {
  public:
   static constexpr size_t kMost = 200;

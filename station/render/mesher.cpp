@@ -48,10 +48,6 @@ void ForEachNormal(std::span<const GpuVertex> vertices, std::span<const uint32_t
   }
 }
 
-}  // namespace
-
-namespace {
-
 // `finish(vertex, i)`: what else the i-th vertex has.
 template <typename Finish>
 void AppendWith(const surface::Mesh& part, GroupMesh& mesh, Finish&& finish) {

@@ -28,7 +28,7 @@ double PassesTwice(double per_mm, double thickness_m) {
   return passes * passes;
 }
 
-// A layer's ground is looked for as far as it shows.
+// How deep a layer's ground still shows.
 constexpr double kThickestEnamel_m = 3e-3, kThickestDentin_m = 1.2e-3;
 constexpr double kStep_m = 0.2e-3;
 // Light spreads sideways on its way: the mean of five ways, four of them aslant.
@@ -88,8 +88,8 @@ Look LookOf(const dvec3& albedo, double gloss) {
 
 double ShareThroughEnamel(double thickness_m) { return PassesTwice(kEnamel_per_mm, thickness_m); }
 
-// The mean of light exchanges kEnamel_per_mm, shorter waves more. This power gives the two figures that
-// 1 mm of human enamel was measured to have: translucency parameter 18.7 (Yu, Ahn, Lee, Acta Odontol.
+// The mean of light exchanges kEnamel_per_mm, shorter waves more. This power comes near the two figures
+// that 1 mm of human enamel was measured to have: translucency parameter 18.7 (Yu, Ahn, Lee, Acta Odontol.
 // Scand. 67, 2009, 57-64) and opalescence 22.9 (Lee, Dent. Mater. J. 35, 2016). Wavelengths: of
 // sRGB's primaries. Over dentin all colours pass alike: the picture's dentin is more saturated than
 // natural dentin, and would shine through pink.
@@ -224,8 +224,8 @@ dvec3 ToothLooks::EnamelColour(const dvec3& p, const dvec3& n, bool uncut) const
       case Tissue::kCaries:
         return glm::mix(thick, ColourOf(ground.tissue), ShareThroughEnamel(ground.at_m));
       case Tissue::kAir: {
-        // The dark is the mouth's, behind an edge that has grown so. A wall that a bur left stands in
-        // the light of the cavity on one side and of the mouth on the other.
+        // The dark is the mouth's, behind an edge that has grown so. Light reaches both sides of a wall
+        // that a bur left.
         const bool was_air = uncut_ == nullptr || uncut_->DistanceAt_m(ground.place_m) > -voxel_m_;
         if (!uncut || !was_air) return thick;
         const dvec3 out = now_.SlopeAtSample((ground.place_m - now_.spec().origin_m()) / voxel_m_);

@@ -38,7 +38,7 @@ inline constexpr double kGrooveFrom_per_m = 0.9e3, kGrooveFull_per_m = 3.2e3, kM
 // * narrow grooves of the uncut surface are stained: fissures and pits;
 // * uncut enamel is wet and shines, what was cut is matt.
 //
-// Lesions and pulp are looked for only in bricks near one. Thread safety: reads the volumes only. Not
+// Only bricks near a lesion or the pulp ask for them. Thread safety: reads the volumes only. Not
 // real-time.
 class ToothLooks {
  public:

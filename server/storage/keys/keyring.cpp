@@ -14,7 +14,6 @@ namespace {
 constexpr std::string_view kMagic = "ENEV";
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kAsItIs = 0, kPacked = 1;  // flags
-constexpr int kPackLevel = 6;                 // a curve over time to a fifth, in 10 ms
 constexpr uint32_t kMostPacked = 1u << 30;
 // Sub-keys of a person's key (schemas/personal_data.md).
 constexpr char kContext[] = "ENEVkeys";
@@ -94,12 +93,11 @@ Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, 
 }
 
 Bytes SealPacked(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data) {
+  ENAMEL_CHECK(data.size() <= kMostPacked);
   ByteWriter packed;
   packed.U32(static_cast<uint32_t>(data.size()));
-  packed.Raw(Pack(data, kPackLevel));
-  const bool saves = packed.size() + data.size() / 8 < data.size() && data.size() <= kMostPacked;
-  return saves ? Seal(person, key, attempt, kPacked, packed.bytes())
-               : SealPersonal(person, key, attempt, data);
+  packed.Raw(Pack(data, kTextLevel));
+  return Seal(person, key, attempt, kPacked, packed.bytes());
 }
 
 std::optional<Uuid> PersonOfSealed(ByteView bytes) {

@@ -69,7 +69,7 @@ Status Join(Keyring& keyring, Keyring& other,
 // The envelope of data under a person's key (schemas/personal_data.md, "Envelope"). The same data
 // of the same attempt gives the same bytes, so that writing it again after a crash changes nothing.
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
-// The same, packed with zstd where that saves an eighth.
+// The same, packed with zstd before: for text. Requires: at most 1 GiB.
 Bytes SealPacked(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
 // None: these bytes are no envelope.
 std::optional<Uuid> PersonOfSealed(ByteView bytes);

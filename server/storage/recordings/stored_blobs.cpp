@@ -11,7 +11,13 @@ Result<Sha256> StoredBlobs::PutBlob(ByteView data) {
 Result<Sha256> StoredBlobs::PutAttemptBlob(const Uuid& attempt, ByteView data) {
   ENAMEL_RETURN_IF_ERROR(gate_.Check());
   ENAMEL_ASSIGN_OR_RETURN(auto key, keys_.KeyOf(attempt));
-  return blobs_.Put(SealPacked(key.person, key.key, attempt, data));
+  return blobs_.Put(SealPersonal(key.person, key.key, attempt, data));
+}
+
+Result<Sha256> StoredBlobs::PutAttemptText(const Uuid& attempt, std::string_view text) {
+  ENAMEL_RETURN_IF_ERROR(gate_.Check());
+  ENAMEL_ASSIGN_OR_RETURN(auto key, keys_.KeyOf(attempt));
+  return blobs_.Put(SealPacked(key.person, key.key, attempt, AsBytes(text)));
 }
 
 Result<Bytes> StoredBlobs::GetBlob(const Sha256& hash) {

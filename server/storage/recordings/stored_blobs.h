@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
@@ -24,6 +26,8 @@ class StoredBlobs {
   // A blob that shows what the attempt's person did: kept under that person's key, readable through
   // GetBlob as long as the key exists. Errors also: kNotFound (attempt), kConflict (person erased).
   Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data);
+  // The same of text, which is packed.
+  Result<Sha256> PutAttemptText(const Uuid& attempt, std::string_view text);
 
  private:
   RecordingGate& gate_;

@@ -109,7 +109,7 @@ size_t TraceBytes(const Cut& cut) {
 }
 
 // As a server packs text before it encrypts it (schemas/personal_data.md, "Envelope").
-size_t PackedBytes(const std::string& text) { return Pack(AsBytes(text), 6).size(); }
+size_t PackedBytes(const std::string& text) { return Pack(AsBytes(text), kTextLevel).size(); }
 
 // What the replay leaves: curves over time and the surface timeline.
 void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Deviation& deviation,
@@ -181,8 +181,8 @@ int Run(const Options& options) {
       "simulated "
       "dentist's cut; bytes before encryption, as a server stores them; means weighted by a "
       "school's attempts (of 51: class I 9, class V 2, access 3, caries 3, veneer 2, crown 11, "
-      "block 15, class II 6). Score without its reasons for each lost point, and the motion, are "
-      "in `score`";
+      "block 15, class II 6). Curves and score are packed. Score without its reasons for each lost "
+      "point, and the motion, are in `score`";
   std::printf("Method: %s.\n\n%-9s %-26s %6s %8s %8s %9s %10s %8s %8s %8s\n", method.c_str(),
               "kind", "exercise", "min", "trace", "series", "timeline", "deviation", "volume",
               "score", "MB");

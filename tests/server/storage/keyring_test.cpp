@@ -4,7 +4,6 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
-#include "common/base/packed.h"
 #include "server/storage/keys/folder_keyring.h"
 #include "tests/server/storage/store_world.h"
 
@@ -76,7 +75,7 @@ TEST_F(KeyringTest, EveryChangedBitIsNoticed) {
   EXPECT_EQ(OpenPersonal(ring_, reserved).status().code(), Code::kStorage);
 }
 
-TEST_F(KeyringTest, WhatSavesAnEighthIsPacked) {
+TEST_F(KeyringTest, TextIsPackedAndComesBack) {
   std::string curve = "{\"force_n\":[";
   for (int i = 0; i < 2000; ++i) curve += std::to_string(i % 700) + ",";
   const DataKey key = *ring_.FindOrMake(person_);
@@ -86,10 +85,6 @@ TEST_F(KeyringTest, WhatSavesAnEighthIsPacked) {
   EXPECT_EQ(SealPacked(person_, key, attempt_, AsBytes(curve)), sealed);
   EXPECT_TRUE(*IsOfAttempt(ring_, sealed, attempt_));
   EXPECT_FALSE(*IsOfAttempt(ring_, sealed, Uuid::New()));
-  // Already packed, and packed once more: as it is.
-  const Bytes packed = Pack(AsBytes(curve), 6);
-  EXPECT_EQ(SealPacked(person_, key, attempt_, packed),
-            SealPersonal(person_, key, attempt_, packed));
   Bytes flags = sealed;
   flags[6] = 2;
   EXPECT_EQ(OpenPersonal(ring_, flags).status().code(), Code::kVersion);

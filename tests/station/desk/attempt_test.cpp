@@ -284,6 +284,7 @@ TEST_F(DeskAttemptTest, AfterItsEndTheCutGoesOnForPracticeAndNothingOfItIsRecord
   for (int again = 0; again < 2; ++again) {
     attempt.Rehearse(-1);
     while (attempt.newest().counters.ticks < ticks + 300) {
+      ASSERT_TRUE(attempt.rehearsal()->ticking());
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     attempt.view().Draw(320, 240, render::kQualities[0]);
