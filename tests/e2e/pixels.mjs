@@ -42,3 +42,16 @@ export function differing(one, other) {
   }
   return count / (a.width * a.height);
 }
+
+// The tooth's picture, twice the same: what moves is drawn quickly and then in full, and the browser may show that a
+// little after the page says so.
+export async function toothAtRest(page) {
+  let before;
+  return eventually(async () => {
+    const last = before;
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    before = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
+    assert.ok(last?.equals(before), "the picture is at rest");
+    return before;
+  });
+}

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
-import { countColors, differing, toothPixelsBecome } from "./pixels.mjs";
+import { countColors, differing, toothAtRest, toothPixelsBecome } from "./pixels.mjs";
 import { decodePng } from "./png.mjs";
 import { accessible, downloaded, legibleWhenPressed, looks, signedIn } from "./session.mjs";
 
@@ -143,14 +143,8 @@ async function momentLink(world) {
   await page.getByLabel("Time in the attempt").fill("700");
   await page.getByRole("button", { name: "Buccal", exact: true }).click();
   await page.locator('.playback[data-shown="168"]').waitFor();
-  // Before the address takes a row of its own, which moves the picture by a fraction of a pixel. Twice the same: what
-  // is still to come would be in the second one.
-  let before = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
-  await eventually(async () => {
-    const last = before;
-    before = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
-    assert.equal(await differing(last, before), 0, "the picture is at rest");
-  });
+  // Before the address takes a row of its own, which moves the picture by a fraction of a pixel.
+  const before = await toothAtRest(page);
   await page.getByRole("button", { name: "Link to this moment" }).click();
   const link = await page.locator(".moment-link code").innerText();
   assert.match(link, /\?t=16\.8&view=-?[\d.]+(_-?[\d.]+){5}$/);
@@ -246,13 +240,7 @@ async function section(world) {
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".tooth-card .legend-scale").waitFor(); // the tooth has its colours, which come later
   await page.getByRole("button", { name: "Cavity", exact: true }).click();
-  // What moves is drawn in a lighter way, and in full once it rests.
-  const picture = async () => {
-    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
-    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
-    return page.locator(".tooth-frame canvas").screenshot();
-  };
-  const whole = await picture();
+  const whole = await toothAtRest(page);
   let before = whole;
   for (const [across, name] of [
     ["y", "mesio-distal"],
@@ -262,14 +250,14 @@ async function section(world) {
   ]) {
     await page.getByLabel("Section", { exact: true }).selectOption(across);
     const cut = await eventually(async () => {
-      const shown = await picture();
+      const shown = await toothAtRest(page);
       assert.ok(differing(whole, shown) > 0.02, `the ${name} section shows`);
       assert.ok(differing(before, shown) > 0.005, `the ${name} section is not the one before`);
       return shown;
     });
     await page.getByLabel("Position of the section").fill("25");
     await eventually(async () => {
-      before = await picture();
+      before = await toothAtRest(page);
       assert.ok(differing(cut, before) > 0.005, `the ${name} section moves`);
     });
     await world.picture(page, `section_${across}`);
@@ -279,7 +267,7 @@ async function section(world) {
   await legibleWhenPressed(page, ":is(.tooth-choices, .playback-ab) .button[aria-pressed]:enabled");
   await page.getByLabel("Section", { exact: true }).selectOption("");
   await page.getByRole("button", { name: "Cavity", exact: true }).click(); // a section is looked at straight
-  await eventually(async () => assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again"));
+  await eventually(async () => assert.ok(differing(whole, await toothAtRest(page)) < 0.01, "and it is whole again"));
 }
 
 const near = (hex) => (pixel) =>
@@ -391,7 +379,7 @@ async function oneViewport(world) {
     await page.mouse.move(200, height / 2);
     await page.mouse.wheel(0, 250);
     await page.waitForFunction(() => window.scrollY > 100);
-    const far = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
+    const far = await toothAtRest(page);
     await page.getByRole("button", { name: /^Show me .*too much, from/ }).click();
     await eventually(async () => {
       const near = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
