@@ -106,8 +106,9 @@ class Desk {
         governor_(render::GovernorFor(screen)),
         script_(script),
         ui_(screen),
-        flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
-                          options.profile, options.cpu, options.mouth, options.language}),
+        flow_(workplace,
+              {options.simulated, options.device, 60 * options.idle_minutes, options.profile,
+               options.cpu, options.mouth, options.hand_turn_deg, options.language}),
         pages_(ui_, flow_, workplace.credentials().name),
         station_(workplace) {
     if (options.sound) speaker_.emplace();
@@ -214,7 +215,7 @@ class Desk {
     const bool turning = attempt.held().turns_view() || screen_.button(render::kMouseLeft) ||
                          screen_.button(render::kMouseRight);
     attempt.held().SetQuarters(view_hand_.Quarters(turning, attempt.view().camera()) +
-                               options_.hand_turn_deg / 90);
+                               attempt.stands_turned_deg() / 90);
   }
 
   bool MayShowProgress(const PreparedAttempt& prepared) const {

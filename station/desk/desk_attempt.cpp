@@ -122,6 +122,16 @@ bool DeskAttempt::turns_with_view() const {
   return attached_ != nullptr && params.peak_torque_un_m == 0 && !params.spring_on_board;
 }
 
+dvec3 DeskAttempt::hand_m() const {
+  const auto counts = held_->own_counts();
+  dvec3 out;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<size_t>(i);
+    out[i] = 1e-9 * counts[at] * prepared_.header.params.resolution_nm[at];
+  }
+  return out;
+}
+
 Warned DeskAttempt::warned() const {
   const render::FrameState& now = view_->state();
   if (!view_->has_state() || !now.bur_on) return {};

@@ -46,6 +46,11 @@ class DeskAttempt {
   bool simulated() const { return simulated_ != nullptr; }
   // Its axes may be turned with the picture: held in a hand, and held_device.h allows it.
   bool turns_with_view() const;
+  // Degrees by which it stands turned on its table (hand_turn.h).
+  void StandsTurned(int turn_deg) { turn_deg_ = turn_deg; }
+  int stands_turned_deg() const { return turn_deg_; }
+  // Where the device says that the hand is, its own axes.
+  dvec3 hand_m() const;
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
   // What the turning bur is near to; nothing while it rests.
@@ -93,6 +98,7 @@ class DeskAttempt {
   std::unique_ptr<NearnessWatch> nearness_;
   std::optional<DepthGauge> gauge_;
   size_t wanted_bur_ = 0;
+  int turn_deg_ = 0;
   std::unique_ptr<render::ToothView> view_;
   std::unique_ptr<Surroundings> surroundings_;
   std::unique_ptr<TickFeed> feed_;

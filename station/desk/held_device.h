@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -17,7 +18,7 @@ namespace enamel::station::desk {
 // once more (kLeastRotationCell_urad), which nothing but the picture and the cut sees: a device that
 // gives torque must not be turned, nor one whose board runs the spring.
 //
-// Thread safety: SetPaused, SetQuarters, speed_krpm and turns_view from any thread, the rest as
+// Thread safety: SetPaused, SetQuarters, own_counts, speed_krpm and turns_view from any thread, the rest as
 // Device. Real-time as Device.
 class HeldDevice final : public Device {
  public:
@@ -30,6 +31,12 @@ class HeldDevice final : public Device {
   void SetQuarters(int quarters) noexcept {
     wanted_quarters_.store(static_cast<unsigned>(quarters) & 3u, std::memory_order_relaxed);
   }
+  // As the device counted last, not turned.
+  std::array<int32_t, 3> own_counts() const noexcept {
+    return {own_counts_[0].load(std::memory_order_relaxed),
+            own_counts_[1].load(std::memory_order_relaxed),
+            own_counts_[2].load(std::memory_order_relaxed)};
+  }
   // The device's second button is down.
   bool turns_view() const noexcept { return turns_view_.load(std::memory_order_relaxed); }
   // Speed of the unloaded handpiece; 0 while the pedal is up.
@@ -40,6 +47,9 @@ class HeldDevice final : public Device {
   Hand hand() const override { return inner_.hand(); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
     DeviceSample sample = inner_.ReadSample();
+    for (size_t i = 0; i < own_counts_.size(); ++i) {
+      own_counts_[i].store(sample.counts[i], std::memory_order_relaxed);
+    }
     const bool second = (sample.buttons & kSecond) != 0;
     turns_view_.store(second, std::memory_order_relaxed);
     if (second || paused_.load(std::memory_order_relaxed)) {
@@ -77,6 +87,7 @@ class HeldDevice final : public Device {
   Device& inner_;
   std::atomic<bool> paused_{false}, turns_view_{false};
   std::atomic<unsigned> wanted_quarters_{0};
+  std::array<std::atomic<int32_t>, 3> own_counts_{};
   // Owned by the tick.
   unsigned quarters_ = 0;
   bool read_ = false;

@@ -8,6 +8,7 @@
 #include "station/desk/pages.h"
 #include "station/desk/workflow.h"
 #include "station/session/device_delay.h"
+#include "station/session/hand_turn.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -15,6 +16,17 @@ namespace {
 
 // Coarse: it is there at once, and what a hand feels is the law's, not the voxels'.
 constexpr int32_t kBlockVoxel_nm = 150'000;
+
+// Empty: nobody asked for it.
+std::string AlignmentText(const language::Words& words, const HandAlignment& alignment) {
+  if (alignment.awaits_hand()) return words.Say("warm_up.align_move");
+  const auto& found = alignment.found();
+  if (!found) return "";
+  if (!found->IsAskew()) return words.Say("warm_up.aligned");
+  return found->askew_deg > 0
+             ? words.Say("warm_up.askew_clockwise", {{"degrees", found->askew_deg}})
+             : words.Say("warm_up.askew_counter_clockwise", {{"degrees", -found->askew_deg}});
+}
 
 }  // namespace
 
@@ -63,8 +75,13 @@ void Workflow::ShowWarmUp(std::unique_ptr<Device> attached) {
   auto attempt =
       DeskAttempt::Create(std::move(*block), offers_[offer_], std::move(attached), false);
   if (!attempt.ok()) return Fail(attempt.status());
-  attempt_ = std::move(*attempt);
+  TakeAttempt(std::move(*attempt));
+  alignment_ = {};
   Go(Place::kWarmUp);
+}
+
+void Workflow::AlignHand() {
+  if (place_ == Place::kWarmUp) alignment_.Begin(attempt_->hand_m());
 }
 
 void Workflow::WatchWarmUp(Clock::time_point now) {
@@ -75,6 +92,12 @@ void Workflow::WatchWarmUp(Clock::time_point now) {
     return;
   }
   attempt_->held().SetPaused(dialog_ != Dialog::kNone);
+  if (alignment_.Look(attempt_->hand_m())) {
+    const int turn_deg = alignment_.found()->turn_deg;
+    attempt_->StandsTurned(turn_deg);
+    const Status kept = KeepHandTurn(workplace_.data(), attempt_->device(), turn_deg);
+    if (!kept.ok()) Fail(kept);
+  }
   const double waited_s = std::chrono::duration<double>(now - started_).count();
   const UnrecordedRun::Found found = run->found();
   // A simulated hand ends by itself.
@@ -93,14 +116,28 @@ void Workflow::EndWarmUp() {
 }
 
 void Pages::WarmUp() {
-  Ui::Page page{0.605f, 0.72f, 0.38f, 0.2f, true};
+  DeskAttempt& attempt = *flow_.attempt();
+  const bool can_align = attempt.turns_with_view();
+  Ui::Page page{0.605f, can_align ? 0.62f : 0.72f, 0.38f, 0.2f, true};
   page.keys = false;
   ui_.Begin("warm-up", page);
-  ui_.OneLine(Say("warm_up.keys"));
-  UnrecordedRun* run = flow_.attempt()->rehearsal();
+  const std::string alignment = AlignmentText(flow_.words(), flow_.alignment());
+  if (alignment.empty()) {
+    ui_.OneLine(Say("warm_up.keys"));
+  } else {
+    ui_.Text(alignment);
+  }
+  UnrecordedRun* run = attempt.rehearsal();
   ui_.Bar(Say("warm_up.text"), run == nullptr ? 0 : run->found().turning_s / kWarmUp_s);
+  const bool awaits_hand = flow_.alignment().awaits_hand();
+  if (can_align && ui_.Button(Say("warm_up.align"), Ui::Look::kSmall, !awaits_hand)) {
+    flow_.AlignHand();
+  }
+  ui_.SameLine();
   // The mouse is free where it is not the handpiece.
-  const bool back = !flow_.attempt()->by_pointer() && ui_.Button(Say("exercise.back"));
+  const bool back =
+      !attempt.by_pointer() &&
+      ui_.Button(Say("exercise.back"), can_align ? Ui::Look::kSmall : Ui::Look::kPlain);
   if (back || ui_.escape()) flow_.EndWarmUp();
   ui_.End();
 }

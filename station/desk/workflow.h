@@ -12,6 +12,7 @@
 #include "common/scoring/score.h"
 #include "station/desk/background_task.h"
 #include "station/desk/desk_attempt.h"
+#include "station/desk/hand_alignment.h"
 #include "station/desk/result_loss_view.h"
 #include "station/desk/result_losses.h"
 #include "station/desk/result_pictures.h"
@@ -64,6 +65,7 @@ struct WorkflowOptions {
   std::string profile = {};  // of this station's device: chosen at first if it exists
   int cpu = -1;              // bind the haptic loop to this processor; -1: to none
   bool mouth = true;         // draw it around a tooth
+  int hand_turn_deg = 0;     // of devices whose turn was not measured here
   language::Language language = language::Language::kEnglish;  // until somebody chooses another
 };
 
@@ -172,6 +174,9 @@ class Workflow {
   // exercise, with what was found in `notice`.
   void TryDevice();
   void EndWarmUp();
+  // Finds how the tried device stands, from a hand that goes to the right, and keeps it.
+  void AlignHand();
+  const HandAlignment& alignment() const { return alignment_; }
   void OpenHandedIn(size_t index);  // its result
   void OpenCutOff(size_t index);
   void GoOnWithCutOff();
@@ -239,6 +244,7 @@ class Workflow {
   void ShowAttempt(std::unique_ptr<Device> attached);
   void ShowWarmUp(std::unique_ptr<Device> attached);
   void WatchWarmUp(Clock::time_point now);
+  void TakeAttempt(std::unique_ptr<DeskAttempt> attempt);
   void TakeTicket();
   void Begin();
   void LookForReserved();
@@ -280,6 +286,7 @@ class Workflow {
   std::unique_ptr<DeskAttempt> left_;  // left while a background task may still use it
   std::function<void()> once_free_;
   Shown result_, come_back_to_;
+  HandAlignment alignment_;
   std::optional<StillnessCheck> stillness_;
   uint64_t put_downs_ = 0;  // times the handpiece was put down that have been answered
   bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false,

@@ -7,6 +7,7 @@
 #include "station/loop/realtime.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/device_delay.h"
+#include "station/session/hand_turn.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -44,6 +45,11 @@ void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
               });
 }
 
+void Workflow::TakeAttempt(std::unique_ptr<DeskAttempt> attempt) {
+  attempt_ = std::move(attempt);
+  attempt_->StandsTurned(HandTurnOf(workplace_.data(), attempt_->device(), options_.hand_turn_deg));
+}
+
 void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   std::string softer;
   if (attached != nullptr) {
@@ -59,7 +65,7 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
                                      options_.mouth);
   preview_.reset();
   if (!attempt.ok()) return LeaveAttemptFor(attempt.status());
-  attempt_ = std::move(*attempt);
+  TakeAttempt(std::move(*attempt));
   // Reserved and resumed attempts bring their ticket.
   ticketed_ = way_ != Way::kTicket;
   joined_ = recorded_ = false;

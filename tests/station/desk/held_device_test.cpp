@@ -81,6 +81,7 @@ TEST(HeldDeviceTest, TurnedItsAxesAndItsForcesTurnTogether) {
     EXPECT_EQ(turned.counts[0], std::lround(c * before.counts[0] - s * before.counts[1]));
     EXPECT_EQ(turned.counts[1], std::lround(s * before.counts[0] + c * before.counts[1]));
     EXPECT_EQ(turned.counts[2], before.counts[2]);
+    EXPECT_EQ(held.own_counts(), before.counts);
     const dvec3 along = FromQuantised(turned.orientation).Matrix()[2];
     EXPECT_NEAR(along.x, c, 1e-4);
     EXPECT_NEAR(along.y, s, 1e-4);

@@ -28,7 +28,8 @@ using testing_support::HidBus;
 
 constexpr char kPin[] = "804217";
 constexpr char kProfile[] = "phantom_desktop";
-constexpr int32_t kRight_counts = 60;
+constexpr int32_t kAside_counts = 60, kFar_counts = 100'000;  // of 0.5 um; far: further than
+                                                              // kWayToTheRight_m
 
 // The window, played by a script, for an attempt kept at a station whose device is a board that a test
 // moves and unplugs.
@@ -59,9 +60,14 @@ class WindowTest : public testing::Test {
 
   fs::path data() const { return temp_.path() / "data"; }
   fs::path Node() const { return temp_.path() / "board"; }
-  // Keeps an attempt, and makes it. While it runs, the window is kept waiting for `change`; then
-  // come these lines of the script. Its id.
-  Uuid Play(const std::function<void()>& change, const std::string& lines) {
+  // Lines of a script at which the window waits until `change` was made.
+  std::string Meet(std::function<void()> change) {
+    const std::string at = (temp_.path() / ("meeting-" + std::to_string(++meetings_))).string();
+    changes_.push_back({at + ".png", at, std::move(change)});
+    return "picture " + at + ".png\nuntil " + at + "\nframes 30\n";
+  }
+  // Keeps an attempt, and makes it, with these lines of the script before it and while it runs. Its id.
+  Uuid Play(const std::string& before, const std::string& during) {
     Uuid attempt;
     {
       auto spool = Spool::Open(data());
@@ -69,28 +75,39 @@ class WindowTest : public testing::Test {
       attempt = KeepAttempt(data(), **spool, credentials_, keys_.secret_key, server_->person,
                             kProfile, kPin);
     }
-    const fs::path runs = temp_.path() / (attempt.Text() + ".png"),
-                   changed = temp_.path() / attempt.Text();
     std::thread meanwhile([&] {
-      for (int i = 0; i < 3000 && !fs::exists(runs); ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      for (const Change& each : changes_) {
+        for (int i = 0; i < 3000 && !fs::exists(each.reached); ++i) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        each.make();
+        std::ofstream(each.made) << "";
       }
-      change();
-      std::ofstream(changed) << "";
     });
     const language::Words words(options_.language);
     std::ofstream(options_.script)
         << "page sign-in\nclick " << words.Say("sign_in.offline")
         << "\npage reserved\nkey Enter\npage pin\ntype " << kPin
-        << "\nkey Enter\npage exercise\nsee " << words.Say("exercise.device") << "\nclick "
-        << words.Say("exercise.start") << "\npage running\nframes 20\n"
-        << "picture " << runs.string() << "\nuntil " << changed.string() << "\nframes 30\n"
-        << lines << "key F\npage finish\nclick " << words.Say("finish.hand_in")
+        << "\nkey Enter\npage exercise\nsee " << words.Say("exercise.device") << "\n"
+        << before << "click " << words.Say("exercise.start") << "\npage running\nframes 20\n"
+        << during << "key F\npage finish\nclick " << words.Say("finish.hand_in")
         << "\npage sign-in\nquit\n";
     const Status played = RunDesk(options_);
     meanwhile.join();
+    changes_.clear();
     EXPECT_TRUE(played.ok()) << played.message();
     return attempt;
+  }
+  // Where the attempt's last tick has the hand, sideways, in counts.
+  std::array<int32_t, 2> RecordedLast(const Uuid& attempt) {
+    auto spool = Spool::Open(data());
+    ENAMEL_CHECK(spool.ok());
+    const auto file = (*spool)->Export(attempt);
+    ENAMEL_CHECK(file.ok() && !file->chunks.empty());
+    const auto chunk = trace::DecodeChunk(file->chunks.back());
+    ENAMEL_CHECK(chunk.ok());
+    const auto& counts = chunk->ticks.back().input.counts;
+    return {counts[0], counts[1]};
   }
 
   const render::VirtualDisplay display_;
@@ -100,26 +117,36 @@ class WindowTest : public testing::Test {
   trace::KeyPair keys_;
   Credentials credentials_;
   DeskOptions options_;
+
+ private:
+  struct Change {
+    fs::path reached, made;
+    std::function<void()> make;
+  };
+  std::vector<Change> changes_;
+  int meetings_ = 0;
 };
 
-// A hand that rests to the right of its middle.
 TEST_F(WindowTest, ADeviceThatStandsTurnedMovesTheBurAsTheHandSeesIt) {
-  for (const auto& [turn_deg, expected] :
-       {std::pair{0, std::array{kRight_counts, 0}}, {90, std::array{0, kRight_counts}}}) {
-    options_.hand_turn_deg = turn_deg;
-    // Where the board is as it is opened is the middle.
-    board_->right_counts = 0;
-    const Uuid attempt = Play([&] { board_->right_counts = kRight_counts; }, "");
-    auto spool = Spool::Open(data());
-    ASSERT_TRUE(spool.ok());
-    const auto file = (*spool)->Export(attempt);
-    ASSERT_TRUE(file.ok()) << file.status().message();
-    ASSERT_FALSE(file->chunks.empty());
-    const auto chunk = trace::DecodeChunk(file->chunks.back());
-    ASSERT_TRUE(chunk.ok());
-    const auto& counts = chunk->ticks.back().input.counts;
-    EXPECT_EQ((std::array{counts[0], counts[1]}), expected) << turn_deg;
-  }
+  options_.hand_turn_deg = 90;
+  // Where the board is as it is opened is the middle.
+  const auto to = [&](int32_t counts) { return [=, this] { board_->right_counts = counts; }; };
+  const Uuid set = Play("", Meet(to(kAside_counts)));
+  EXPECT_EQ(RecordedLast(set), (std::array{0, kAside_counts}));
+
+  // It stands the other way round: the hand goes to the right, and the device counts to its left.
+  board_->right_counts = 0;
+  const language::Words words(options_.language);
+  std::string align = "click " + words.Say("warm_up.try") + "\npage warm-up\nclick " +
+                      words.Say("warm_up.align") + "\nsee " + words.Say("warm_up.align_move") +
+                      "\n";
+  align += Meet(to(-kFar_counts));
+  align += "see " + words.Say("warm_up.aligned") + "\npicture " +
+           (temp_.path() / "aligned.png").string() + "\nclick " + words.Say("exercise.back") +
+           "\npage exercise\n";
+  align += Meet(to(0));
+  const Uuid measured = Play(align, Meet(to(-kAside_counts)));
+  EXPECT_EQ(RecordedLast(measured), (std::array{kAside_counts, 0}));
 }
 
 // Pixels of the picture in the red of a sign.
@@ -159,7 +186,8 @@ TEST_F(WindowTest, ALostDeviceIsSeenAtAGlance) {
     const std::string name =
         std::to_string(shown.width_px) + "-" + std::string(language::CodeOf(shown.language));
     const fs::path lost = pictures / ("lost-device-" + name + ".png");
-    Play([&] { HidBus::Get().Unplug(Node().string()); }, "picture " + lost.string() + "\n");
+    Play("",
+         Meet([&] { HidBus::Get().Unplug(Node().string()); }) + "picture " + lost.string() + "\n");
     board_.reset();
     board_.emplace(Node(), kProfile);
     // A disc of a fifth of the picture's height, less its symbol.
