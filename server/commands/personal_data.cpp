@@ -11,6 +11,7 @@
 #include "server/http/views/attempt_view.h"
 #include "server/http/views/audit_view.h"
 #include "server/jobs/result_package.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/audit/audit_rows.h"
 #include "server/storage/people/session_rows.h"
@@ -234,7 +235,10 @@ class Exporter {
     // `recording_removed_ms` says.
     const bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
     if (row.score) {
-      ENAMEL_RETURN_IF_ERROR(ForEachResultFile(store_, row, add));
+      const auto surface = [&](const AttemptResult& result) {
+        return AttemptSurface(store_.blobs, result);
+      };
+      ENAMEL_RETURN_IF_ERROR(ForEachResultFile(store_, row, surface, add));
     } else if (has_recording) {
       ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceFileOf(store_, row)));
     }

@@ -5,7 +5,6 @@
 
 #include "common/scene/json/json.h"
 #include "common/trace/trace.h"
-#include "server/jobs/stored_tooth.h"
 
 namespace enamel::server {
 namespace {
@@ -43,6 +42,7 @@ Result<Bytes> TraceFileOf(Store& store, const AttemptRow& row) {
 }
 
 Status ForEachResultFile(Store& store, const AttemptRow& row,
+                         const std::function<Result<Bytes>(const AttemptResult&)>& surface,
                          const std::function<Status(std::string_view, Result<Bytes>)>& take) {
   ENAMEL_ASSIGN_OR_RETURN(const auto result, store.results.ResultOf(row.id));
   // Zero: that run made no such blob, or retention has removed it.
@@ -58,7 +58,7 @@ Status ForEachResultFile(Store& store, const AttemptRow& row,
   ENAMEL_RETURN_IF_ERROR(blob("score.json", result.score_json));
   ENAMEL_RETURN_IF_ERROR(blob("tooth.envb", result.final_volume));
   if (!result.deviation.IsZero()) {
-    ENAMEL_RETURN_IF_ERROR(take("surface.ensf", AttemptSurface(store.blobs, result)));
+    ENAMEL_RETURN_IF_ERROR(take("surface.ensf", surface(result)));
   }
   ENAMEL_RETURN_IF_ERROR(blob("forces.json", result.series));
   if (row.expired_ms == 0) {

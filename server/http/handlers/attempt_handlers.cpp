@@ -205,6 +205,12 @@ Response GetScore(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::score_json, "application/json");
 }
 
+// Of the surface that a tooth and a deviation give. Raise the number with any change of EncodeSurface: browsers keep
+// what they have under this name.
+Sha256 SurfaceName(const AttemptResult& result) {
+  return HashSha256(AsBytes("surface 1 " + result.final_volume.Hex() + result.deviation.Hex()));
+}
+
 // Signed by the key that checks it, whoever keeps the file.
 Response GetSignedResult(const Call& call, Store& store) {
   Result<AttemptResult> result = SeeResult(call, store, false);
@@ -212,13 +218,20 @@ Response GetSignedResult(const Call& call, Store& store) {
   Result<AttemptRow> row = store.attempts.AttemptById(call.id);
   if (!row.ok()) return ErrorResponse(row.status());
   Tar tar(result->scored_ms / 1000);
-  const Status done =
-      ForEachResultFile(store, *row, [&](std::string_view name, const Result<Bytes>& content) {
-        if (content.ok()) tar.Add(name, *content);
-        return content.status();
-      });
+  const auto surface = [&](const AttemptResult& of) -> Result<Bytes> {
+    ENAMEL_ASSIGN_OR_RETURN(const auto made, call.bodies->Made(SurfaceName(of), [&] {
+      return AttemptSurface(store.blobs, of);
+    }));
+    const ByteView bytes = AsBytes(*made);
+    return Bytes(bytes.begin(), bytes.end());
+  };
+  const Status done = ForEachResultFile(store, *row, surface,
+                                        [&](std::string_view name, const Result<Bytes>& content) {
+                                          if (content.ok()) tar.Add(name, *content);
+                                          return content.status();
+                                        });
   // What is kept and cannot be read is damage of ours.
-  if (!done.ok() && done.code() != Code::kConflict) {
+  if (!done.ok() && done.code() != Code::kConflict && done.code() != Code::kUnavailable) {
     return ErrorResponse(Status{Code::kInternal, done.message()});
   }
   if (!done.ok()) return ErrorResponse(done);
@@ -234,11 +247,8 @@ Response GetSignedResult(const Call& call, Store& store) {
 Response GetSurface(const Call& call, Store& store) {
   Result<AttemptResult> result = SeeResult(call, store, true);
   if (!result.ok()) return ErrorResponse(result.status());
-  // Raise the number with any change of EncodeSurface: browsers keep what they have under this name.
-  const std::string name = "surface 1 " + result->final_volume.Hex() + result->deviation.Hex();
   return KeptResponse(
-      call.request,
-      {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime, /*made=*/true},
+      call.request, {SurfaceName(*result), "application/octet-stream", kAskEachTime, /*made=*/true},
       *call.bodies, [&] { return AttemptSurface(store.blobs, *result); });
 }
 

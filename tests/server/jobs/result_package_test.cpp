@@ -6,6 +6,7 @@
 
 #include "common/scene/json/json.h"
 #include "server/jobs/score_job.h"
+#include "server/jobs/stored_tooth.h"
 #include "tests/server/jobs/job_school.h"
 
 // A score that leaves the house with all that it was made from.
@@ -24,7 +25,7 @@ class ResultPackageTest : public ::testing::Test {
   std::vector<ResultFile> Files() {
     std::vector<ResultFile> out;
     const Status status =
-        ForEachResultFile(*school_->store, school_->Row(attempt_),
+        ForEachResultFile(*school_->store, school_->Row(attempt_), surface_,
                           [&](std::string_view name, const Result<Bytes>& content) {
                             if (content.ok()) out.push_back({std::string(name), *content});
                             return content.status();
@@ -42,6 +43,9 @@ class ResultPackageTest : public ::testing::Test {
   const trace::KeyPair key_ = trace::NewKeyPair();
   std::unique_ptr<JobSchool> school_ = JobSchool::WithReference();
   const Uuid attempt_ = school_->Record({});
+  std::function<Result<Bytes>(const AttemptResult&)> surface_ = [this](const AttemptResult& of) {
+    return AttemptSurface(school_->store->blobs, of);
+  };
 };
 
 TEST_F(ResultPackageTest, HasEveryFileThatTheResultBindsAsItWasSigned) {
@@ -84,12 +88,22 @@ TEST_F(ResultPackageTest, KeepsTheRubricThatCounted) {
   EXPECT_TRUE(after.changed.empty()) << after.changed.front();
 }
 
+TEST_F(ResultPackageTest, HasTheSurfaceThatTheCallerMakes) {
+  Score();
+  surface_ = [](const AttemptResult&) { return Result<Bytes>(Bytes{1, 2, 3}); };
+  const auto files = Files();
+  const auto surface = std::ranges::find(files, "surface.ensf", &ResultFile::name);
+  ASSERT_NE(surface, files.end());
+  EXPECT_EQ(surface->content, (Bytes{1, 2, 3}));
+}
+
 TEST_F(ResultPackageTest, WithoutAScoreOrASignatureItSaysSo) {
   auto none = [](std::string_view, const Result<Bytes>& content) { return content.status(); };
-  EXPECT_EQ(ForEachResultFile(*school_->store, school_->Row(attempt_), none).code(),
+  EXPECT_EQ(ForEachResultFile(*school_->store, school_->Row(attempt_), surface_, none).code(),
             Code::kConflict);
   ASSERT_TRUE(RunScoreJob(*school_->store, attempt_, {}).ok());
-  const Status unsigned_score = ForEachResultFile(*school_->store, school_->Row(attempt_), none);
+  const Status unsigned_score =
+      ForEachResultFile(*school_->store, school_->Row(attempt_), surface_, none);
   EXPECT_EQ(unsigned_score.code(), Code::kConflict);
   EXPECT_NE(unsigned_score.message().find("not signed"), std::string::npos);
 }
