@@ -1,6 +1,6 @@
 import { Ahead, askFirst } from "../api/ahead";
 import { sendByFetch } from "../api/request_init";
-import { startWorker } from "../tooth/start_worker";
+import { type Drawer, startWorker } from "../tooth/start_worker";
 
 // The page's first script: small, whole, and there before the others, which import it (scripts/build.mjs). Begins what
 // takes longest: asking the server, and the graphics driver.
@@ -9,12 +9,12 @@ const [, list, thing] = /^\/(attempts|exercises)\/([^/]+)$/.exec(window.location
 export const answers = new Ahead();
 askFirst(answers, sendByFetch, list === "attempts" ? thing : undefined);
 
-let begun: Worker | undefined;
+let begun: Drawer | undefined;
 if (thing !== undefined) {
   try {
     begun = startWorker();
     // Nobody listens yet who could tell; another attempt is made when a tooth is to be shown.
-    begun.onerror = () => {
+    begun.worker.onerror = () => {
       begun = undefined;
     };
   } catch {
@@ -23,8 +23,8 @@ if (thing !== undefined) {
 }
 
 // What draws teeth: the one that was begun, given out once; else a new one. Throws where the browser refuses workers.
-export function toothWorker(): Worker {
-  const worker = begun ?? startWorker();
+export function toothWorker(): Drawer {
+  const drawer = begun ?? startWorker();
   begun = undefined;
-  return worker;
+  return drawer;
 }

@@ -16,6 +16,7 @@ import type {
   SurfacePoint,
   ToothPlan,
 } from "./messages";
+import type { Drawer } from "./start_worker";
 
 // The page's end of the worker that reads and draws teeth (studio.ts): the page's thread hands over bytes, a canvas
 // and wishes, and never meshes or draws.
@@ -34,7 +35,11 @@ export class StudioLink {
   private readonly screens = new Map<number, (told: ScreenTold) => void>();
   lost = false; // nothing answers any more
 
-  constructor(private readonly port: StudioPort) {
+  // `ahead`: the canvas that the worker has already.
+  constructor(
+    private readonly port: StudioPort,
+    private ahead: HTMLCanvasElement | undefined,
+  ) {
     port.onmessage = ({ data }) => {
       if ("film" in data) this.films.get(data.film)?.(data.message);
       else this.screens.get(data.screen)?.(data.message);
@@ -63,14 +68,17 @@ export class StudioLink {
     return link;
   }
 
+  // Throws where the browser has no such canvas.
   screen(
-    canvas: OffscreenCanvas,
     film: FilmLink,
     state: ScreenState,
     look: Look | undefined,
     told: (told: Exclude<ScreenTold, { told: "picked" | "picture" | "profile" }>) => void,
     wished: () => void, // another picture, which comes as soon as it is drawn
-  ): ScreenLink {
+  ): readonly [ScreenLink, HTMLCanvasElement] {
+    const element = this.ahead ?? document.createElement("canvas");
+    const canvas = this.ahead === undefined ? element.transferControlToOffscreen() : undefined;
+    this.ahead = undefined;
     const screen = this.next++;
     const link = new ScreenLink(
       (message, transfer = []) => this.port.postMessage({ screen, message }, transfer),
@@ -83,8 +91,9 @@ export class StudioLink {
       else if (message.told === "picture") link.pictured(message.id, message.png);
       else told(message);
     });
-    this.port.postMessage({ screen, message: { ask: "open", canvas, film: film.number, state, look } }, [canvas]);
-    return link;
+    const message = { ask: "open", canvas, film: film.number, state, look } as const;
+    this.port.postMessage({ screen, message }, canvas === undefined ? [] : [canvas]);
+    return [link, element];
   }
 }
 
@@ -229,11 +238,11 @@ export class ScreenLink {
   }
 }
 
-let newWorker: () => Worker = () => {
+let newWorker: () => Drawer = () => {
   throw new Error("nothing starts workers here");
 };
 // What starts the worker; the page says it before anything is drawn.
-export function drawTeethWith(start: () => Worker): void {
+export function drawTeethWith(start: () => Drawer): void {
   newWorker = start;
 }
 
@@ -241,6 +250,9 @@ let only: StudioLink | undefined;
 
 // The one of this page, which starts its worker. Throws where the browser refuses workers.
 export function studio(): StudioLink {
-  if (only === undefined || only.lost) only = new StudioLink(newWorker() as unknown as StudioPort);
+  if (only === undefined || only.lost) {
+    const { worker, canvas } = newWorker();
+    only = new StudioLink(worker as unknown as StudioPort, canvas);
+  }
   return only;
 }

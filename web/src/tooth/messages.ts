@@ -131,7 +131,7 @@ export type ScreenAsk =
   | ScreenWish
   | {
       readonly ask: "open";
-      readonly canvas: OffscreenCanvas;
+      readonly canvas: OffscreenCanvas | undefined; // undefined: the one that was given ahead
       readonly film: number;
       readonly state: ScreenState;
       readonly look: Look | undefined;
@@ -166,7 +166,8 @@ export type ScreenTold =
 
 export type StudioAsk =
   | { readonly film: number; readonly message: FilmAsk }
-  | { readonly screen: number; readonly message: ScreenAsk };
+  | { readonly screen: number; readonly message: ScreenAsk }
+  | { readonly ahead: OffscreenCanvas }; // for a screen that is opened soon
 export type StudioTold =
   | { readonly film: number; readonly message: FilmTold }
   | { readonly screen: number; readonly message: ScreenTold };

@@ -23,5 +23,17 @@ function onlyWorker(address: string): string {
   return address;
 }
 
-// Throws where the browser refuses workers.
-export const startWorker = (): Worker => new Worker(workerAddress(), { type: "module" });
+// What draws teeth, and the canvas of the first: the worker makes that ready while nobody knows yet where it will be.
+export interface Drawer {
+  readonly worker: Worker;
+  readonly canvas: HTMLCanvasElement;
+}
+
+// Throws where the browser refuses workers, or such a canvas.
+export function startWorker(): Drawer {
+  const worker = new Worker(workerAddress(), { type: "module" });
+  const canvas = document.createElement("canvas");
+  const ahead = canvas.transferControlToOffscreen();
+  worker.postMessage({ ahead }, [ahead]);
+  return { worker, canvas };
+}

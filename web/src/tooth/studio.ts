@@ -1,5 +1,7 @@
 import { Film, type FilmOptions } from "./film";
 import type { ScreenAsk, ScreenState, ScreenTold, ScreenWish, StudioAsk, StudioTold } from "./messages";
+import { kSameMm } from "./scene/ghost";
+import { Paint } from "./scene/paint";
 import { ToothScene } from "./scene/scene";
 
 // The worker's films and the screens that show them, by the numbers that the page gave them.
@@ -9,6 +11,7 @@ type Tell = (told: StudioTold, transfer?: readonly Transferable[]) => void;
 export class Studio {
   private readonly films = new Map<number, Film>();
   private readonly screens = new Map<number, Screen>();
+  private ahead: Paint | undefined;
 
   constructor(
     private readonly tell: Tell,
@@ -21,11 +24,17 @@ export class Studio {
       if (asked.message.ask === "close") this.films.delete(asked.film);
       return;
     }
+    if ("ahead" in asked) {
+      this.ahead = paintOn(asked.ahead);
+      this.ahead?.prepare();
+      return;
+    }
     const { screen, message } = asked;
     if (message.ask === "open") {
       const film = this.film(message.film);
       const opened = new Screen(
         message,
+        message.canvas === undefined ? this.ahead : paintOn(message.canvas),
         film,
         (number) => this.film(number),
         (told) => this.tell({ screen, message: told }),
@@ -47,6 +56,15 @@ export class Studio {
   }
 }
 
+// Undefined: there is no WebGL 2.
+function paintOn(canvas: OffscreenCanvas): Paint | undefined {
+  try {
+    return new Paint(canvas, kSameMm);
+  } catch {
+    return undefined;
+  }
+}
+
 type Open = Extract<ScreenAsk, { ask: "open" }>;
 
 class Screen {
@@ -54,18 +72,18 @@ class Screen {
   private readonly detach: () => void = () => undefined;
 
   constructor(
-    { canvas, state, look }: Open,
+    { state, look }: Open,
+    paint: Paint | undefined,
     film: Film,
     private readonly film_: (number: number) => Film,
     private readonly tell: (told: ScreenTold) => void,
   ) {
-    try {
-      this.scene = new ToothScene(canvas, state, tell);
-    } catch {
+    if (paint === undefined) {
       tell({ told: "lost", stopped: false });
       return;
     }
-    canvas.addEventListener("webglcontextlost", () => tell({ told: "lost", stopped: true }));
+    this.scene = new ToothScene(paint, state, tell);
+    paint.canvas.addEventListener("webglcontextlost", () => tell({ told: "lost", stopped: true }));
     this.set(state);
     if (look !== undefined) this.scene.look(look);
     this.detach = film.attach(this.scene);

@@ -5,9 +5,10 @@ import { drawTeethWith } from "../../tooth/link";
 import { beginPlayback, playbackOf } from "./playback";
 
 const nothing = () => undefined;
-drawTeethWith(
-  () => ({ postMessage: nothing, terminate: nothing, onmessage: null, onerror: null }) as unknown as Worker,
-);
+drawTeethWith(() => ({
+  worker: { postMessage: nothing, terminate: nothing, onmessage: null, onerror: null } as unknown as Worker,
+  canvas: {} as HTMLCanvasElement,
+}));
 const session = () => Response.json({ person: { id: "p" }, csrf: "token" });
 const settled = () =>
   new Promise((resolve) => {

@@ -2,6 +2,7 @@ import { deviationScalePixels, kUntouchedColor } from "../deviation_scale";
 import type { Effort } from "../messages";
 import { linearColor, palette, screenColor } from "./colors";
 import { type Gl, Program, type Uniform } from "./gl";
+import { drawsSlowly } from "./renderer";
 import {
   kFullFragment,
   kFullVertex,
@@ -16,7 +17,7 @@ import {
 } from "./shaders";
 import { kUnmoved, type Matrix } from "./vec";
 
-// The programs that a scene is drawn with, made when they are first needed.
+// A canvas with its WebGL context, and the programs that a scene is drawn with, made when they are first needed.
 
 const kInsideColor = "#b98a5e"; // of a cut whose tissues are not known
 const kScalePixels = 256;
@@ -42,12 +43,16 @@ export class Paint {
     quick: palette(screenColor),
   };
   heat = false; // the deviation instead of the tissues
+  readonly gl: Gl;
 
-  // `shiftMm`: apart or less is the same, for another tooth over this one.
+  // `shiftMm`: apart or less is the same, for another tooth over this one. Throws where WebGL 2 is not available.
   constructor(
-    private readonly gl: Gl,
+    readonly canvas: OffscreenCanvas,
     private readonly shiftMm: number,
   ) {
+    const gl = canvas.getContext("webgl2", { antialias: !drawsSlowly(), stencil: true, powerPreference: "low-power" });
+    if (gl === null) throw new Error("expected WebGL 2");
+    this.gl = gl;
     this.scale = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.scale);
     gl.texImage2D(
@@ -73,6 +78,17 @@ export class Paint {
   dispose(): void {
     for (const program of this.programs.values()) program.dispose();
     this.gl.deleteTexture(this.scale);
+  }
+
+  // Has the browser make the first picture's program.
+  prepare(): void {
+    this.tooth(drawsSlowly() ? "quick" : "full", {
+      view: kUnmoved,
+      projection: kUnmoved,
+      picture: kUnmoved,
+      plane: undefined,
+      toSlice: [],
+    });
   }
 
   tooth(effort: Effort, frame: Frame): void {

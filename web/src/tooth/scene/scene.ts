@@ -10,11 +10,11 @@ import { type BlockHit, boxOf, ToothBlocks } from "./blocks";
 import type { CutFill } from "./cut_fill";
 import { screenColor } from "./colors";
 import { ForceArrow } from "./force_arrow";
-import { Ghost, kMarking, kSameMm } from "./ghost";
+import { Ghost, kMarking } from "./ghost";
 import { beginPicture, drawOver, type Gl, type Program, Shape } from "./gl";
 import { kTargetColor } from "../line_colors";
 import { LineGroup } from "./line_group";
-import { type Frame, Paint } from "./paint";
+import type { Frame, Paint } from "./paint";
 import { DrawingPace, drawsSlowly, pixelRatio } from "./renderer";
 import { type Cuttable, normalOf, Section } from "./section";
 import { Sight } from "./sight";
@@ -32,15 +32,14 @@ const kTrailTint = [...screenColor("#101418"), 0.55];
 
 type Drawn = Extract<ScreenTold, { told: "drawn" }>;
 
-// A picture of a tooth: owns the WebGL context, draws only when something changed. Throws from the constructor where
-// WebGL 2 is not available.
+// A picture of a tooth: draws only when something changed.
 export class ToothScene implements FilmScreen {
   wishes = 0; // that the next picture fulfils
   readonly sight: Sight;
+  private readonly canvas: OffscreenCanvas;
   private readonly gl: Gl;
   private readonly cleanup = new Disposables();
   private readonly frame = new FrameScheduler(() => this.draw());
-  private readonly paint: Paint;
   private readonly blocks: ToothBlocks;
   private readonly mark: Shape;
   private tool: PointMm | undefined;
@@ -62,20 +61,19 @@ export class ToothScene implements FilmScreen {
   private size = { width: 0, height: 0, ratio: 1 };
 
   constructor(
-    private readonly canvas: OffscreenCanvas,
+    private readonly paint: Paint, // its own from now on
     state: ScreenState,
     private readonly drawn: (drawn: Drawn) => void,
   ) {
-    const slow = drawsSlowly();
-    const gl = canvas.getContext("webgl2", { antialias: !slow, stencil: true, powerPreference: "low-power" });
-    if (gl === null) throw new Error("expected WebGL 2");
+    const { canvas, gl } = paint;
+    this.canvas = canvas;
     this.gl = gl;
     this.cleanup.add(() => gl.getExtension("WEBGL_lose_context")?.loseContext());
     const kept = <T extends { dispose(): void }>(made: T): T => {
       this.cleanup.add(() => made.dispose());
       return made;
     };
-    this.paint = kept(new Paint(gl, kSameMm));
+    kept(paint);
     this.blocks = kept(new ToothBlocks(gl));
     this.section = kept(new Section(gl));
     this.cleanup.add(() => this.fill?.dispose());
@@ -83,7 +81,7 @@ export class ToothScene implements FilmScreen {
     this.arrow = kept(new ForceArrow(gl));
     this.lines = kept(new LineGroup(gl));
     this.mark = kept(ball(gl));
-    this.pace = new DrawingPace(slow, () => this.draw());
+    this.pace = new DrawingPace(drawsSlowly(), () => this.draw());
     this.cleanup.add(() => this.pace.stop());
     this.cleanup.add(() => this.endGhost());
     this.cleanup.add(() => this.trail?.dispose());

@@ -162,7 +162,8 @@ export function ToothView({
   latest.current = { state, anatomy, look };
   const sent = useRef(state);
 
-  useEffect(() => {
+  // Before the page is painted: the worker has the canvas when its size is known.
+  useLayoutEffect(() => {
     const element = frame.current;
     if (element === null) return undefined;
     const cleanup = new Disposables();
@@ -357,9 +358,6 @@ function openScreen(
   shown: (told: Drawn, caughtUp: boolean) => void,
   report: (problem: string) => void,
 ): ScreenLink {
-  const canvas = document.createElement("canvas");
-  canvas.setAttribute("aria-hidden", "true");
-  const offscreen = canvas.transferControlToOffscreen();
   // For tests: how it is drawn; nothing: a wish is not in the picture yet.
   const mark = (effort = "") => {
     canvas.dataset["drawn"] = effort;
@@ -370,7 +368,8 @@ function openScreen(
     if (caughtUp) mark(told.effort);
     shown(told, caughtUp);
   };
-  const screen: ScreenLink = studio().screen(offscreen, film, state, look, take, () => mark());
+  const [screen, canvas] = studio().screen(film, state, look, take, () => mark());
+  canvas.setAttribute("aria-hidden", "true");
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
   cleanup.add(() => screen.close());
