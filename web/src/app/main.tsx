@@ -1,5 +1,6 @@
 import { render } from "preact";
 import { check } from "../base/assert";
+import { formatDateTime } from "../base/format";
 import { App, beginParts, restoreSession } from "./app";
 import { applyLanguage } from "./language";
 import { followLinks } from "./location";
@@ -15,6 +16,8 @@ void applyLanguage("", beginParts()).then(async (spoken) => {
     return;
   }
   const answered = restoreSession();
+  // While the server is asked: the first date takes the browser as long as a screen.
+  formatDateTime(Date.now());
   await Promise.race([answered, new Promise((resolve) => setTimeout(resolve, kSoonMs))]);
   render(<App />, root);
 });
