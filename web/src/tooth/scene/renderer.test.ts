@@ -22,8 +22,10 @@ test("renderers without a graphics card are recognised", () => {
 test("what moves is drawn quickly where drawing is slow, and in full once it stands; elsewhere always in full", () => {
   let draws = 0;
   let due: (() => void) | undefined;
-  const later = (act: () => void) => {
+  const waits: number[] = [];
+  const later = (act: () => void, ms: number) => {
     due = act;
+    waits.push(ms);
     return () => {
       due = undefined;
     };
@@ -39,7 +41,8 @@ test("what moves is drawn quickly where drawing is slow, and in full once it sta
   assert.deepEqual([slow.effort, draws], ["quick", 0]);
   due?.();
   assert.deepEqual([slow.effort, draws], ["full", 1]);
-  slow.moved();
+  slow.moved(true);
+  assert.ok(waits.at(-1)! > waits[0]!, "what is only on the way is not drawn in full");
   slow.stop();
   assert.equal(due, undefined, "nothing is drawn after the end");
   const fast = new DrawingPace(false, redraw, later);

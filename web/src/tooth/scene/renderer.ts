@@ -37,6 +37,7 @@ export function pixelRatio(effort: Effort, device: number): number {
 }
 
 const kSettleMs = 250; // without a change, until it is drawn in full
+const kAwaitedMs = 2000; // the same while more is expected: drawn in full it would only keep that waiting
 
 // Where drawing is slow, what moves is drawn quickly, and in full once nothing has changed for a
 // while. Where it is not, always in full.
@@ -48,17 +49,17 @@ export class DrawingPace {
   constructor(
     private readonly slow: boolean,
     private readonly redraw: () => void,
-    private readonly later: (act: () => void) => () => void = whenStill,
+    private readonly later: (act: () => void, ms: number) => () => void = whenStill,
   ) {}
 
   get effort(): Effort {
     return this.current;
   }
-  // Something has changed and is drawn next.
-  moved(): void {
+  // Something has changed and is drawn next. `more`: and changes soon again.
+  moved(more = false): void {
     if (!this.slow) return;
     this.calledOff();
-    this.calledOff = this.later(() => this.settle());
+    this.calledOff = this.later(() => this.settle(), more ? kAwaitedMs : kSettleMs);
     this.current = "quick";
   }
   // Draws in full now, when it was quick.
@@ -73,7 +74,7 @@ export class DrawingPace {
   }
 }
 
-function whenStill(act: () => void): () => void {
-  const timer = setTimeout(act, kSettleMs);
+function whenStill(act: () => void, ms: number): () => void {
+  const timer = setTimeout(act, ms);
   return () => clearTimeout(timer);
 }

@@ -125,6 +125,7 @@ export class ToothScene implements FilmScreen {
 
   setDetail(detail: Detail, extent: Extent): void {
     this.detail = detail;
+    this.moved();
     if (extent === this.extent) return;
     this.extent = { ...extent, radiusMm: Math.max(extent.radiusMm, kLeastRadiusMm) };
     this.sight.setExtent(this.extent);
@@ -205,7 +206,7 @@ export class ToothScene implements FilmScreen {
   }
   // More motion is likely to follow at once.
   moved(): void {
-    this.pace.moved();
+    this.pace.moved(this.detail !== "fine");
     this.frame.request();
   }
   settle(): void {
