@@ -30,6 +30,10 @@ const kMarks = [
 const kNowhere = [0, 0, 0, 0, 0, 0, 0, 0, 0];
 const kTrailTint = [...screenColor("#101418"), 0.55];
 
+// What the page tells after it has asked for another moment. In motion it is drawn with the next picture, or with the
+// one in full: a picture of its own would be a second one of each moment.
+const kWithMoment: ReadonlySet<string> = new Set(["tool", "path", "forceN"] satisfies (keyof ScreenState)[]);
+
 type Drawn = Extract<ScreenTold, { told: "drawn" }>;
 
 // A picture of a tooth: draws only when something changed.
@@ -106,7 +110,7 @@ export class ToothScene implements FilmScreen {
     if ("target" in state) this.setTarget(state.target);
     if ("ghost" in state) this.setGhost(state.ghost === undefined ? undefined : film(state.ghost));
     if (state.follow !== undefined) this.setFollow(state.follow);
-    this.frame.request();
+    if (this.pace.effort === "full" || Object.keys(state).some((name) => !kWithMoment.has(name))) this.frame.request();
   }
 
   private setTool(point: PointMm | undefined, path: readonly PointMm[]): void {
