@@ -40,9 +40,9 @@ export function place(
     return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height, z / w];
   };
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  placeLabels(labels, element, anatomy, project, extent.centreMm, extent.radiusMm);
+  placeLabels(labels, [width, height], anatomy, project, extent.centreMm, extent.radiusMm);
   placePins(element, project);
-  placeScale(element, pxPerMm(projection, middle, element.clientWidth));
+  placeScale(element, pxPerMm(projection, middle, width));
   element.dataset["tooth"] = detail;
 }
 
@@ -50,7 +50,7 @@ export function place(
 // they lie towards the viewer or away.
 function placeLabels(
   labels: readonly HTMLElement[],
-  frame: HTMLElement,
+  [width, height]: readonly [number, number],
   anatomy: Anatomy | undefined,
   project: (point: PointMm) => PointMm,
   centre: PointMm,
@@ -63,14 +63,14 @@ function placeLabels(
     const [x, y, z] = anatomy === undefined ? [0, 0, 0] : toScene(anatomy, direction);
     const at = project([centre[0] + x * radius, centre[1] + y * radius, centre[2] + z * radius]);
     const [dx, dy] = [at[0] - cx, at[1] - cy];
-    const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
+    const half = [width / 2, height / 2] as const;
     // At the edge of the picture, or beside the tooth where that is nearer.
     const toEdge = Math.min(
       kBesideTooth,
-      (half[0] - kLabelMarginPx[0] - (frame.clientWidth > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
+      (half[0] - kLabelMarginPx[0] - (width > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
       (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
     );
-    const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
+    const visible = Math.hypot(dx, dy) > kLabelMinShare * height && Number.isFinite(toEdge);
     label.style.visibility = visible ? "visible" : "hidden";
     if (visible)
       label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
@@ -91,7 +91,8 @@ function placeScale(frame: HTMLElement, perMm: number): void {
   if (scale === null) return;
   const mm = kScaleMm.filter((length) => length * perMm <= kScaleMostPx).at(-1) ?? kScaleMm[0];
   scale.style.width = `${(mm * perMm).toFixed(1)}px`;
-  scale.textContent = `${formatNumber(mm, 1)}\u00a0mm`; // short, as it stands in it
+  const text = `${formatNumber(mm, 1)}\u00a0mm`; // short, as it stands in it
+  if (scale.textContent !== text) scale.textContent = text; // or it would be laid out again
 }
 
 // Across the picture, at a point of the scene. The columns of `m` lead from the scene to −1 … 1.
