@@ -52,7 +52,7 @@ export function useReview(reviewed: Reviewed) {
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
   const [begun, setBegun] = useState(false); // something of the tooth was drawn: it comes first
   const series = useRequest(removed || !begun ? undefined : key, (signal) => client.series(id, signal));
-  const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
+  const remarks = useRequest(begun ? key : undefined, (signal) => client.teaching.annotations(id, signal));
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
