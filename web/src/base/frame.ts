@@ -4,6 +4,9 @@ export class FrameScheduler {
 
   constructor(private readonly draw: () => void) {}
 
+  get requested(): boolean {
+    return this.handle !== undefined;
+  }
   request(): void {
     this.handle ??= requestAnimationFrame(() => {
       this.handle = undefined;

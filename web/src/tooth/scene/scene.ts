@@ -140,7 +140,8 @@ export class ToothScene implements FilmScreen {
   setBlock(index: number, mesh: BlockMesh | undefined): void {
     this.blocks.set(index, mesh);
     this.section.changed();
-    this.moved();
+    // Blocks come by dozens, and a timer set anew takes as long as a block's lines.
+    if (!this.frame.requested) this.moved();
   }
   setOpened(opened: Opened): void {
     this.fill?.dispose();
