@@ -21,14 +21,14 @@ export function withStain({ positionMm: p, normal, tissue, triangle, cut }: Bloc
     for (let side = 0; side < 3; ++side) {
       const a = triangle[t + side]!;
       const b = triangle[side === 2 ? t : t + side + 1]!;
-      let turn = 0;
-      let length2 = 0;
-      for (let k = 0; k < 3; ++k) {
-        const way = p[3 * b + k]! - p[3 * a + k]!;
-        turn -= (way * (normal[4 * b + k]! - normal[4 * a + k]!)) / 127;
-        length2 += way * way;
-      }
-      const found = turn / length2;
+      const x = p[3 * b]! - p[3 * a]!;
+      const y = p[3 * b + 1]! - p[3 * a + 1]!;
+      const z = p[3 * b + 2]! - p[3 * a + 2]!;
+      const turn =
+        x * (normal[4 * a]! - normal[4 * b]!) +
+        y * (normal[4 * a + 1]! - normal[4 * b + 1]!) +
+        z * (normal[4 * a + 2]! - normal[4 * b + 2]!);
+      const found = turn / (127 * (x * x + y * y + z * z));
       if (found > bent[a]!) bent[a] = found;
       if (found > bent[b]!) bent[b] = found;
     }
