@@ -15,6 +15,7 @@ function opened({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
   const blocks = new Map<number, BlockMesh>();
   const told: FilmTold[] = [];
   const drawn: (readonly number[])[] = []; // the blocks that were there
+  const given: number[] = []; // of how many blocks it knows what shines through them
   let now = 0;
   const film = new Film((message) => told.push(message), {
     pause,
@@ -31,6 +32,7 @@ function opened({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
       else blocks.set(index, mesh);
     },
     setBur: () => {},
+    setLooks: (looks) => given.push([...blocks.values()].filter((mesh) => looks(mesh) !== undefined).length),
     setOpened: () => {},
     setDetail: () => {},
     drawNow: () => drawn.push([...blocks.keys()]),
@@ -42,6 +44,7 @@ function opened({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
     film,
     blocks,
     drawn,
+    given,
     of,
     shown: () => of("shown").map(({ frames }) => frames),
     changing: () => new Map([...blocks].filter(([index]) => index >= 0).sort(([a], [b]) => a - b)),
@@ -102,6 +105,22 @@ test("the file shows a coarse tooth first, then the end, and then every moment, 
     );
     assert.deepEqual(made.of("failed"), []);
   }
+});
+
+test("what shines through is made once nothing moves and what is inside is known", async () => {
+  const made = opened();
+  await give(made);
+  await made.film.rest();
+  assert.deepEqual(made.given, []);
+  await made.film.take({ ask: "interior", bytes: golden("entb") });
+  await settled();
+  const all = made.blocks.size;
+  assert.deepEqual(made.given, [all]);
+  const resting = made.film.rest();
+  await made.film.take({ ask: "seek", frames: 2 });
+  await resting;
+  await made.film.rest();
+  assert.equal(made.given.at(-1), made.blocks.size, "of the blocks of that moment too");
 });
 
 test("a wish gives the blocks of that moment, and only then says that it is shown", async () => {

@@ -37,6 +37,8 @@ export interface FilmScreen {
   setOpened(opened: Opened): void;
   // All of a moment is set.
   drawNow(): void;
+  // What shines through each block, which stays until it is set again.
+  setLooks(looks: (mesh: BlockMesh) => Uint8Array<ArrayBuffer> | undefined): void;
 }
 
 export interface FilmOptions {
@@ -66,6 +68,8 @@ export class Film {
   private still: BlockMesh | undefined;
   private inside: Opened | undefined;
   private readonly meshes = new Map<number, BlockMesh>(); // that the screens have
+  private readonly looks = new WeakMap<BlockMesh, Uint8Array<ArrayBuffer>>();
+  private looking = false;
   private readonly screens = new Set<FilmScreen>();
   private readonly dirty = new Set<number>();
   private readonly tissues = new Set<number>(); // that were seen at the surface
@@ -286,6 +290,7 @@ export class Film {
     if (made.ok) {
       this.inside = made.value;
       for (const screen of this.screens) screen.setOpened(made.value);
+      void this.rest();
     }
     this.tell({ told: "interior", tissues: made.ok ? ok(made.value.tissues) : made }, []);
   }
@@ -368,6 +373,24 @@ export class Film {
       Math.floor((positionMm[3 * vertex + axis]! - grid.originMm[axis as 0 | 1 | 2]) / grid.voxelMm / 8),
     ) as [number, number, number];
     return player.bricks.flags[(bz * grid.bricks[1] + by) * grid.bricks[0] + bx] !== 0;
+  }
+
+  // Nothing moves: what shines through the surface has its time. A moment that is asked for meanwhile goes before it.
+  async rest(): Promise<void> {
+    const { inside } = this;
+    if (inside === undefined || this.detail !== "fine" || this.looking) return;
+    this.looking = true;
+    let until = this.nowMs() + kSliceMs;
+    for (const mesh of this.meshes.values()) {
+      if (this.looks.has(mesh)) continue;
+      this.looks.set(mesh, inside.looksOf(mesh));
+      if (this.nowMs() < until) continue;
+      await this.pause();
+      if (this.closed || this.working) break;
+      until = this.nowMs() + kSliceMs;
+    }
+    this.looking = false;
+    if (!this.working) for (const screen of this.screens) screen.setLooks((mesh) => this.looks.get(mesh));
   }
 
   private async work(): Promise<void> {

@@ -1,4 +1,4 @@
-import { kBrickSamples } from "./samples";
+import { kBrickSamples, kBrickSide } from "./samples";
 import type { Result } from "../base/result";
 import { Broken, checkMagic, kFormatBytes, type Grid, inflate, readGrid, reading, sectionsOf } from "./packed";
 import { kTissues } from "./tissue_color";
@@ -49,12 +49,7 @@ export function tissuesIn({ flags, labels }: Interior): number[] {
 // 0: air, or outside the grid. Triangles are off by up to a voxel from the samples, so a place in a voxel of air next to
 // a tissue is in that tissue.
 export function tissueAt(interior: Interior, x: number, y: number, z: number): number {
-  const { voxelMm, originMm } = interior.grid;
-  const [i, j, k] = [
-    Math.round((x - originMm[0]) / voxelMm),
-    Math.round((y - originMm[1]) / voxelMm),
-    Math.round((z - originMm[2]) / voxelMm),
-  ];
+  const [i, j, k] = voxelOf(interior.grid, x, y, z);
   return (
     voxel(interior, i, j, k) ||
     voxel(interior, i - 1, j, k) ||
@@ -65,11 +60,51 @@ export function tissueAt(interior: Interior, x: number, y: number, z: number): n
     voxel(interior, i, j, k + 1)
   );
 }
+// The same of the voxel alone.
+export function voxelAt(interior: Interior, x: number, y: number, z: number): number {
+  const [i, j, k] = voxelOf(interior.grid, x, y, z);
+  return voxel(interior, i, j, k);
+}
+function voxelOf({ voxelMm, originMm }: Grid, x: number, y: number, z: number): readonly [number, number, number] {
+  return [
+    Math.round((x - originMm[0]) / voxelMm),
+    Math.round((y - originMm[1]) / voxelMm),
+    Math.round((z - originMm[2]) / voxelMm),
+  ];
+}
 
-function voxel({ grid: { bricks }, flags, labels, labelSlot }: Interior, i: number, j: number, k: number): number {
+// −1: outside the grid.
+export function brickAt({ grid }: Interior, x: number, y: number, z: number): number {
+  return brickOf(grid, ...voxelOf(grid, x, y, z));
+}
+function brickOf({ bricks }: Grid, i: number, j: number, k: number): number {
   const [x, y, z] = [i >> 3, j >> 3, k >> 3];
-  if (x < 0 || y < 0 || z < 0 || x >= bricks[0] || y >= bricks[1] || z >= bricks[2]) return kAir;
-  const brick = (z * bricks[1] + y) * bricks[0] + x;
+  if (x < 0 || y < 0 || z < 0 || x >= bricks[0] || y >= bricks[1] || z >= bricks[2]) return -1;
+  return (z * bricks[1] + y) * bricks[0] + x;
+}
+
+function voxel({ grid, flags, labels, labelSlot }: Interior, i: number, j: number, k: number): number {
+  const brick = brickOf(grid, i, j, k);
+  if (brick < 0) return kAir;
   const slot = labelSlot[brick]!;
   return slot < 0 ? flags[brick]! & kTissue : labels[slot * kBrickSamples + (k & 7) * 64 + (j & 7) * 8 + (i & 7)]!;
+}
+
+// Which bricks have a tissue in them or so near: 1.
+export function bricksNear(interior: Interior, tissue: number, reachMm: number): Uint8Array {
+  const { grid, flags, labels, labelSlot } = interior;
+  const near = new Uint8Array(flags.length);
+  const [nx, ny, nz] = grid.bricks;
+  const reach = Math.ceil(reachMm / (kBrickSide * grid.voxelMm));
+  for (let brick = 0; brick < flags.length; ++brick) {
+    const from = labelSlot[brick]! * kBrickSamples;
+    const has =
+      from < 0 ? (flags[brick]! & kTissue) === tissue : labels.subarray(from, from + kBrickSamples).includes(tissue);
+    if (!has) continue;
+    const [x, y, z] = [brick % nx, Math.floor(brick / nx) % ny, Math.floor(brick / (nx * ny))];
+    for (let k = Math.max(0, z - reach); k <= Math.min(nz - 1, z + reach); ++k)
+      for (let j = Math.max(0, y - reach); j <= Math.min(ny - 1, y + reach); ++j)
+        for (let i = Math.max(0, x - reach); i <= Math.min(nx - 1, x + reach); ++i) near[(k * ny + j) * nx + i] = 1;
+  }
+  return near;
 }

@@ -3,6 +3,8 @@ import { decodeInterior, tissuesIn } from "./interior";
 import type { Plane, ToothPlan } from "./messages";
 import { CutFill } from "./scene/cut_fill";
 import type { Gl } from "./scene/gl";
+import { Looks } from "./scene/looks";
+import type { BlockMesh } from "./mesher";
 import { decodeSurface } from "./surface";
 import { toothPlan } from "./tooth_plan";
 
@@ -12,6 +14,7 @@ import { toothPlan } from "./tooth_plan";
 export interface Opened {
   readonly tissues: readonly number[]; // all that are in it
   fill(gl: Gl): CutFill; // for one picture
+  looksOf(mesh: BlockMesh): Uint8Array<ArrayBuffer>; // what shines through it (scene/looks.ts)
 }
 
 // `bytes`: of the start tooth.
@@ -19,7 +22,8 @@ export async function opened(bytes: ArrayBuffer): Promise<Result<Opened, string>
   const interior = await decodeInterior(bytes);
   if (!interior.ok) return interior;
   const { value } = interior;
-  return ok({ tissues: tissuesIn(value), fill: (gl) => new CutFill(gl, value) });
+  const looks = new Looks(value);
+  return ok({ tissues: tissuesIn(value), fill: (gl) => new CutFill(gl, value), looksOf: (mesh) => looks.of(mesh) });
 }
 
 // `bytes`: of a surface.

@@ -82,7 +82,7 @@ class Screen {
       tell({ told: "lost", stopped: false });
       return;
     }
-    this.scene = new ToothScene(paint, state, tell);
+    this.scene = new ToothScene(paint, state, tell, () => void film.rest());
     paint.canvas.addEventListener("webglcontextlost", () => tell({ told: "lost", stopped: true }));
     this.set(state);
     if (look !== undefined) this.scene.look(look);

@@ -1,12 +1,12 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { formatNumber } from "../../base/format";
-import type { Result } from "../../base/result";
 import { say } from "../../base/words";
 import { kCutColor, kGhostColor, kTargetColor } from "../../tooth/line_colors";
 import type { FilmLink } from "../../tooth/link";
 import type { SectionPlane } from "../../tooth/messages";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
+import type { Opened, openFilm } from "./open_film";
 
 // What belongs to a tooth that is cut open.
 
@@ -41,27 +41,8 @@ export function SectionTools({ section, onSection }: ToolsProps) {
   );
 }
 
-type Opened = Result<readonly number[], string>;
-
-// Each tooth is opened once, however often it is cut.
-const opened = new WeakMap<FilmLink, Promise<Opened>>();
-
-function openFilm(client: Client, film: FilmLink, start: string): Promise<Opened> {
-  const known = opened.get(film);
-  if (known !== undefined) return known;
-  const made = client
-    .startTooth(start)
-    .then((bytes): Opened | Promise<Opened> =>
-      bytes.ok ? film.interior(bytes.value) : { ok: false, error: bytes.error.message },
-    );
-  opened.set(film, made);
-  void made.then((told) => {
-    if (!told.ok) opened.delete(film);
-  });
-  return made;
-}
-
 interface LegendProps {
+  readonly open: typeof openFilm;
   readonly client: Client;
   readonly film: FilmLink;
   readonly beside: FilmLink | undefined; // another attempt at the same tooth
@@ -75,21 +56,21 @@ interface LegendProps {
 
 // Fills the cut with its tissues, and says what is seen in it.
 export function SectionLegend(props: LegendProps) {
-  const { client, film, beside, start, tissues, deviation, target, other, reference } = props;
+  const { open, client, film, beside, start, tissues, deviation, target, other, reference } = props;
   const [inside, setInside] = useState<Opened>();
   useEffect(() => {
     if (start === undefined) return undefined;
     let abandoned = false;
-    void openFilm(client, film, start).then((told) => {
+    void open(client, film, start).then((told) => {
       if (!abandoned) setInside(told);
     });
     return () => {
       abandoned = true;
     };
-  }, [client, film, start]);
+  }, [open, client, film, start]);
   useEffect(() => {
-    if (beside !== undefined && start !== undefined) void openFilm(client, beside, start);
-  }, [client, beside, start]);
+    if (beside !== undefined && start !== undefined) void open(client, beside, start);
+  }, [open, client, beside, start]);
   const lines = [
     [kCutColor, say("section.edge")],
     ...(target ? [[kTargetColor, say("section.target")] as const] : []),

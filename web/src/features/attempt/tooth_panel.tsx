@@ -16,6 +16,7 @@ import type { Placement } from "./compare";
 import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import { joinedLines, measuredLines, nameOfPoint, withPoint } from "./measure";
 import type { Mark } from "./moments";
+import { openFilm } from "./open_film";
 import { PlaybackBar } from "./playback_bar";
 import type { ToothChoices } from "./tooth_choices";
 import { Closer, ToothTools } from "./tooth_tools";
@@ -24,6 +25,7 @@ import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
 import type { Review } from "./use_review";
 
+const kLookMs = 1000;
 const kPathSeconds = 3; // of the tool's way drawn behind it
 
 export function ToothPanel({ review }: { readonly review: Review }) {
@@ -117,7 +119,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
     () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm, mesial)),
     [compared, toleranceMm, mesial],
   );
-  const cut = control.playback.head?.cut;
+  const { cut, start } = control.playback.head ?? {};
   const worst = summary?.sides[0]?.side;
   const angled = useMemo(
     (): AngledView => ({ ...outlook(compared, worst, mesial), cavity: cut }),
@@ -177,6 +179,13 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
+  // What lies inside shines through the surface once somebody looks at it for a while.
+  const { whole } = control.playback;
+  useEffect(() => {
+    if (mode !== "tissue" || !played || !whole || start === undefined) return undefined;
+    const timer = setTimeout(() => openFilm(client, film, start), kLookMs);
+    return () => clearTimeout(timer);
+  }, [mode, played, whole, start, client, film, shownS]);
   const after = useMemo(() => pictureText(summary, tissues), [summary, tissues]);
   const pictured = during ? say("tooth_card.picture_during") : after;
   const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
@@ -276,10 +285,11 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
         <Closer
           show={({ SectionLegend }) => (
             <SectionLegend
+              open={openFilm}
               client={client}
               film={film}
               beside={beside?.ready ? beside.playback.film : undefined}
-              start={control.playback.head?.start}
+              start={start}
               tissues={tissues}
               deviation={mode === "deviation"}
               target={body !== undefined}

@@ -25,6 +25,7 @@ interface Block {
   readonly mesh: BlockMesh;
   readonly drawn: Shape;
   readonly box: Box;
+  translucent: boolean; // has what shines through it
   grid: TriangleGrid | undefined; // made when a ray first comes near
 }
 
@@ -53,7 +54,16 @@ export class ToothBlocks {
       },
       triangle,
     );
-    this.blocks.set(index, { mesh, drawn, box: boxOf(positionMm), grid: undefined });
+    this.blocks.set(index, { mesh, drawn, box: boxOf(positionMm), translucent: false, grid: undefined });
+  }
+
+  setLooks(looks: (mesh: BlockMesh) => Uint8Array<ArrayBuffer> | undefined): void {
+    for (const block of this.blocks.values()) {
+      const own = block.translucent ? undefined : looks(block.mesh);
+      if (own === undefined) continue;
+      block.drawn.add("own", { data: own, size: 4, normalized: true });
+      block.translucent = true;
+    }
   }
 
   // Those that may be in the picture, whose matrix it is.

@@ -58,6 +58,7 @@ export class Ghost implements FilmScreen {
   setOpened(): void {}
   setDetail(): void {}
   drawNow(): void {}
+  setLooks(): void {}
 
   draw(paint: Paint, frame: Frame): void {
     if (frame.plane !== undefined) return;

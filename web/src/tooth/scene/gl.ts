@@ -6,7 +6,7 @@ export type Gl = WebGL2RenderingContext;
 export type Uniform = number | readonly number[] | Float32Array;
 
 // Places of attributes, in every program.
-export const kAttributes = { position: 0, normal: 1, tissue: 2, deviation: 3, along: 4 } as const;
+export const kAttributes = { position: 0, normal: 1, tissue: 2, deviation: 3, along: 4, own: 5 } as const;
 // The texture of what fills a section (cut_fill.ts).
 export const kSliceUnit = 1;
 export type AttributeName = keyof typeof kAttributes;
@@ -84,19 +84,28 @@ export class Shape {
     let vertices = 0;
     for (const [name, attribute] of Object.entries(attributes)) {
       if (attribute === undefined) continue;
-      const { data, size, normalized = false } = attribute;
-      const place = kAttributes[name as AttributeName];
-      this.fill(gl.ARRAY_BUFFER, data);
-      const type = data instanceof Float32Array ? gl.FLOAT : data instanceof Int8Array ? gl.BYTE : gl.UNSIGNED_BYTE;
-      gl.vertexAttribPointer(place, size, type, normalized, 0, 0);
-      gl.enableVertexAttribArray(place);
-      vertices = data.length / size;
+      this.point(name as AttributeName, attribute);
+      vertices = attribute.data.length / attribute.size;
     }
     if (index !== undefined) this.fill(gl.ELEMENT_ARRAY_BUFFER, index);
     gl.bindVertexArray(null);
     this.indexType =
       index === undefined ? undefined : index instanceof Uint16Array ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
     this.count = index?.length ?? vertices;
+  }
+  // One more of each vertex.
+  add(name: AttributeName, attribute: Attribute): void {
+    this.gl.bindVertexArray(this.array);
+    this.point(name, attribute);
+    this.gl.bindVertexArray(null);
+  }
+  private point(name: AttributeName, { data, size, normalized = false }: Attribute): void {
+    const { gl } = this;
+    const place = kAttributes[name];
+    this.fill(gl.ARRAY_BUFFER, data);
+    const type = data instanceof Float32Array ? gl.FLOAT : data instanceof Int8Array ? gl.BYTE : gl.UNSIGNED_BYTE;
+    gl.vertexAttribPointer(place, size, type, normalized, 0, 0);
+    gl.enableVertexAttribArray(place);
   }
   private fill(target: number, data: AllowSharedBufferSource): void {
     const buffer = this.gl.createBuffer();

@@ -1,7 +1,7 @@
 import { deviationScalePixels, kUntouchedColor } from "../deviation_scale";
 import type { Effort } from "../messages";
 import { linearColor, palette, screenColor } from "./colors";
-import { type Gl, Program, type Uniform } from "./gl";
+import { type Gl, kAttributes, Program, type Uniform } from "./gl";
 import { drawsSlowly } from "./renderer";
 import {
   kFullFragment,
@@ -43,6 +43,7 @@ export class Paint {
     quick: palette(screenColor),
   };
   heat = false; // the deviation instead of the tissues
+  translucent = false; // every block has what shines through it
   readonly gl: Gl;
 
   // `shiftMm`: apart or less is the same, for another tooth over this one. Throws where WebGL 2 is not available.
@@ -53,6 +54,7 @@ export class Paint {
     const gl = canvas.getContext("webgl2", { antialias: !drawsSlowly(), stencil: true, powerPreference: "low-power" });
     if (gl === null) throw new Error("expected WebGL 2");
     this.gl = gl;
+    gl.vertexAttrib4f(kAttributes.own, 0, 0, 0, 0); // of who has none
     this.scale = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.scale);
     gl.texImage2D(
@@ -94,7 +96,12 @@ export class Paint {
   tooth(effort: Effort, frame: Frame): void {
     const color = effort === "full" ? linearColor : screenColor;
     const colors = { untouched: color(kUntouchedColor), inside: screenColor(kInsideColor) };
-    this.use(effort, frame, { ...kTooth, ...colors, palette: this.palettes[effort] }, this.heat ? "HEAT" : "TISSUE");
+    this.use(
+      effort,
+      frame,
+      { ...kTooth, ...colors, palette: this.palettes[effort], translucent: this.translucent ? 1 : 0 },
+      this.heat ? "HEAT" : "TISSUE",
+    );
   }
   bur(frame: Frame, model: Matrix): void {
     const { color, roughness, metal } = kSteel;

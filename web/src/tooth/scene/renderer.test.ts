@@ -33,20 +33,25 @@ test("what moves is drawn quickly where drawing is slow, and in full once it sta
   const redraw = () => {
     ++draws;
   };
-  const slow = new DrawingPace(true, redraw, later);
+  let rests = 0;
+  const rested = () => {
+    ++rests;
+  };
+  const slow = new DrawingPace(true, redraw, rested, later);
   slow.moved();
   const first = due;
   slow.moved();
   assert.notEqual(due, first, "a later motion puts it off");
   assert.deepEqual([slow.effort, draws], ["quick", 0]);
   due?.();
-  assert.deepEqual([slow.effort, draws], ["full", 1]);
+  assert.deepEqual([slow.effort, draws, rests], ["full", 1, 1]);
   slow.moved(true);
   assert.ok(waits.at(-1)! > waits[0]!, "what is only on the way is not drawn in full");
   slow.stop();
-  assert.equal(due, undefined, "nothing is drawn after the end");
-  const fast = new DrawingPace(false, redraw, later);
+  assert.equal(typeof due, "undefined", "nothing is drawn after the end");
+  const fast = new DrawingPace(false, redraw, rested, later);
   fast.moved();
-  assert.deepEqual([due, draws, fast.effort], [undefined, 1, "full"]);
+  due?.();
+  assert.deepEqual([fast.effort, draws, rests], ["full", 1, 2], "rests, and was drawn in full all the time");
   assert.ok(pixelRatio("quick", 1) < pixelRatio("full", 1));
 });

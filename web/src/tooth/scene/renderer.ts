@@ -49,6 +49,7 @@ export class DrawingPace {
   constructor(
     private readonly slow: boolean,
     private readonly redraw: () => void,
+    private readonly rests: () => void, // nothing has changed for a while
     private readonly later: (act: () => void, ms: number) => () => void = whenStill,
   ) {}
 
@@ -57,17 +58,18 @@ export class DrawingPace {
   }
   // Something has changed and is drawn next. `more`: and changes soon again.
   moved(more = false): void {
-    if (!this.slow) return;
     this.calledOff();
     this.calledOff = this.later(() => this.settle(), more ? kAwaitedMs : kSettleMs);
-    this.current = "quick";
+    if (this.slow) this.current = "quick";
   }
   // Draws in full now, when it was quick.
   settle(): void {
     this.calledOff();
-    if (this.current === "full") return;
-    this.current = "full";
-    this.redraw();
+    if (this.current === "quick") {
+      this.current = "full";
+      this.redraw();
+    }
+    this.rests();
   }
   stop(): void {
     this.calledOff();

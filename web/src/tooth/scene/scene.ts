@@ -68,6 +68,7 @@ export class ToothScene implements FilmScreen {
     private readonly paint: Paint, // its own from now on
     state: ScreenState,
     private readonly drawn: (drawn: Drawn) => void,
+    rests: () => void, // called when nothing has moved for a while
   ) {
     const { canvas, gl } = paint;
     this.canvas = canvas;
@@ -85,7 +86,7 @@ export class ToothScene implements FilmScreen {
     this.arrow = kept(new ForceArrow(gl));
     this.lines = kept(new LineGroup(gl));
     this.mark = kept(ball(gl));
-    this.pace = new DrawingPace(drawsSlowly(), () => this.draw());
+    this.pace = new DrawingPace(drawsSlowly(), () => this.draw(), rests);
     this.cleanup.add(() => this.pace.stop());
     this.cleanup.add(() => this.endGhost());
     this.cleanup.add(() => this.trail?.dispose());
@@ -139,9 +140,16 @@ export class ToothScene implements FilmScreen {
   }
   setBlock(index: number, mesh: BlockMesh | undefined): void {
     this.blocks.set(index, mesh);
+    this.paint.translucent = false; // part of it alone would be a patchwork
     this.section.changed();
     // Blocks come by dozens, and a timer set anew takes as long as a block's lines.
     if (!this.frame.requested) this.moved();
+  }
+  setLooks(looks: (mesh: BlockMesh) => Uint8Array<ArrayBuffer> | undefined): void {
+    if (this.paint.translucent) return;
+    this.blocks.setLooks(looks);
+    this.paint.translucent = true;
+    this.frame.request();
   }
   setOpened(opened: Opened): void {
     this.fill?.dispose();

@@ -58,12 +58,12 @@ uniform vec3 untouched;
 in vec2 vDeviation;
 vec3 onScale(float mm) { return texture(scale, vec2(0.5 + 0.5 * mm / ${glsl(kDeviationRangeMm)}, 0.5)).rgb; }
 `;
-// The palette ends with the stain of fissures; `tissue` is that of stain.ts.
+// The palette ends with the stain of fissures; `tissue` is that of stain.ts, `own` that of looks.ts.
 const kTissueColor = `
 uniform vec3 palette[${kTissues + 1}];
-vec3 tissueColor(float tissue) {
+vec3 tissueColor(float tissue, vec4 own) {
   int code = int(tissue + 0.5) % ${kCutFlag};
-  return mix(palette[code % 8], palette[${kTissues}], ${glsl(kMostStained / kStainSteps)} * float(code / 8));
+  return mix(mix(palette[code % 8], own.rgb * own.rgb, own.a), palette[${kTissues}], ${glsl(kMostStained / kStainSteps)} * float(code / 8));
 }
 `;
 
@@ -73,6 +73,8 @@ in vec3 position;
 in vec3 normal;
 in float tissue;
 in vec2 deviation;
+in vec4 own;
+uniform float translucent;
 out float vMatt;
 uniform mat4 projection;
 uniform mat4 view;
@@ -92,7 +94,7 @@ void main() {
 #ifdef HEAT
   vDeviation = deviation;
 #else
-  vColor = tissueColor(tissue);
+  vColor = tissueColor(tissue, vec4(own.rgb, own.a * translucent));
 #endif
   vMatt = step(${glsl(kCutFlag - 0.5)}, tissue);
 #ifdef CUT
@@ -189,7 +191,7 @@ void main() {
   float light = pow(${glsl(kAround / Math.PI + kGlossShare)}
 ${kLamps.map(({ light }, i) => `    + ${glsl(light / Math.PI)} * max(0.0, dot(n, wayTo[${i}]))`).join("\n")}, 1.0 / 2.2);
 #ifdef TISSUE
-  vColor = light * tissueColor(tissue);
+  vColor = light * tissueColor(tissue, vec4(0.0));
 #else
   vLight = light;
 #endif
