@@ -48,7 +48,9 @@ export function usePlot(
       });
       latest.current.created?.(made, cleanup);
       const observer = new ResizeObserver(() => {
-        made.setSize({ width: element.clientWidth, height: options.height });
+        // It is told of the first width too, which the plot has: all of it would be drawn once more.
+        const width = element.clientWidth;
+        if (made.width !== width) made.setSize({ width, height: options.height });
         queueMicrotask(() => latest.current.resized?.()); // uPlot lays itself out in one before
       });
       observer.observe(element);
