@@ -139,6 +139,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
+  const besideFilm = beside?.ready ? beside.playback.film : undefined;
   const ghost = placement === "top" && other?.ready ? other.playback.film : undefined;
   const [choices, setChoices] = useState<ToothChoices>({
     mode: "deviation",
@@ -183,9 +184,11 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const { whole } = control.playback;
   useEffect(() => {
     if (mode !== "tissue" || !played || !whole || start === undefined) return undefined;
-    const timer = setTimeout(() => openFilm(client, film, start), kLookMs);
+    const timer = setTimeout(() => {
+      for (const one of [film, besideFilm]) if (one !== undefined) void openFilm(client, one, start);
+    }, kLookMs);
     return () => clearTimeout(timer);
-  }, [mode, played, whole, start, client, film, shownS]);
+  }, [mode, played, whole, start, client, film, besideFilm, shownS]);
   const after = useMemo(() => pictureText(summary, tissues), [summary, tissues]);
   const pictured = during ? say("tooth_card.picture_during") : after;
   const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
@@ -288,7 +291,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
               open={openFilm}
               client={client}
               film={film}
-              beside={beside?.ready ? beside.playback.film : undefined}
+              beside={besideFilm}
               start={start}
               tissues={tissues}
               deviation={mode === "deviation"}
