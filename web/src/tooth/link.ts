@@ -1,5 +1,6 @@
 import type { Look } from "../base/moment_link";
 import type { Result } from "../base/result";
+import { canvasAhead } from "./canvas_ahead";
 import type {
   CameraPreset,
   FilmAsk,
@@ -76,8 +77,7 @@ export class StudioLink {
     told: (told: Exclude<ScreenTold, { told: "picked" | "picture" | "profile" }>) => void,
     wished: () => void, // another picture, which comes as soon as it is drawn
   ): readonly [ScreenLink, HTMLCanvasElement] {
-    const element = this.ahead ?? document.createElement("canvas");
-    const canvas = this.ahead === undefined ? element.transferControlToOffscreen() : undefined;
+    const canvas = this.ahead ?? canvasAhead(this.port);
     this.ahead = undefined;
     const screen = this.next++;
     const link = new ScreenLink(
@@ -91,9 +91,8 @@ export class StudioLink {
       else if (message.told === "picture") link.pictured(message.id, message.png);
       else told(message);
     });
-    const message = { ask: "open", canvas, film: film.number, state, look } as const;
-    this.port.postMessage({ screen, message }, canvas === undefined ? [] : [canvas]);
-    return [link, element];
+    this.port.postMessage({ screen, message: { ask: "open", film: film.number, state, look } }, []);
+    return [link, canvas];
   }
 }
 

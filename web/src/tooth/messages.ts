@@ -130,8 +130,7 @@ export type ScreenWish =
 export type ScreenAsk =
   | ScreenWish
   | {
-      readonly ask: "open";
-      readonly canvas: OffscreenCanvas | undefined; // undefined: the one that was given ahead
+      readonly ask: "open"; // on the canvas that was given last
       readonly film: number;
       readonly state: ScreenState;
       readonly look: Look | undefined;
@@ -167,7 +166,7 @@ export type ScreenTold =
 export type StudioAsk =
   | { readonly film: number; readonly message: FilmAsk }
   | { readonly screen: number; readonly message: ScreenAsk }
-  | { readonly ahead: OffscreenCanvas }; // for a screen that is opened soon
+  | { readonly ahead: OffscreenCanvas }; // of the screen that is opened next
 export type StudioTold =
   | { readonly film: number; readonly message: FilmTold }
   | { readonly screen: number; readonly message: ScreenTold };

@@ -1,3 +1,5 @@
+import { canvasAhead } from "./canvas_ahead";
+
 // What the build puts in: the address of the worker's script (scripts/build.mjs).
 declare const kToothWorkerAddress: string;
 
@@ -23,7 +25,7 @@ function onlyWorker(address: string): string {
   return address;
 }
 
-// What draws teeth, and the canvas of the first: the worker makes that ready while nobody knows yet where it will be.
+// What draws teeth, and the canvas of the first.
 export interface Drawer {
   readonly worker: Worker;
   readonly canvas: HTMLCanvasElement;
@@ -32,8 +34,5 @@ export interface Drawer {
 // Throws where the browser refuses workers, or such a canvas.
 export function startWorker(): Drawer {
   const worker = new Worker(workerAddress(), { type: "module" });
-  const canvas = document.createElement("canvas");
-  const ahead = canvas.transferControlToOffscreen();
-  worker.postMessage({ ahead }, [ahead]);
-  return { worker, canvas };
+  return { worker, canvas: canvasAhead(worker) };
 }

@@ -34,11 +34,12 @@ export class Studio {
       const film = this.film(message.film);
       const opened = new Screen(
         message,
-        message.canvas === undefined ? this.ahead : paintOn(message.canvas),
+        this.ahead,
         film,
         (number) => this.film(number),
         (told) => this.tell({ screen, message: told }),
       );
+      this.ahead = undefined;
       this.screens.set(screen, opened);
       return;
     }
