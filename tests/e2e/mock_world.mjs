@@ -197,6 +197,7 @@ function makeAttempts({ nowMs, people: all, exercises, stations, profiles: [prof
     assignment_id: null,
     recording_removed_ms: 0,
     problem: "",
+    problem_field: "",
     gap_ticks: 0,
     hand: { kind: "haptic", device: "omega.3", driver: "hid", unit: "hid:1209:0001:A7" },
     device_origin_um: null,
@@ -252,7 +253,8 @@ function makeAttempts({ nowMs, people: all, exercises, stations, profiles: [prof
     row(103, second, 0, {
       state: "quarantined",
       ...unscored,
-      problem: "Chunk 12 was received twice with different content. Both are kept.",
+      problem: "chunk 12 came twice with different content",
+      problem_field: "contradicted",
     }),
     row(102, student, 0, {
       state: "failed",

@@ -162,6 +162,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"chunks", row.chunks},
                       {"trace_bytes", row.trace_bytes},
                       {"problem", row.problem},
+                      {"problem_field", row.problem_field},
                       {"recording_removed_ms", row.expired_ms},
                       {"revision", row.revision}};
 }

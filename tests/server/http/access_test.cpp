@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "common/protocol/refusals.h"
 #include "common/timeline/deviation.h"
 #include "common/timeline/timeline.h"
 #include "server/jobs/stored_tooth.h"
@@ -169,6 +170,14 @@ TEST_F(AccessTest, HowTheHandMovedInAnExamIsToldToReviewersAlone) {
   EXPECT_EQ(told.at("of").to_number<int>(), 1);
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
   EXPECT_TRUE(Parsed(By("sam").Get(Scored())).at("evidence").is_null());
+}
+
+TEST_F(AccessTest, WhyThereIsNoScoreIsToldWithItsField) {
+  const Status why(Code::kConflict, "parts at tick 7", protocol::kReplay);
+  ASSERT_TRUE(school_.store->results.FailAttempt(school_.sams_scored, why, {}).ok());
+  const boost::json::value told = Parsed(By("ada").Get(Scored()));
+  EXPECT_EQ(told.at("problem"), "parts at tick 7");
+  EXPECT_EQ(told.at("problem_field"), "replay");
 }
 
 TEST_F(AccessTest, WhoSignedAtTheChairIsToldToReviewersAlone) {

@@ -137,7 +137,7 @@ TEST(RefusalTextTest, AnAttemptWithoutAScoreSaysWhyOrWhoKnows) {
   const Status none(Code::kConflict, "no reference yet", protocol::kNoReference);
   EXPECT_EQ(
       NoScoreText(kEnglish, none),
-      "This exercise has no reference yet. Your attempt is scored once an instructor adds one.");
+      "This exercise has no reference yet. The attempt is scored once an instructor adds one.");
   EXPECT_EQ(NoScoreText(kEnglish, Status(Code::kConflict, "scene 7f is gone")),
             "The server has the recording, but could not score it. Your instructor can see why.");
 }

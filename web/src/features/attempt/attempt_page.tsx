@@ -6,12 +6,11 @@ import { anatomyOf } from "../../api/tooth_number";
 import type { AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
-import { unreachable } from "../../base/assert";
 import { placeInQueue } from "../../base/queue";
 import { formatDateTime, formatMoment, formatQuantity } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
-import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
+import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
 import { useSteps } from "../../widgets/use_steps";
@@ -271,7 +270,7 @@ function Judgement({ review, onChanged, soon }: JudgementProps) {
       )}
       {scored !== undefined && attempt.problem !== "" && (
         <Notice tone="warning" title={say("attempt.rescore_failed")}>
-          <p>{attempt.problem}</p>
+          <Closer show={({ Problem }) => <Problem attempt={attempt} />} />
         </Notice>
       )}
       {scored !== undefined && !soon && (
@@ -377,41 +376,13 @@ function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
 function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
-      <Card title={say("score.title")}>{unscoredText(attempt)}</Card>
+      <Card title={say("score.title")}>
+        <Closer show={({ Unscored }) => <Unscored attempt={attempt} />} />
+      </Card>
       <Contradictions attempt={attempt} />
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
   );
-}
-
-function unscoredText(attempt: AttemptDetail) {
-  switch (attempt.state) {
-    case "ticketed":
-      return <p>{say("attempt.not_begun")}</p>;
-    case "recording":
-      return <Progress label={say("attempt.recording")} share={undefined} />;
-    case "sealed":
-      return <Progress label={say("attempt_state.sealed")} share={undefined} />;
-    case "scoring":
-      return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
-    case "failed":
-      return (
-        <Notice tone="bad" title={say("attempt.not_scored")}>
-          <p>{attempt.problem}</p>
-        </Notice>
-      );
-    case "quarantined":
-      return (
-        <Notice tone="bad" title={say("attempt.set_aside")}>
-          <p>{attempt.problem}</p>
-          <p>{say("attempt.set_aside_text")}</p>
-        </Notice>
-      );
-    case "scored":
-      return null;
-    default:
-      return unreachable(attempt.state);
-  }
 }
 
 // Nothing is asked of the server that it would refuse: waiting is no error.

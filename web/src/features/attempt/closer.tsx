@@ -1,7 +1,8 @@
-// What a tooth needs once it is cut open, measured or compared with another one, or its figures are unfolded, and how the
-// hand moved in an exam: a part of the page of its own.
+// What a tooth needs once it is cut open, measured or compared with another one, or its figures are unfolded, how the
+// hand moved in an exam, and why there is no score: a part of the page of its own.
 export { DeviationFigures } from "./deviation_figures";
 export { EvidencePanel } from "./evidence_panel";
 export { CompareBar, OtherTooth } from "./other_tooth";
 export { Measured } from "./profile";
 export { SectionLegend, SectionTools } from "./section_tools";
+export { Problem, Unscored } from "./unscored";
