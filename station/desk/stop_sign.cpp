@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "station/render/lines.h"
 #include "station/render/panel.h"
 
 namespace enamel::station::desk {
@@ -211,7 +212,8 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, in
   }
   if (!held.empty()) {
     ImGui::PushFont(fonts.far);
-    ImGui::TextUnformatted(Ui::Lines(*fonts.far, held, std::max(drawn, 0.8f * (w - left))).c_str());
+    ImGui::TextUnformatted(
+        render::InEvenLines(held, std::max(drawn, 0.8f * (w - left)), *fonts.far).c_str());
     ImGui::PopFont();
   }
   ImGui::End();

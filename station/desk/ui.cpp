@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-#include "station/desk/lines.h"
+#include "station/render/lines.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -295,13 +295,9 @@ void Ui::Text(const std::string& text) {
   Say(text);
   after_button_ = beside_ = false;
   ImGui::PushTextWrapPos(0);  // of what has no space
-  ImGui::TextUnformatted(Lines(*ImGui::GetFont(), text, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::TextUnformatted(
+      render::InLines(text, ImGui::GetContentRegionAvail().x, *ImGui::GetFont()).c_str());
   ImGui::PopTextWrapPos();
-}
-
-std::string Ui::Lines(const ImFont& font, std::string_view text, float width) {
-  return InLines(text, width,
-                 [&](uint32_t code) { return font.GetCharAdvance(static_cast<ImWchar>(code)); });
 }
 
 void Ui::Note(const std::string& text) {
@@ -389,8 +385,8 @@ bool Ui::Row(const std::string& whole_title, const std::string& whole_detail,
   const ImVec2 right_size = size_of(text, right, 0);
   // The word on the right says what choosing does.
   const float wrap = width - 2 * side - (right.empty() ? 0 : right_size.x + 16 * px());
-  const std::string title = Lines(*far, whole_title, wrap),
-                    detail = Lines(*text, whole_detail, wrap);
+  const std::string title = render::InLines(whole_title, wrap, *far),
+                    detail = render::InLines(whole_detail, wrap, *text);
   const float title_height = size_of(far, title, wrap).y;
   const float height = title_height + size_of(text, detail, wrap).y + between + 24 * px();
   PushButtonColours(chosen_row ? kChosenRow : kRow);

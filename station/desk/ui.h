@@ -140,8 +140,6 @@ class Ui {
   const std::string& page() const { return shown_page_; }
   // Words shown in the last whole frame, in order.
   const std::string& words() const { return shown_words_; }
-  // `text` in lines of at most so many pixels (InLines, lines.h).
-  static std::string Lines(const ImFont& font, std::string_view text, float width);
 
  private:
   struct Focused {

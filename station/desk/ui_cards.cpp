@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "station/desk/ui.h"
+#include "station/render/lines.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -25,7 +26,9 @@ float Ui::HeightOf(const Card& card, float width) const {
                           : near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str()).x +
                                 kRightGap * px();
   auto height_of = [](const ImFont& font, const std::string& words, float most) {
-    return font.CalcTextSizeA(font.FontSize, FLT_MAX, most, Lines(font, words, most).c_str()).y;
+    return font
+        .CalcTextSizeA(font.FontSize, FLT_MAX, most, render::InLines(words, most, font).c_str())
+        .y;
   };
   float height = height_of(*text, card.title, wrap - right);
   for (const std::string& line : card.lines) height += height_of(*near, line, wrap) + 3 * px();
@@ -64,7 +67,7 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
     end -= size.x + kRightGap * px();
   }
   auto write = [&](const ImFont* font, ImU32 colour, const std::string& words, float most) {
-    const std::string lines = Lines(*font, words, most);
+    const std::string lines = render::InLines(words, most, *font);
     list->AddText(font, font->FontSize, {x, y}, colour, lines.c_str(), nullptr, most);
     y += font->CalcTextSizeA(font->FontSize, FLT_MAX, most, lines.c_str()).y;
   };

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "station/render/lines.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -145,7 +147,7 @@ struct Panel {
     ImGui::PushFont(fonts.near);
     if (!c.heading.empty()) {
       ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + width());
-      ImGui::TextDisabled("%s", c.heading.c_str());
+      ImGui::TextDisabled("%s", InLines(c.heading, width(), *fonts.near).c_str());
       ImGui::PopTextWrapPos();
     }
     if (c.has_state) {
@@ -164,16 +166,21 @@ struct Panel {
   }
 };
 
+ImVec2 SizeOf(const ImFont& font, const std::string& lines) {
+  return font.CalcTextSizeA(font.FontSize, FLT_MAX, 0, lines.c_str());
+}
+
 // Ends at the height that is returned.
 float DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts, float width,
                    float height, float px) {
-  std::string text = WarningText(words, content);
+  const std::string text = WarningText(words, content);
   if (text.empty()) return 0;
-  const float left = PanelRight(fonts);
-  const float wrap = width - left - 3 * kMargin_px * px;
+  const float left = PanelRight(fonts), widest = width - left - 3 * kMargin_px * px;
+  auto lines_of = [&](const ImFont& font) { return InEvenLines(text, widest, font); };
   // Several at a time in smaller letters: the tooth is below them.
-  const ImVec2 large = fonts.far->CalcTextSizeA(fonts.far->FontSize, FLT_MAX, wrap, text.c_str());
-  ImGui::PushFont(large.y > kWarningsHeight * height ? fonts.text : fonts.far);
+  const ImVec2 large = SizeOf(*fonts.far, lines_of(*fonts.far));
+  ImFont* font = large.y > kWarningsHeight * height ? fonts.text : fonts.far;
+  ImGui::PushFont(font);
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
   // These are no cause for alarm: nothing is lost, and cutting continues.
@@ -181,9 +188,7 @@ float DrawWarnings(const PanelContent& content, const Words& words, const Fonts&
   const bool calm = content.fault.empty() && (content.state.warnings & ~kNoAlarm) == 0;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
-  ImGui::PushTextWrapPos(wrap);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
+  ImGui::TextUnformatted(lines_of(*font).c_str());
   const float end = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
   ImGui::PopStyleColor();
@@ -200,7 +205,7 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
   list->AddLine(left, right, white, 3 * px);
   list->AddLine({left.x, left.y - 9 * px}, {left.x, left.y + 9 * px}, white, 3 * px);
   list->AddLine({right.x, right.y - 9 * px}, {right.x, right.y + 9 * px}, white, 3 * px);
-  ImVec2 text = fonts.near->CalcTextSizeA(fonts.near->FontSize, 1e6f, 0, "1 mm");
+  const ImVec2 text = SizeOf(*fonts.near, "1 mm");
   list->AddText(fonts.near, fonts.near->FontSize,
                 {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
@@ -222,7 +227,7 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
   list->AddTriangleFilled({tip.x, tip.y}, {left.x, left.y}, {right.x, right.y},
                           ImGui::ColorConvertFloat4ToU32({r, g, b, 1}));
   const std::string name = words.Say("panel.bur");
-  const ImVec2 text = fonts.far->CalcTextSizeA(fonts.far->FontSize, 1e6f, 0, name.c_str());
+  const ImVec2 text = SizeOf(*fonts.far, name);
   const glm::vec2 at =
       tip - away * (2.2f * size + 0.5f * (std::fabs(away.x) * text.x + std::fabs(away.y) * text.y));
   const ImVec2 lo{at.x - 0.5f * text.x, at.y - 0.5f * text.y};
@@ -235,23 +240,15 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
 // that is returned.
 float DrawHint(const std::string& spaced, const Fonts& fonts, float width, float height, float px) {
   if (spaced.empty()) return height;
-  const std::string hint = Unbroken(spaced);
   const float size = fonts.near->FontSize, widest = width - 2 * kMargin_px * px;
-  auto size_of = [&](float wrap) {
-    return fonts.near->CalcTextSizeA(size, FLT_MAX, wrap, hint.c_str());
-  };
-  // Lines of about the same length: a last one of two words would look forgotten.
-  const float lines = std::round(size_of(widest).y / size), step = 0.02f * widest;
-  float wrap = std::max(size_of(0).x / lines, step);
-  while (wrap < widest && size_of(wrap).y > size_of(widest).y) wrap += step;
-  wrap = std::min(wrap + step, widest);
-  const ImVec2 text = size_of(wrap);
+  const std::string hint = InEvenLines(Unbroken(spaced), widest, *fonts.near);
+  const ImVec2 text = SizeOf(*fonts.near, hint);
   const ImVec2 at{kMargin_px * px, height - kMargin_px * px - text.y};
   ImDrawList* list = ImGui::GetForegroundDrawList();
   list->AddRectFilled({at.x - 12 * px, at.y - 6 * px},
                       {at.x + text.x + 12 * px, at.y + text.y + 6 * px}, IM_COL32(15, 17, 20, 200),
                       8 * px);
-  list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str(), nullptr, wrap);
+  list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str());
   return at.y;
 }
 

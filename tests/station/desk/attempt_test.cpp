@@ -22,8 +22,6 @@ namespace fs = std::filesystem;
 using testing_support::HidBus;
 using Clock = Workflow::Clock;
 
-constexpr char kPin[] = "804217";
-
 // Attempts in the window, on tickets kept for later; pages are drawn as for a person.
 class DeskAttemptTest : public testing::Test {
  protected:
@@ -73,14 +71,14 @@ class DeskAttemptTest : public testing::Test {
   // With the exercise chosen, and a device for it.
   void Choose(const std::string& profile) {
     id_ = KeepAttempt(folder_ / "data", workplace_->spool(), workplace_->credentials(), ticket_key_,
-                      server_->person, profile, kPin);
+                      server_->person, profile, kKeptPin);
     ui_.emplace(*screen_);
     flow_.emplace(*workplace_, WorkflowOptions{});
     pages_.emplace(*ui_, *flow_, "Chair 7");
     flow_->ToReserved();
     ASSERT_EQ(flow_->reserved().size(), 1u);
     flow_->AskPin(0);
-    flow_->OpenReserved(kPin);
+    flow_->OpenReserved(kKeptPin);
     ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kExercise && !flow_->busy(); }))
         << flow_->problem();
     ASSERT_LT(flow_->offer_index(), flow_->offers().size()) << flow_->problem();

@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 using Clock = Workflow::Clock;
 using language::Language;
 
-constexpr char kKeptPin[] = "804217";
 constexpr int kFrames = 4;  // until a page's sizes have settled
 
 struct Size {

@@ -26,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing_support::HidBus;
 
-constexpr char kPin[] = "804217";
 constexpr char kProfile[] = "phantom_desktop";
 constexpr int32_t kAside_counts = 60, kFar_counts = 100'000;  // of 0.5 um; far: further than
                                                               // kWayToTheRight_m
@@ -73,7 +72,7 @@ class WindowTest : public testing::Test {
       auto spool = Spool::Open(data());
       ENAMEL_CHECK(spool.ok());
       attempt = KeepAttempt(data(), **spool, credentials_, keys_.secret_key, server_->person,
-                            kProfile, kPin);
+                            kProfile, kKeptPin);
     }
     std::thread meanwhile([&] {
       for (const Change& each : changes_) {
@@ -87,7 +86,7 @@ class WindowTest : public testing::Test {
     const language::Words words(options_.language);
     std::ofstream(options_.script)
         << "page sign-in\nclick " << words.Say("sign_in.offline")
-        << "\npage reserved\nkey Enter\npage pin\ntype " << kPin
+        << "\npage reserved\nkey Enter\npage pin\ntype " << kKeptPin
         << "\nkey Enter\npage exercise\nsee " << words.Say("exercise.device") << "\n"
         << before << "click " << words.Say("exercise.start") << "\npage running\nframes 20\n"
         << during << "key F\npage finish\nclick " << words.Say("finish.hand_in")

@@ -12,6 +12,8 @@
 
 namespace enamel::station {
 
+inline constexpr char kKeptPin[] = "804217";
+
 // A class I cavity in the practice block, kept for later at a station: its documents in the cache,
 // a ticket of this person signed by the server's key and locked under the PIN. An attempt can then
 // be made without a server. Returns its id.

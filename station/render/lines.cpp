@@ -1,10 +1,13 @@
-#include "station/desk/lines.h"
+#include "station/render/lines.h"
 
+#include <imgui.h>
+
+#include <algorithm>
 #include <optional>
 
 #include "common/base/utf8.h"
 
-namespace enamel::station::desk {
+namespace enamel::station::render {
 namespace {
 
 bool IsDigit(uint32_t code) { return code >= '0' && code <= '9'; }
@@ -17,6 +20,10 @@ bool Opens(uint32_t code) {
 bool Closes(uint32_t code) {
   return std::u32string_view(U"，。；：！？）”’》」、…,.;:!?)%")
              .find(static_cast<char32_t>(code)) != std::u32string_view::npos;
+}
+
+auto AdvanceOf(const ImFont& font) {
+  return [&](uint32_t code) { return font.GetCharAdvance(static_cast<ImWchar>(code)); };
 }
 
 // Whether a line may end after `here`.
@@ -52,7 +59,8 @@ std::string InLines(std::string_view text, float width,
     // A space at a line's end takes no room.
     if (x > width && place > 0 && here != ' ') {
       if (out[place - 1] == ' ') {
-        out[place - 1] = '\n';
+        const size_t end = out.find_last_not_of(' ', place - 1) + 1;
+        out.replace(end, place - end, 1, '\n');
       } else {
         out.insert(place, 1, '\n');
       }
@@ -70,4 +78,30 @@ std::string InLines(std::string_view text, float width,
   return out;
 }
 
-}  // namespace enamel::station::desk
+std::string InLines(std::string_view text, float width, const ImFont& font) {
+  return InLines(text, width, AdvanceOf(font));
+}
+
+std::string InEvenLines(std::string_view text, float width,
+                        const std::function<float(uint32_t code)>& advance) {
+  constexpr float kClose = 0.5f;  // less moves no letter by a pixel
+  const auto breaks = [](const std::string& lines) { return std::ranges::count(lines, '\n'); };
+  std::string out = InLines(text, width, advance);
+  for (float low = 0, high = width; high - low > kClose;) {
+    const float middle = 0.5f * (low + high);
+    std::string narrower = InLines(text, middle, advance);
+    if (breaks(narrower) > breaks(out)) {
+      low = middle;
+    } else {
+      high = middle;
+      out = std::move(narrower);
+    }
+  }
+  return out;
+}
+
+std::string InEvenLines(std::string_view text, float width, const ImFont& font) {
+  return InEvenLines(text, width, AdvanceOf(font));
+}
+
+}  // namespace enamel::station::render

@@ -4,7 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace enamel::station::desk {
+struct ImFont;
+
+namespace enamel::station::render {
 
 // `text` in lines of at most `width`, broken where people read on without stumbling: at spaces, and
 // between Chinese letters; never inside a figure ("82.0"), between a figure and what it counts
@@ -12,5 +14,11 @@ namespace enamel::station::desk {
 // `advance`: the width of a letter. Pure.
 std::string InLines(std::string_view text, float width,
                     const std::function<float(uint32_t code)>& advance);
+std::string InLines(std::string_view text, float width, const ImFont& font);
 
-}  // namespace enamel::station::desk
+// In as many lines, all of about the same length: a last one of one word would look forgotten.
+std::string InEvenLines(std::string_view text, float width,
+                        const std::function<float(uint32_t code)>& advance);
+std::string InEvenLines(std::string_view text, float width, const ImFont& font);
+
+}  // namespace enamel::station::render

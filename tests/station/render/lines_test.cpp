@@ -1,8 +1,8 @@
-#include "station/desk/lines.h"
+#include "station/render/lines.h"
 
 #include <gtest/gtest.h>
 
-namespace enamel::station::desk {
+namespace enamel::station::render {
 namespace {
 
 // Each letter is one wide, a Chinese one two.
@@ -29,10 +29,21 @@ TEST(LinesTest, OfChineseEndBetweenLettersAndNotBeforeAMark) {
   EXPECT_EQ(In(8, "深（一二三）"), "深（一二\n三）");
 }
 
+TEST(LinesTest, OfAWarningAreAboutAsLong) {
+  const auto even = [](float width, std::string_view text) {
+    return InEvenLines(text, width, [](uint32_t code) { return code < 0x2E80 ? 1.0F : 2.0F; });
+  };
+  EXPECT_EQ(even(31, "No server: recording continues here"),
+            "No server: recording\ncontinues here");
+  EXPECT_EQ(even(100, "No server"), "No server");
+  EXPECT_EQ(even(20, "力已关闭。请接上，松开踏板"), "力已关闭。请接\n上，松开踏板");
+  EXPECT_EQ(even(14, "M: mirror   N: bur"), "M: mirror\nN: bur") << "with spaces at its end";
+}
+
 TEST(LinesTest, WithoutAPlaceToBreakStayLong) {
   EXPECT_EQ(In(5, "/var/lib/enamel/spool"), "/var/lib/enamel/spool");
   EXPECT_EQ(In(5, ""), "");
 }
 
 }  // namespace
-}  // namespace enamel::station::desk
+}  // namespace enamel::station::render
