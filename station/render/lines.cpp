@@ -26,6 +26,16 @@ auto AdvanceOf(const ImFont& font) {
   return [&](uint32_t code) { return font.GetCharAdvance(static_cast<ImWchar>(code)); };
 }
 
+// Whether no letter comes after this in its paragraph.
+bool Ends(std::string_view rest) {
+  while (!rest.empty()) {
+    const uint32_t code = NextCodePoint(rest).value_or(0);
+    if (code == '\n') return true;
+    if (!Closes(code)) return false;
+  }
+  return true;
+}
+
 // Whether a line may end after `here`.
 bool MayBreak(uint32_t before, uint32_t here, uint32_t next) {
   if (here == ' ') return !IsDigit(before) && next != ' ';
@@ -69,7 +79,7 @@ std::string InLines(std::string_view text, float width,
     }
     std::string_view following = text;
     const uint32_t next = following.empty() ? 0 : NextCodePoint(following).value_or(0xFFFD);
-    if (next != 0 && MayBreak(before, here, next)) {
+    if (next != 0 && MayBreak(before, here, next) && !(IsWide(next) && Ends(following))) {
       place = out.size();
       after = 0;
     }

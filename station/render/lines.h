@@ -10,8 +10,8 @@ namespace enamel::station::render {
 
 // `text` in lines of at most `width`, broken where people read on without stumbling: at spaces, and
 // between Chinese letters; never inside a figure ("82.0"), between a figure and what it counts
-// ("82.0 %"), or before a closing mark. What has no such place (a path) stays longer than `width`.
-// `advance`: the width of a letter. Pure.
+// ("82.0 %"), before a closing mark, or so that a single Chinese letter makes the last line. What has
+// no such place (a path) stays longer than `width`. `advance`: the width of a letter. Pure.
 std::string InLines(std::string_view text, float width,
                     const std::function<float(uint32_t code)>& advance);
 std::string InLines(std::string_view text, float width, const ImFont& font);

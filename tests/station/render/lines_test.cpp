@@ -26,7 +26,8 @@ TEST(LinesTest, KeepAFigureAndItsUnitTogether) {
 TEST(LinesTest, OfChineseEndBetweenLettersAndNotBeforeAMark) {
   EXPECT_EQ(In(8, "请换一台设备"), "请换一台\n设备");
   EXPECT_EQ(In(8, "请换一台。设"), "请换一\n台。设");
-  EXPECT_EQ(In(8, "深（一二三）"), "深（一二\n三）");
+  EXPECT_EQ(In(8, "深（一二三）"), "深（一\n二三）");
+  EXPECT_EQ(In(8, "请换一台。\n设"), "请换\n一台。\n设");
 }
 
 TEST(LinesTest, OfAWarningAreAboutAsLong) {
