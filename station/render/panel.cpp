@@ -300,6 +300,7 @@ std::string TimerText(double seconds) {
 
 std::string WarningText(const Words& words, uint32_t warnings) {
   std::string out;
+  if (warnings & kWarnDisk) warnings &= ~kWarnOffline;  // which says that recording continues
   for (size_t i = 0; i < kWarnings.size(); ++i) {
     if (!(warnings >> i & 1)) continue;
     if (!out.empty()) out += '\n';

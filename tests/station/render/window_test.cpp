@@ -497,6 +497,10 @@ TEST(PanelTextTest, EveryWarningHasASentence) {
             "Force is uneven: computer too busy\nPulp exposed");
 }
 
+TEST(PanelTextTest, NobodyIsToldThatRecordingContinuesWhileNothingIsStored) {
+  EXPECT_EQ(WarningText(kEnglish, kWarnOffline | kWarnDisk), WarningText(kEnglish, kWarnDisk));
+}
+
 // Relative luminance (WCAG 2.1) of an sRGB colour.
 double Luminance(const std::array<float, 3>& srgb) {
   auto linear = [](double c) {
