@@ -45,7 +45,8 @@ class Pen {
   void Rim(float y, bool down, bool filled) const {
     constexpr float kWide = 0.32f, kHigh = 0.11f, kPi = std::numbers::pi_v<float>;
     constexpr int kSides = 32;
-    for (int i = 0; i <= kSides; ++i) {
+    // A place that comes twice would have a spike.
+    for (int i = 0; i < (down ? kSides + 1 : kSides); ++i) {
       const float angle = (down ? kPi : 2 * kPi) * static_cast<float>(i) / kSides;
       list_->PathLineTo(At(0.5f + kWide * std::cos(angle), y + kHigh * std::sin(angle)));
     }
