@@ -198,7 +198,7 @@ void Ui::BeginDialog(const std::string& name, const std::string& title, Space sp
   ImGui::SetNextWindowPos({0.5f * w, 0.5f * h}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({0.72f * w, 0});
   ImGui::SetNextWindowFocus();
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.13f, 0.15f, 0.18f, 0.98f});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.13f, 0.15f, 0.18f, 1});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {44 * px(), 36 * px()});
   ImGui::Begin("dialog", nullptr, kFixed & ~ImGuiWindowFlags_NoBringToFrontOnFocus);
   ImGui::PopStyleVar();

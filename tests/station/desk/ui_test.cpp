@@ -109,6 +109,18 @@ TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
   EXPECT_GE(at.y, 0.5f * 360) << "the tooth is in the middle";
 }
 
+// Words of the page below were seen between its own.
+TEST_F(UiTest, ADialogHidesThePageBelowIt) {
+  Play([&] {
+    ui_->BeginDialog("sign-off", "Sign");
+    ui_->EndDialog();
+  });
+  const ImGuiWindow* dialog = ImGui::FindWindowByName("dialog");
+  ASSERT_NE(dialog, nullptr);
+  ASSERT_FALSE(dialog->DrawList->VtxBuffer.empty());
+  EXPECT_EQ(dialog->DrawList->VtxBuffer.front().col >> IM_COL32_A_SHIFT, 255U);
+}
+
 TEST_F(UiTest, TheMouseChoosesAnyOfSeveralRowsWithTheSameTitle) {
   std::vector<int> chosen(3);
   auto page = [&] {
