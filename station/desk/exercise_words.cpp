@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/restoration.h"
 #include "station/desk/problem_words.h"
+#include "station/render/panel.h"
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
@@ -49,6 +51,20 @@ std::string SurfaceKey(const Catalogue::Facts& facts) {
 }
 
 }  // namespace
+
+std::string FactsText(const Words& words, const scene::Exercise& exercise,
+                      const std::string& scene_title, bool exam) {
+  // An exam's score is held back whatever its exercise says.
+  std::string facts = words.Say(exercise.graded || exam ? "exercise.graded" : "exercise.practice",
+                                {{"scene", WordedTitle(words, scene_title)}});
+  if (exercise.time_limit_s > 0) {
+    facts = words.Say("exercise.time",
+                      {{"facts", facts}, {"time", render::TimerText(exercise.time_limit_s)}});
+  }
+  const auto material = scene::RestorationName(exercise.rubric.restoration);
+  if (material.empty()) return facts;
+  return words.Say("restoration." + std::string(material), {{"facts", facts}});
+}
 
 std::string PlaceText(const Words& words, const Catalogue::Exercise& exercise) {
   if (!exercise.facts || exercise.facts->tooth == 0) return {};

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
-#include "common/scene/restoration.h"
 #include "station/desk/exercise_words.h"
 #include "station/words/score_words.h"
 
@@ -217,15 +216,7 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
   ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions")
                                   : WordedText(flow_.words(), e.instructions));
   ui_.Gap(8);
-  std::string facts = Say(e.graded ? "exercise.graded" : "exercise.practice",
-                          {{"scene", WordedTitle(flow_.words(), prepared.scene.title)}});
-  if (e.time_limit_s > 0) {
-    facts = Say("exercise.time", {{"facts", facts}, {"time", render::TimerText(e.time_limit_s)}});
-  }
-  if (const auto material = scene::RestorationName(e.rubric.restoration); !material.empty()) {
-    facts = Say("restoration." + std::string(material), {{"facts", facts}});
-  }
-  ui_.Note(facts);
+  ui_.Note(FactsText(flow_.words(), e, prepared.scene.title, flow_.chosen().exam));
 }
 
 void Pages::Exercise() {

@@ -223,6 +223,17 @@ TEST(ResultTextTest, ABurIsToldInMillimetres) {
             "Round, 1.2 mm across, 1.2 mm long");
 }
 
+TEST(ResultTextTest, AnExamNeverPromisesAScoreAtOnce) {
+  scene::Exercise exercise;
+  exercise.graded = false;
+  EXPECT_EQ(FactsText(kEnglish, exercise, "Block", false),
+            "Block. Practice: you see the score at once.");
+  const std::string held = "Block. Graded: you see the score after your instructor releases it.";
+  EXPECT_EQ(FactsText(kEnglish, exercise, "Block", true), held);
+  exercise.graded = true;
+  EXPECT_EQ(FactsText(kEnglish, exercise, "Block", false), held);
+}
+
 TEST(ProgressTest, IsShownInPracticeAndToInstructorsButNeverInAnExam) {
   for (bool graded : {false, true}) {
     for (bool instructor : {false, true}) {
