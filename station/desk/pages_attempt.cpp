@@ -124,6 +124,7 @@ void Pages::HandIn() {
     // Still retrying: until then somebody can free space.
     DrawStopSign(Stop::kDisk, ui_.Square(kSign_px));
     ui_.Problem(Say("hand_in.cannot_store"));
+    ui_.Gap(12);
     if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
     ui_.Problem(IsDamaged(up.problem)

@@ -348,6 +348,9 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
                   lower = 0.5f * (ImGui::GetItemRectSize().y - height);
       ImGui::SameLine(0, apart);
       if (lower > 0) ImGui::SetCursorPosY(ImGui::GetCursorPosY() + lower);
+    } else {
+      // As far apart as they would be side by side: the ring around one would touch the other.
+      ImGui::SetCursorPosY(ImGui::GetCursorPosY() + apart - ImGui::GetStyle().ItemSpacing.y);
     }
   }
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding, 12 * px()});

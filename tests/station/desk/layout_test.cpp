@@ -427,6 +427,7 @@ void LayoutTest::ExpectBar() {
       ui_->Bar(words.Say("hand_in.share_without_end", {{"percent", std::string("99")}}), 0.5);
       DrawStopSign(Stop::kDisk, ui_->Square(kSign_px));
       ui_->Problem(words.Say("hand_in.cannot_store"));
+      ui_->Gap(12);
       for (const char* choice : {"hand_in.give_up_end", "hand_in.leave", "hand_in.again"}) {
         (void)ui_->Button(words.Say(choice));
       }
