@@ -173,7 +173,7 @@ TEST_F(WindowTest, ALostDeviceIsSeenAtAGlance) {
   if (::getenv("ENAMEL_FULL") != nullptr) {
     all.clear();
     for (language::Language each : language::kLanguages) {
-      for (const auto& [w, h] : {std::pair{900, 600}, {1366, 768}, {1920, 1080}}) {
+      for (const auto& [w, h] : {std::pair{900, 600}, {1366, 768}, {1920, 1080}, {3840, 2160}}) {
         all.push_back({w, h, each});
       }
     }
