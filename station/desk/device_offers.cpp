@@ -117,8 +117,10 @@ std::vector<DeviceOffer> DeviceOffers(const language::Words& words, bool simulat
   if (!simulated) return offers;
   for (const OperatorPreset& preset : OperatorPresets()) {
     if (!preset.offered) continue;
-    offers.push_back({words.Say("device.simulated", {{"name", std::string(preset.name)}}),
-                      std::string(preset.summary),
+    std::string key = "simulated_hand." + std::string(preset.name);
+    std::ranges::replace(key, '-', '_');
+    offers.push_back({words.Say(key),
+                      words.Say(key + "_detail"),
                       "phantom_desktop",
                       std::string(preset.name),
                       {},

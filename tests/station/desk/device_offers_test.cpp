@@ -54,7 +54,14 @@ TEST_F(DeviceOffersTest, WithNothingAttachedThereIsMouseAndKeyboard) {
   ASSERT_EQ(offers.size(), 1u);
   EXPECT_EQ(offers[0].profile, "pointer");
   EXPECT_EQ(offers[0].device, "");
-  EXPECT_GT(DeviceOffers(kEnglish, true, {}).size(), 1u);
+  for (const language::Language each : language::kLanguages) {
+    const auto simulated = DeviceOffers(language::Words(each), true, {});
+    ASSERT_GT(simulated.size(), 1u);
+    for (const DeviceOffer& offer : simulated) {
+      EXPECT_EQ(offer.title.find("simulated_hand."), std::string::npos) << offer.title;
+      EXPECT_EQ(offer.detail.find("simulated_hand."), std::string::npos) << offer.detail;
+    }
+  }
 }
 
 TEST_F(DeviceOffersTest, ABoardIsOfferedFirstWithItsProfileAndThePedalThatIsThere) {
