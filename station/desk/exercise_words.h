@@ -32,7 +32,7 @@ std::string ReservedText(const Words& words, const ReservedAttempt& reserved,
 // Why an attempt at this exercise cannot be begun now; empty: it can.
 std::string RefusalText(const Words& words, const Catalogue::Exercise& exercise);
 
-// Of the chosen exercise: its tooth, when the score is shown, and the limits. `exam`: it is made in one.
+// Of the chosen exercise: its tooth, when the score is shown, and the limits. `exam`: as an exam.
 std::string FactsText(const Words& words, const scene::Exercise& exercise,
                       const std::string& scene_title, bool exam);
 // Which tooth and side it is: "Tooth 46, occlusal, with caries". Empty: no tooth, or not known.

@@ -280,7 +280,7 @@ void Ui::Title(const std::string& text) { Large(text); }
 
 void Ui::Large(const std::string& text) {
   ImGui::PushFont(fonts().far);
-  Text(text);
+  Write(text, render::InEvenLines(text, ImGui::GetContentRegionAvail().x, *fonts().far));
   ImGui::PopFont();
 }
 
@@ -292,11 +292,14 @@ void Ui::OneLine(const std::string& text) {
 }
 
 void Ui::Text(const std::string& text) {
+  Write(text, render::InLines(text, ImGui::GetContentRegionAvail().x, *ImGui::GetFont()));
+}
+
+void Ui::Write(const std::string& text, const std::string& lines) {
   Say(text);
   after_button_ = beside_ = false;
   ImGui::PushTextWrapPos(0);  // of what has no space
-  ImGui::TextUnformatted(
-      render::InLines(text, ImGui::GetContentRegionAvail().x, *ImGui::GetFont()).c_str());
+  ImGui::TextUnformatted(lines.c_str());
   ImGui::PopTextWrapPos();
 }
 

@@ -157,6 +157,8 @@ class Ui {
   void ReadKeys();
   void Enter(const std::string& name);
   void Say(const std::string& text);
+  // `lines`: of the text, broken to fit.
+  void Write(const std::string& text, const std::string& lines);
 
   render::Screen& screen_;
   std::string page_, shown_page_, wanted_, words_, shown_words_;

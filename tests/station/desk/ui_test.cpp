@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <cmath>
 #include <fstream>
 #include <optional>
 
@@ -107,6 +108,30 @@ TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
   EXPECT_LE(at.x + size.x, 0.605f * 640) << "the keys at the right stay free";
   EXPECT_LE(at.y + size.y, 0.93f * 360) << "so does the line of keys below";
   EXPECT_GE(at.y, 0.5f * 360) << "the tooth is in the middle";
+}
+
+// "Anfang" stood alone in the second line of a title.
+TEST_F(UiTest, TheLinesOfATitleAreAboutAsLong) {
+  const std::string title = "One two three four five six";
+  int broken = 0;
+  for (float width = 0.3f; width < 1; width += 0.05f) {
+    float shown = 0, whole = 0, longest = 0, lines = 0;
+    Play([&] {
+      ui_->Begin("sign-off", {0, 0, width, 1, true});
+      ui_->Title(title);
+      shown = ImGui::GetItemRectSize().x;
+      ImGui::PushFont(screen_->fonts().far);
+      whole = ImGui::CalcTextSize(title.c_str()).x;
+      longest = ImGui::CalcTextSize("three ").x;
+      lines = ImGui::GetItemRectSize().y / ImGui::GetFontSize();
+      ImGui::PopFont();
+      ui_->End();
+    });
+    if (std::lround(lines) != 2) continue;
+    ++broken;
+    EXPECT_LT(shown, 0.5f * whole + longest) << width;
+  }
+  EXPECT_GT(broken, 1);
 }
 
 // Words of the page below were seen between its own.
