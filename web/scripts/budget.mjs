@@ -17,7 +17,7 @@ const kSkipped = 77;
 const kMostLost = "Mesial wall";
 
 // Of scripts and style as they travel (compressed), and of clicks; raised only on purpose.
-const kBudget = { sign_in_bytes: 48_600, list_bytes: 78_500, attempt_bytes: 157_700, clicks: 12 };
+const kBudget = { sign_in_bytes: 48_700, list_bytes: 78_700, attempt_bytes: 157_700, clicks: 12 };
 
 function option(name) {
   const at = process.argv.indexOf(name);
