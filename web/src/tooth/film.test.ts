@@ -123,6 +123,31 @@ test("what shines through is made once nothing moves and what is inside is known
   assert.equal(made.given.at(-1), made.blocks.size, "of the blocks of that moment too");
 });
 
+test("a moment that came and was done meanwhile has what shines through all of its blocks too", async () => {
+  let paused = async () => {};
+  const made = opened({ sliceMs: 0, pause: () => paused() });
+  const shows = async (frames: number) => {
+    await made.film.take({ ask: "seek", frames });
+    for (let i = 0; i < 100 && made.shown().at(-1) !== frames; ++i) await settled();
+    assert.equal(made.shown().at(-1), frames);
+  };
+  await give(made);
+  await made.film.take({ ask: "interior", bytes: golden("entb") });
+  await shows(0);
+  await made.film.rest();
+  assert.equal(made.given.at(-1), made.blocks.size);
+  await shows(2);
+  let came = false;
+  paused = async () => {
+    if (came) return;
+    came = true;
+    await shows(4);
+  };
+  await made.film.rest();
+  assert.ok(came);
+  assert.equal(made.given.at(-1), made.blocks.size);
+});
+
 test("a wish gives the blocks of that moment, and only then says that it is shown", async () => {
   const made = opened();
   await give(made);

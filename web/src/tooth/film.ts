@@ -390,7 +390,10 @@ export class Film {
       until = this.nowMs() + kSliceMs;
     }
     this.looking = false;
-    if (!this.working) for (const screen of this.screens) screen.setLooks((mesh) => this.looks.get(mesh));
+    if (this.working || this.closed) return;
+    // A moment that came and was done within a pause has other blocks: without theirs it would be a patchwork.
+    if ([...this.meshes.values()].some((mesh) => !this.looks.has(mesh))) return this.rest();
+    for (const screen of this.screens) screen.setLooks((mesh) => this.looks.get(mesh));
   }
 
   private async work(): Promise<void> {
