@@ -29,7 +29,7 @@ function watch() {
       if (shown !== "fine" || document.querySelector(".playback[data-shown]") === null) return;
       observer.disconnect();
       resolve();
-    }).observe(document, { subtree: true, childList: true, attributeFilter: ["data-tooth"] });
+    }).observe(document, { subtree: true, childList: true, attributeFilter: ["data-tooth", "data-shown"] });
   });
 }
 
