@@ -18,8 +18,8 @@ Result<Bytes> TraceFileOf(Store& store, const AttemptRow& row);
 // Gives result.bin and each bound file that is kept, one after the other; what a retention rule
 // removed is left out. `take` gets an error for a file that cannot be read (kConflict: the score was
 // not signed), and ends the walk with one of its own. Errors: kConflict (no score yet), those of
-// `take`. `surface` gives AttemptSurface's (stored_tooth.h): it takes a core and the memory of a whole tooth, so that
-// the caller says how many are made at once.
+// `take`. `surface` gives AttemptSurface's (stored_tooth.h): the caller bounds how many it makes at
+// once, since each takes a core and the memory of a whole tooth.
 Status ForEachResultFile(Store& store, const AttemptRow& row,
                          const std::function<Result<Bytes>(const AttemptResult&)>& surface,
                          const std::function<Status(std::string_view name, Result<Bytes>)>& take);

@@ -17,17 +17,6 @@ namespace {
 // Coarse: it is there at once, and what a hand feels is the law's, not the voxels'.
 constexpr int32_t kBlockVoxel_nm = 150'000;
 
-// Empty: nobody asked for it.
-std::string AlignmentText(const language::Words& words, const HandAlignment& alignment) {
-  if (alignment.awaits_hand()) return words.Say("warm_up.align_move");
-  const auto& found = alignment.found();
-  if (!found) return "";
-  if (!found->IsAskew()) return words.Say("warm_up.aligned");
-  return found->askew_deg > 0
-             ? words.Say("warm_up.askew_clockwise", {{"degrees", found->askew_deg}})
-             : words.Say("warm_up.askew_counter_clockwise", {{"degrees", -found->askew_deg}});
-}
-
 }  // namespace
 
 Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise) {
@@ -57,6 +46,16 @@ std::string WarmUpText(const language::Words& words, const UnrecordedRun::Found&
   if (found.faults == 0) return text;
   return words.Say("warm_up.faults",
                    {{"found", text}, {"faults", static_cast<int64_t>(found.faults)}});
+}
+
+std::string AlignmentText(const language::Words& words, const HandAlignment& alignment) {
+  if (alignment.awaits_hand()) return words.Say("warm_up.align_move");
+  const auto& found = alignment.found();
+  if (!found) return "";
+  if (!found->IsAskew()) return words.Say("warm_up.aligned");
+  return found->askew_deg > 0
+             ? words.Say("warm_up.askew_clockwise", {{"degrees", found->askew_deg}})
+             : words.Say("warm_up.askew_counter_clockwise", {{"degrees", -found->askew_deg}});
 }
 
 void Workflow::TryDevice() {

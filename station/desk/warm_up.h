@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/language/words.h"
+#include "station/desk/hand_alignment.h"
 #include "station/session/unrecorded_run.h"
 
 namespace enamel::station::desk {
@@ -17,5 +18,8 @@ Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise);
 
 // "Device tried for 10 s: the computer kept up, largest force 2.1 N."
 std::string WarmUpText(const language::Words& words, const UnrecordedRun::Found& found);
+
+// What to do, or what was found, of a device that is matched with the picture. Empty: nobody asked for it.
+std::string AlignmentText(const language::Words& words, const HandAlignment& alignment);
 
 }  // namespace enamel::station::desk

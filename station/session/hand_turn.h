@@ -5,8 +5,8 @@
 #include "common/base/result.h"
 #include "station/devices/device.h"
 
-// How an attached device stands on its table, as the window measured it here: kept for each unit, or for all of
-// a name where units cannot be told apart (schemas/station_settings.md, "Measured at the chair"). Thread safety:
+// How an attached device is turned on its table, as the window measured it here: kept for each unit, or for all of
+// a name where units have no number of their own (schemas/station_settings.md, "Measured at the chair"). Thread safety:
 // functions, any thread; read and write files. Real-time: never.
 namespace enamel::station {
 

@@ -2,6 +2,8 @@
 #include <stdlib.h>
 
 #include <boost/json.hpp>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <thread>
 
@@ -197,6 +199,22 @@ TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   ASSERT_NO_FATAL_FAILURE(Start()) << "and the attempt begins as before";
   flow_->EndAttempt();
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+}
+
+TEST(WarmUpTextTest, ADeviceThatIsAskewIsTurnedTheOtherWay) {
+  const auto text = [](double turned_deg) {
+    const double angle = -turned_deg * std::numbers::pi / 180;
+    HandAlignment alignment;
+    EXPECT_EQ(AlignmentText(kEnglish, alignment), "");
+    alignment.Begin(dvec3(0));
+    EXPECT_EQ(AlignmentText(kEnglish, alignment),
+              "Lift the handpiece and move it 5 cm straight to your right.");
+    EXPECT_TRUE(alignment.Look(0.05 * dvec3(std::cos(angle), std::sin(angle), 0)));
+    return AlignmentText(kEnglish, alignment);
+  };
+  EXPECT_EQ(text(95), "Your right is now right in the picture.");
+  EXPECT_NE(text(110).find("by 20° clockwise"), std::string::npos) << text(110);
+  EXPECT_NE(text(70).find("by 20° counter-clockwise"), std::string::npos) << text(70);
 }
 
 TEST(WarmUpTextTest, ATriedDeviceIsReportedInALine) {

@@ -128,7 +128,7 @@ class WindowTest : public testing::Test {
 
 TEST_F(WindowTest, ADeviceThatStandsTurnedMovesTheBurAsTheHandSeesIt) {
   options_.hand_turn_deg = 90;
-  // Where the board is as it is opened is the middle.
+  // The board counts from the place where the window opened it.
   const auto to = [&](int32_t counts) { return [=, this] { board_->right_counts = counts; }; };
   const Uuid set = Play("", Meet(to(kAside_counts)));
   EXPECT_EQ(RecordedLast(set), (std::array{0, kAside_counts}));

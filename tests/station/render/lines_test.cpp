@@ -6,9 +6,8 @@ namespace enamel::station::render {
 namespace {
 
 // Each letter is one wide, a Chinese one two.
-std::string In(float width, std::string_view text) {
-  return InLines(text, width, [](uint32_t code) { return code < 0x2E80 ? 1.0F : 2.0F; });
-}
+float Advance(uint32_t code) { return code < 0x2E80 ? 1.0F : 2.0F; }
+std::string In(float width, std::string_view text) { return InLines(text, width, Advance); }
 
 TEST(LinesTest, EndAtSpaces) {
   EXPECT_EQ(In(11, "Cut further there."), "Cut further\nthere.");
@@ -32,7 +31,7 @@ TEST(LinesTest, OfChineseEndBetweenLettersAndNotBeforeAMark) {
 
 TEST(LinesTest, OfAWarningAreAboutAsLong) {
   const auto even = [](float width, std::string_view text) {
-    return InEvenLines(text, width, [](uint32_t code) { return code < 0x2E80 ? 1.0F : 2.0F; });
+    return InEvenLines(text, width, Advance);
   };
   EXPECT_EQ(even(31, "No server: recording continues here"),
             "No server: recording\ncontinues here");

@@ -145,7 +145,7 @@ TEST_P(ArmsTest, OneThatSaysNothingIsRefusedWithWhatToDo) {
   EXPECT_NE(refused.message().find("sends no pose"), std::string::npos) << refused.message();
 }
 
-// What the arm was told of a force that is renewed, once 20 requests in a row say the same: while this
+// What the arm gets for a force that is renewed, once 20 requests in a row have the same: while this
 // thread is kept from running the force fades, from one request to the next.
 std::array<int, 3> ToldOf(Device& device, const EmulatedArm& arm, const dvec3& force_n) {
   std::array<int, 3> told{};
