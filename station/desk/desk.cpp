@@ -81,7 +81,7 @@ class OpeningDesk {
       DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
                         governor_.budget_s());
     }
-    screen_.End(nullptr);
+    screen_.End();
     times_.Add(screen_.drawing_s());
     end |= script_.playing() && script_.Step(screen_, ui_, nullptr);
     return !end && !interrupted;
@@ -131,14 +131,14 @@ class Desk {
     // Before drawing: a frame shows one state, not parts of two.
     flow_.Tick(now, !screen_.events().empty());
     TakePanelKey(screen_, ui_, panel_);
-    const render::Target* picture = Picture(dt_s);
+    // Before the pages, which lie over it and may end the attempt that it shows.
+    ShowPicture(dt_s);
     Sound();
-    // After the picture, which is below it.
     bool end = pages_.Draw();
     if (panel_) {
       DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
     }
-    screen_.End(picture);
+    screen_.End();
     Measure();
     end |= script_.playing() && script_.Step(screen_, ui_, &flow_);
     return !end && !interrupted;
@@ -155,16 +155,16 @@ class Desk {
                                                    : Dialog::kClose);
   }
 
-  // The tooth, if there is one to cut; null: none.
-  const render::Target* Picture(double dt_s) {
+  // The tooth, if there is one to cut.
+  void ShowPicture(double dt_s) {
     warned_ = {};
-    if (flow_.place() == Place::kLoss) return LossPicture(dt_s);
+    if (flow_.place() == Place::kLoss) return ShowLoss(dt_s);
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.cutting() && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
     screen_.CaptureCursor(running && !dialog && attempt->by_pointer());
     // The view stays with its attempt: returning from a dialog builds nothing.
-    if (!running) return nullptr;
+    if (!running) return;
     // Also below a dialog: the pointer device must hold still then.
     attempt->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*attempt, dt_s);
@@ -180,16 +180,16 @@ class Desk {
       warned_ = attempt->warned();
       attempt->WriteBesideBur(flow_.words(), screen_, depth_, warned_);
     }
-    return &attempt->view().result();
+    screen_.Show(attempt->view().result());
   }
 
-  const render::Target* LossPicture(double dt_s) {
+  void ShowLoss(double dt_s) {
     screen_.CaptureCursor(false);
     LossView& loss = *flow_.loss();
     loss.Advance(dt_s);
     render::SteerCamera(screen_, loss.view().camera(), true);
     loss.view().Draw(screen_.width(), screen_.height(), quality());
-    return &loss.view().result();
+    screen_.Show(loss.view().result());
   }
 
   // With the mouse as the handpiece, the right button turns the picture and keys choose the view.

@@ -183,19 +183,23 @@ class Screen::Impl {
     return !glfwWindowShouldClose(glfw_.get());
   }
 
-  void End(const Target* picture) {
+  // Through our own target: the contents of a window's back buffer are undefined after a swap, and
+  // a screenshot reads the picture that was shown.
+  void Show(const Target& picture) {
+    glDisable(GL_SCISSOR_TEST);
+    picture.CopyColourTo(*shown_);
+    has_picture_ = true;
+  }
+
+  void End() {
     ImGui::Render();
     glDisable(GL_SCISSOR_TEST);
-    if (picture != nullptr) {
-      // Through our own target: the contents of a window's back buffer are undefined after a swap,
-      // and a screenshot reads the picture that was shown.
-      picture->CopyColourTo(*shown_);
-      shown_->Bind();
-    } else {
-      shown_->Bind();
+    shown_->Bind();
+    if (!has_picture_) {
       glClearColor(0.075f, 0.085f, 0.10f, 1);
       glClear(GL_COLOR_BUFFER_BIT);
     }
+    has_picture_ = false;
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glBindFramebuffer(GL_READ_FRAMEBUFFER, shown_->name());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -342,6 +346,7 @@ class Screen::Impl {
   int just_captured_ = 0;  // frames in which the cursor may still jump
   int settling_ = 0;       // frames until input behind Tab or Enter is taken
   std::unique_ptr<Target> shown_;
+  bool has_picture_ = false;  // this frame
   Clock::time_point began_{}, next_{};
 };
 
@@ -349,7 +354,8 @@ Screen::Screen(const ScreenOptions& options) : impl_(std::make_unique<Impl>(opti
 Screen::~Screen() = default;
 
 bool Screen::Begin() { return impl_->Begin(); }
-void Screen::End(const Target* picture) { impl_->End(picture); }
+void Screen::Show(const Target& picture) { impl_->Show(picture); }
+void Screen::End() { impl_->End(); }
 void Screen::Speak(language::Language language) {
   impl_->respell_ |= language != impl_->language_;
   impl_->language_ = language;

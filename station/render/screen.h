@@ -26,7 +26,7 @@ struct ScreenOptions {
 // The window on the desktop: GLFW, an OpenGL 3.3 context, Dear ImGui with our fonts and style, and
 // the person's input. One per process, on the process's main thread. A frame:
 //
-//   while (screen.Begin()) { …ImGui, unused screen.events()…; screen.End(picture); }
+//   while (screen.Begin()) { screen.Show(picture); …ImGui, unused screen.events()…; screen.End(); }
 //
 // Errors are exceptions (std::runtime_error): only construction throws.
 class Screen {
@@ -40,8 +40,11 @@ class Screen {
   // card it uses at most two thirds of the time, because the tick needs the processor too. False
   // once the person has closed the window; CancelClose revokes that.
   bool Begin();
-  // Draws ImGui's frame over `picture` (null: over the background) and shows it.
-  void End(const Target* picture);
+  // Lays a picture under ImGui's frame, which has a background of one colour without it. Copied at
+  // once: what ImGui draws may be the button that ends what the picture shows.
+  void Show(const Target& picture);
+  // Draws ImGui's frame and shows it.
+  void End();
   // Loads this language's letters, from the next frame on.
   void Speak(language::Language language);
   // Loads this text's letters, in any script, from the next frame on; those of the last texts are

@@ -131,7 +131,8 @@ void Window::DrawFrame(const Quality& quality) {
     content.hint = words_.Say("hint.camera");
     DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
   }
-  screen_.End(&tooth_.result());
+  screen_.Show(tooth_.result());
+  screen_.End();
 }
 
 bool Window::PumpOnce() {

@@ -219,7 +219,8 @@ class FrameBench {
     content.state = view_.state();
     content.has_state = view_.has_state();
     render::DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
-    screen_.End(&view_.result());
+    screen_.Show(view_.result());
+    screen_.End();
     times.ms.push_back(1e3 * screen_.drawing_s());
     times.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
     times.triangles += static_cast<double>(view_.work().triangles_drawn);

@@ -59,9 +59,10 @@ class DeskAttemptTest : public testing::Test {
     if (attempt != nullptr) {
       attempt->Point(*screen_, 0.01, true);
       attempt->view().Draw(screen_->width(), screen_->height(), render::kQualities[0]);
+      screen_->Show(attempt->view().result());
     }
     (void)pages_->Draw();
-    screen_->End(attempt != nullptr ? &attempt->view().result() : nullptr);
+    screen_->End();
   }
   // A limit that is not reached when all is well.
   template <typename Until>

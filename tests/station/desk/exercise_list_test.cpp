@@ -99,7 +99,7 @@ class PagesTest : public testing::TestWithParam<Look> {
       (void)screen_->Begin();
       flow_->Tick(Workflow::Clock::now(), true);
       (void)pages_->Draw();
-      screen_->End(nullptr);
+      screen_->End();
     }
   }
   void Type(const std::string& text) {

@@ -35,7 +35,7 @@ class UiTest : public testing::Test {
       (void)screen_->Begin();
       page();
       ui_->EndFrame();
-      screen_->End(nullptr);
+      screen_->End();
     }
   }
   void Press(int key) { screen_->Inject(InputEvent::Key(key, true)); }
@@ -439,7 +439,7 @@ TEST_F(UiTest, AScriptClicksWhatIsBelowTheFold) {
     (void)ui_->Button("Sign out");
     ui_->End();
     ui_->EndFrame();
-    screen_->End(nullptr);
+    screen_->End();
     if (script.playing())
       (void)script.Step(*screen_, *ui_, nullptr);
     else if (!screen_->injecting())

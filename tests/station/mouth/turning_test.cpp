@@ -73,7 +73,8 @@ TEST(MouthTurningTest, WhileItTurnsThePictureIsAsLikeTheFullOneAsSsim95) {
   auto draw = [&](const Quality& quality) {
     screen.Begin();
     view.Draw(kWidth, kHeight, quality);
-    screen.End(&view.result());
+    screen.Show(view.result());
+    screen.End();
     return Grey(view.result());
   };
   draw(good);

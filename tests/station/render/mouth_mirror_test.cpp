@@ -107,7 +107,8 @@ TEST(MouthMirrorTest, ThePictureShowsInTheGlassAloneWhatIsHidden) {
     state.view_from_scene = camera.ViewFromScene();
     state.clip_from_view = camera.ClipFromView(1);
     picture.Draw(state, 400, 400, *FindQuality("good"));
-    screen.End(&picture.result());
+    screen.Show(picture.result());
+    screen.End();
     std::vector<uint8_t> rgba(size_t{400} * 400 * 4);
     picture.result().Bind();
     glReadPixels(0, 0, 400, 400, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());

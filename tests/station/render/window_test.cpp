@@ -259,7 +259,8 @@ class TurningTest : public WindowTest {
     for (int i = 0; i < pictures; ++i) {
       screen.Begin();
       view.Draw(screen.width(), screen.height(), quality);
-      screen.End(&view.result());
+      screen.Show(view.result());
+      screen.End();
     }
     EXPECT_TRUE(screen.WriteScreenshot(File("turning.png")).ok());
     return ReadShot(File("turning.png"));
