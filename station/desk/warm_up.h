@@ -19,7 +19,7 @@ Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise);
 // "Device tried for 10 s: the computer kept up, largest force 2.1 N."
 std::string WarmUpText(const language::Words& words, const UnrecordedRun::Found& found);
 
-// What to do, or what was found, of a device that is matched with the picture. Empty: nobody asked for it.
+// How to move the handpiece for the match, then what was found. Empty: nobody asked for one.
 std::string AlignmentText(const language::Words& words, const HandAlignment& alignment);
 
 }  // namespace enamel::station::desk

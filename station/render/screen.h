@@ -40,8 +40,8 @@ class Screen {
   // card it uses at most two thirds of the time, because the tick needs the processor too. False
   // once the person has closed the window; CancelClose revokes that.
   bool Begin();
-  // Lays a picture under ImGui's frame, which has a background of one colour without it. Copied at
-  // once: what ImGui draws may be the button that ends what the picture shows.
+  // Lays a picture under ImGui's frame; without one the background has one colour. It is copied at
+  // once: a page that is drawn over it may end the attempt, and with it the picture.
   void Show(const Target& picture);
   // Draws ImGui's frame and shows it.
   void End();
