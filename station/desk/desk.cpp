@@ -10,6 +10,7 @@
 #include "station/desk/opening.h"
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
+#include "station/desk/problem_words.h"
 #include "station/desk/script.h"
 #include "station/desk/stop_sign.h"
 #include "station/desk/view_hand.h"
@@ -252,7 +253,7 @@ class Desk {
     const Words& words = flow_.words();
     const Snapshot newest = attempt.newest();
     if (newest.fault != Fault::kNone) {
-      content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(newest.fault))}});
+      content.fault = FaultSentence(words, newest.fault, attempt.device().problem());
     } else if (newest.put_down) {
       content.fault = words.Say("fault.in_holder");
     }

@@ -76,6 +76,7 @@ class HeldDevice final : public Device {
   bool has_motors() const noexcept override { return inner_.has_motors(); }
   double still_before_force_s() const noexcept override { return inner_.still_before_force_s(); }
   DeviceCounters counters() const noexcept override { return inner_.counters(); }
+  Status problem() const override { return inner_.problem(); }
   std::optional<scene::AnswerTime> answer_time() const noexcept override {
     return inner_.answer_time();
   }

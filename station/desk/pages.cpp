@@ -8,24 +8,6 @@
 #include "station/words/score_words.h"
 
 namespace enamel::station::desk {
-const char* FaultKey(Fault fault) {
-  switch (fault) {
-    case Fault::kNone:
-      return "";
-    case Fault::kStalled:
-      return "fault.stalled";
-    case Fault::kLateOnce:
-      return "fault.late_once";
-    case Fault::kLateOften:
-      return "fault.late_often";
-    case Fault::kUnplugged:
-      return "fault.unplugged";
-    case Fault::kSwitchedOff:
-      return "fault.switched_off";
-  }
-  return "";
-}
-
 void Pages::Busy() {
   if (flow_.busy()) {
     ui_.Note(Say("task.running", {{"task", Say(flow_.task())}}));

@@ -108,7 +108,4 @@ std::string BurText(const Words& words, const scene::BurSpec& bur);
 void DrawBurChoice(const std::vector<scene::BurSpec>& burs, const render::FrameState& state,
                    const Words& words, const render::Fonts& fonts, int width, int height);
 
-// Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
-const char* FaultKey(Fault fault);
-
 }  // namespace enamel::station::desk

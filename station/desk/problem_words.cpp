@@ -90,6 +90,38 @@ std::string ProblemText(const language::Words& words, const Status& status) {
   return words.Say("refusal." + status.field(), {{"said", status.message()}});
 }
 
+const char* FaultKey(Fault fault) {
+  switch (fault) {
+    case Fault::kNone:
+      return "";
+    case Fault::kStalled:
+      return "fault.stalled";
+    case Fault::kLateOnce:
+      return "fault.late_once";
+    case Fault::kLateOften:
+      return "fault.late_often";
+    case Fault::kTooSlow:
+      return "fault.too_slow";
+    case Fault::kUnplugged:
+      return "fault.unplugged";
+    case Fault::kSwitchedOff:
+      return "fault.switched_off";
+  }
+  return "";
+}
+
+std::string FaultSentence(const language::Words& words, Fault fault, const Status& device) {
+  if (fault == Fault::kNone) return {};
+  const std::string& cause = device.field();
+  // The fault's own words are as precise and do not speak of looking for devices.
+  const bool same = cause == trouble::kSilent || cause == trouble::kNotAttached;
+  const bool away = fault == Fault::kUnplugged || fault == Fault::kStalled;
+  if (away && !same && trouble::IsListed(cause)) {
+    return words.Say("fault.device", {{"reason", words.Say("device_trouble." + cause)}});
+  }
+  return words.Say("fault.text", {{"reason", words.Say(FaultKey(fault))}});
+}
+
 std::string NoScoreText(const language::Words& words, const Status& problem) {
   return protocol::IsListed(problem.code(), problem.field()) ? ProblemText(words, problem)
                                                              : words.Say("result.no_words");

@@ -5,6 +5,7 @@
 #include "common/base/result.h"
 #include "common/language/words.h"
 #include "common/scene/delay.h"
+#include "station/loop/tick_loop.h"
 
 namespace enamel::station::desk {
 
@@ -13,6 +14,12 @@ namespace enamel::station::desk {
 std::string ProblemText(const language::Words& words, const Status& status);
 // Why an attempt that the server has is not scored (AttemptProgress::problem).
 std::string NoScoreText(const language::Words& words, const Status& problem);
+
+// Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
+const char* FaultKey(Fault fault);
+// Why the force is off and what to do, as a sentence of the window. `device`: why its driver cannot reach
+// it (Device::problem), which is more precise than the fault where it names a cause. Empty for none.
+std::string FaultSentence(const language::Words& words, Fault fault, const Status& device);
 
 // Why a device's force is softer than it could be; empty: it is not.
 std::string SofterText(const language::Words& words, scene::DelayUsed::From from,

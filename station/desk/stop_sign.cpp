@@ -82,18 +82,8 @@ void DrawPerson(const Pen& pen) {
   pen.Triangle({0.5f, 0.36f}, {0.16f, 0.86f}, {0.84f, 0.86f});
 }
 
-// Let go, then pressed again.
-void DrawPedal(const Pen& pen) {
-  pen.Line(0.08f, 0.82f, 0.92f, 0.82f);
-  pen.Line(0.14f, 0.78f, 0.86f, 0.6f);
-  pen.Line(0.34f, 0.1f, 0.34f, 0.42f);
-  pen.Triangle({0.34f, 0.02f}, {0.2f, 0.2f}, {0.48f, 0.2f});
-  pen.Line(0.68f, 0.06f, 0.68f, 0.36f);
-  pen.Triangle({0.68f, 0.5f}, {0.54f, 0.32f}, {0.82f, 0.32f});
-}
-
-// Out of its holder.
-void DrawTakeUp(const Pen& pen) {
+// Up and out: of the holder, or of the tooth.
+void DrawLift(const Pen& pen) {
   pen.Line(0.28f, 0.9f, 0.28f, 0.6f);
   pen.Line(0.72f, 0.9f, 0.72f, 0.6f);
   pen.Line(0.26f, 0.9f, 0.74f, 0.9f);
@@ -140,13 +130,13 @@ using Sketch = void (*)(const Pen&);
 std::array<Sketch, 2> StepsOf(Stop stop) {
   switch (stop) {
     case Stop::kUnplugged:
-      return {[](const Pen& pen) { DrawPlug(pen, 0); }, DrawPedal};
+      return {[](const Pen& pen) { DrawPlug(pen, 0); }, DrawLift};
     case Stop::kPower:
-      return {[](const Pen& pen) { DrawPlug(pen, 0); }, DrawPedal};
+      return {[](const Pen& pen) { DrawPlug(pen, 0); }, DrawLift};
     case Stop::kBusy:
-      return {DrawPedal, nullptr};
+      return {DrawLift, nullptr};
     case Stop::kHolder:
-      return {DrawTakeUp, nullptr};
+      return {DrawLift, nullptr};
     case Stop::kDisk:
       return {DrawPerson, nullptr};
     case Stop::kNone:
@@ -163,6 +153,7 @@ bool IsWrong(Stop stop) { return stop != Stop::kHolder && stop != Stop::kPaused;
 Stop StopOf(Fault fault, bool put_down, bool disk_full) {
   switch (fault) {
     case Fault::kStalled:
+    case Fault::kTooSlow:
     case Fault::kUnplugged:
       return Stop::kUnplugged;
     case Fault::kSwitchedOff:

@@ -52,6 +52,7 @@ class PedalledDevice final : public Device {
   bool has_motors() const noexcept override { return device_->has_motors(); }
   double still_before_force_s() const noexcept override { return device_->still_before_force_s(); }
   DeviceCounters counters() const noexcept override { return device_->counters(); }
+  Status problem() const override { return device_->problem(); }
   std::optional<scene::AnswerTime> answer_time() const noexcept override {
     return device_->answer_time();
   }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/result.h"
 #include "common/hands/hand.h"
 #include "common/math/orientation.h"
 #include "common/math/vec.h"
@@ -107,6 +108,9 @@ class Device {
   virtual double still_before_force_s() const noexcept { return 0; }
   // From any thread.
   virtual DeviceCounters counters() const noexcept { return {}; }
+  // Why it cannot be reached at present, as a driver says it (trouble.h); ok: it answers, or nobody
+  // knows. From any thread.
+  virtual Status problem() const { return Status::Ok(); }
   // Of all answers so far, one that did not come counting as long as it was waited for. Nothing: the
   // device does not answer to forces. From any thread.
   virtual std::optional<scene::AnswerTime> answer_time() const noexcept { return {}; }

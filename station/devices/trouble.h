@@ -15,11 +15,12 @@ inline constexpr const char* kSilent = "silent";  // attached, and gives no pose
 inline constexpr const char* kSlow = "slow";      // answers too late for the loop
 inline constexpr const char* kPower = "power";
 inline constexpr const char* kNotReady = "not_ready";
-inline constexpr const char* kLibrary = "library";    // of its maker: missing or too old
-inline constexpr const char* kService = "service";    // of its maker: not running, or too old
-inline constexpr const char* kDamping = "damping";    // which the maker's service adds
-inline constexpr const char* kFirmware = "firmware";  // missing, or not the right one
-inline constexpr const char* kModel = "model";        // another one than its profile
+inline constexpr const char* kLibrary = "library";       // of its maker: missing or too old
+inline constexpr const char* kService = "service";       // of its maker: not running, or too old
+inline constexpr const char* kDamping = "damping";       // which the maker's service adds
+inline constexpr const char* kFirmware = "firmware";     // missing, or not the right one
+inline constexpr const char* kModel = "model";           // another one than its profile
+inline constexpr const char* kOtherUnit = "other_unit";  // than the one that went away
 // Not calibrated, by what a person does about it.
 inline constexpr const char* kPit = "pit";
 inline constexpr const char* kInkwell = "inkwell";
@@ -28,9 +29,10 @@ inline constexpr const char* kMiddle = "middle";
 // None of these.
 inline constexpr const char* kDevice = "device";
 
-inline constexpr std::array<std::string_view, 17> kAll = {
-    kPermission, kInUse,    kNotAttached, kSilent, kSlow,    kPower, kNotReady, kLibrary, kService,
-    kDamping,    kFirmware, kModel,       kPit,    kInkwell, kGrip,  kMiddle,   kDevice};
+inline constexpr std::array<std::string_view, 18> kAll = {
+    kPermission, kInUse,   kNotAttached, kSilent,  kSlow,     kPower,
+    kNotReady,   kLibrary, kService,     kDamping, kFirmware, kModel,
+    kOtherUnit,  kPit,     kInkwell,     kGrip,    kMiddle,   kDevice};
 
 constexpr bool IsListed(std::string_view field) {
   return std::ranges::find(kAll, field) != kAll.end();

@@ -2,12 +2,14 @@
 
 #include <time.h>
 
+#include <utility>
+
 namespace enamel::station {
 namespace {
 
 // The same 5 ms as "silent" in schemas/hid_haptic_report.md. AddLeak sums the energy that may be
 // released within them.
-constexpr double kFaultAfter_s = 5e-3;
+constexpr double kInterruptAfter_s = 5e-3;
 constexpr double kRounding_s = 1e-9;  // a sum of ticks is compared with a time
 constexpr double kLateWindow_s = 1.0;
 constexpr double kStillReach_m = 0.5e-3;
@@ -40,18 +42,17 @@ const char* FaultText(Fault fault) noexcept {
     case Fault::kNone:
       return "";
     case Fault::kStalled:
-      return "the device has gone silent: check its cable, release the pedal and press it again";
+      return "the device does not answer: check its cable";
     case Fault::kLateOnce:
-      return "the force was held too long by a busy computer: release the pedal and press it again";
+      return "the computer was busy and held the force too long";
     case Fault::kLateOften:
-      return "the computer is too busy for a steady force: close other programs, release the "
-             "pedal "
-             "and press it again";
+      return "the computer is too busy for a steady force: close other programs";
+    case Fault::kTooSlow:
+      return "the device answers too slowly: plug it into the computer itself, without a hub";
     case Fault::kUnplugged:
-      return "the device is not connected: plug it in, release the pedal and press it again";
+      return "the device is not connected: plug it in";
     case Fault::kSwitchedOff:
-      return "the device has switched its force off by itself: check its power and its switch, "
-             "release the pedal and press it again";
+      return "the device has switched its motors off: check its power and its switch";
   }
   return "";
 }
@@ -68,6 +69,8 @@ TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
   still_ticks_needed_ =
       static_cast<uint64_t>(device.still_before_force_s() * options_.rate_hz + 0.5);
   await_still_ = still_ticks_needed_ > 0;
+  const double cell_m = core::TipCellOf(core.params()).Radius();
+  cell_energy_j_ = 0.5 * core.params().kc_mn_per_mm * cell_m * cell_m;
   counters_.ticks = options_.ticks_before;
   counters_.gap_ticks = gap_ = options_.first_gap_ticks;
   gap_held_ = gap_ == 0;
@@ -107,12 +110,10 @@ bool TickLoop::Tick(double late_s) noexcept {
   WatchTime(sample, late_s > 0 ? late_s : 0);
   WatchHolder(sample);
   WatchStillness(sample);
-  if (CannotRecord()) {
-    // What cannot be recorded is not stepped: no force, no cut, a declared gap.
-    gap_ = Longer(gap_, 1);
-    gap_held_ = false;
-    ++counters_.gap_ticks;
-    device_.SendForceAndTorque(dvec3(0), dvec3(0));
+  WatchRide(sample);
+  WatchRecovery(sample);
+  if (CannotRecord() || ride_ != Fault::kNone) {
+    Skip();
     return (sample.buttons & kFinish) != 0;
   }
   core::TickInput input = InputOf(sample);
@@ -123,6 +124,14 @@ bool TickLoop::Tick(double late_s) noexcept {
   Publish(input, out);
   device_.ShowBur(out.anchor.tip_m);
   return (sample.buttons & kFinish) != 0;
+}
+
+// Not stepped: no force, no cut, a declared gap.
+void TickLoop::Skip() noexcept {
+  gap_ = Longer(gap_, 1);
+  gap_held_ = false;
+  ++counters_.gap_ticks;
+  device_.SendForceAndTorque(dvec3(0), dvec3(0));
 }
 
 void TickLoop::Send(const core::TickOutput& out) noexcept {
@@ -141,16 +150,7 @@ void TickLoop::Send(const core::TickOutput& out) noexcept {
 }
 
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
-  bool pedal = (sample.buttons & kPedal) != 0 && !put_down_;
-  if (fault() != Fault::kNone) {
-    // A pedal that was detached with its device was not released, by that or before.
-    const bool alive = DeviceAlive(sample);
-    pedal_released_ = alive && (pedal_released_ || !pedal);
-    if (pedal && pedal_released_ && alive) {
-      fault_.store(Fault::kNone, std::memory_order_relaxed);
-      soft_restart_ = true;
-    }
-  }
+  const bool pedal = (sample.buttons & kPedal) != 0 && !put_down_;
   core::TickInput input;
   input.counts = sample.counts;
   input.orientation = sample.orientation;
@@ -186,42 +186,80 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
   gap_ = Longer(gap_, skipped_);
   counters_.skipped_ticks += skipped_;
   counters_.late_ticks += skipped_ > 0;
+  bool leaks = false;
   if (sample.fresh) {
-    AddLeak(sample, silent_s_ + since_last_s);
+    leaks = AddLeak(sample, silent_s_ + since_last_s);
     silent_s_ = 0;
   } else {
     silent_s_ += since_last_s;
     ++counters_.stale_ticks;
   }
-  // The most specific first: an unplugged device is silent too, and only the first fault is kept.
+  // The most specific cause: an unplugged device is silent too.
   if (!sample.attached) {
     Latch(Fault::kUnplugged);
   } else if (!sample.driven) {
     Latch(Fault::kSwitchedOff);
   } else if (!DeviceAlive(sample)) {
-    Latch(Fault::kStalled);
+    Interrupt(Fault::kStalled, silent_s_);
   }
-  if (options_.faults_when_late && device_.has_motors()) WatchLateness(late_s);
+  const bool watches = options_.faults_when_late && device_.has_motors();
+  if (watches && DeviceAlive(sample)) WatchLateness(late_s, leaks);
 }
 
-void TickLoop::WatchLateness(double late_s) noexcept {
-  if (skipped_ > 0) {
-    // The place of the twentieth late tick before this one: if that is less than a second old, this
-    // is one too many, for any window of a second.
+void TickLoop::WatchLateness(double late_s, bool leaks) noexcept {
+  if (skipped_ > 0 || leaks) {
+    // The place of the twentieth one before this: if that is less than a second old, this is one too
+    // many, for any window of a second.
     double& oldest = late_at_s_[late_count_ % late_at_s_.size()];
     if (late_count_ >= late_at_s_.size() && now_s_ - oldest < kLateWindow_s) {
-      Latch(Fault::kLateOften);
+      Latch(skipped_ > 0 ? Fault::kLateOften : Fault::kTooSlow);
     }
-    oldest = now_s_;
+    oldest = last_late_s_ = now_s_;
     ++late_count_;
   }
-  if (late_s >= kFaultAfter_s) Latch(Fault::kLateOnce);
+  if (late_s >= kInterruptAfter_s) Interrupt(Fault::kLateOnce, late_s);
 }
 
-// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick; and the torque's share.
-void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
+// `for_s`: how long it lasts by now.
+void TickLoop::Interrupt(Fault fault, double for_s) noexcept {
+  if (ride_ != Fault::kNone && now_s_ - ride_since_s_ < kRideFor_s) return;
+  const bool is_short = ride_ == Fault::kNone && for_s < kRideFor_s;
+  const bool is_single = now_s_ - ride_ended_s_ >= kRideAgain_s;
+  if (this->fault() != Fault::kNone || !is_short || !is_single) return Latch(fault);
+  ride_ = fault;
+  ride_since_s_ = now_s_;
+  ++counters_.interruptions;
+}
+
+void TickLoop::WatchRide(const DeviceSample& sample) noexcept {
+  if (ride_ == Fault::kNone || !DeviceAlive(sample) || !sample.fresh) return;
+  // Forces sent before it may still be under way (core.h).
+  const double under_way_s = (core_.params().bus_delay_ticks + 1.0) / options_.rate_hz;
+  if (now_s_ - ride_since_s_ < under_way_s - kRounding_s) return;
+  ride_ = Fault::kNone;
+  ride_ended_s_ = now_s_;
+}
+
+void TickLoop::WatchRecovery(const DeviceSample& sample) noexcept {
+  const Fault present = fault();
+  if (present == Fault::kNone) return;
+  if (!DeviceAlive(sample)) alive_since_s_ = now_s_;
+  const bool was_late =
+      present == Fault::kLateOnce || present == Fault::kLateOften || present == Fault::kTooSlow;
+  if (now_s_ - alive_since_s_ < kRecover_s || (was_late && now_s_ - last_late_s_ < kLateWindow_s)) {
+    return;
+  }
+  fault_.store(Fault::kNone, std::memory_order_relaxed);
+  soft_restart_ = true;
+}
+
+// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick; and the torque's share. True if the
+// hold leaks more than is lost in the device's cell.
+bool TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
   const core::CoreParams& params = core_.params();
-  if (has_last_ && options_.faults_when_late && hold_s > 1.0 / options_.rate_hz + kRounding_s) {
+  double leak_j = 0;
+  const bool had_force = has_last_ && fault() == Fault::kNone;
+  if (had_force && options_.faults_when_late && hold_s > 1.0 / options_.rate_hz + kRounding_s) {
     double square = 0;
     for (size_t i = 0; i < 3; ++i) {
       double dx = (static_cast<double>(sample.counts[i]) - last_counts_[i]) *
@@ -229,22 +267,24 @@ void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
       square += dx * dx;
     }
     double rate = 0.5 * params.kc_mn_per_mm - options_.damping_n_s_per_m / hold_s;
-    if (rate > 0) counters_.leak_j += rate * square;
+    if (rate > 0) leak_j += rate * square;
     if (params.peak_torque_un_m > 0) {
       const dvec3 turned =
           haptics::ChordOfTurn(FromQuantised(sample.orientation), FromQuantised(last_orientation_));
       rate =
           0.5e-6 * params.rotational_kc_un_m_per_rad - options_.rotational_damping_n_m_s / hold_s;
-      if (rate > 0) counters_.leak_j += rate * Dot(turned, turned);
+      if (rate > 0) leak_j += rate * Dot(turned, turned);
     }
   }
+  counters_.leak_j += leak_j;
   last_counts_ = sample.counts;
   last_orientation_ = sample.orientation;
   has_last_ = true;
+  return leak_j > cell_energy_j_;
 }
 
 bool TickLoop::DeviceAlive(const DeviceSample& sample) const noexcept {
-  return sample.attached && sample.driven && silent_s_ < kFaultAfter_s - kRounding_s;
+  return sample.attached && sample.driven && silent_s_ < kInterruptAfter_s - kRounding_s;
 }
 
 void TickLoop::WatchTurn(const DeviceSample& sample) noexcept {
@@ -285,10 +325,10 @@ void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
 }
 
 void TickLoop::Latch(Fault fault) noexcept {
-  // The first stays: later ones are often its consequence.
-  if (fault_.load(std::memory_order_relaxed) != Fault::kNone) return;
-  fault_.store(fault, std::memory_order_relaxed);
-  pedal_released_ = false;
+  const Fault before = fault_.exchange(fault, std::memory_order_relaxed);
+  if (std::exchange(ride_, Fault::kNone) != Fault::kNone) --counters_.interruptions;
+  if (before != Fault::kNone) return;  // the same fault by its present cause
+  alive_since_s_ = now_s_;
   late_count_ = 0;
   AwaitStillness();
   record_due_ = record_count_ < kMaxRecords;

@@ -23,15 +23,18 @@ using SampleRing = SpscRing<Sample>;
 
 // Counters of a loop, as of one tick.
 struct LoopCounters {
-  uint64_t ticks = 0;          // stepped and recorded
-  uint64_t gap_ticks = 0;      // not stepped, because they could not be recorded
+  uint64_t ticks = 0;  // stepped and recorded
+  // Not stepped, because they could not be recorded or an interruption was ridden out.
+  uint64_t gap_ticks = 0;
   uint64_t skipped_ticks = 0;  // not stepped, because they passed while a tick was late
   uint64_t late_ticks = 0;     // began a whole period late, or more
   uint64_t faults = 0;
+  uint64_t interruptions = 0;  // ridden out without a fault
   uint64_t bounded_ticks = 0;  // the force was limited to the device's
   uint64_t stale_ticks = 0;    // stepped without anything new from the device
   uint64_t put_downs = 0;      // times the handpiece was put into its holder
-  // Upper bound of the energy that late and stale ticks may have released, J (see "Leak" below).
+  // Upper bound of the energy that late and stale ticks may have released, J (see "Leak" below), but
+  // for the last 5 ms before a device went away for good: where the tip went meanwhile is unknown.
   double leak_j = 0;
 
   // The attempt's ticks that passed, stepped or declared as a gap.
@@ -40,9 +43,17 @@ struct LoopCounters {
   uint64_t missed_ticks() const noexcept { return gap_ticks + skipped_ticks; }
 };
 
-// Why a fault was latched: force zero, no cutting, until the operator acts.
-enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kUnplugged, kSwitchedOff };
-// One sentence for the operator: the fault and the remedy.
+// Why there is no force and no cut at present.
+enum class Fault : uint8_t {
+  kNone = 0,
+  kStalled,
+  kLateOnce,
+  kLateOften,
+  kTooSlow,
+  kUnplugged,
+  kSwitchedOff
+};
+// The fault and its remedy, for the operator. Without a full stop.
 const char* FaultText(Fault fault) noexcept;
 
 // The loop's newest tick, for the picture, the progress line and the live view.
@@ -106,18 +117,27 @@ struct TickLoopOptions {
 // The haptic loop: device -> core -> device; the result goes to the ring and the snapshot.
 //
 // Late ticks (common/haptics/README.md, "Late and lost ticks"): a tick late by a whole period is
-// flagged. These latch a fault: a tick late by 5 ms, more than 20 late ticks within any second, a
-// device that reports nothing new for 5 ms, and at once a device that is unplugged or has switched
-// its force off by itself. A fault sends 0 in the tick that latches it. Fading would gain nothing,
-// since a falling force can release no energy, and 0 is reached sooner than the 20 ms allowed. The
-// fault ends when the operator releases the pedal and presses it again, both with the device
-// attached and alive: a pedal that is silent because it was unplugged with its board was not
-// released. The last FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
+// flagged. An interruption is a tick that is late by 5 ms, or a device that reports nothing new for
+// 5 ms. The force is 0 from the tick that sees it. Fading would gain nothing, since a falling force
+// can release no energy, and 0 is reached sooner than the 20 ms allowed.
+//
+// A single short interruption is ridden out: its ticks are not stepped and form a declared gap
+// without force. When the device answers again and the forces under way have ended, the cut
+// continues where it was, as after any short gap (core.h), with no more force than the tank pays
+// for. Short is kRideFor_s; single means that none ended within kRideAgain_s before.
+//
+// These are a fault: any other interruption, more than 20 late ticks or leaking holds (see "Leak")
+// within any second, and at once a device that is unplugged or has switched its force off. The
+// fault shown is the present one: a silent device that turns out to be unplugged is unplugged. A
+// fault ends by itself once the device has been alive for kRecover_s, and after lateness once no
+// tick was late for a second. Force and cut then return as at the start. The operator need not act:
+// force begins at 0 in free air, wherever the pedal is. The last FaultRecord::kTicks ticks of the
+// first kMaxRecords faults are kept.
 //
 // Time that passed is in the recording: whole periods that pass while a tick is late are declared
-// as a gap before it. The force was held over them (core::kHeldGap) for less than 5 ms, or the
-// fault above removes it, so declaring the gap is not felt. Ticks that could not be recorded are a
-// gap without force. Ticks and gaps together are the attempt's time, by the clock.
+// as a gap before it. If the force was held over them (core::kHeldGap), they were less than 5 ms,
+// so declaring the gap is not felt. Ticks that could not be recorded are a gap without force. Ticks
+// and gaps together are the attempt's time, by the clock.
 //
 // When the device's axes are turned in the scene (DeviceSample::turned) the tip jumps. Force and cut
 // are off from that tick on, and come on as at the start.
@@ -134,7 +154,10 @@ struct TickLoopOptions {
 //
 // Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
 // the operator can receive at most max(0, Kc/2 - b/T_hold) |dx|^2. For a torque over an angle the
-// same formula holds with its own numbers. The sum is in the counters.
+// same formula holds with its own numbers. The sum is in the counters. A hold leaks when this is
+// more than Kc/2 S^2, S the radius of the device's cell: within its cell nobody knows where the tip
+// was. So a device that reports less often than the coupling assumes cannot go on leaking: that is
+// Fault::kTooSlow.
 //
 // Thread safety: Run and Tick on one thread; RequestStop, Hold, WantBur, fault(), snapshot() (one reader),
 // lateness() and durations() from others. Real-time: Tick is safe; Run only adds the sleep between
@@ -178,20 +201,29 @@ class TickLoop {
 
   static constexpr size_t kMaxRecords = 8;
   static constexpr int kLateTicksPerSecond = 20;
+  // Shorter than a person's reaction to a touch, about 0.15 s (Welford, Reaction Times, 1980): the
+  // hand does by then what it did before.
+  static constexpr double kRideFor_s = 0.1;
+  static constexpr double kRideAgain_s = 1.0;  // chosen, as the window of late ticks
+  static constexpr double kRecover_s = 0.25;   // chosen: longer than a contact that bounces
 
  private:
   bool CannotRecord() const noexcept {
     return held_.load(std::memory_order_relaxed) || ring_.Full();
   }
+  void Skip() noexcept;
   core::TickInput InputOf(const DeviceSample& sample) noexcept;
   void Send(const core::TickOutput& out) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
-  void WatchLateness(double late_s) noexcept;
+  void WatchLateness(double late_s, bool leaks) noexcept;
+  void Interrupt(Fault fault, double for_s) noexcept;
+  void WatchRide(const DeviceSample& sample) noexcept;
+  void WatchRecovery(const DeviceSample& sample) noexcept;
   void WatchTurn(const DeviceSample& sample) noexcept;
   void WatchHolder(const DeviceSample& sample) noexcept;
   void WatchStillness(const DeviceSample& sample) noexcept;
   void AwaitStillness() noexcept;
-  void AddLeak(const DeviceSample& sample, double hold_s) noexcept;
+  bool AddLeak(const DeviceSample& sample, double hold_s) noexcept;
   bool DeviceAlive(const DeviceSample& sample) const noexcept;
   void Latch(Fault fault) noexcept;
   void Remember(const DeviceSample& sample, const core::TickInput& input, const dvec3& sent_n,
@@ -216,9 +248,13 @@ class TickLoop {
   double rest_s_ = 0;     // lateness of the last tick beyond whole periods
   bool put_down_ = false, holder_known_ = false;
   std::atomic<Fault> fault_{Fault::kNone};  // written by the tick
-  bool pedal_released_ = false;             // since the fault
   bool soft_restart_ = false;
-  double now_s_ = 0;     // of the attempt, by the ticks that were due
+  Fault ride_ = Fault::kNone;  // what is being ridden out
+  double ride_since_s_ = 0, ride_ended_s_ = -kRideAgain_s;
+  double alive_since_s_ = 0;            // while a fault lasts
+  double last_late_s_ = -kRideAgain_s;  // or leaking hold
+  double cell_energy_j_ = 0;            // Kc/2 S^2
+  double now_s_ = 0;                    // of the attempt, by the ticks that were due
   double silent_s_ = 0;  // since the device last reported something new, by the clock
   std::array<double, kLateTicksPerSecond> late_at_s_{};  // ring of the last late ticks' times
   uint64_t late_count_ = 0;                              // since the last fault

@@ -69,6 +69,7 @@ json::object LoopFacts(const TickLoop& loop, const Device& device) {
           {"stale_ticks", counters.stale_ticks},
           {"bounded_ticks", counters.bounded_ticks},
           {"put_downs", counters.put_downs},
+          {"interruptions", counters.interruptions},
           {"leak_j", counters.leak_j},
           {"lateness", DurationFacts(loop.lateness())},
           {"tick", DurationFacts(loop.durations())},

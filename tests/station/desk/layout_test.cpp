@@ -11,6 +11,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
+#include "station/desk/problem_words.h"
 #include "station/desk/stop_sign.h"
 #include "station/render/panel.h"
 #include "tests/station/render/virtual_display.h"
@@ -376,9 +377,9 @@ void LayoutTest::ExpectPanel() {
       Expect("warning " + std::to_string(warning) + ", " + name, panel);
     }
     content.state.warnings = render::kWarnDisk | render::kWarnOffline | render::kWarnTime;
-    for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kUnplugged,
-                        Fault::kSwitchedOff}) {
-      content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(fault))}});
+    for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kTooSlow,
+                        Fault::kUnplugged, Fault::kSwitchedOff}) {
+      content.fault = FaultSentence(words, fault, Status::Ok());
       stop = StopOf(fault, false, false);
       content.bur_away.reset();
       Expect(std::string(FaultKey(fault)) + ", " + name, panel);

@@ -13,6 +13,7 @@ namespace {
 TEST(StopSignTest, EachFaultHasASignAndAFaultComesFirst) {
   EXPECT_EQ(StopOf(Fault::kUnplugged, false, false), Stop::kUnplugged);
   EXPECT_EQ(StopOf(Fault::kStalled, true, true), Stop::kUnplugged);
+  EXPECT_EQ(StopOf(Fault::kTooSlow, false, false), Stop::kUnplugged);
   EXPECT_EQ(StopOf(Fault::kSwitchedOff, false, false), Stop::kPower);
   for (Fault late : {Fault::kLateOnce, Fault::kLateOften}) {
     EXPECT_EQ(StopOf(late, false, true), Stop::kBusy);

@@ -244,28 +244,232 @@ TEST_F(TickLoopTest, AllocationGuardSeesAllocations) {
   EXPECT_EQ(guard.count(), 1u);
 }
 
-TEST_F(TickLoopTest, TickFiveMillisecondsLateFaultsUntilThePedalIsPressedAgain) {
+// --- interruptions ---
+
+// Into the block with the pedal down, until it pushes back.
+class InterruptedTest : public TickLoopTest {
+ protected:
+  void Touch(TickLoop& loop) {
+    for (int i = 0; i < 400 && device_.last_force.z < 0.2; ++i) loop.Tick();
+    ASSERT_GE(device_.last_force.z, 0.2);
+    Stay();
+  }
+  // Where it is.
+  void Stay() {
+    device_.start_z -= static_cast<int32_t>(device_.reads) * device_.step;
+    device_.step = 0;
+  }
+  void GoDown() {
+    device_.reads = 0;
+    device_.step = 1;
+  }
+  void LiftOut(TickLoop& loop, int ticks) {
+    device_.start_z = test::MakeBlockPlan().CountsAbove(300'000);
+    device_.reads = 0;
+    for (int i = 0; i < ticks; ++i) loop.Tick();
+  }
+};
+
+// The tip has not moved: what was stretched is gone, and what the hand does next is felt at once.
+TEST_F(InterruptedTest, ASingleShortOneIsRiddenOutInTheTooth) {
+  for (bool late : {false, true}) {
+    SCOPED_TRACE(late ? "a late tick" : "a silent device");
+    for (uint32_t delay : {0u, 2u}) {
+      SCOPED_TRACE(delay);
+      device_ = ScriptedDevice();
+      device_.sample.buttons = kPedal;
+      device_.start_z = test::MakeBlockPlan().CountsAbove(300'000);
+      device_.step = 1;
+      core::CoreParams params = params_;
+      params.bus_delay_ticks = delay;
+      core::Core core(params, volume_);
+      SampleRing ring(4000);
+      TickLoop loop(device_, core, ring, {1000, false, true});
+      Touch(loop);
+      Sample s;
+      while (ring.Pop(s)) {
+      }
+      if (late) {
+        loop.Tick(0.0082);
+        EXPECT_EQ(device_.last_force, dvec3(0));
+      } else {
+        device_.sample.fresh = false;
+        for (int i = 0; i < 40; ++i) loop.Tick();
+        EXPECT_EQ(device_.last_force, dvec3(0));
+        device_.sample.fresh = true;
+      }
+      EXPECT_EQ(loop.fault(), Fault::kNone);
+      GoDown();
+      for (int i = 0; i < 100; ++i) loop.Tick();
+      EXPECT_GT(device_.last_force.z, 0.1) << "still in the tooth";
+      uint64_t gaps = 0;
+      while (ring.Pop(s)) {
+        gaps += s.tick.input.gap_ticks;
+        EXPECT_FALSE(s.tick.input.flags & (core::kFaulted | core::kSoftRestart));
+        if (s.tick.input.gap_ticks > 0) EXPECT_FALSE(s.tick.input.flags & core::kHeldGap);
+      }
+      // Declared as it passed: the ticks of silence from the fifth on; those that were late, and those
+      // until the forces under way have ended.
+      EXPECT_EQ(gaps, late ? 8 + delay + 1 : 36);
+      EXPECT_EQ(loop.counters().interruptions, 1u);
+      EXPECT_EQ(loop.counters().faults, 0u);
+      EXPECT_EQ(loop.counters().passed_ticks(), loop.counters().ticks + gaps);
+    }
+  }
+}
+
+TEST_F(InterruptedTest, OneThatIsLongOrComesAgainWithinASecondIsAFault) {
   core::Core core(params_, volume_);
-  SampleRing ring(1000);
+  SampleRing ring(8000);
   TickLoop loop(device_, core, ring, {1000, false, true});
   device_.step = 0;
-  auto flags = [&](double late_s) {
-    loop.Tick(late_s);
-    Sample s;
-    EXPECT_TRUE(ring.Pop(s));
-    return s.tick.input.flags;
+  const auto silent = [&](int ticks) {
+    device_.sample.fresh = false;
+    for (int i = 0; i < ticks; ++i) loop.Tick();
+    device_.sample.fresh = true;
   };
-  EXPECT_EQ(flags(0), core::kBurOn);
-  EXPECT_EQ(flags(0.0012), core::kBurOn | core::kLateTick | core::kHeldGap);
-  EXPECT_TRUE(flags(0.006) & core::kFaulted);
-  EXPECT_EQ(device_.last_force, dvec3(0));
-  EXPECT_TRUE(flags(0) & core::kFaulted);  // the pedal is still down
-  device_.sample.buttons = 0;
-  EXPECT_TRUE(flags(0) & core::kFaulted);
-  device_.sample.buttons = kPedal;
-  EXPECT_EQ(flags(0), core::kBurOn | core::kSoftRestart);
-  EXPECT_EQ(flags(0), core::kBurOn);
-  EXPECT_EQ(loop.snapshot().counters.faults, 1u);
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) loop.Tick();
+  };
+  run(10);
+  silent(104);  // of which 100 without force
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  run(1100);
+  silent(106);
+  EXPECT_EQ(loop.fault(), Fault::kStalled);
+  run(300);
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  run(1100);
+  loop.Tick(0.006);
+  run(500);
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  loop.Tick(0.006);
+  EXPECT_EQ(loop.fault(), Fault::kLateOnce);
+  run(2000);
+  loop.Tick(0.12);
+  EXPECT_EQ(loop.fault(), Fault::kLateOnce) << "longer than is ridden out";
+  EXPECT_EQ(loop.counters().interruptions, 2u);
+  EXPECT_EQ(loop.counters().faults, 3u);
+}
+
+// Whatever the pedal does: force and cut come back in free air, and there by themselves.
+TEST_F(InterruptedTest, AFaultEndsByItselfAndForceReturnsInFreeAirAlone) {
+  for (bool held : {true, false}) {
+    device_ = ScriptedDevice();
+    device_.sample.buttons = kPedal;
+    device_.start_z = test::MakeBlockPlan().CountsAbove(300'000);
+    device_.step = 1;
+    core::Core core(params_, volume_);
+    SampleRing ring(8000);
+    TickLoop loop(device_, core, ring, {1000, false, true});
+    Touch(loop);
+    device_.sample.attached = device_.sample.fresh = false;
+    loop.Tick();
+    EXPECT_EQ(device_.last_force, dvec3(0));
+    EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+    for (int i = 0; i < 500; ++i) loop.Tick();
+    EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+    device_.sample.attached = device_.sample.fresh = true;
+    if (!held) device_.sample.buttons = 0;
+    // A quarter of a second alive, and no sooner.
+    for (int i = 0; i < 240; ++i) loop.Tick();
+    EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+    for (int i = 0; i < 20; ++i) loop.Tick();
+    EXPECT_EQ(loop.fault(), Fault::kNone);
+    const auto removed = core.removed();
+    GoDown();
+    for (int i = 0; i < 100; ++i) {
+      loop.Tick();
+      ASSERT_EQ(device_.last_force, dvec3(0)) << "still in the tooth";
+    }
+    EXPECT_EQ(core.removed(), removed);
+    Stay();
+    LiftOut(loop, 50);
+    device_.sample.buttons = kPedal;
+    GoDown();
+    for (int i = 0; i < 400 && device_.last_force.z < 0.2; ++i) loop.Tick();
+    EXPECT_GE(device_.last_force.z, 0.2);
+  }
+}
+
+TEST_F(InterruptedTest, TheFaultShownIsThePresentOne) {
+  core::Core core(params_, volume_);
+  SampleRing ring(8000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.step = 0;
+  const auto shows = [&](bool attached, bool driven, int ticks) {
+    device_.sample.attached = attached;
+    device_.sample.driven = driven;
+    for (int i = 0; i < ticks; ++i) loop.Tick();
+    return loop.fault();
+  };
+  device_.sample.fresh = false;
+  EXPECT_EQ(shows(true, true, 120), Fault::kStalled);
+  EXPECT_EQ(shows(false, true, 1), Fault::kUnplugged);
+  EXPECT_EQ(shows(true, true, 10), Fault::kStalled) << "back, and silent";
+  EXPECT_EQ(shows(true, false, 1), Fault::kSwitchedOff);
+  device_.sample.fresh = true;
+  EXPECT_EQ(shows(true, false, 500), Fault::kSwitchedOff);
+  EXPECT_EQ(shows(true, true, 300), Fault::kNone);
+  EXPECT_EQ(loop.counters().faults, 1u) << "one fault, however its cause changed";
+}
+
+// An adversary: it presses, goes deeper while there is no force, and takes what it can on the way out.
+TEST_F(InterruptedTest, AHandThatGoesDeeperDuringOneGainsNothing) {
+  std::mt19937 random(59);
+  for (int run = 0; run < 40; ++run) {
+    device_ = ScriptedDevice();
+    device_.sample.buttons = 0;  // a bur at rest: the tooth is a wall, which stores most
+    core::Core core(params_, volume_);
+    SampleRing ring(8);
+    TickLoop loop(device_, core, ring, {1000, false, true});
+    const int32_t above = test::MakeBlockPlan().CountsAbove(300'000);
+    int32_t z = above;
+    double work_j = 0, least_j = 0;
+    const auto go = [&](int32_t by) {
+      z += by;
+      // The force of the last tick is held while the tip moves.
+      work_j -= device_.last_force.z * by * params_.resolution_nm[2] * 1e-9;
+      least_j = std::min(least_j, work_j + loop.counters().leak_j);
+      device_.reads = 0;
+      if (device_.sample.fresh) device_.start_z = z;
+      loop.Tick();
+      for (Sample s; ring.Pop(s);) {
+      }
+    };
+    for (int i = 0; i < 70; ++i) go(-1);
+    const int silent = 6 + static_cast<int>(random() % 80);
+    device_.sample.fresh = false;
+    for (int i = 0; i < silent; ++i) go(i % 4 == 0 ? -1 : 0);
+    device_.sample.fresh = true;
+    while (z < above) go(1);
+    EXPECT_EQ(loop.counters().interruptions, 1u);
+    EXPECT_EQ(loop.fault(), Fault::kNone);
+    const double cell_m = core::TipCellOf(params_).Radius();
+    EXPECT_GE(least_j, -0.5 * params_.kc_mn_per_mm * cell_m * cell_m - 1e-12) << run;
+  }
+}
+
+// It reports every fourth tick and moves quickly in the tooth: each hold leaks.
+TEST_F(InterruptedTest, ADeviceThatReportsTooSeldomForItsStiffnessIsStopped) {
+  for (const double damping : {0.0, 1e6}) {
+    core::Core core(params_, volume_);
+    SampleRing ring(4000);
+    TickLoop loop(device_, core, ring, {1000, false, true, damping});
+    device_.step = 0;
+    int ticks = 0;
+    for (; ticks < 1000 && loop.fault() == Fault::kNone; ++ticks) {
+      device_.sample.fresh = ticks % 4 == 0;
+      if (device_.sample.fresh) device_.sample.counts[0] = (ticks / 4) % 2 * 10;
+      loop.Tick();
+    }
+    if (damping == 0) {
+      EXPECT_EQ(loop.fault(), Fault::kTooSlow);
+      EXPECT_LE(ticks, 4 * (TickLoop::kLateTicksPerSecond + 3));
+    } else {
+      EXPECT_EQ(loop.fault(), Fault::kNone) << "damping pays for such holds";
+    }
+  }
 }
 
 // A person looks from another side while the bur rests on the tooth.
@@ -307,15 +511,18 @@ TEST_F(TickLoopTest, ManyLateTicksInASecondFault) {
   EXPECT_EQ(loop.fault(), Fault::kLateOften);
 }
 
-TEST_F(TickLoopTest, DeviceThatSaysNothingNewForFiveMillisecondsFaults) {
+TEST_F(TickLoopTest, DeviceThatSaysNothingNewForFiveMillisecondsHasNoForce) {
   core::Core core(params_, volume_);
   SampleRing ring(1000);
   TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 400 && device_.last_force.z < 0.2; ++i) loop.Tick();
   device_.sample.fresh = false;
+  device_.start_z -= static_cast<int32_t>(device_.reads) * device_.step;
+  device_.step = 0;
   for (int i = 0; i < 4; ++i) loop.Tick();
-  EXPECT_EQ(loop.fault(), Fault::kNone);
+  EXPECT_GT(device_.last_force.z, 0);
   for (int i = 0; i < 2; ++i) loop.Tick();
-  EXPECT_EQ(loop.fault(), Fault::kStalled);
+  EXPECT_EQ(device_.last_force, dvec3(0));
 }
 
 TEST_F(TickLoopTest, TwentyLateTicksSpreadOverMoreThanASecondDoNotFault) {
@@ -362,43 +569,6 @@ TEST_F(TickLoopTest, UnpluggedMidCutCommandsZeroInTheTickThatSeesIt) {
   EXPECT_LE(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)] -
                 removed[static_cast<size_t>(cutting::Tissue::kGypsum)],
             65536 * 200);
-  // While it is away, pressing the pedal does not help.
-  device_.sample.buttons = 0;
-  loop.Tick();
-  device_.sample.buttons = kPedal;
-  for (int i = 0; i < 5; ++i) loop.Tick();
-  EXPECT_EQ(loop.fault(), Fault::kUnplugged);
-  // Back: the pedal is already down and counts only when pressed again with the device attached.
-  device_.sample.attached = device_.sample.fresh = true;
-  device_.sample.buttons = 0;
-  loop.Tick();
-  EXPECT_EQ(loop.snapshot().fault, Fault::kUnplugged);
-  device_.sample.buttons = kPedal;
-  loop.Tick();
-  EXPECT_EQ(loop.snapshot().fault, Fault::kNone);
-}
-
-TEST_F(TickLoopTest, APedalThatWentAwayWithItsDeviceWasNotReleased) {
-  core::Core core(params_, volume_);
-  SampleRing ring(4000);
-  TickLoop loop(device_, core, ring, {1000, false, true});
-  device_.step = 0;
-  auto tick = [&](bool attached, bool pedal) {
-    device_.sample.attached = device_.sample.fresh = attached;
-    device_.sample.buttons = pedal ? kPedal : 0;
-    loop.Tick();
-  };
-  // Released before unplugging, and back with the foot on it: the press was not seen.
-  tick(true, true);
-  loop.Tick(0.006);
-  tick(true, false);
-  ASSERT_EQ(loop.fault(), Fault::kLateOnce);
-  for (int i = 0; i < 3; ++i) tick(false, false);
-  for (int i = 0; i < 3; ++i) tick(true, true);
-  EXPECT_NE(loop.fault(), Fault::kNone);
-  tick(true, false);
-  tick(true, true);
-  EXPECT_EQ(loop.fault(), Fault::kNone);
 }
 
 TEST_F(TickLoopTest, StalledDeviceHasZeroForceTwentyMillisecondsAfterItsLastSample) {
@@ -419,11 +589,9 @@ TEST_F(TickLoopTest, StalledDeviceHasZeroForceTwentyMillisecondsAfterItsLastSamp
     device.step = 0;
     for (uint32_t i = 0; i < rate / 50; ++i) loop.Tick();  // 20 ms
     EXPECT_EQ(device.last_force, dvec3(0)) << rate;
+    for (uint32_t i = 0; i < rate / 10; ++i) loop.Tick();
     EXPECT_EQ(loop.fault(), Fault::kStalled) << rate;
-    Sample s;
-    while (ring.Pop(s)) {
-    }
-    EXPECT_EQ(s.tick.witness.force_sent_mn, (std::array<int32_t, 3>{0, 0, 0}));
+    EXPECT_EQ(device.last_force, dvec3(0)) << rate;
   }
 }
 
@@ -439,7 +607,7 @@ TEST_F(TickLoopTest, FaultKeepsTheTicksThatLedToIt) {
     inputs.push_back(s.tick.input);
   };
   for (int i = 0; i < 100; ++i) tick(0);
-  tick(0.007);
+  tick(0.107);
   ASSERT_EQ(loop.fault_records().size(), 1u);
   const FaultRecord& record = loop.fault_records()[0];
   EXPECT_EQ(record.fault, Fault::kLateOnce);
@@ -448,7 +616,7 @@ TEST_F(TickLoopTest, FaultKeepsTheTicksThatLedToIt) {
   for (size_t i = 0; i < record.count; ++i) {
     EXPECT_EQ(record.ticks[i].input, inputs[inputs.size() - record.count + i]);
   }
-  EXPECT_EQ(record.ticks.back().late_s, 0.007);
+  EXPECT_EQ(record.ticks.back().late_s, 0.107);
   EXPECT_EQ(record.ticks.back().force_sent_n, dvec3(0));
   EXPECT_NE(std::string(FaultText(record.fault)), "");
 }
@@ -616,36 +784,29 @@ TEST_F(TickLoopTest, PutDownInTheMiddleForceAndBurGoOffAndComeBackSoftlyWhenItIs
   }
 }
 
-TEST_F(TickLoopTest, ADeviceThatSwitchedItsForceOffHasNoneUntilThePedalIsPressedAgain) {
+TEST_F(InterruptedTest, ADeviceThatSwitchedItsMotorsOffHasNoForceUntilItDrivesAndIsInFreeAir) {
   core::Core core(params_, volume_);
   SampleRing ring(4000);
   device_.still_s = 0.05;
   device_.step = 0;
   TickLoop loop(device_, core, ring, {1000, false, true});
   for (int i = 0; i < 60; ++i) loop.Tick();
-  device_.reads = 0;
-  device_.step = 1;
-  for (int i = 0; i < 200 && device_.last_force.z < 0.2; ++i) loop.Tick();
-  ASSERT_GE(device_.last_force.z, 0.2);
-  device_.start_z -= static_cast<int32_t>(device_.reads);
-  device_.step = 0;
+  GoDown();
+  Touch(loop);
   device_.sample.driven = false;
   loop.Tick();
   EXPECT_EQ(loop.fault(), Fault::kSwitchedOff);
   EXPECT_EQ(device_.last_force, dvec3(0));
-  // It drives again: the pedal has been down all the time.
   device_.sample.driven = true;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 400; ++i) {
     loop.Tick();
     ASSERT_EQ(device_.last_force, dvec3(0));
   }
-  EXPECT_EQ(loop.fault(), Fault::kSwitchedOff);
-  device_.sample.buttons = 0;
-  loop.Tick();
-  device_.sample.buttons = kPedal;
-  loop.Tick();
   EXPECT_EQ(loop.fault(), Fault::kNone);
-  EXPECT_EQ(device_.last_force, dvec3(0));  // in the tooth: not before it was in free air
+  LiftOut(loop, 200);
+  GoDown();
+  for (int i = 0; i < 400 && device_.last_force.z < 0.2; ++i) loop.Tick();
+  EXPECT_GE(device_.last_force.z, 0.2);
 }
 
 // --- time ---
@@ -772,7 +933,7 @@ TEST_F(TickLoopTest, SilenceIsWhatPassedByTheClockHoweverLateTheTicksAre) {
       Sample s;
       ring.Pop(s);
       const bool silent = now_us - last_report_us >= 5000;
-      ASSERT_EQ(loop.fault() == Fault::kStalled, silent) << "seed " << seed << ", tick " << i;
+      ASSERT_EQ(loop.counters().interruptions > 0, silent) << "seed " << seed << ", tick " << i;
       if (silent) {
         ++faults;
         break;
