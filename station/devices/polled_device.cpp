@@ -1,8 +1,13 @@
 #include "station/devices/polled_device.h"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+
+#include "station/devices/trouble.h"
 
 namespace enamel::station {
 namespace {
@@ -13,6 +18,7 @@ constexpr int kRepeat_ms = 4;
 // Time for the loop to answer a pose, before a force that does not is sent again.
 constexpr int64_t kSilence_us = 1'000;
 constexpr double kMostCounts = 2147483647.0;
+constexpr double kFarthest_m = 10;  // no arm reaches
 
 int64_t Now_ns() {
   using namespace std::chrono;
@@ -20,6 +26,23 @@ int64_t Now_ns() {
 }
 
 int64_t Now_us() { return Now_ns() / 1000; }
+
+// Within a tenth of unit length, as a board's (haptic_board.cpp). Comparisons with what is not a number
+// fail.
+bool IsTurn(const Quat& q) {
+  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  return square > 0.81 && square < 1.21;
+}
+
+bool IsPose(const PolledBus::Pose& pose) {
+  return Dot(pose.tip_m, pose.tip_m) < kFarthest_m * kFarthest_m && IsTurn(pose.orientation);
+}
+
+// Looking for a device takes the processor for milliseconds, which the tick's priority must not give it.
+void TakeOrdinaryPriority() {
+  const sched_param ordinary{};
+  (void)::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
+}
 
 }  // namespace
 
@@ -40,7 +63,7 @@ scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept {
 }
 
 PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
-                           std::function<void()> thread_setup)
+                           std::function<void()> thread_setup, ReopenBus reopen)
     : bus_(std::move(bus)),
       name_(bus_->Name()),
       driver_(bus_->Driver()),
@@ -48,12 +71,18 @@ PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
       answers_(bus_->answers()),
       resolution_m_(resolution_m),
       thread_setup_(std::move(thread_setup)),
+      reopen_(std::move(reopen)),
+      keeper_(kRepeat_ms),
       thread_([this] { Run(); }) {
   ENAMEL_CHECK(resolution_m > 0);
 }
 
 PolledDevice::~PolledDevice() {
-  stop_ = true;
+  {
+    MutexLock lock(mutex_);
+    stop_ = true;
+    stopping_.notify_all();
+  }
   force_signal_.Post();
   thread_.join();
 }
@@ -86,36 +115,59 @@ std::optional<scene::AnswerTime> PolledDevice::answer_time() const noexcept {
   return AnswerTimeOf(answers_ns_);
 }
 
-void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
-  if (published_ == 0) centre_m_ = pose.tip_m;
+Status PolledDevice::problem() const {
+  MutexLock lock(mutex_);
+  return problem_;
+}
+
+void PolledDevice::Note(const Status& problem) {
+  MutexLock lock(mutex_);
+  problem_ = problem;
+}
+
+void PolledDevice::Publish(bool attached) {
+  if (published_ == 0) centre_m_ = pose_.tip_m;
   Message m;
   for (int i = 0; i < 3; ++i) {
-    double counts = (pose.tip_m[i] - centre_m_[i]) / resolution_m_;
+    double counts = (pose_.tip_m[i] - centre_m_[i]) / resolution_m_;
     m.sample.counts[static_cast<size_t>(i)] =
         static_cast<int32_t>(std::lround(std::clamp(counts, -kMostCounts, kMostCounts)));
   }
-  m.sample.orientation = ToQuantised(pose.orientation);
+  m.sample.orientation = ToQuantised(pose_.orientation);
   m.sample.attached = attached;
-  m.sample.driven = pose.driven;
-  if (attached && pose.pedal) {
+  m.sample.driven = pose_.driven;
+  if (attached && pose_.pedal) {
     m.sample.buttons = kPedal;
     m.sample.bur_speed_krpm = kTurbineSpeed_krpm;
   }
-  if (attached && pose.second) m.sample.buttons |= kSecond;
+  if (attached && pose_.second) m.sample.buttons |= kSecond;
   m.number = ++published_;
   m.sample.sequence = static_cast<uint32_t>(m.number);
   poses_.Write(m);
 }
 
+// Whether a hand can be there.
+bool PolledDevice::IsReached(const dvec3& tip_m) {
+  const auto near = [&](const dvec3& other_m) {
+    const dvec3 d = tip_m - other_m;
+    return Dot(d, d) < kFar_m * kFar_m;
+  };
+  agreeing_ = near(read_m_) ? agreeing_ + 1 : 0;
+  read_m_ = tip_m;
+  return !posed_ || near(pose_.tip_m) || agreeing_ >= kAgreeing;
+}
+
 // False: the device no longer answers. Makes `asked_ns` earlier if the answer is to an earlier question.
-bool PolledDevice::Hear(PolledBus::Pose& pose, int64_t& asked_ns) {
+bool PolledDevice::Hear(int64_t& asked_ns) {
   PolledBus::Pose read;
   const PolledBus::Heard heard = bus_->Read(read);
-  if (heard == PolledBus::Heard::kPose && std::isfinite(Dot(read.tip_m, read.tip_m))) {
-    pose = read;
-    Publish(pose, true);
+  if (heard == PolledBus::Heard::kPose && IsPose(read) && IsReached(read.tip_m)) {
+    pose_ = read;
+    posed_ = true;
+    posed_us_ = Now_us();
+    Publish(true);
     ++samples_;
-    if (pose.asked_ns > 0) asked_ns = std::min(asked_ns, pose.asked_ns);
+    if (read.asked_ns > 0) asked_ns = std::min(asked_ns, read.asked_ns);
   } else if (heard == PolledBus::Heard::kPose || heard == PolledBus::Heard::kRefused) {
     ++refused_;
   }
@@ -124,10 +176,10 @@ bool PolledDevice::Hear(PolledBus::Pose& pose, int64_t& asked_ns) {
 
 // The newest force, once it is one that the loop computed from the newest pose. A force from the pose before
 // that, sent at once after an answer of several ticks, would make the delay two such answers.
-PolledDevice::Force PolledDevice::AwaitForce(const ForceKeeper& keeper) {
+PolledDevice::Force PolledDevice::AwaitForce() {
   const int64_t begin_us = Now_us();
   const int64_t until_us =
-      std::max(begin_us + keeper.WaitFor_us(begin_us), heard_us_ + kSilence_us);
+      std::max(begin_us + keeper_.WaitFor_us(begin_us), heard_us_ + kSilence_us);
   while (true) {
     const Force newest = forces_.Read();
     const int64_t left_us = until_us - Now_us();
@@ -137,35 +189,79 @@ PolledDevice::Force PolledDevice::AwaitForce(const ForceKeeper& keeper) {
   }
 }
 
-void PolledDevice::Run() {
-  if (thread_setup_) thread_setup_();
-  ForceKeeper keeper(kRepeat_ms);
-  PolledBus::Pose pose;
+// Until the device is away, or this ends.
+void PolledDevice::Serve() {
+  constexpr int64_t kSilentFor_us = std::chrono::microseconds(kSilentFor).count();
   bool here = true;
+  posed_ = false;
+  posed_us_ = Now_us();
   while (!stop_ && here) {
-    const Force newest = answers_ ? AwaitForce(keeper) : forces_.Read();
+    const Force newest = answers_ ? AwaitForce() : forces_.Read();
     taken_ = newest.number;
     int64_t asked_ns = Now_ns();
-    const int64_t now = asked_ns / 1000;
-    keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
-    const auto command = keeper.Next(now);
+    const int64_t now_us = asked_ns / 1000;
+    if (reopen_ && now_us - posed_us_ > kSilentFor_us) {
+      return Note(Status(Code::kUnavailable, name_ + " does not answer", trouble::kSilent));
+    }
+    keeper_.Take(newest.newtons, newest.number, now_us, newest.newton_metres);
+    const auto command = keeper_.Next(now_us);
     if (command) {
       here = bus_->SendWithTorque(command->force_n, command->torque_n_m);
       writes_ += here;
     }
-    // Unasked, a device that only answers would be waited for in vain.
+    // Nothing was sent, so nothing will answer.
     if (!here || (answers_ && !command)) continue;
-    here = Hear(pose, asked_ns);
+    here = Hear(asked_ns);
     if (!answers_) continue;
     const int64_t heard_ns = Now_ns();
     answers_ns_.Add(heard_ns - asked_ns);
     heard_us_ = heard_ns / 1000;
   }
-  if (!here) {
-    Publish(pose, false);
-    ++detached_;
+  if (!here) Note(Status(Code::kUnavailable, name_ + " is detached", trouble::kNotAttached));
+}
+
+void PolledDevice::Wait(std::chrono::milliseconds duration) {
+  MutexLock lock(mutex_);
+  stopping_.wait_for(mutex_, duration, [this] { return stop_.load(); });
+}
+
+Status PolledDevice::CheckUnit(const PolledBus& bus) const {
+  const std::string found = bus.Unit();
+  if (found == unit_) return Status::Ok();
+  return Status(Code::kConflict,
+                "expected " + name_ + " (" + unit_ + "), with which this began, found " +
+                    bus.Name() + " (" + found + "): connect that one, to the socket where it was",
+                trouble::kOtherUnit);
+}
+
+// The bus of the same unit, once it is back; null: this ends.
+std::unique_ptr<PolledBus> PolledDevice::Reopened() {
+  TakeOrdinaryPriority();
+  for (auto wait = kFirstWait; !stop_; wait = std::min(2 * wait, kLongestWait)) {
+    Wait(wait);
+    if (stop_) break;
+    auto opened = reopen_();
+    Status found = opened.ok() ? CheckUnit(**opened) : opened.status();
+    Note(found);
+    if (!found.ok()) continue;
+    if (thread_setup_) thread_setup_();
+    return std::move(*opened);
   }
-  (void)bus_->SendWithTorque(dvec3(0), dvec3(0));
+  return nullptr;
+}
+
+void PolledDevice::Run() {
+  if (thread_setup_) thread_setup_();
+  while (bus_ != nullptr) {
+    Serve();
+    (void)bus_->SendWithTorque(dvec3(0), dvec3(0));
+    if (stop_) return;
+    Publish(false);
+    ++detached_;
+    // Closed first: many devices can be opened once only.
+    bus_.reset();
+    if (reopen_) bus_ = Reopened();
+  }
 }
 
 }  // namespace enamel::station

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "common/base/triple_buffer.h"
 #include "station/devices/device.h"
 #include "station/devices/duration_histogram.h"
@@ -52,18 +55,36 @@ class PolledBus {
 // Of the times between questions and whole answers.
 scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept;
 
+// Opens the bus again after the device went away. Errors: the driver's, with what to do.
+using ReopenBus = std::function<Result<std::unique_ptr<PolledBus>>()>;
+
 // Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
 // values with the tick. A device that only answers has one exchange for each tick in which the loop has
-// seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not renewed falls to 0 (ForceKeeper).
-// A pose that is not finite is left out and counted as refused. Once detached it stays detached, with
-// force 0.
-// Real-time: ReadSample and the Sends are safe. The destructor sends 0.
+// seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not
+// renewed falls to 0 (ForceKeeper). What is no pose is left out and counted as refused: not finite,
+// farther than 10 m, or an orientation that is no turn. So is a jump of more than kFar, until kAgreeing
+// poses in a row agree on it: noise seldom does. The loop has no force by then.
+//
+// A device that is detached, or gives no pose for kSilentFor, is away: `attached` is false and its bus is
+// closed with force 0. With `reopen` the bus is then opened again, after kFirstWait and each time twice as
+// long, up to kLongestWait, until the same unit is back. Its middle stays, so the scene does not move.
+// Until then problem() says why not, "other_unit" included.
+//
+// Real-time: ReadSample and the Sends are safe. The destructor sends 0. It waits for an exchange, or for a
+// bus that is being opened.
 class PolledDevice final : public MotorDevice {
  public:
+  static constexpr std::chrono::milliseconds kSilentFor{1000};
+  static constexpr std::chrono::milliseconds kFirstWait{50}, kLongestWait{400};
+  // 4 m/s from one pose to another 5 ms later, faster than a hand at a tooth.
+  static constexpr double kFar_m = 0.02;
+  static constexpr int kAgreeing = 8;
+
   // `resolution_m`: edge of a count, from the device profile. The first pose read is the centre.
-  // `thread_setup` is called when the thread begins; it may be empty.
+  // `thread_setup` is called when the thread begins, and again with each bus; it may be empty, as may
+  // `reopen`: then a device that went away stays away.
   PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
-               std::function<void()> thread_setup = {});
+               std::function<void()> thread_setup = {}, ReopenBus reopen = {});
   ~PolledDevice() override;
 
   std::string Name() const override { return name_; }
@@ -74,6 +95,7 @@ class PolledDevice final : public MotorDevice {
                                           const dvec3& torque_n_m) noexcept override;
   DeviceCounters counters() const noexcept override;
   std::optional<scene::AnswerTime> answer_time() const noexcept override;
+  Status problem() const override;
 
  private:
   struct Message {
@@ -87,25 +109,41 @@ class PolledDevice final : public MotorDevice {
   };
 
   void Run();
-  Force AwaitForce(const ForceKeeper& keeper);
-  bool Hear(PolledBus::Pose& pose, int64_t& asked_ns);
-  void Publish(const PolledBus::Pose& pose, bool attached);
+  void Serve();
+  std::unique_ptr<PolledBus> Reopened();
+  Status CheckUnit(const PolledBus& bus) const;
+  void Wait(std::chrono::milliseconds duration);
+  void Note(const Status& problem);
+  Force AwaitForce();
+  bool Hear(int64_t& asked_ns);
+  bool IsReached(const dvec3& tip_m);
+  void Publish(bool attached);
 
-  const std::unique_ptr<PolledBus> bus_;
+  std::unique_ptr<PolledBus> bus_;  // the thread's
   const std::string name_, driver_, unit_;
   const bool answers_;
   const double resolution_m_;
   const std::function<void()> thread_setup_;
+  const ReopenBus reopen_;
   TripleBuffer<Message> poses_;
   TripleBuffer<Force> forces_;
   ForceSignal force_signal_;
   std::atomic<bool> stop_{false};
+  mutable Mutex mutex_;
+  std::condition_variable_any stopping_;
+  Status problem_ ENAMEL_GUARDED_BY(mutex_);
   std::atomic<uint64_t> samples_{0}, refused_{0}, writes_{0}, detached_{0};
   DurationHistogram answers_ns_;
   // Owned by the thread.
+  ForceKeeper keeper_;
+  PolledBus::Pose pose_;  // the newest
+  dvec3 read_m_{0};       // the newest tip that was read, taken or not
+  int agreeing_ = 0;      // poses in a row that were near the one before
+  bool posed_ = false;    // since the bus was opened
   dvec3 centre_m_{0};
-  int64_t heard_us_ = 0;
-  uint64_t taken_ = 0;  // number of the newest force that was sent or due
+  int64_t heard_us_ = 0;  // when the newest exchange ended
+  int64_t posed_us_ = 0;  // when the newest pose came
+  uint64_t taken_ = 0;    // number of the newest force that was sent or due
   uint64_t published_ = 0;
   // Owned by the tick.
   uint64_t seen_ = 0, sent_ = 0;

@@ -23,6 +23,9 @@ struct Driver {
   Status (*library)() = nullptr;  // whether the maker's library can be loaded; null: it needs none
 };
 
+// Of BusChoice::for_hand, for a device that comes back in the middle of an attempt.
+constexpr std::chrono::milliseconds kHandAgain{1'000};
+
 constexpr std::array kDrivers = {
     Driver{"dhd", OpenForceDimension, FindForceDimension, false, LoadForceDimension},
     Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics, false, LoadOpenHaptics},
@@ -48,10 +51,13 @@ Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoi
   wanted.peak_n = static_cast<double>(profile.peak_force_mn.value) * 1e-3;
   wanted.reach_m = static_cast<double>(profile.workspace_radius_um.value) * 1e-6;
   ENAMEL_ASSIGN_OR_RETURN(auto bus, driver.open(wanted));
+  // Tried again and again, so that no try need wait long.
+  wanted.for_hand = kHandAgain;
   const double resolution_m = scene::CountNm(profile) * 1e-9;
+  // A bus may wait: a thread polls, the tick takes the latest.
   return std::unique_ptr<Device>(
-      // A bus may wait: a thread polls, the tick takes the latest.
-      std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup));
+      std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup,
+                                     [open = driver.open, wanted] { return open(wanted); }));
 }
 
 }  // namespace

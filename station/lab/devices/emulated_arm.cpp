@@ -26,6 +26,9 @@ std::chrono::microseconds EmulatedArm::Wait() {
 
 Bytes EmulatedArm::Through(Bytes answer) {
   if (mute_) return {};
+  if (garble_) {
+    for (uint8_t& byte : answer) byte = static_cast<uint8_t>(random_());
+  }
   if (answer.size() > left_) {
     answer.resize(left_);
     cut_ = true;

@@ -34,24 +34,33 @@ class EmulatedArm {
   // After so many more bytes of answers no more come.
   void CutAfter(size_t bytes);
   bool is_cut() const { return cut_; }
-  // The cable is pulled.
+  // Answers from now on are noise of the same length.
+  void Garble(bool garble) { garble_ = garble; }
+  // The cable is pulled, and put back.
   virtual void Unplug() = 0;
+  virtual void Plug() = 0;
+  // Its power is switched off and on. Somebody makes it usable again, where it needs a hand.
+  virtual void SwitchOff() { Unplug(); }
+  virtual void SwitchOn() { Plug(); }
+  // After Unplug: another unit of its kind is in its place. False: nothing tells two units apart.
+  virtual bool PlugOther() { return false; }
 
  protected:
   // The part of an answer that still gets through; to be called under mutex_.
   Bytes Through(Bytes answer);
+  bool is_garbled() const { return garble_; }
   // How long the next request waits; not to be called under mutex_.
   std::chrono::microseconds Wait();
 
   mutable std::mutex mutex_;
   std::array<int, 3> told_{};
   std::atomic<uint64_t> requests_{0};
+  std::mt19937 random_{39};  // under mutex_
 
  private:
-  std::atomic<bool> mute_{false}, cut_{false};
+  std::atomic<bool> mute_{false}, cut_{false}, garble_{false};
   size_t left_ = SIZE_MAX;  // bytes until the cut
   std::chrono::microseconds delay_{0}, jitter_{0};
-  std::mt19937 random_{39};
 };
 
 }  // namespace enamel::station::lab

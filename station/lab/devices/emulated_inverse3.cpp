@@ -26,6 +26,7 @@ using asio::ip::tcp;
 using Error = boost::system::error_code;
 
 constexpr const char* kId = "049D";
+constexpr const char* kOtherId = "0BAD";
 
 // A server's text frame, written here by hand so that it can be cut at any byte.
 Bytes FrameOf(const std::string& text) {
@@ -53,7 +54,9 @@ struct EmulatedInverse3::Service {
     bool commands = false;  // it has sent a force
   };
 
-  explicit Service(EmulatedInverse3& of) : arm(of) {
+  // `port` 0: any.
+  Service(EmulatedInverse3& of, uint16_t port)
+      : arm(of), acceptor(context, {asio::ip::address_v4::loopback(), port}) {
     Accept();
     thread = std::thread([this] { context.run(); });
   }
@@ -104,7 +107,7 @@ struct EmulatedInverse3::Service {
     ++arm.requests_;
     const json::value& device = message.at("inverse3").at(0);
     bool takes = false;
-    if (device.at("device_id") == kId) {
+    if (device.at("device_id").as_string() == id) {
       const json::object& force = device.at("commands").at("set_cursor_force").as_object();
       if (const json::value* f = force.if_contains(form)) {
         takes = session.commands = true;
@@ -114,8 +117,8 @@ struct EmulatedInverse3::Service {
         arm.told_ = {mn("x"), mn("y"), mn("z")};
       }
     }
-    Bytes answer = garbled ? FrameOf("{\"inverse3\":")
-                           : FrameOf(json::serialize(Message(session, false, takes)));
+    Bytes answer = truncated ? FrameOf("{\"inverse3\":")
+                             : FrameOf(json::serialize(Message(session, false, takes)));
     Send(session, arm.Through(std::move(answer)));
   }
 
@@ -131,7 +134,7 @@ struct EmulatedInverse3::Service {
     is["in_use"] = std::any_of(sessions.begin(), sessions.end(), [&](const auto& other) {
       return other.get() != &session && other->commands;
     });
-    json::object device{{"device_id", kId}, {"state", state}, {"status", is}};
+    json::object device{{"device_id", id}, {"state", state}, {"status", is}};
     if (full) {
       device["config"] = {
           {"type", "inverse3"},
@@ -154,20 +157,20 @@ struct EmulatedInverse3::Service {
 
   EmulatedInverse3& arm;
   asio::io_context context{1};
-  tcp::acceptor acceptor{context, {asio::ip::address_v4::loopback(), 0}};
+  tcp::acceptor acceptor;
   std::set<std::shared_ptr<Session>> sessions;
   std::thread thread;
 
   // Guarded by arm.mutex_.
   dvec3 tip_m{0, 0.15, 0.1};
   std::array<double, 4> grip{-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // points down
-  bool button = false, wireless = false, garbled = false, connected = true;
-  std::string form = "vector", session_id = "1";
+  bool button = false, wireless = false, truncated = false, connected = true;
+  std::string id = kId, form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
   double damping = 0;
 };
 
-EmulatedInverse3::EmulatedInverse3() : service_(std::make_unique<Service>(*this)) {
+EmulatedInverse3::EmulatedInverse3() : service_(std::make_unique<Service>(*this, 0)) {
   port_ = service_->acceptor.local_endpoint().port();
 }
 
@@ -179,6 +182,20 @@ void EmulatedInverse3::Unplug() {
   Error ignored;
   service_->acceptor.close(ignored);
   for (const auto& session : service_->sessions) session->stream.next_layer().close(ignored);
+}
+
+void EmulatedInverse3::Plug() {
+  auto again = std::make_unique<Service>(*this, port_);
+  std::lock_guard lock(mutex_);
+  again->tip_m = service_->tip_m;
+  service_ = std::move(again);
+}
+
+bool EmulatedInverse3::PlugOther() {
+  Plug();
+  std::lock_guard lock(mutex_);
+  service_->id = kOtherId;
+  return true;
 }
 
 void EmulatedInverse3::Lower(int steps) { Set({0, 0.15, 0.1 - 40e-6 * steps}); }
@@ -215,9 +232,9 @@ void EmulatedInverse3::Restart() {
   service_->session_id = "2";
 }
 
-void EmulatedInverse3::Garble(bool garble) {
+void EmulatedInverse3::Truncate(bool truncate) {
   std::lock_guard lock(mutex_);
-  service_->garbled = garble;
+  service_->truncated = truncate;
 }
 
 void EmulatedInverse3::Disconnect() {

@@ -21,8 +21,12 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Lower(int steps) override;
   // About: the coordinates' digits differ.
   size_t answer_bytes() const override { return 400; }
-  // The service ends: its sessions and its port are closed.
+  // The service ends: its sessions and its port are closed. It begins again with the same port.
   void Unplug() override;
+  void Plug() override;
+  void SwitchOff() override { Status("power_supply", false); }
+  void SwitchOn() override { Status("power_supply", true); }
+  bool PlugOther() override;
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
   // Tip, m.
@@ -38,7 +42,7 @@ class EmulatedInverse3 final : public EmulatedArm {
   // From now on messages are of another session, as after a restart.
   void Restart();
   // Answers from now on are text that is no JSON.
-  void Garble(bool garble);
+  void Truncate(bool truncate);
   // No device is connected to the service.
   void Disconnect();
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "common/base/check.h"
 
@@ -41,6 +42,23 @@ void DoubledArm::Lower(int steps) {
 
 void DoubledArm::Unplug() {
   With([](State& s) { s.there = false; });
+}
+
+void DoubledArm::Plug() {
+  With([&](State& s) {
+    s.serial -= std::exchange(is_other_, false);
+    s.there = true;
+    s.motors = false;
+  });
+}
+
+bool DoubledArm::PlugOther() {
+  With([&](State& s) {
+    s.serial += !std::exchange(is_other_, true);
+    s.there = true;
+    s.motors = false;
+  });
+  return true;
 }
 
 std::array<int, 3> DoubledArm::told() const {
@@ -88,6 +106,9 @@ BehindLibrary::Line DoubledArm::Read(Pose& out) {
     return Line::kSilent;
   }
   out = state_;
+  if (is_garbled()) {
+    for (double& x : out.position) x = std::ldexp(static_cast<int32_t>(random_()), -8);
+  }
   ++state_.reads;
   return Line::kHere;
 }

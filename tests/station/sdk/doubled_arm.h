@@ -31,6 +31,8 @@ class DoubledArm final : public lab::EmulatedArm, private BehindLibrary {
   // Of a call.
   size_t answer_bytes() const override { return 1; }
   void Unplug() override;
+  void Plug() override;
+  bool PlugOther() override;
   std::array<int, 3> told() const override;
 
   State Get() const;
@@ -58,6 +60,7 @@ class DoubledArm final : public lab::EmulatedArm, private BehindLibrary {
   const std::string driver_;
   SetBehindLibrary set_;
   mutable State state_;
+  bool is_other_ = false;    // under mutex_
   Clock::time_point fed_{};  // when the device had its last force
 };
 

@@ -38,6 +38,11 @@ std::string OwnFile() {
 
 EmulatedHidArm::EmulatedHidArm(bool polhem)
     : polhem_(polhem), path_(OwnFile()), counters_(polhem ? kPolhemStart : kWoodenStart) {
+  Plug();
+  thread_ = std::thread([this] { Run(); });
+}
+
+void EmulatedHidArm::Plug() {
   ScriptedHid device;
   device.path = path_;
   device.vendor = 0x1234;
@@ -49,7 +54,6 @@ EmulatedHidArm::EmulatedHidArm(bool polhem)
     return Bytes{};
   };
   HidBus::Get().Plug(device);
-  thread_ = std::thread([this] { Run(); });
 }
 
 EmulatedHidArm::~EmulatedHidArm() {
@@ -147,13 +151,18 @@ Bytes EmulatedHidArm::Answer(ByteView report) {
   return Through(std::move(answer));
 }
 
-EmulatedSerialArm::EmulatedSerialArm()
-    : master_(std::make_unique<Fd>(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC))) {
+EmulatedSerialArm::EmulatedSerialArm() { Plug(); }
+
+void EmulatedSerialArm::Plug() {
+  master_ = std::make_unique<Fd>(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
   ENAMEL_CHECK(master_->get() >= 0 && ::grantpt(master_->get()) == 0 &&
                ::unlockpt(master_->get()) == 0);
-  path_ = ::ptsname(master_->get());
+  const std::string path = ::ptsname(master_->get());
+  std::filesystem::remove(link());
+  std::filesystem::create_symlink(path, link());
   // Open as long as the device is plugged in, so that a driver that closes it hangs nothing up.
-  slave_ = std::make_unique<Fd>(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  slave_ = std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  stop_ = false;
   thread_ = std::thread([this] { Run(); });
 }
 

@@ -14,6 +14,7 @@
 #include "common/base/fd.h"
 #include "common/math/vec.h"
 #include "station/lab/devices/emulated_arm.h"
+#include "tests/support/temp_folder.h"
 
 // Devices of published protocols, as bytes on the transport that the driver opens. Thread safety: all of
 // it.
@@ -56,6 +57,7 @@ class EmulatedHidArm final : public EmulatedArm {
   void Lower(int steps) override;
   size_t answer_bytes() const override { return polhem_ ? 14 : 8; }
   void Unplug() override;
+  void Plug() override;
 
   // Encoders a to f.
   void Set(const std::array<int, 6>& counters);
@@ -82,16 +84,17 @@ class EmulatedHidArm final : public EmulatedArm {
   std::thread thread_;
 };
 
-// Polhem v3 on a pseudo terminal.
+// Polhem v3 on a pseudo terminal, which a link in a folder of its own names.
 class EmulatedSerialArm final : public EmulatedArm {
  public:
   EmulatedSerialArm();
   ~EmulatedSerialArm() override;
-  std::string choice() const override { return "polhem_serial:" + path_; }
+  std::string choice() const override { return "polhem_serial:" + link(); }
   const char* profile() const override { return "polhem_v3"; }
   void Lower(int steps) override;
   size_t answer_bytes() const override { return 64; }
   void Unplug() override;
+  void Plug() override;
 
   // Tip, mm, and the joints a, lambda, d, e, rad; the device's own axes.
   void Set(const std::array<double, 3>& tip_mm, const std::array<double, 4>& joints_rad = {});
@@ -107,8 +110,10 @@ class EmulatedSerialArm final : public EmulatedArm {
   void Take(const std::string& line);
   void Send(const Bytes& bytes);
 
+  std::string link() const { return (folder_.path() / "tty").string(); }
+
+  const test::TempFolder folder_;
   std::unique_ptr<Fd> master_, slave_;
-  std::string path_;
   std::array<double, 3> tip_mm_{};
   std::array<double, 4> joints_rad_{};
   int info_ = 0;

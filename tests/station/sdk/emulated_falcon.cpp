@@ -10,7 +10,6 @@
 namespace enamel::station::testing_support {
 namespace {
 
-constexpr const char* kPlace = "1-2";
 constexpr double kRadPerDegree = std::numbers::pi / 180;
 // As libnifalcon's getTheta: degrees a count, degrees at 0.
 constexpr double kDegreesPerCount = 360 * 0.01425 / (1280 * 0.110), kDegreesAtZero = 35;
@@ -42,6 +41,12 @@ EmulatedFalcon::EmulatedFalcon() {
       .write(reinterpret_cast<const char*>(firmware_.data()),
              static_cast<std::streamsize>(firmware_.size()));
   Set({0, 0, kMiddle_m});
+  Plug();
+  thread_ = std::thread([this] { Run(); });
+}
+
+void EmulatedFalcon::PlugAt(const char* place) {
+  place_ = place;
   ScriptedUsb device;
   device.vendor = 0x0403;
   device.product = 0xcb48;
@@ -52,8 +57,7 @@ EmulatedFalcon::EmulatedFalcon() {
   device.written = [this](ByteView bytes) {
     Say({Said::kBytes, 0, 0, Bytes(bytes.begin(), bytes.end())});
   };
-  UsbBus::Get().Plug(kPlace, device);
-  thread_ = std::thread([this] { Run(); });
+  UsbBus::Get().Plug(place, device);
 }
 
 EmulatedFalcon::~EmulatedFalcon() {
@@ -66,11 +70,22 @@ EmulatedFalcon::~EmulatedFalcon() {
   thread_.join();
 }
 
-void EmulatedFalcon::Unplug() { UsbBus::Get().Unplug(kPlace); }
+void EmulatedFalcon::Unplug() { UsbBus::Get().Unplug(place_.load()); }
 
-void EmulatedFalcon::SwitchOn() {
+bool EmulatedFalcon::PlugOther() {
+  PlugAt("1-3");
+  return true;
+}
+
+void EmulatedFalcon::SwitchOff() {
+  is_powered_ = false;
   Say({Said::kPower, 0, 0, {}});
   while (runs_) std::this_thread::yield();
+}
+
+void EmulatedFalcon::SwitchOn() {
+  homes_ = true;
+  is_powered_ = true;
 }
 
 void EmulatedFalcon::Set(const dvec3& tip_m) {
@@ -110,7 +125,8 @@ void EmulatedFalcon::Run() {
     if (idle) {
       // The chip sends its modem's state whenever its latency has passed.
       lock.unlock();
-      if (UsbBus::Get().Waiting(kPlace) == 0) UsbBus::Get().Send(kPlace, {0x01, 0x60});
+      if (UsbBus::Get().Waiting(place_.load()) == 0)
+        UsbBus::Get().Send(place_.load(), {0x01, 0x60});
       lock.lock();
       continue;
     }
@@ -150,6 +166,7 @@ void EmulatedFalcon::OnRequest(uint8_t request, uint16_t value) {
 }
 
 void EmulatedFalcon::OnBytes(ByteView bytes) {
+  if (!is_powered_) return;
   for (const uint8_t byte : bytes) {
     if (!runs_) {
       Load(byte);
@@ -231,7 +248,7 @@ void EmulatedFalcon::TakeFrame() {
 void EmulatedFalcon::Send(ByteView bytes) {
   Bytes packet{0x01, 0x60};
   packet.insert(packet.end(), bytes.begin(), bytes.end());
-  UsbBus::Get().Send(kPlace, packet);
+  UsbBus::Get().Send(place_.load(), packet);
 }
 
 }  // namespace enamel::station::testing_support

@@ -28,10 +28,13 @@ class EmulatedFalcon final : public lab::EmulatedArm {
   void Lower(int steps) override;
   size_t answer_bytes() const override { return 16; }
   void Unplug() override;
+  void Plug() override { PlugAt("1-2"); }
+  // No firmware runs, and it is not homed. A person homes it once it has power.
+  void SwitchOff() override;
+  void SwitchOn() override;
+  bool PlugOther() override;
 
   std::string firmware_file() const { return (folder_.path() / "falcon.bin").string(); }
-  // Off and on again: no firmware runs, and it is not homed.
-  void SwitchOn();
   // Echoes of so many uploads from now on have a wrong byte.
   void SpoilUploads(int uploads) { spoiled_ = uploads; }
   // Those that began.
@@ -51,6 +54,7 @@ class EmulatedFalcon final : public lab::EmulatedArm {
   void LoseByte(int at) { lose_ = at; }
 
  private:
+  void PlugAt(const char* place);
   struct Said {
     enum Kind : uint8_t { kRequest, kBytes, kPower } kind;
     uint8_t request = 0;
@@ -67,8 +71,9 @@ class EmulatedFalcon final : public lab::EmulatedArm {
 
   const test::TempFolder folder_;
   Bytes firmware_;
-  std::array<int, 3> counts_{};  // under mutex_
-  std::atomic<bool> runs_{true}, homed_{true}, homes_{false}, pieces_{false};
+  std::array<int, 3> counts_{};              // under mutex_
+  std::atomic<const char*> place_{nullptr};  // a literal
+  std::atomic<bool> is_powered_{true}, runs_{true}, homed_{true}, homes_{false}, pieces_{false};
   std::atomic<int> spoiled_{0}, uploads_{0}, lights_{0}, buttons_{0}, lose_{-1};
   // What the chip has not passed on yet.
   std::mutex inbox_mutex_;

@@ -69,6 +69,13 @@ void ExpectCounts(Device& device, const dvec3& moved_m) {
   EXPECT_LT(off(s), 2e-9 * static_cast<double>(profile.resolution_nm.value));
 }
 
+// Nobody homes it.
+void OffAndOn(EmulatedFalcon& arm) {
+  arm.SwitchOff();
+  arm.SwitchOn();
+  arm.HomeWhenRed(false);
+}
+
 TEST(FalconTest, ItsTipHasTheScenesAxes) {
   EmulatedFalcon arm;
   auto device = MustOpen(arm);
@@ -124,7 +131,7 @@ TEST(FalconTest, ForcesBeyondItsMotorsKeepTheirDirection) {
 
 TEST(FalconTest, AfterPowerUpItGetsItsFirmwareOnceAndIsHomedWhileItsLightIsRed) {
   EmulatedFalcon arm;
-  arm.SwitchOn();
+  OffAndOn(arm);
   arm.HomeWhenRed(true);
   auto device = MustOpen(arm);
   EXPECT_EQ(arm.uploads(), 1);
@@ -140,12 +147,12 @@ TEST(FalconTest, AfterPowerUpItGetsItsFirmwareOnceAndIsHomedWhileItsLightIsRed) 
 
 TEST(FalconTest, AnUploadThatComesBackOtherwiseIsMadeAgainTenTimes) {
   EmulatedFalcon arm;
-  arm.SwitchOn();
+  OffAndOn(arm);
   arm.HomeWhenRed(true);
   arm.SpoilUploads(3);
   MustOpen(arm);
   EXPECT_EQ(arm.uploads(), 4);
-  arm.SwitchOn();
+  OffAndOn(arm);
   arm.SpoilUploads(100);
   ExpectRefused(Open(arm).status(), {"in ten tries", "switch it off and on"});
   EXPECT_EQ(arm.uploads(), 14);
@@ -169,7 +176,7 @@ TEST(FalconTest, WithoutFirmwareItIsListedAndRefusedWithWhatIsMissing) {
   EXPECT_EQ(found.ids + " " + found.name + " " + found.unit + found.problem.message(),
             "0403:cb48 Novint Falcon falcon:usb:1-2");
   EXPECT_TRUE(scene::FindProfile(found.profile).ok());
-  arm.SwitchOn();
+  OffAndOn(arm);
   EXPECT_TRUE(listed(arm.firmware_file()).problem.ok());
   const std::string missing = listed("/none").problem.message();
   EXPECT_EQ(listed("/none").problem.field(), trouble::kFirmware);
