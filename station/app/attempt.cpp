@@ -31,7 +31,8 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kProgressEvery{200};
 constexpr milliseconds kUploadPatience{8'000};     // with the server gone, at the end
-constexpr milliseconds kSameInterrupt{2'000};      // Ctrl-C pressed more than once means it once
+constexpr milliseconds kSameInterrupt{2'000};      // Enter and then Ctrl-C means to finish
+constexpr milliseconds kLeavePatience{2'000};      // for the last chunks of an attempt that is left
 constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
 
 volatile std::sig_atomic_t interrupted = 0;  // how often
@@ -124,11 +125,9 @@ class Progress {
   }
   // A separate line, even when quiet: why there is no force, and what to do.
   void Tell(const Snapshot& s) {
-    const std::string why =
-        s.fault != Fault::kNone ? FaultText(s.fault)
-        : s.put_down
-            ? "the handpiece is in its holder: take it out to continue; Ctrl-C ends the attempt"
-            : "";
+    const std::string why = s.fault != Fault::kNone ? FaultText(s.fault)
+                            : s.put_down ? "the handpiece is in its holder: take it out to continue"
+                                         : "";
     // Once for each change: a fault stays for as long as the pedal is down.
     if (why == told_ || log_only_) return;
     told_ = why;
@@ -190,7 +189,7 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
       {"trace_bytes", spooled.bytes},
       {"removed_mm3", by_tissue},
       {"uploaded", result.uploaded},
-      {"ended_early", result.ended_early},
+      {"left", result.left},
       {"problem", result.not_uploaded_because}};
   const boost::json::value said = boost::json::parse(protocol::FactsJson(spooled.facts));
   facts.insert(said.as_object().begin(), said.as_object().end());
@@ -266,18 +265,21 @@ class Watcher {
 
   Result<AttemptResult> Run() {
     Watch();
-    // Join in every case: the recorder has to write the seal before anything returns.
-    auto seal = attempt_.Join();
+    // In every case: the recorder has to store the rest before anything returns.
+    const Status recorded = left_ ? attempt_.Leave() : attempt_.Join().status();
     last_ = attempt_.snapshot();
     // Checked last: a recorded attempt is uploaded even if its picture could not be written.
     Status picture = TakePicture();
-    if (!seal.ok()) return seal.status();
+    ENAMEL_RETURN_IF_ERROR(recorded);
     AttemptResult result;
     result.attempt = attempt_.attempt();
-    result.ended_early = ended_early_;
-    result.done_ratio = tool_.progress();
-    SignEnd();
-    AwaitUpload(result);
+    result.left = left_;
+    if (left_) {
+      SendWhatIsLeft();
+    } else {
+      SignEnd();
+      AwaitUpload(result);
+    }
     progress_.End();
     ENAMEL_RETURN_IF_ERROR(picture);
     ENAMEL_ASSIGN_OR_RETURN(auto spooled, workplace_.spool().Get(result.attempt));
@@ -292,7 +294,8 @@ class Watcher {
   void Watch() {
     auto next = steady_clock::now();
     auto over = [&] {
-      if (interrupted) EndEarly();
+      if (interrupted) Leave();
+      if (options_.finish && options_.finish()) attempt_.End();
       WatchDisk();
       if (steady_clock::now() >= next) {
         next = steady_clock::now() + kProgressEvery;
@@ -304,7 +307,7 @@ class Watcher {
       // On this thread, because window systems require their events on the thread that made the
       // window.
       screen_.window->Run(over);
-      EndEarly();  // unless it has ended: the operator closed the window
+      Leave();  // unless it has ended: the operator closed the window
     }
     // Without a window only waiting remains; the loop has its own threads.
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
@@ -318,9 +321,8 @@ class Watcher {
       return;
     }
     if (!disk_fails_since_) disk_fails_since_ = now;
-    // Somebody who interrupts does not want to wait for a disk.
-    if (!interrupted && now - *disk_fails_since_ < kDiskPatience) return;
-    EndEarly();
+    if (now - *disk_fails_since_ < kDiskPatience) return;
+    attempt_.End();
     // The stored part stays and can be closed or resumed later; the rest is lost.
     attempt_.GiveUp();
   }
@@ -340,10 +342,10 @@ class Watcher {
     progress_.Show(snapshot, job_.voxel_m(), done, attempt_.recording().chunks, attempt_.upload());
   }
 
-  void EndEarly() {
-    if (!attempt_.ticking()) return;
-    ended_early_ = true;
-    attempt_.End();
+  void Leave() {
+    if (left_ || attempt_.recorded()) return;
+    left_ = attempt_.ticking();
+    (void)attempt_.Leave();
   }
 
   Status TakePicture() {
@@ -369,6 +371,16 @@ class Watcher {
     workplace_.HandIn(attempt_.attempt());
   }
 
+  // The server, if it is there, then has all of it. A chair that resumes it needs none of this.
+  void SendWhatIsLeft() {
+    const auto until = steady_clock::now() + kLeavePatience;
+    const uint32_t chunks = attempt_.recording().chunks;
+    while (attempt_.upload().reachable && attempt_.upload().committed < chunks &&
+           steady_clock::now() < until) {
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+  }
+
   // Waits until `done`, or the attempt is refused, the server is away for some time, or another
   // interrupt comes, which returns true.
   bool AwaitServer(const std::function<bool(const Uploader::State&)>& done) {
@@ -379,7 +391,7 @@ class Watcher {
     auto waits = [&] {
       auto now = steady_clock::now();
       if (state.reachable) reachable_at = now;
-      // Further presses of the Ctrl-C that ended the attempt must not end the upload too.
+      // Somebody who has just finished does not mean to end the upload too.
       if (now - since < kSameInterrupt) interrupted_before = interrupted;
       return !done(state) && !state.gave_up && interrupted == interrupted_before &&
              now - reachable_at < kUploadPatience;
@@ -409,7 +421,7 @@ class Watcher {
   Workplace& workplace_;
   Progress progress_;
   Snapshot last_;
-  bool ended_early_ = false;
+  bool left_ = false;
   std::optional<steady_clock::time_point> disk_fails_since_;
 };
 
@@ -468,8 +480,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto tool, OpenTool(options, job));
   Screen screen;
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));
-  std::signal(SIGINT, OnSignal);
-  std::signal(SIGTERM, OnSignal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, OnSignal);
   // Last of all that can fail: a ticket counts as an attempt once taken.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "common/base/result.h"
@@ -31,6 +32,9 @@ struct RunOptions {
   bool quiet = false;              // no progress line
   // Standard error carries only the log, for machines: no progress and no advice.
   bool log_only = false;
+  // Asked some fifty times a second: true once the person at a device wants to finish and hand in. May
+  // be empty.
+  std::function<bool()> finish = {};
 };
 
 // How an attempt ended when nothing was lost.
@@ -39,15 +43,15 @@ struct AttemptResult {
   bool uploaded = false;  // sealed and durable on the server
   std::string not_uploaded_because;
   std::string refused;  // not empty: why the server refuses the recording
-  // Interrupted, or its window was closed: sealed, and scored as far as it was recorded.
-  bool ended_early = false;
-  double done_ratio = 0;  // of what the operator meant to do
+  // By a signal, or because its window was closed: all of it is stored and it has no end, so that it can
+  // be resumed.
+  bool left = false;
 };
 
 // Runs one attempt from sign-in to the last acknowledgement. Fetches what it needs, runs the tick
-// loop, the recorder and the uplink on their own threads, shows progress, and seals. An interrupt
-// (SIGINT, SIGTERM) ends the attempt properly: the recording is sealed and sent. A second
-// interrupt, at least two seconds later, ends the sending.
+// loop, the recorder and the uplink on their own threads, shows progress, and seals. SIGINT, SIGTERM
+// and SIGHUP leave the attempt: force 0, everything stored, no seal. While the rest is being sent
+// after the end, one of them ends the sending.
 //
 // Errors: anything that fails before the first tick (not enrolled, server not reachable, wrong
 // password, unknown exercise, profile or operator, no display, nowhere to write the facts; the

@@ -41,7 +41,7 @@ older names qualify, fit-damping, explain and frame-bench still start it from he
 Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
 ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
-3 recorded and safe on this station, but not on the server yet.)";
+3 recorded and safe on this station, but not on the server yet, or left to be resumed.)";
 
 std::string DefaultData() {
   if (const char* set = std::getenv("ENAMEL_STATION_DATA")) return set;

@@ -1,4 +1,6 @@
-#include <cmath>
+#include <poll.h>
+#include <unistd.h>
+
 #include <cstdio>
 #include <iostream>
 
@@ -45,6 +47,14 @@ Result<std::string> Password(bool from_stdin) {
                 "no password: set ENAMEL_PASSWORD, or use --password-stdin and write it there");
 }
 
+// Somebody pressed Enter at this program's terminal.
+bool EnterPressed() {
+  pollfd keys{STDIN_FILENO, POLLIN, 0};
+  if (::poll(&keys, 1, 0) <= 0) return false;
+  char line[256];
+  return ::read(STDIN_FILENO, line, sizeof line) > 0;
+}
+
 int Run(RunOptions& options, bool password_stdin) {
   options.pin = Environment("ENAMEL_PIN");
   options.signer_pin = Environment("ENAMEL_SIGNER_PIN");
@@ -58,17 +68,21 @@ int Run(RunOptions& options, bool password_stdin) {
     if (!password.ok()) return Finish(password.status());
     options.password = *password;
   }
+  // A simulated hand finishes by itself. A person at a device has no other way.
+  if (::isatty(STDIN_FILENO) != 0 && !options.device.device.empty()) options.finish = EnterPressed;
   auto result = RunAttempt(options);
   if (!result.ok()) return Finish(result.status());
   std::printf("attempt %s\n", result->attempt.Text().c_str());
   std::fflush(stdout);
-  if (result->ended_early) {
-    program::SayWarning("this attempt was ended early, at " +
-                        std::to_string(std::lround(100 * result->done_ratio)) +
-                        " % of it. It is sealed and will be scored: what was not cut counts as "
-                        "missing");
+  if (result->left) {
+    const std::string id = result->attempt.Text();
+    program::SayWarning("this attempt was left before its end. It is recorded and safe in " +
+                        options.workplace.data.string() +
+                        ". To continue it: 'enamel-station run "
+                        "--resume " +
+                        id + "'; to hand it in as it is: 'enamel-station spool close " + id + "'");
+    return kNotUploaded;
   }
-  // Also when it was ended early, as requested.
   if (result->uploaded) return 0;
   // Trying again will not help and somebody has to act, so this is a failure, not "later".
   if (!result->refused.empty()) {
@@ -101,6 +115,7 @@ void DeclareRun(CommandGroup group) {
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile NAME \\\n"
       "      --device hid --pedal 05f3:00ff --window\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
+      "With a device, Enter finishes and hands in. Ctrl-C leaves the attempt, to be resumed.\n"
       "'devices' lists attached devices; 'profiles' and the server's page list profiles.");
   auto* exercise = cmd->add_option("--exercise", run.exercise, "Name of the exercise");
   cmd->add_option("--assignment", run.assignment,

@@ -1,5 +1,7 @@
 #include "station/desk/desk.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <csignal>
@@ -14,6 +16,7 @@
 #include "station/desk/script.h"
 #include "station/desk/stop_sign.h"
 #include "station/desk/view_hand.h"
+#include "station/render/display_watch.h"
 #include "station/render/panel.h"
 #include "station/sound/speaker.h"
 #include "station/words/score_words.h"
@@ -25,7 +28,8 @@ using language::Words;
 using render::Quality;
 using Clock = Workflow::Clock;
 
-// A signal handler may do no more; the next frame reads it.
+// A handler of SIGINT, SIGTERM and SIGHUP may do no more; the next frame reads it. What runs then is left
+// (Workflow::LeaveAtOnce), not handed in.
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
 
@@ -122,6 +126,15 @@ class Desk {
   }
 
  private:
+  // Whoever started the window has ended, in the middle of an attempt: a session, or the compositor of
+  // its unit. What only starts it, such as a menu, has ended long before.
+  bool Orphaned() {
+    const pid_t parent = ::getppid();
+    const bool changed = parent != parent_;
+    parent_ = parent;
+    return changed && (flow_.place() == Place::kRunning || flow_.place() == Place::kHandIn);
+  }
+
   bool Frame() {
     screen_.Speak(flow_.words().language());
     if (!screen_.Begin()) AskToClose();
@@ -142,7 +155,7 @@ class Desk {
     screen_.End();
     Measure();
     end |= script_.playing() && script_.Step(screen_, ui_, &flow_);
-    return !end && !interrupted;
+    return !end && !interrupted && !Orphaned();
   }
 
   const Quality& quality() const { return QualityOf(options_, governor_); }
@@ -318,6 +331,9 @@ class Desk {
   Ui ui_;
   Workflow flow_;
   Pages pages_;
+  // After what it leaves: its handler must not outlive that.
+  render::DisplayWatch display_{[this] { flow_.LeaveAtOnce(); }};
+  pid_t parent_ = ::getppid();
   StationWatch station_;
   ViewHand view_hand_;
   std::optional<sound::Speaker> speaker_;
@@ -349,8 +365,7 @@ Status RunDesk(const DeskOptions& options) {
     script = std::move(read);
   }
   Opening opening(options.workplace);
-  std::signal(SIGINT, OnSignal);
-  std::signal(SIGTERM, OnSignal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, OnSignal);
   try {
     render::ScreenOptions window;
     window.full_screen = options.full_screen;

@@ -117,6 +117,13 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
 
 DeskAttempt::~DeskAttempt() = default;
 
+void DeskAttempt::LeaveAtOnce() {
+  if (run_ != nullptr) (void)run_->Leave();
+  if (rehearsal_ != nullptr) rehearsal_->End();
+  // The loop that used it has ended; HeldDevice keeps only its address.
+  attached_.reset();
+}
+
 bool DeskAttempt::turns_with_view() const {
   const core::CoreParams& params = prepared_.header.params;
   return attached_ != nullptr && params.peak_torque_un_m == 0 && !params.spring_on_board;

@@ -72,6 +72,9 @@ class DeskAttempt {
   // Starts ticking with nothing recorded: to try the device (warm_up.h), or, once the attempt's
   // Join or the rehearsal's End has returned, to continue with the tooth as it was left.
   void Rehearse(int cpu);
+  // Ends what runs, with force 0 and an attempt stored as far as it was recorded (RunningAttempt::Leave),
+  // and closes the device. Draws nothing. Only the destructor may follow.
+  void LeaveAtOnce();
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
   // Null before Rehearse.

@@ -77,12 +77,23 @@ void Pages::Paused() {
   DrawStopSign(put_down ? Stop::kHolder : Stop::kPaused, ui_.Square(kSign_px));
   if (put_down) ui_.Text(Say("paused.in_holder"));
   ui_.Text(Say("paused.text"));
+  if (run != nullptr) {
+    ui_.Problem(
+        FaultSentence(flow_.words(), run->snapshot().fault, flow_.attempt()->device().problem()));
+  }
+  ui_.Note(Say("paused.leave_text"));
   ui_.Gap(12);
-  if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  // While it is being left, nothing else can be chosen.
+  const bool free = !flow_.busy();
+  if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain, free) || (free && ui_.escape())) {
+    flow_.CloseDialog();
+  }
   ui_.SameLine();
-  if (ui_.Button(Say("running.finish"))) flow_.Open(Dialog::kFinish);
+  if (ui_.Button(Say("running.finish"), Ui::Look::kPlain, free)) flow_.Open(Dialog::kFinish);
   ui_.SameLine();
-  if (ui_.Button(Say("paused.give_up"), Ui::Look::kDanger)) flow_.Open(Dialog::kGiveUp);
+  if (ui_.Button(Say("paused.leave"), Ui::Look::kPlain, free)) flow_.LeaveForNow();
+  ui_.SameLine();
+  if (ui_.Button(Say("paused.give_up"), Ui::Look::kDanger, free)) flow_.Open(Dialog::kGiveUp);
   ui_.EndDialog();
 }
 

@@ -26,6 +26,7 @@ Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
 }
 
 Workflow::~Workflow() {
+  LeaveAtOnce();
   workplace_.SignOut();
   ForgetResult();
 }

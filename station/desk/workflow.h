@@ -194,7 +194,12 @@ class Workflow {
   bool signs_end() const { return place_ == Place::kHandIn; }
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
-  void EndAttempt();       // finished, or given up: sealed as recorded
+  void EndAttempt();  // finished, or given up: sealed as recorded
+  // Stores what was recorded and goes back to the exercises, where the attempt can be continued.
+  void LeaveForNow();
+  // What a signal or the display's end leaves time for: force 0, everything stored, the device closed.
+  // No step may follow.
+  void LeaveAtOnce();
   void LeaveHandIn();      // the upload continues in the background
   void GiveUpRecording();  // stops waiting for a disk that takes nothing
   // Asks the server at once instead of waiting for the next try.

@@ -166,9 +166,9 @@ void Workflow::PauseWhenPutDown(Dialog dialog) {
 
 void Workflow::WatchRun() {
   PauseWhenPutDown(Dialog::kPaused);
-  if (attempt_->run()->ticking()) return;
-  // The pedal's finish or a permanent fault has ended the loop; the person is not asked.
-  if (!busy() && !joined_) EndAttempt();
+  if (busy() || attempt_->run()->ticking()) return;
+  // The hand's finish or a permanent fault has ended the loop; the person is not asked.
+  if (!joined_) EndAttempt();
 }
 
 void Workflow::EndAttempt() {
@@ -185,6 +185,28 @@ void Workflow::EndAttempt() {
       if (!s.ok()) problem_ = words_.Say("hand_in.end_lost");
     };
   });
+}
+
+void Workflow::LeaveForNow() {
+  if (busy() || joined_ || !attempt_ || attempt_->run() == nullptr) return;
+  task_.Start("task.leaving", [this, run = attempt_->run()]() -> BackgroundTask::After {
+    const Status left = run->Leave();
+    return [this, left] {
+      if (offline_) {
+        SignOut(words_.Say("signed_out.left"));
+      } else {
+        ToExercises();
+      }
+      // The log has the reason, and how to repair it.
+      if (!left.ok()) problem_ = words_.Say("hand_in.end_lost");
+    };
+  });
+}
+
+void Workflow::LeaveAtOnce() {
+  for (DeskAttempt* attempt : {attempt_.get(), left_.get()}) {
+    if (attempt != nullptr) attempt->LeaveAtOnce();
+  }
 }
 
 Uploader::State Workflow::upload() const {

@@ -85,11 +85,22 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
   loop_thread_ = std::thread([this, options] { RunLoop(options); });
 }
 
-RunningAttempt::~RunningAttempt() {
-  End();
+RunningAttempt::~RunningAttempt() { (void)Leave(); }
+
+void RunningAttempt::End() {
+  ended_ = true;
+  loop_.RequestStop();
+}
+
+Status RunningAttempt::Leave() {
+  if (!ended_ && ticking()) left_ = true;
+  loop_.RequestStop();
   // Without this the recorder would wait for a full disk for ever: nobody is left to free space.
   GiveUp();
-  (void)Join();
+  AwaitThreads();
+  // Its seal, if somebody closes it later, is for no one to sign here.
+  if (left_) uploader_.ReleaseSeal(attempt_);
+  return *recorded_;
 }
 
 void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) noexcept {
@@ -117,22 +128,30 @@ void RunningAttempt::Record() {
   while (!loop_.finished()) std::this_thread::sleep_for(kRecorderIdle);
   LogFaults();
   KeepFacts();
-  LogEnd(recorded_->status());
+  LogEnd(*recorded_);
   done_ = true;
   uploader_.Wake();
 }
 
+// After the loop's end and the last sample.
+Status RunningAttempt::Close() {
+  if (left_) return recorder_.Flush();
+  auto seal = recorder_.Finish();
+  if (seal.ok()) seal_ = *seal;
+  return seal.status();
+}
+
 // One turn of the recorder; returns the outcome if that was the last.
-std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
+std::optional<Status> RunningAttempt::RecordOnce() {
   // Read before Pump: nothing comes after the end, and one try follows GiveUp.
   const bool ended = loop_.finished(), last_try = ended && give_up_;
   const uint32_t before = recorder_.chunks();
   auto moved = recorder_.Pump();
-  std::optional<Result<trace::Seal>> seal;
-  if (moved.ok() && !*moved && ended) seal = recorder_.Finish();
+  std::optional<Status> closed;
+  if (moved.ok() && !*moved && ended) closed = Close();
   // After each chunk, not each tick: chunks are what is sent.
   if (recorder_.chunks() != before) uploader_.Wake();
-  const Status status = seal ? seal->status() : moved.status();
+  const Status status = closed ? *closed : moved.status();
   const bool try_again = status.code() == Code::kStorage;
   Note(status);
   // Not the disk: the spool reports another recording, or an older program runs. Waiting does not
@@ -142,7 +161,7 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
     return status;
   }
   if (try_again && last_try) return Lost(status);
-  if (seal && status.ok()) return seal;
+  if (closed && status.ok()) return status;
   if (try_again)
     std::this_thread::sleep_for(kSpoolRetry);
   else if (!*moved)
@@ -166,7 +185,9 @@ void RunningAttempt::LogFaults() {
   const Fault now = loop_.fault();
   if (now == logged_) return;
   if (now != Fault::kNone) {
-    spdlog::warn("attempt {}: the force is off: {}", attempt_.Text(), FaultText(now));
+    const Status device = device_.problem();
+    spdlog::warn("attempt {}: the force is off: {}{}", attempt_.Text(), FaultText(now),
+                 device.ok() ? "" : " (" + device.message() + ")");
   } else {
     spdlog::info("attempt {}: the force comes on again, in free air", attempt_.Text());
   }
@@ -180,7 +201,8 @@ void RunningAttempt::LogEnd(const Status& status) const {
       CountsText(loop_.counters()), late.Quantile_ns(0.99) * 1e-3,
       static_cast<double>(late.max_ns()) * 1e-3, recorder_.chunks());
   if (status.ok()) {
-    spdlog::info("attempt {} has ended: {}", attempt_.Text(), how);
+    spdlog::info("attempt {} {}: {}", attempt_.Text(),
+                 left_ ? "is left and can be resumed" : "has ended", how);
   } else {
     spdlog::error("attempt {} has ended and is not whole: {}: {}", attempt_.Text(), how,
                   status.message());
@@ -227,12 +249,20 @@ RunningAttempt::Recording RunningAttempt::recording() const {
   return {recorder_.chunks(), recorder_.ticks(), recorder_.waiting_ticks(), problem_};
 }
 
-Result<trace::Seal> RunningAttempt::Join() {
+void RunningAttempt::AwaitThreads() {
+  // A window that is closed leaves an attempt whose end its task awaits.
+  MutexLock alone(joining_);
   if (loop_thread_.joinable()) loop_thread_.join();
   if (recorder_thread_.joinable()) recorder_thread_.join();
   // Both threads have ended: another process may record here now.
   lock_.reset();
-  return *recorded_;
+}
+
+Result<trace::Seal> RunningAttempt::Join() {
+  AwaitThreads();
+  if (!recorded_->ok()) return *recorded_;
+  ENAMEL_CHECK(seal_.has_value());
+  return *seal_;
 }
 
 boost::json::object RunningAttempt::facts() const { return LoopFacts(loop_, device_); }

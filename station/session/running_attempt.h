@@ -35,8 +35,13 @@ TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOpti
 // tried again several times a second, followed by the seal, until they are stored or GiveUp is
 // called. Once they are stored, ticks are stepped again after a declared gap. When the loop ends,
 // its facts are kept with the recording (SpooledLoopFacts). The end, and each fault as it comes and
-// goes, are logged. Thread safety: one owner's thread, but End, GiveUp, ticking and the states from
-// any. Real-time: never; only the loop inside is.
+// goes, are logged.
+//
+// Only End, or the device's kFinish, hands an attempt in. Whatever else ends it (Leave, the
+// destructor) stores all ticks and no seal, so that its person can resume it.
+//
+// Thread safety: one owner's thread, but End, Leave, GiveUp, Join, ticking and the states from any.
+// Real-time: never; only the loop inside is.
 class RunningAttempt : private TickObserver {
  public:
   struct Recording {
@@ -51,13 +56,17 @@ class RunningAttempt : private TickObserver {
   RunningAttempt(const trace::SecretKey& station_key, Spool& spool, Uploader& uploader,
                  PreparedAttempt& prepared, Device& device, const AttemptOptions& options,
                  RecordingLock lock);
-  ~RunningAttempt() override;  // ends and seals the attempt if needed; GiveUp
+  ~RunningAttempt() override;  // Leave
   RunningAttempt(const RunningAttempt&) = delete;
   RunningAttempt& operator=(const RunningAttempt&) = delete;
 
   const Uuid& attempt() const { return attempt_; }
   // Ends the attempt early; otherwise it ends when the device reports kFinish.
-  void End() { loop_.RequestStop(); }
+  void End();
+  // Ends the loop, with force 0, and stores what it recorded. Unless the attempt had ended, it has no
+  // seal: it can be resumed, and Join must not be called. A disk that takes nothing is tried once more.
+  // Errors: what is stored and what is lost. May be called again, and after End.
+  Status Leave();
   bool ticking() const { return !loop_.finished(); }
   // Stops waiting for a spool that takes nothing: it is tried once more after the end, then samples
   // in memory are lost.
@@ -75,11 +84,11 @@ class RunningAttempt : private TickObserver {
   void RemarkShown(uint64_t id) { uploader_.remarks().Shown(attempt_, id); }
 
   // Waits for the loop's end and the seal. Errors: the recording is incomplete on disk, with what
-  // is stored and what to do. May be called again.
+  // is stored and what to do. May be called again. Requires: not left before its end.
   Result<trace::Seal> Join();
   // Facts of the loop (loop_facts.h). Requires: Join has returned.
   boost::json::object facts() const;
-  // The tooth in its final state. Requires: Join has returned.
+  // The tooth in its final state. Requires: Join or Leave has returned.
   const core::Core& core() const { return *core_; }
   // The same, to continue with (UnrecordedRun); core() must not be asked any more. Requires: Join has
   // returned.
@@ -92,7 +101,9 @@ class RunningAttempt : private TickObserver {
   void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
   void RunLoop(const AttemptOptions& options);
   void Record();
-  std::optional<Result<trace::Seal>> RecordOnce();
+  std::optional<Status> RecordOnce();
+  Status Close();
+  void AwaitThreads();
   void Note(const Status& problem);
   Status Lost(const Status& why) const;
   void KeepFacts();
@@ -112,11 +123,14 @@ class RunningAttempt : private TickObserver {
   SampleRing ring_;
   Recorder recorder_;
   TickLoop loop_;
-  std::atomic<bool> give_up_{false}, done_{false};
+  std::atomic<bool> give_up_{false}, done_{false}, ended_{false}, left_{false};
   Fault logged_ = Fault::kNone;  // of the recorder's thread
+  Mutex joining_;
   mutable Mutex mutex_;
   Status problem_ ENAMEL_GUARDED_BY(mutex_);
-  std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's
+  // The recorder's, then Join's and Leave's. A seal: unless it was left.
+  std::optional<Status> recorded_;
+  std::optional<trace::Seal> seal_;
   std::thread recorder_thread_, loop_thread_;
 };
 

@@ -38,12 +38,16 @@ Result<bool> Recorder::Pump() {
   return moved;
 }
 
-Result<trace::Seal> Recorder::Finish() {
+Status Recorder::Flush() {
   while (true) {
     ENAMEL_ASSIGN_OR_RETURN(auto moved, Pump());
     if (!moved) break;
   }
-  if (!open_.empty()) ENAMEL_RETURN_IF_ERROR(Spill());
+  return open_.empty() ? Status::Ok() : Spill();
+}
+
+Result<trace::Seal> Recorder::Finish() {
+  ENAMEL_RETURN_IF_ERROR(Flush());
   // The seal names the last chunk; without chunks there is no recording to end.
   if (chunks() == 0)
     return Status(Code::kInvalidInput, "not one tick was recorded: nothing to seal");

@@ -11,7 +11,7 @@
 namespace enamel::station {
 
 // Takes samples from the loop's ring, makes signed chunks of them and puts those into the spool.
-// Thread safety: one thread calls Pump and Finish; chunks() and ticks() from any. Real-time: never;
+// Thread safety: one thread calls Pump, Flush and Finish; chunks() and ticks() from any. Real-time: never;
 // this is the other end of the ring.
 class Recorder {
  public:
@@ -31,8 +31,11 @@ class Recorder {
   // Takes the ring's samples and spools each full chunk. True when there were any. Errors: the
   // spool's; call again once the cause is repaired, and nothing is lost.
   Result<bool> Pump();
-  // After the loop's end: spools the rest as a last chunk, then the seal. Errors: the spool's;
-  // kInvalidInput when not one tick was recorded.
+  // After the loop's end: spools the rest as a last chunk. The attempt stays without an end and can be
+  // resumed. Errors: the spool's.
+  Status Flush();
+  // After the loop's end: Flush, then the seal. Errors: the spool's; kInvalidInput when not one tick
+  // was recorded.
   Result<trace::Seal> Finish();
 
   uint32_t chunks() const { return chunks_.load(std::memory_order_acquire); }

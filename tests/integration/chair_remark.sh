@@ -25,7 +25,10 @@ runner=$!
 pids+=("$runner")
 say "$stop" "Now go on." | tee "$work/said.json"
 kill -TERM "$runner"
-wait "$runner" || { cat "$work/run.log"; fail "the attempt"; }
+rc=0
+wait "$runner" || rc=$?
+[ $rc -eq 3 ] || { cat "$work/run.log"; fail "the attempt was left with exit code $rc"; }
+"$bin/enamel-station" spool close last --data "$station" >/dev/null
 [ "$(grep -c "says: $stop\$" "$work/run.log")" -eq 1 ] || { cat "$work/run.log"; fail "it was not printed once"; }
 grep -q "says: Now go on.\$" "$work/run.log" || { cat "$work/run.log"; fail "the second was not printed"; }
 node -e '

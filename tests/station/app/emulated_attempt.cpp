@@ -1,10 +1,7 @@
 // Makes an attempt with an emulated device in the hand of a program: emulated_attempt DEVICE DATA LOGIN EXERCISE OUT.json
 // The station's own `run` from sign-in to the last acknowledgement, at the clock's pace; ENAMEL_PASSWORD as there. Down
 // to the tooth with the bur off, into it with the pedal down, up again, end.
-#include <signal.h>
-
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -179,22 +176,25 @@ class Pedal {
   const std::string path_;
 };
 
-// RunAttempt listens to interrupts from just before the ticket on.
-bool Interruptible() {
-  struct sigaction now {};
-  return ::sigaction(SIGTERM, nullptr, &now) == 0 && now.sa_handler != SIG_DFL;
-}
+// What RunAttempt asks and is told: asked whether to finish, it runs.
+struct Course {
+  std::atomic<bool> runs{false}, done{false}, over{false};
+  bool Finish() {
+    runs = true;
+    return done;
+  }
+};
 
-// Several strokes at one place: on a busy computer a fault ends the force until the pedal is pressed again.
-void Cut(Hand& hand, Pedal& pedal, const std::atomic<bool>& over) {
+// Several strokes at one place: on a busy computer a fault ends the force for a stroke.
+void Cut(Hand& hand, Pedal& pedal, Course& course) {
   auto go = [&](int from, int to, milliseconds each) {
     for (int at = from; at != to; at += to > from ? 1 : -1) {
       hand.Lower(at);
       std::this_thread::sleep_for(each);
     }
   };
-  while (!Interruptible() && !over) std::this_thread::sleep_for(milliseconds(20));
-  if (over) return;
+  while (!course.runs && !course.over) std::this_thread::sleep_for(milliseconds(20));
+  if (course.over) return;
   std::this_thread::sleep_for(kUntilFirstTick);
   for (int stroke = 0; stroke < kStrokes; ++stroke) {
     pedal.Set(true);
@@ -204,7 +204,7 @@ void Cut(Hand& hand, Pedal& pedal, const std::atomic<bool>& over) {
     pedal.Set(false);
     std::this_thread::sleep_for(milliseconds(200));
   }
-  if (!over) std::raise(SIGTERM);
+  course.done = true;
 }
 
 int Main(const std::string& device, RunOptions options) {
@@ -218,10 +218,11 @@ int Main(const std::string& device, RunOptions options) {
   options.device.device = hand->choice();
   options.device.pedal = "05f3:00ff";
   options.profile = hand->profile();
-  std::atomic<bool> over{false};
-  std::thread cutting([&] { Cut(*hand, pedal, over); });
+  Course course;
+  options.finish = [&course] { return course.Finish(); };
+  std::thread cutting([&] { Cut(*hand, pedal, course); });
   const auto result = RunAttempt(options);
-  over = true;
+  course.over = true;
   cutting.join();
   if (!result.ok()) {
     std::fprintf(stderr, "%s\n", result.status().message().c_str());

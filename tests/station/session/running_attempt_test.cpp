@@ -184,8 +184,59 @@ TEST_P(FailingDiskTest, GivenUpItSaysWhatIsSafeAndWhatIsLost) {
   EXPECT_FALSE(spool().Get(id())->seal.has_value());
 }
 
+TEST_P(FailingDiskTest, LeftItIsResumableAsFarAsTheDiskTookIt) {
+  Plunging device(above_, above_ - 60);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 2; }));
+  FaultyDisk::fail = GetParam();
+  ASSERT_TRUE(Await([&] { return !attempt->recording().problem.ok(); }));
+  const Status left = attempt->Leave();
+  EXPECT_EQ(left.code(), Code::kStorage);
+  EXPECT_NE(left.message().find("are safe"), std::string::npos) << left.message();
+  FaultyDisk::fail = SQLITE_OK;
+  EXPECT_FALSE(spool().Get(id())->seal.has_value());
+  EXPECT_GE(spool().Get(id())->chunks, 2u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, FailingDiskTest,
                          testing::Values(SQLITE_FULL, SQLITE_READONLY, SQLITE_IOERR_WRITE));
+
+TEST_F(RunningAttemptTest, LeftItHasEachTickAndNoEndAndTheDeviceNoForce) {
+  for (const bool destroyed : {false, true}) {
+    prepared_.header.ticket.attempt = Uuid::New();
+    Plunging device(above_, above_ - 60);
+    auto attempt = Begin(device);
+    ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1 && device.pushed > 0; }));
+    if (!destroyed) {
+      EXPECT_TRUE(attempt->Leave().ok());
+      EXPECT_TRUE(attempt->Leave().ok()) << "again";
+      EXPECT_EQ(attempt->snapshot().counters.ticks, spool().Get(id())->ticks);
+      ExpectReplays(attempt->core());
+    }
+    attempt.reset();
+    EXPECT_GT(device.zeros_in_a_row, 0u);
+    const auto left = spool().Get(id());
+    ASSERT_TRUE(left.ok());
+    EXPECT_FALSE(left->seal.has_value());
+    EXPECT_TRUE(spool().loop_facts().Of(id())->size() == 1u);
+    // Another process may go on with it.
+    EXPECT_TRUE(spool().LockForRecording().ok());
+    auto sealed = spool().CloseAttempt(id());
+    ASSERT_TRUE(sealed.ok()) << sealed.status().message();
+    EXPECT_EQ(sealed->ticks, left->ticks);
+  }
+}
+
+// What its person has ended is handed in, whatever stops the program then.
+TEST_F(RunningAttemptTest, EndedItIsSealedAlsoIfTheProgramIsStoppedThen) {
+  Plunging device(above_, above_ - 60);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1; }));
+  attempt->End();
+  EXPECT_TRUE(attempt->Leave().ok());
+  EXPECT_TRUE(attempt->Join().ok());
+  EXPECT_TRUE(spool().Get(id())->seal.has_value());
+}
 
 // While the disk takes nothing no tick is stepped, and the attempt may end in that state.
 TEST_F(RunningAttemptTest, AFaultWhileTheDiskHoldsTheLoopIsLoggedThen) {
