@@ -88,7 +88,7 @@ struct ScoreResult {
   int32_t scoring_version = kScoringVersion;
   uint32_t core_version = core::kCoreVersion;
   // From the replay: the station's part in the attempt.
-  uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0;
+  uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0, outages = 0;
   Disturbance disturbance;  // likewise, as shares
   bool witness_ok = false;
   std::string witness_note;  // where it broke, when it did

@@ -153,6 +153,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"ticks", result.ticks},
                    {"gap_ticks", result.gap_ticks},
                    {"late_ticks", result.late_ticks},
+                   {"outages", result.outages},
                    {"bounded_ticks", result.bounded_ticks},
                    {"disturbance",
                     {{"disturbed", result.disturbance.disturbed()},

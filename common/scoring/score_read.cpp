@@ -318,6 +318,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   reader.ReadInteger("gap_ticks", out.gap_ticks);
   reader.ReadInteger("late_ticks", out.late_ticks);
   reader.ReadInteger("bounded_ticks", out.bounded_ticks);
+  reader.ReadInteger("outages", out.outages);
   if (const json::value* member = reader.Member("disturbance")) {
     ObjectReader item(*member, "disturbance", status);
     item.Read("late_percent", out.disturbance.late_percent);

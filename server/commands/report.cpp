@@ -152,6 +152,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score, const Attemp
   out["ticks"] = score.ticks;
   out["chunks"] = row.chunks;
   out["gaps"] = score.gap_ticks;
+  out["outages"] = score.outages;
   out["witness_ok"] = score.witness_ok;
   out["trace_bytes"] = row.trace_bytes;
   out["realtime_factor"] = result.replay_realtime_factor;
@@ -207,6 +208,7 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptRe
   Line("lost",
        score.gap_ticks == 0 ? "nothing" : Counted(score.gap_ticks, "tick") + ", declared as gaps");
   Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
+  Line("force interrupted", Counted(score.outages, "time"));
   const scoring::Disturbance& d = score.disturbance;
   if (d.disturbed()) {
     Line("disturbed by the station",

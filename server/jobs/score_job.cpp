@@ -441,6 +441,7 @@ class ScoreJob {
     score.gap_ticks = report_.gap_ticks;
     score.late_ticks = process.late_ticks();
     score.bounded_ticks = process.bounded_ticks();
+    score.outages = process.outages();
     score.disturbance = scoring::DisturbanceOf(process);
     score.witness_ok = report_.witness_ok;
   }

@@ -318,6 +318,7 @@ export function scoreOf(row) {
     ticks: row.ticks,
     gap_ticks: row.gap_ticks,
     late_ticks: row.gap_ticks > 0 ? 7 : 0,
+    outages: row.gap_ticks > 0 ? 2 : 0,
     witness_ok: row.gap_ticks === 0,
     witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs",
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/haptics/coupling.h"
 #include "common/math/trig.h"
@@ -91,6 +92,10 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
                                  bool cutting) {
   gap_ticks_ += input.gap_ticks;
   late_ticks_ += (input.flags & core::kLateTick) != 0;
+  // A fault may begin with a gap without force: both are one.
+  const bool unfelt_gap = input.gap_ticks > 0 && (input.flags & core::kHeldGap) == 0;
+  const bool was_faulted = std::exchange(is_faulted_, (input.flags & core::kFaulted) != 0);
+  outages_ += (unfelt_gap || is_faulted_) && !was_faulted;
   bounded_ticks_ += (witness.flags & haptics::kPeakBounded) != 0;
 
   dvec3 force = ToVec(core::PressedForce_mn(witness), kForceUnit_n);

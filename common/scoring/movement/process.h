@@ -49,6 +49,8 @@ class ProcessRecorder {
   double force_sent_mean_cutting_n() const;  // mean over cutting ticks; 0 when nothing was cut
   uint64_t bounded_ticks() const { return bounded_ticks_; }  // peak bound engaged
   uint64_t late_ticks() const { return late_ticks_; }
+  // Times the device or the station took the force away: gaps without force, and faults.
+  uint64_t outages() const { return outages_; }
   // At most 50 Hz.
   const std::vector<PathSample>& samples() const { return samples_; }
   double impulse_n_s() const { return impulse_n_s_; }
@@ -90,6 +92,8 @@ class ProcessRecorder {
       cutting_left_ = 0;  // ticks that count as cutting after one that removed
   uint64_t cutting_time_ticks_ = 0;
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
+  uint64_t outages_ = 0;
+  bool is_faulted_ = false;
   uint64_t force_ticks_ = 0;
   double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;
   dvec3 last_anchor_{0};

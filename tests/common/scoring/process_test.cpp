@@ -101,6 +101,26 @@ TEST(ProcessRecorderTest, CountsLateAndBoundedTicks) {
   EXPECT_EQ(recorder.bounded_ticks(), 2u);
 }
 
+// A late tick's gap, over which the force was held, is none; a fault that begins with a gap is one.
+TEST(ProcessRecorderTest, CountsHowOftenTheForceWasTakenAway) {
+  ProcessRecorder recorder(SomeParams());
+  const auto add = [&](uint8_t flags, uint32_t gap_ticks, uint64_t expected) {
+    trace::Tick tick = TickAt(0, 1);
+    tick.input.flags = flags;
+    tick.input.gap_ticks = gap_ticks;
+    recorder.AddRecorded(tick);
+    EXPECT_EQ(recorder.outages(), expected);
+  };
+  add(0, 0, 0);
+  add(core::kLateTick | core::kHeldGap, 3, 0);
+  add(0, 20, 1);
+  add(0, 0, 1);
+  add(core::kFaulted, 100, 2);
+  add(core::kFaulted, 0, 2);
+  add(core::kSoftRestart, 0, 2);
+  add(core::kFaulted, 0, 3);
+}
+
 TEST(ProcessRecorderTest, SamplesAreAtMostFiftyPerSecondWithTheMeanForce) {
   ProcessRecorder recorder(SomeParams());
   for (int i = 0; i < 1000; ++i) recorder.AddRecorded(TickAt(i, (i % 20) * 10));

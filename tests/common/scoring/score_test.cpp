@@ -508,6 +508,7 @@ ScoreResult Filled() {
   r.gap_ticks = 7;
   r.late_ticks = 8;
   r.bounded_ticks = 9;
+  r.outages = 10;
   r.disturbance = {0.25, 1.5, 7.0 / 3};
   r.metrics.front().below_grid = 0.2;
   r.metrics.push_back({"force_sent_max_n", 7.9, "N", true});
@@ -538,6 +539,7 @@ TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
   EXPECT_EQ(back->criteria[0].reasons[1], Filled().criteria[0].reasons[1]);
   EXPECT_EQ(back->criteria[1].reason, Filled().criteria[1].reason);
   EXPECT_EQ(back->ticks, 123'456'789'012u);
+  EXPECT_EQ(back->outages, 10u);
   ASSERT_EQ(back->deductions.size(), 2u);
   EXPECT_EQ(back->deductions[0].strokes[1].first_tick, 6'000'000'000u);
   EXPECT_NEAR(back->deductions[0].position_m.y, -0.123456789e-3, 1e-15);

@@ -449,6 +449,7 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   auto score = ScoreOf(attempt);
   EXPECT_EQ(score.ticks, school_->Row(attempt).ticks);
   EXPECT_EQ(score.gap_ticks, 40u);
+  EXPECT_EQ(score.outages, 1u);
   EXPECT_EQ(score.late_ticks, (score.ticks + 99) / 100);
   EXPECT_GT(school_->Result(attempt).replay_realtime_factor, 0);
   EXPECT_EQ(score.core_version, core::kCoreVersion);

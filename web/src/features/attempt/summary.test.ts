@@ -36,6 +36,7 @@ const score = (changes: Partial<Score> = {}): Score => ({
   ticks: 1000,
   gap_ticks: 0,
   late_ticks: 0,
+  outages: 0,
   bounded_ticks: 0,
   witness_ok: true,
   witness_note: "",
@@ -113,6 +114,12 @@ test("gaps, a broken replay and late ticks are each said, with how many", () => 
   assert.match(facts.details.join("\n"), /Not recorded: 10 ticks \(1 %\)/);
   assert.match(facts.details.join("\n"), /does not match the station’s recording: chunk 12/);
   assert.match(facts.details.join("\n"), /1 tick was late/);
+});
+
+test("how often the force was taken away is said by the hour", () => {
+  const details = (outages: number) => recordingFacts(attempt({ duration_s: 720 }), score({ outages })).details;
+  assert.deepEqual(details(0), []);
+  assert.deepEqual(details(3), ["The force was interrupted 3 times by the device or the station (15 an hour)."]);
 });
 
 test("a disturbed attempt is said with its figures, an undisturbed one is not", () => {

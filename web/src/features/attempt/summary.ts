@@ -87,6 +87,13 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
           ? say("recording.not_repeated")
           : say("recording.not_repeated_note", { note: score.witness_note }),
       );
+    if (score.outages > 0)
+      details.push(
+        say("recording.outages", {
+          count: score.outages,
+          per_hour: formatNumber((3600 * score.outages) / Math.max(1, attempt.duration_s), 1),
+        }),
+      );
     if (score.late_ticks > 0) details.push(say("recording.late", { count: score.late_ticks }));
     if (score.bounded_ticks > 0) details.push(say("recording.limited", { count: score.bounded_ticks }));
     details.push(...disturbance(score));
