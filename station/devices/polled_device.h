@@ -75,7 +75,7 @@ using ReopenBus = std::function<Result<std::unique_ptr<PolledBus>>()>;
 class PolledDevice final : public MotorDevice {
  public:
   static constexpr std::chrono::milliseconds kSilentFor{1000};
-  static constexpr std::chrono::milliseconds kFirstWait{50}, kLongestWait{400};
+  static constexpr std::chrono::milliseconds kFirstWait{50}, kLongestWait{200};
   // 4 m/s from one pose to another 5 ms later, faster than a hand at a tooth.
   static constexpr double kFar_m = 0.02;
   static constexpr int kAgreeing = 8;

@@ -298,10 +298,10 @@ void PagesLayoutTest::ExpectPractice() {
   Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
   RunChosen();
   Await([&] { return flow_->chunks() > 0; });
-  pages_.reset();
-  flow_.reset();  // leaves the attempt
-  flow_.emplace(*workplace_, WorkflowOptions{});
-  pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
+  flow_->LeaveForNow();
+  Await([&] { return flow_->place() == Place::kSignIn; });
+  EXPECT_EQ(flow_->notice(), flow_->words().Say("signed_out.left"));
+  ExpectPage("sign-in, left");
   server_->role = "instructor";
   flow_->SignIn("ada", "secret");
   Await([&] { return flow_->place() == Place::kExercises && !flow_->busy(); });
