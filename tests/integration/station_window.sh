@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
 # mouse, pause, finish, see the score, try again, sign out; a password that was for one use; an attempt that was cut off
-# goes on, another is handed in as it is; one is kept for later and made without the server; one is given up; the server
-# goes away at sign-in and in the middle; a ticket is given back; nothing happens for too long; the spool is damaged. ENAMEL_PICTURES=FOLDER keeps the pictures of every
+# goes on, another is handed in as it is; one is kept for later and made without the server; the server goes away at
+# sign-in and in the middle; the spool is damaged. ENAMEL_PICTURES=FOLDER keeps the pictures of every
 # page.
 . "$(dirname "$0")/support.sh"
 start_display
@@ -264,34 +264,6 @@ page exercises
 quit
 EOF
 
-# Nothing happens for three seconds: signed out.
-play idle 1280x720 --idle-minutes 0.05 <<'EOF'
-sign in as student1
-page sign-in
-see signed out because
-frames 2
-picture PICTURES/24-idle.png
-quit
-EOF
-play give-up <<'EOF'
-sign in as student1
-click Class I
-page exercise
-see Bur:
-click Start
-page running
-frames 10
-key Escape
-page paused
-click Give up
-page give-up
-frames 2
-picture PICTURES/25-give-up.png
-click Give up
-page result
-see Handed in
-quit
-EOF
 # The server goes away in the middle of an attempt, and comes back while it is handed in.
 play away <<'EOF' &
 sign in as student1
@@ -448,29 +420,8 @@ page sign-in
 see Without the server
 quit
 EOF
-# Kept, and given back: it does not count any more.
-play give-back <<'EOF'
-page sign-in
-click Without the server
-page reserved
-key Enter
-page pin
-type 804217
-frames 2
-picture PICTURES/31-give-back.png
-click Give back
-page reserved
-see was given back
-see No attempts are kept
-frames 2
-picture PICTURES/32-given-back.png
-quit
-EOF
-"$bin/enamel-server" admin list-attempts --data "$work/server" >"$work/attempts"
-grep -qw returned "$work/attempts" || { cat "$work/attempts"; fail "the server does not know that a ticket was given back"; }
-for _ in 1 2; do
-  ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" reserve --data "$station" "${chosen[@]}" >/dev/null
-done
+# Beside the one that the window kept.
+ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" reserve --data "$station" "${chosen[@]}" >/dev/null
 stop_server
 play offline <<'EOF'
 page sign-in
@@ -570,8 +521,8 @@ touch "$work/mended"
 wait "$player" || fail "the window over a damaged spool"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 12-loss 12-practice 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
-  22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
-  31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel \
+  22-offline-exercise 23-safe 11-turning 11-turned 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
+  33-results 34-panel 35-trouble 36-trouble-panel \
   38-reference-refused; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
