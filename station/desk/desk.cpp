@@ -138,6 +138,8 @@ class Desk {
   bool Frame() {
     screen_.Speak(flow_.words().language());
     if (!screen_.Begin()) AskToClose();
+    // The picture may be covered, and keys go elsewhere. Before the flow, which stops the bur.
+    if (screen_.away()) flow_.Interrupt();
     auto now = Clock::now();
     // For the window only: the device and the tick have their own time.
     double dt_s = std::chrono::duration<double>(now - last_).count();
@@ -214,8 +216,7 @@ class Desk {
     render::SteerCamera(screen_, camera, !attempt.by_pointer() && !mirror);
     if (mirror || !attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
     auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
-    camera.Orbit(share(screen_.cursor_x() - screen_.last_cursor_x()),
-                 share(screen_.cursor_y() - screen_.last_cursor_y()));
+    camera.Orbit(share(screen_.moved_x()), share(screen_.moved_y()));
     for (const render::InputEvent& event : screen_.events()) {
       if (event.kind == render::InputEvent::Kind::kWheel) {
         camera.Zoom(static_cast<float>(event.y));

@@ -225,8 +225,7 @@ void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
     mapping.SetPedal(pedal);
     bool steering = screen.button(render::kMouseRight) || render::HoldsMirror(screen, *view_);
     if (!steering) {
-      mapping.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
-                     screen.cursor_y() - screen.last_cursor_y());
+      mapping.MoveBy(screen.moved_x(), screen.moved_y());
       for (const InputEvent& event : screen.events()) {
         if (event.kind == InputEvent::Kind::kKey && event.code == 'B' && event.pressed) {
           mapping.Recall();

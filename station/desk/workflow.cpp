@@ -277,6 +277,10 @@ void Workflow::Open(Dialog dialog) {
   if (dialog != Dialog::kNone) problem_.clear();
 }
 
+void Workflow::Interrupt() {
+  if (cutting() && dialog_ == Dialog::kNone) Back();
+}
+
 void Workflow::LeaveAttempt() {
   stillness_.reset();
   if (busy()) {

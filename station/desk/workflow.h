@@ -193,6 +193,8 @@ class Workflow {
   void LeaveSignOff();
   bool signs_end() const { return place_ == Place::kHandIn; }
   void Open(Dialog dialog);
+  // The person cannot see or steer the cut any more: as Esc, where the bur may be turning.
+  void Interrupt();
   void CloseDialog() { Open(Dialog::kNone); }
   void EndAttempt();  // finished, or given up: sealed as recorded
   // Stores what was recorded and goes back to the exercises, where the attempt can be continued.

@@ -16,6 +16,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "station/render/gl_objects.h"
@@ -30,7 +31,15 @@ constexpr auto kFrameTime = std::chrono::milliseconds(16);
 constexpr int kButtons = 3;
 // A field that Tab or Enter leads to takes letters from the third frame on.
 constexpr int kFocusFrames = 3;
-constexpr int kCaptureFrames = 3;
+// Frames in which the window system may still put the cursor elsewhere: its requests and events pass
+// each other.
+constexpr int kPlacedFrames = 3;
+// The largest step of a hand in one event, as a share of the window's height. A hand that takes the
+// cursor across the window into a target half as far wide needs 0.13 s (Card, English and Burr 1978:
+// 0.1 s for each bit of distance by target). Its top speed is 1.9 times its mean (Flash and Hogan
+// 1985). That makes 0.12 of the height in each of the 125 reports a second of a slow mouse. Twice
+// that is no hand's.
+constexpr double kLargestStep = 0.25;
 
 static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
               kKeyEnter == GLFW_KEY_ENTER && kKeyTab == GLFW_KEY_TAB &&
@@ -61,6 +70,8 @@ class GlfwWindow {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
+    // Else a full-screen window vanishes with the keyboard's focus, while an attempt's clock runs.
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
     Open(options);
     if (!window_) {
       std::string reason = LastGlfwError();
@@ -145,23 +156,18 @@ class Screen::Impl {
 
   bool Begin() {
     events_.clear();
-    last_cursor_x_ = cursor_x_;
-    last_cursor_y_ = cursor_y_;
+    moved_x_ = moved_y_ = 0;
+    left_ = false;
     Wait();
     began_ = Clock::now();
     glfwPollEvents();
     if (!injected_.empty()) {
       // One step a frame: spreads a script's input over frames, like a hand's.
-      pending_.insert(pending_.end(), injected_.front().begin(), injected_.front().end());
+      for (const InputEvent& event : injected_.front()) Queue(event);
       injected_.pop_front();
     }
     TakePending();
-    if (just_captured_ > 0) {
-      // A pointer that was beside the window is reported where it entered: nobody moved it.
-      --just_captured_;
-      last_cursor_x_ = cursor_x_;
-      last_cursor_y_ = cursor_y_;
-    }
+    if (placed_frames_ > 0) --placed_frames_;
     Measure();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -221,11 +227,10 @@ class Screen::Impl {
   void Capture(bool capture) {
     if (capture == captured_) return;
     captured_ = capture;
-    just_captured_ = kCaptureFrames;
+    Place();
     glfwSetInputMode(glfw_.get(), GLFW_CURSOR, capture ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
     glfwGetCursorPos(glfw_.get(), &cursor_x_, &cursor_y_);
-    last_cursor_x_ = cursor_x_;
-    last_cursor_y_ = cursor_y_;
+    moved_x_ = moved_y_ = 0;
   }
 
   GLFWwindow* window() const { return glfw_.get(); }
@@ -233,7 +238,7 @@ class Screen::Impl {
   std::vector<InputEvent> events_;
   std::deque<std::vector<InputEvent>> injected_;
   std::deque<InputEvent> pending_;  // not taken yet
-  double cursor_x_ = 0, cursor_y_ = 0, last_cursor_x_ = 0, last_cursor_y_ = 0;
+  double cursor_x_ = 0, cursor_y_ = 0, moved_x_ = 0, moved_y_ = 0;
   std::bitset<kButtons> held_;
   std::bitset<GLFW_KEY_LAST + 1> keys_;
   int width_ = 0, height_ = 0;
@@ -243,6 +248,7 @@ class Screen::Impl {
   std::string needed_;    // texts in other scripts
   std::string renderer_;
   bool software_ = false, captured_ = false;
+  bool away_ = false, left_ = false;  // another has the keyboard; it has had it in this frame
   double drawing_s_ = 0;
 
  private:
@@ -254,21 +260,43 @@ class Screen::Impl {
     GLFWwindow* window = glfw_.get();
     glfwSetWindowUserPointer(window, this);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-      Of(w).pending_.push_back(
-          InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
+      Of(w).Queue(InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
-      Of(w).pending_.push_back(InputEvent::Character(static_cast<int>(c)));
+      Of(w).Queue(InputEvent::Character(static_cast<int>(c)));
     });
-    glfwSetScrollCallback(window, [](GLFWwindow* w, double, double dy) {
-      Of(w).pending_.push_back(InputEvent::Wheel(dy));
-    });
+    glfwSetScrollCallback(
+        window, [](GLFWwindow* w, double, double dy) { Of(w).Queue(InputEvent::Wheel(dy)); });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
-      Of(w).pending_.push_back(InputEvent::Button(button, action == GLFW_PRESS));
+      Of(w).Queue(InputEvent::Button(button, action == GLFW_PRESS));
     });
-    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-      Of(w).pending_.push_back(InputEvent::Cursor(x, y));
+    glfwSetCursorPosCallback(
+        window, [](GLFWwindow* w, double x, double y) { Of(w).Queue(InputEvent::Cursor(x, y)); });
+    glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
+      Of(w).Queue(InputEvent::Focus(focused == GLFW_TRUE));
     });
+    glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int iconified) {
+      // Back from there it may get no new focus: without a window manager it never lost it.
+      const bool here = iconified == GLFW_FALSE && glfwGetWindowAttrib(w, GLFW_FOCUSED) != 0;
+      if (here || iconified == GLFW_TRUE) Of(w).Queue(InputEvent::Focus(here));
+    });
+    // A captured cursor's places are the motion since its capture; where it enters is a place in the
+    // window, and GLFW reports both alike.
+    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int entered) {
+      if (entered == GLFW_TRUE) Of(w).Queue(InputEvent::Placed());
+    });
+    glfwSetWindowPosCallback(window,
+                             [](GLFWwindow* w, int, int) { Of(w).Queue(InputEvent::Placed()); });
+  }
+
+  // Nothing waits before the loss of the keyboard: the bur must stop at once, and what was pressed
+  // before it must not be pressed afterwards.
+  void Queue(const InputEvent& event) {
+    if (event.kind == InputEvent::Kind::kFocus && !event.pressed) {
+      pending_.clear();
+      settling_ = 0;
+    }
+    pending_.push_back(event);
   }
 
   // A badge reader writes login, Tab, password and Enter within a frame. Input behind Tab or Enter
@@ -300,15 +328,49 @@ class Screen::Impl {
       case InputEvent::Kind::kWheel:
         return ImGui_ImplGlfw_ScrollCallback(window, 0, event.y);
       case InputEvent::Kind::kCursor:
-        cursor_x_ = event.x;
-        cursor_y_ = event.y;
-        return;
+        return MoveTo(event.x, event.y);
       case InputEvent::Kind::kButton:
         if (event.code < 0 || event.code >= kButtons) return;
         held_[static_cast<size_t>(event.code)] = event.pressed;
         if (event.pressed) clicked_[static_cast<size_t>(event.code)] = true;
+        // Where there is a window manager it has done so already.
+        if (event.pressed && away_) glfwFocusWindow(window);
+        return;
+      case InputEvent::Kind::kFocus:
+        away_ = !event.pressed;
+        left_ |= away_;
+        if (away_) LetGo();
+        return Place();
+      case InputEvent::Kind::kPlaced:
+        placed_ = true;
         return;
     }
+  }
+
+  // The next place of the cursor is the window system's choice, and so is any in these frames.
+  void Place() {
+    placed_ = true;
+    placed_frames_ = kPlacedFrames;
+  }
+
+  void MoveTo(double x, double y) {
+    const double dx = x - std::exchange(cursor_x_, x), dy = y - std::exchange(cursor_y_, y);
+    const bool placed = std::exchange(placed_, false) || placed_frames_ > 0 || away_;
+    if (placed || (captured_ && std::hypot(dx, dy) > kLargestStep * height_)) return;
+    moved_x_ += dx;
+    moved_y_ += dy;
+  }
+
+  // Another window gets what is pressed from now on, and every release.
+  void LetGo() {
+    for (size_t key = 0; key < keys_.size(); ++key) {
+      if (!keys_[key]) continue;
+      ImGui_ImplGlfw_KeyCallback(glfw_.get(), static_cast<int>(key), 0, GLFW_RELEASE, 0);
+    }
+    keys_.reset();
+    tapped_.reset();
+    held_.reset();
+    clicked_.reset();
   }
 
   void Wait() {
@@ -327,6 +389,7 @@ class Screen::Impl {
     if (width == 0 || height == 0) return;  // minimised
     if (width == width_ && height == height_ && !respell_) return;
     respell_ = false;
+    if (width != width_ || height != height_) Place();
     width_ = width;
     height_ = height;
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
@@ -343,7 +406,8 @@ class Screen::Impl {
   // Pressed since the last frame, even if let go already.
   std::bitset<kButtons> clicked_;
   std::bitset<GLFW_KEY_LAST + 1> tapped_;
-  int just_captured_ = 0;  // frames in which the cursor may still jump
+  bool placed_ = false;    // the next place of the cursor is no hand's
+  int placed_frames_ = 0;  // nor is any in so many frames
   int settling_ = 0;       // frames until input behind Tab or Enter is taken
   std::unique_ptr<Target> shown_;
   bool has_picture_ = false;  // this frame
@@ -377,8 +441,9 @@ void Screen::CaptureCursor(bool capture) { impl_->Capture(capture); }
 bool Screen::injecting() const { return !impl_->injected_.empty() || !impl_->pending_.empty(); }
 double Screen::cursor_x() const { return impl_->cursor_x_; }
 double Screen::cursor_y() const { return impl_->cursor_y_; }
-double Screen::last_cursor_x() const { return impl_->last_cursor_x_; }
-double Screen::last_cursor_y() const { return impl_->last_cursor_y_; }
+double Screen::moved_x() const { return impl_->moved_x_; }
+double Screen::moved_y() const { return impl_->moved_y_; }
+bool Screen::away() const { return impl_->away_ || impl_->left_; }
 bool Screen::button(int button) const {
   return button >= 0 && button < kButtons && impl_->held_[static_cast<size_t>(button)];
 }

@@ -66,10 +66,18 @@ class Screen {
   // Cursor in window pixels, and whether a mouse button or a key is held.
   double cursor_x() const;
   double cursor_y() const;
-  double last_cursor_x() const;  // of the previous frame
-  double last_cursor_y() const;
+  // How far a hand moved the mouse in this frame, px. Not what the window system does: it puts the
+  // cursor elsewhere when the window gets or loses the keyboard, captures or frees the cursor, or is
+  // moved or resized, and when the cursor enters. Nor a step of a captured cursor that is larger than
+  // a hand's (kLargestStep in screen.cpp), as a remote desktop makes.
+  double moved_x() const;
+  double moved_y() const;
   bool button(int button) const;
   bool key(int key) const;
+  // In this frame another window had the keyboard, however briefly, or this one was iconified.
+  // Everything held counts as let go when that begins, and nothing moves until it ends. A click asks
+  // for the keyboard.
+  bool away() const;
 
   int width() const;  // of the picture, px
   int height() const;

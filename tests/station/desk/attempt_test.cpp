@@ -193,7 +193,7 @@ TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   EXPECT_NE(ui_->words().find("Cut into the block"), std::string::npos) << ui_->words();
   Picture("warm-up");
   board_->buttons = 0;
-  flow_->Back();
+  flow_->Interrupt();
   EXPECT_EQ(flow_->place(), Place::kExercise);
   EXPECT_NE(flow_->notice().find("Device tried for"), std::string::npos) << flow_->notice();
   EXPECT_TRUE(workplace_->spool().List()->empty());
@@ -337,9 +337,13 @@ TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= ticks + 100; }));
   EXPECT_EQ(flow_->dialog(), Dialog::kNone);
   EXPECT_TRUE(Newest().put_down);
-  board_->buttons = 0;
-  ASSERT_TRUE(Reached([&] { return !Newest().put_down; }));
-  flow_->Open(Dialog::kPaused);
+  // With the foot on the pedal: the window can be covered at any time.
+  board_->buttons = 1;
+  auto bur_on = [&] { return (Newest().input_flags & core::kBurOn) != 0; };
+  ASSERT_TRUE(Reached([&] { return !Newest().put_down && bur_on(); }));
+  flow_->Interrupt();
+  EXPECT_EQ(flow_->dialog(), Dialog::kPaused);
+  ASSERT_TRUE(Reached([&] { return !bur_on(); }));
   for (int i = 0; i < 3; ++i) Frame();
   EXPECT_EQ(ui_->words().find("holder"), std::string::npos) << ui_->words();
   flow_->EndAttempt();

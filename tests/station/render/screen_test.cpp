@@ -1,0 +1,112 @@
+#include "station/render/screen.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "tests/station/render/virtual_display.h"
+
+namespace enamel::station::render {
+namespace {
+
+class ScreenTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!display_.ok()) GTEST_SKIP() << "skipped: Xvfb is not installed";
+    screen_.emplace(
+        ScreenOptions{.width_px = kWidth, .height_px = kHeight, .visible = false, .paced = false});
+    for (int i = 0; i < 4; ++i) Frame();  // a new window puts its cursor somewhere
+  }
+  void Frame(std::vector<InputEvent> events = {}) {
+    if (!events.empty()) screen_->Inject(std::move(events));
+    (void)screen_->Begin();
+    screen_->End();
+  }
+  // Motion of some frames, each with these events.
+  double MovedBy(const std::vector<std::vector<InputEvent>>& frames) {
+    double moved = 0;
+    for (const auto& events : frames) {
+      Frame(events);
+      moved += screen_->moved_x();
+    }
+    return moved;
+  }
+
+  static constexpr int kWidth = 640, kHeight = 360;
+  const VirtualDisplay display_;
+  std::optional<Screen> screen_;
+};
+
+TEST_F(ScreenTest, WhatAHandMovesIsTheSumOfItsSteps) {
+  Frame({InputEvent::Cursor(10, 20)});
+  Frame({InputEvent::Cursor(13, 20), InputEvent::Cursor(18, 16)});
+  EXPECT_EQ(screen_->moved_x(), 8);
+  EXPECT_EQ(screen_->moved_y(), -4);
+  Frame();
+  EXPECT_EQ(screen_->moved_x(), 0);
+  EXPECT_EQ(screen_->cursor_x(), 18);
+}
+
+TEST_F(ScreenTest, ThePlaceWhereACursorEntersIsNoMotion) {
+  Frame({InputEvent::Cursor(10, 20)});
+  Frame({InputEvent::Placed(), InputEvent::Cursor(300, 200), InputEvent::Cursor(302, 200)});
+  EXPECT_EQ(screen_->moved_x(), 2);
+  EXPECT_EQ(screen_->moved_y(), 0);
+  EXPECT_EQ(screen_->cursor_x(), 302) << "buttons are where the cursor is";
+}
+
+TEST_F(ScreenTest, WithTheKeyboardGoneEverythingHeldIsLetGoInThatFrame) {
+  Frame({InputEvent::Key(kKeySpace, true), InputEvent::Key('W', true),
+         InputEvent::Button(kMouseLeft, true), InputEvent::Cursor(10, 20)});
+  ASSERT_TRUE(screen_->key(kKeySpace) && screen_->key('W') && screen_->button(kMouseLeft));
+  EXPECT_FALSE(screen_->away());
+  Frame({InputEvent::Cursor(30, 20), InputEvent::Key('D', true), InputEvent::Focus(false),
+         InputEvent::Cursor(90, 20)});
+  EXPECT_TRUE(screen_->away());
+  for (int key : {int{kKeySpace}, int{'W'}, int{'D'}}) EXPECT_FALSE(screen_->key(key)) << key;
+  EXPECT_FALSE(screen_->button(kMouseLeft));
+  EXPECT_EQ(screen_->moved_x(), 0);
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(200, 20)}, {InputEvent::Cursor(10, 20)}}), 0);
+  // Back: where the cursor is now is no motion, nor what it does in the next two frames.
+  EXPECT_EQ(MovedBy({{InputEvent::Focus(true), InputEvent::Cursor(77, 20)},
+                     {InputEvent::Cursor(150, 20)},
+                     {}}),
+            0);
+  EXPECT_FALSE(screen_->away());
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(155, 20)}}), 5);
+}
+
+// It comes behind an Enter, whose followers wait until their field has the focus.
+TEST_F(ScreenTest, TheLossOfTheKeyboardWaitsForNothing) {
+  Frame({InputEvent::Button(kMouseLeft, true)});
+  Frame({InputEvent::Key(kKeyEnter, true), InputEvent::Character('a')});
+  Frame({InputEvent::Focus(false)});
+  EXPECT_TRUE(screen_->away());
+  EXPECT_FALSE(screen_->button(kMouseLeft));
+}
+
+TEST_F(ScreenTest, AKeyboardThatIsLostAndBackWithinAFrameWasAway) {
+  Frame({InputEvent::Key(kKeySpace, true)});
+  Frame({InputEvent::Focus(false), InputEvent::Focus(true)});
+  EXPECT_TRUE(screen_->away());
+  EXPECT_FALSE(screen_->key(kKeySpace));
+  Frame();
+  EXPECT_FALSE(screen_->away());
+}
+
+TEST_F(ScreenTest, ACapturedCursorMovesAsFarAsAHandAndNoFartherInAStep) {
+  Frame({InputEvent::Cursor(100, 100)});
+  screen_->CaptureCursor(true);
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(400, 100)}, {}, {}}), 0) << "by its capture";
+  const double step = 0.2 * kHeight;
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(400 + step, 100)}}), step);
+  // A remote desktop puts it somewhere and back.
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(20, 100)}, {InputEvent::Cursor(600, 100)}}), 0);
+  screen_->CaptureCursor(false);
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(10, 10)}, {InputEvent::Cursor(300, 300)}, {}}), 0);
+  EXPECT_EQ(MovedBy({{InputEvent::Cursor(600, 300)}}), 300) << "free, it may be thrown";
+}
+
+}  // namespace
+}  // namespace enamel::station::render
