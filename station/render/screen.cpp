@@ -156,6 +156,7 @@ class Screen::Impl {
 
   bool Begin() {
     events_.clear();
+    ++frame_;
     moved_x_ = moved_y_ = 0;
     left_ = false;
     Wait();
@@ -233,11 +234,25 @@ class Screen::Impl {
     moved_x_ = moved_y_ = 0;
   }
 
+  void DropWaiting() {
+    std::erase_if(pending_, [&](const Waiting& waiting) {
+      const InputEvent& event = waiting.event;
+      const bool chooses = event.pressed && (event.kind == InputEvent::Kind::kKey ||
+                                             event.kind == InputEvent::Kind::kCharacter ||
+                                             event.kind == InputEvent::Kind::kButton);
+      return chooses && waiting.frame < frame_;
+    });
+  }
+
   GLFWwindow* window() const { return glfw_.get(); }
 
   std::vector<InputEvent> events_;
   std::deque<std::vector<InputEvent>> injected_;
-  std::deque<InputEvent> pending_;  // not taken yet
+  struct Waiting {
+    InputEvent event;
+    uint64_t frame;  // in which it came
+  };
+  std::deque<Waiting> pending_;  // not taken yet
   double cursor_x_ = 0, cursor_y_ = 0, moved_x_ = 0, moved_y_ = 0;
   std::bitset<kButtons> held_;
   std::bitset<GLFW_KEY_LAST + 1> keys_;
@@ -250,6 +265,7 @@ class Screen::Impl {
   bool software_ = false, captured_ = false;
   bool away_ = false, left_ = false;  // another has the keyboard; it has had it in this frame
   double drawing_s_ = 0;
+  uint64_t frame_ = 0;
 
  private:
   static Impl& Of(GLFWwindow* window) {
@@ -296,21 +312,36 @@ class Screen::Impl {
       pending_.clear();
       settling_ = 0;
     }
-    pending_.push_back(event);
+    pending_.push_back({event, frame_});
   }
 
-  // A badge reader writes login, Tab, password and Enter within a frame. Input behind Tab or Enter
-  // waits until the field that has the focus then takes it.
   void TakePending() {
     if (settling_ > 0 && --settling_ > 0) return;
     while (!pending_.empty() && settling_ == 0) {
-      const InputEvent event = pending_.front();
+      const InputEvent event = pending_.front().event;
       pending_.pop_front();
       Take(event);
-      const bool moves =
-          event.code == kKeyTab || event.code == kKeyEnter || event.code == kKeyPadEnter;
-      if (event.kind == InputEvent::Kind::kKey && event.pressed && moves) settling_ = kFocusFrames;
+      settling_ = FramesBehind(event);
+      // The space bar's own letter comes with it.
+      const bool space = settling_ > 0 && event.code == kKeySpace && !pending_.empty();
+      if (space && pending_.front().event.kind == InputEvent::Kind::kCharacter) {
+        Take(pending_.front().event);
+        pending_.pop_front();
+      }
     }
+  }
+
+  // How long what comes behind this waits. A badge reader writes login, Tab, password and Enter within
+  // a frame: the field that Tab leads to has the focus later. Other keys and clicks that choose
+  // something may show another page in the next frame.
+  int FramesBehind(const InputEvent& event) const {
+    // A captured mouse chooses nothing, and the space bar is the pedal.
+    if (event.kind == InputEvent::Kind::kButton) return !event.pressed && !captured_ ? 1 : 0;
+    if (event.kind != InputEvent::Kind::kKey || !event.pressed) return 0;
+    if (event.code == kKeyTab || event.code == kKeyEnter || event.code == kKeyPadEnter) {
+      return kFocusFrames;
+    }
+    return event.code == kKeyEscape || (event.code == kKeySpace && !captured_) ? 1 : 0;
   }
 
   void Take(const InputEvent& event) {
@@ -408,7 +439,7 @@ class Screen::Impl {
   std::bitset<GLFW_KEY_LAST + 1> tapped_;
   bool placed_ = false;    // the next place of the cursor is no hand's
   int placed_frames_ = 0;  // nor is any in so many frames
-  int settling_ = 0;       // frames until input behind Tab or Enter is taken
+  int settling_ = 0;       // frames until the input that waits is taken
   std::unique_ptr<Target> shown_;
   bool has_picture_ = false;  // this frame
   Clock::time_point began_{}, next_{};
@@ -437,6 +468,7 @@ std::span<const InputEvent> Screen::events() const { return impl_->events_; }
 void Screen::Inject(std::vector<InputEvent> events) {
   impl_->injected_.push_back(std::move(events));
 }
+void Screen::DropWaiting() { impl_->DropWaiting(); }
 void Screen::CaptureCursor(bool capture) { impl_->Capture(capture); }
 bool Screen::injecting() const { return !impl_->injected_.empty() || !impl_->pending_.empty(); }
 double Screen::cursor_x() const { return impl_->cursor_x_; }

@@ -53,13 +53,17 @@ class Screen {
   void CancelClose();
   void Close();
 
-  // Of this frame, in order.
+  // Of this frame, in order. What follows a key or click that may choose something comes in a later
+  // frame: a page answers it first.
   std::span<const InputEvent> events() const;
   // Acts as if the person had done it. The events of one call come between two frames, those of
   // the next call a frame later.
   void Inject(std::vector<InputEvent> events);
   void Inject(const InputEvent& event) { Inject(std::vector{event}); }
   bool injecting() const;  // some are still waiting
+  // Drops keys, letters and clicks of earlier frames that still wait: they were meant for what was
+  // shown then. Releases stay.
+  void DropWaiting();
   // While captured the cursor is hidden and moves without limit: the mouse does not control
   // widgets.
   void CaptureCursor(bool capture);

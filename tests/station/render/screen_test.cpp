@@ -57,8 +57,8 @@ TEST_F(ScreenTest, ThePlaceWhereACursorEntersIsNoMotion) {
 }
 
 TEST_F(ScreenTest, WithTheKeyboardGoneEverythingHeldIsLetGoInThatFrame) {
-  Frame({InputEvent::Key(kKeySpace, true), InputEvent::Key('W', true),
-         InputEvent::Button(kMouseLeft, true), InputEvent::Cursor(10, 20)});
+  Frame({InputEvent::Key('W', true), InputEvent::Button(kMouseLeft, true),
+         InputEvent::Cursor(10, 20), InputEvent::Key(kKeySpace, true)});
   ASSERT_TRUE(screen_->key(kKeySpace) && screen_->key('W') && screen_->button(kMouseLeft));
   EXPECT_FALSE(screen_->away());
   Frame({InputEvent::Cursor(30, 20), InputEvent::Key('D', true), InputEvent::Focus(false),
