@@ -86,6 +86,7 @@ class OpeningDesk {
       DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
                         governor_.budget_s());
     }
+    if (opening_.busy() || script_.playing()) screen_.StayAwake();
     screen_.End();
     times_.Add(screen_.drawing_s());
     end |= script_.playing() && script_.Step(screen_, ui_, nullptr);
@@ -154,6 +155,8 @@ class Desk {
     if (panel_) {
       DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
     }
+    // The steps that follow a background task, or a device that holds still, come with a frame.
+    if (flow_.busy() || flow_.place() == Place::kReady || script_.playing()) screen_.StayAwake();
     screen_.End();
     Measure();
     end |= script_.playing() && script_.Step(screen_, ui_, &flow_);

@@ -28,6 +28,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kFrameTime = std::chrono::milliseconds(16);
+// Between frames of a page that rests: no one notices a tenth of a second where nothing was touched,
+// and Dear ImGui's text cursor blinks in steps of 0.4 s.
+constexpr auto kRest = std::chrono::milliseconds(100);
+// A page's sizes settle within so many frames.
+constexpr int kSettleFrames = 4;
 constexpr int kButtons = 3;
 // A field that Tab or Enter leads to takes letters from the third frame on.
 constexpr int kFocusFrames = 3;
@@ -157,6 +162,7 @@ class Screen::Impl {
   bool Begin() {
     events_.clear();
     ++frame_;
+    awake_ = false;
     moved_x_ = moved_y_ = 0;
     left_ = false;
     Wait();
@@ -168,6 +174,7 @@ class Screen::Impl {
       injected_.pop_front();
     }
     TakePending();
+    if (!events_.empty()) same_frames_ = 0;
     if (placed_frames_ > 0) --placed_frames_;
     Measure();
     ImGui_ImplOpenGL3_NewFrame();
@@ -200,6 +207,12 @@ class Screen::Impl {
 
   void End() {
     ImGui::Render();
+    if (LooksTheSame()) {
+      drawing_s_ = std::chrono::duration<double>(Clock::now() - began_).count();
+      next_ = began_ + kFrameTime;
+      return;
+    }
+    ++drawn_;
     glDisable(GL_SCISSOR_TEST);
     shown_->Bind();
     if (!has_picture_) {
@@ -265,7 +278,8 @@ class Screen::Impl {
   bool software_ = false, captured_ = false;
   bool away_ = false, left_ = false;  // another has the keyboard; it has had it in this frame
   double drawing_s_ = 0;
-  uint64_t frame_ = 0;
+  uint64_t frame_ = 0, drawn_ = 0;
+  bool awake_ = false;  // this frame asks for another soon
 
  private:
   static Impl& Of(GLFWwindow* window) {
@@ -303,6 +317,9 @@ class Screen::Impl {
     });
     glfwSetWindowPosCallback(window,
                              [](GLFWwindow* w, int, int) { Of(w).Queue(InputEvent::Placed()); });
+    // It was covered, or has another size.
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { Of(w).exposed_ = true; });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { Of(w).exposed_ = true; });
   }
 
   // Nothing waits before the loss of the keyboard: the bur must stop at once, and what was pressed
@@ -406,11 +423,42 @@ class Screen::Impl {
 
   void Wait() {
     while (paced_) {
-      std::chrono::duration<double> left = next_ - Clock::now();
+      const bool rests = same_frames_ >= kSettleFrames && !Stirs();
+      const Clock::time_point until = rests ? std::max(next_, began_ + kRest) : next_;
+      std::chrono::duration<double> left = until - Clock::now();
       if (left.count() <= 0) return;
       // Returns with every event. The callbacks have handled it by then, and the wait continues.
       glfwWaitEventsTimeout(left.count());
     }
+  }
+
+  // Something is to be shown, or somebody holds something whose repeats Dear ImGui counts in frames.
+  bool Stirs() const {
+    return !pending_.empty() || !injected_.empty() || exposed_ || held_.any() || keys_.any() ||
+           glfwWindowShouldClose(glfw_.get());
+  }
+
+  // Whether this frame has the same triangles, letters and textures as the last one that was drawn.
+  // A picture below it may have changed.
+  bool LooksTheSame() {
+    std::vector<char> looks;
+    if (paced_ && !has_picture_) {
+      const auto add = [&](const auto& buffer) {
+        const auto* from = reinterpret_cast<const char*>(buffer.Data);
+        looks.insert(looks.end(), from, from + buffer.size_in_bytes());
+      };
+      const ImDrawData& drawn = *ImGui::GetDrawData();
+      for (int i = 0; i < drawn.CmdListsCount; ++i) {
+        add(drawn.CmdLists[i]->CmdBuffer);
+        add(drawn.CmdLists[i]->IdxBuffer);
+        add(drawn.CmdLists[i]->VtxBuffer);
+      }
+    }
+    const bool exposed = std::exchange(exposed_, has_picture_ || !paced_);
+    const bool same = !exposed && looks == looks_;
+    looks_ = std::move(looks);
+    same_frames_ = same && !awake_ ? same_frames_ + 1 : 0;
+    return same;
   }
 
   // After a change of the window's size or language: fonts and picture in the new one.
@@ -420,6 +468,7 @@ class Screen::Impl {
     if (width == 0 || height == 0) return;  // minimised
     if (width == width_ && height == height_ && !respell_) return;
     respell_ = false;
+    exposed_ = true;
     if (width != width_ || height != height_) Place();
     width_ = width;
     height_ = height;
@@ -442,6 +491,9 @@ class Screen::Impl {
   int settling_ = 0;       // frames until the input that waits is taken
   std::unique_ptr<Target> shown_;
   bool has_picture_ = false;  // this frame
+  bool exposed_ = true;       // to be drawn, whatever it looks like
+  std::vector<char> looks_;   // of the last frame
+  int same_frames_ = 0;       // without input, that looked the same
   Clock::time_point began_{}, next_{};
 };
 
@@ -449,6 +501,7 @@ Screen::Screen(const ScreenOptions& options) : impl_(std::make_unique<Impl>(opti
 Screen::~Screen() = default;
 
 bool Screen::Begin() { return impl_->Begin(); }
+void Screen::StayAwake() { impl_->awake_ = true; }
 void Screen::Show(const Target& picture) { impl_->Show(picture); }
 void Screen::End() { impl_->End(); }
 void Screen::Speak(language::Language language) {
@@ -488,6 +541,7 @@ const Fonts& Screen::fonts() const { return impl_->fonts_; }
 bool Screen::draws_in_software() const { return impl_->software_; }
 const std::string& Screen::renderer() const { return impl_->renderer_; }
 double Screen::drawing_s() const { return impl_->drawing_s_; }
+uint64_t Screen::drawn() const { return impl_->drawn_; }
 Status Screen::WriteScreenshot(const std::string& path) { return impl_->WriteScreenshot(path); }
 
 }  // namespace enamel::station::render

@@ -37,13 +37,17 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   // Collects input and begins a frame of Dear ImGui, at most 60 times a second. Without a graphics
-  // card it uses at most two thirds of the time, because the tick needs the processor too. False
-  // once the person has closed the window; CancelClose revokes that.
+  // card it uses at most two thirds of the time, because the tick needs the processor too. Once some
+  // frames looked the same, nothing is held and nobody does anything, it begins ten a second and waits
+  // for input in between, which ends the wait at once. False once the person has closed the window;
+  // CancelClose revokes that.
   bool Begin();
+  // The next frame comes as soon as usual, even if this one looks like the last.
+  void StayAwake();
   // Lays a picture under ImGui's frame; without one the background has one colour. It is copied at
   // once: a page that is drawn over it may end the attempt, and with it the picture.
   void Show(const Target& picture);
-  // Draws ImGui's frame and shows it.
+  // Draws ImGui's frame and shows it; nothing is drawn where it looks like the frame before.
   void End();
   // Loads this language's letters, from the next frame on.
   void Speak(language::Language language);
@@ -90,6 +94,7 @@ class Screen {
   const std::string& renderer() const;  // OpenGL's own name
   // Wall time of drawing the last frame, without waiting for the display, s.
   double drawing_s() const;
+  uint64_t drawn() const;  // frames so far that were drawn
 
   // The last frame shown as PNG. Errors: kStorage.
   Status WriteScreenshot(const std::string& path);

@@ -1,10 +1,13 @@
 #include "station/render/screen.h"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 
+#include <chrono>
 #include <optional>
 #include <vector>
 
+#include "station/render/gl_objects.h"
 #include "tests/station/render/virtual_display.h"
 
 namespace enamel::station::render {
@@ -106,6 +109,54 @@ TEST_F(ScreenTest, ACapturedCursorMovesAsFarAsAHandAndNoFartherInAStep) {
   screen_->CaptureCursor(false);
   EXPECT_EQ(MovedBy({{InputEvent::Cursor(10, 10)}, {InputEvent::Cursor(300, 300)}, {}}), 0);
   EXPECT_EQ(MovedBy({{InputEvent::Cursor(600, 300)}}), 300) << "free, it may be thrown";
+}
+
+// Frames of a page with these words, as a person's window draws them.
+class RestTest : public ScreenTest {
+ protected:
+  void SetUp() override {
+    ScreenTest::SetUp();
+    if (IsSkipped()) return;
+    screen_.reset();
+    screen_.emplace(ScreenOptions{.width_px = kWidth, .height_px = kHeight, .visible = false});
+  }
+  uint64_t DrawnIn(int frames, const char* words) {
+    const uint64_t before = screen_->drawn();
+    for (int i = 0; i < frames; ++i) {
+      (void)screen_->Begin();
+      ImGui::GetBackgroundDrawList()->AddText({10, 10}, 0xffffffff, words);
+      screen_->End();
+    }
+    return screen_->drawn() - before;
+  }
+  static constexpr int kSettle = 8;
+};
+
+TEST_F(RestTest, APageThatLooksTheSameIsNotDrawnAgain) {
+  EXPECT_GT(DrawnIn(kSettle, "due in 3 minutes"), 0U);
+  EXPECT_EQ(DrawnIn(5, "due in 3 minutes"), 0U);
+  EXPECT_EQ(DrawnIn(5, "due in 2 minutes"), 1U);
+  Target picture(kWidth, kHeight, {GL_RGBA8}, false, GL_NEAREST);
+  const uint64_t before = screen_->drawn();
+  for (int i = 0; i < 3; ++i) {
+    (void)screen_->Begin();
+    screen_->Show(picture);
+    screen_->End();
+  }
+  EXPECT_EQ(screen_->drawn() - before, 3U) << "what is in a picture is not known";
+  EXPECT_EQ(DrawnIn(2, "due in 2 minutes"), 1U) << "the picture is gone";
+}
+
+TEST_F(RestTest, APageThatNobodyTouchesRestsAndAnswersTheNextKey) {
+  DrawnIn(kSettle, "Ada");
+  const auto began = std::chrono::steady_clock::now();
+  DrawnIn(4, "Ada");
+  // A busy computer takes longer, never less.
+  EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(4 * 90));
+  screen_->Inject(InputEvent::Key('A', true));
+  (void)screen_->Begin();
+  EXPECT_EQ(screen_->events().size(), 1U) << "in the very next frame";
+  screen_->End();
 }
 
 }  // namespace
