@@ -44,6 +44,10 @@ OpenCommand DeclareOpen(CommandGroup group) {
         desk::DeskOptions size;
         return desk::SetWindowSize(text, size).message();
       });
+  cmd->add_option(
+      "--monitor", o.monitor,
+      "Monitor to be on: its name, as HDMI-1, or its number, 0 the primary one; without "
+      "this option or that monitor the primary one");
   cmd->add_option("--language", options->language,
                   "en, de or zh: the window's language until somebody chooses another; else LANG")
       ->check(IsOneOf("language"));

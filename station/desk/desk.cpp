@@ -1,5 +1,6 @@
 #include "station/desk/desk.h"
 
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -375,6 +376,8 @@ Status RunDesk(const DeskOptions& options) {
     window.full_screen = options.full_screen;
     window.width_px = options.width_px;
     window.height_px = options.height_px;
+    window.monitor = options.monitor;
+    window.monitor_missing = [](const std::string& what) { spdlog::warn("{}", what); };
     render::Screen screen(window);
     if (opening.workplace() == nullptr) {
       ENAMEL_RETURN_IF_ERROR(OpeningDesk(options, screen, opening, script).Run());

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "station/render/gl_objects.h"
+#include "station/render/monitors.h"
 #include "station/render/png_file.h"
 
 namespace enamel::station::render {
@@ -63,10 +64,12 @@ std::string LastGlfwError() {
   return text ? text : "no reason given";
 }
 
-// GLFW is one per process, as is the window.
+// GLFW calls back without saying for whom: it is one per process, as is the window.
+bool monitors_changed = false;
+
 class GlfwWindow {
  public:
-  explicit GlfwWindow(const ScreenOptions& options) {
+  explicit GlfwWindow(const ScreenOptions& options) : options_(options) {
     // Errors are read by LastGlfwError and become exceptions; GLFW prints nothing.
     glfwSetErrorCallback(nullptr);
     if (!glfwInit()) throw std::runtime_error(LastGlfwError());
@@ -77,7 +80,7 @@ class GlfwWindow {
     glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
     // Else a full-screen window vanishes with the keyboard's focus, while an attempt's clock runs.
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
-    Open(options);
+    Open();
     if (!window_) {
       std::string reason = LastGlfwError();
       glfwTerminate();
@@ -94,15 +97,56 @@ class GlfwWindow {
   GlfwWindow& operator=(const GlfwWindow&) = delete;
   GLFWwindow* get() const { return window_; }
 
- private:
-  void Open(const ScreenOptions& options) {
-    GLFWmonitor* monitor = options.full_screen ? glfwGetPrimaryMonitor() : nullptr;
+  // Where `monitor` says, or on the primary one: when monitors come or go. GLFW makes a window of
+  // what was full screen on a monitor that has gone.
+  void Place() {
+    GLFWmonitor* monitor = Choose();
     const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
-    window_ = glfwCreateWindow(mode != nullptr ? mode->width : options.width_px,
-                               mode != nullptr ? mode->height : options.height_px,
-                               options.title.c_str(), mode != nullptr ? monitor : nullptr, nullptr);
+    if (mode == nullptr) return;
+    if (options_.full_screen) {
+      if (glfwGetWindowMonitor(window_) == monitor) return;
+      return glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height,
+                                  mode->refreshRate);
+    }
+    if (options_.monitor.empty()) return;
+    int x = 0, y = 0, width = 0, height = 0;
+    glfwGetMonitorPos(monitor, &x, &y);
+    glfwGetWindowSize(window_, &width, &height);
+    // Not above or left of it, where nobody could take hold of it.
+    glfwSetWindowPos(window_, x + std::max(0, (mode->width - width) / 2),
+                     y + std::max(0, (mode->height - height) / 2));
   }
 
+ private:
+  void Open() {
+    GLFWmonitor* monitor = Choose();
+    if (!options_.full_screen) monitor = nullptr;
+    const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+    window_ =
+        glfwCreateWindow(mode != nullptr ? mode->width : options_.width_px,
+                         mode != nullptr ? mode->height : options_.height_px,
+                         options_.title.c_str(), mode != nullptr ? monitor : nullptr, nullptr);
+    if (window_ != nullptr) Place();
+  }
+
+  // Null without any monitor.
+  GLFWmonitor* Choose() {
+    int count = 0;
+    GLFWmonitor** all = glfwGetMonitors(&count);
+    std::vector<std::string> names;
+    for (int i = 0; i < count; ++i) names.emplace_back(glfwGetMonitorName(all[i]));
+    const auto found = options_.monitor.empty() && count > 0 ? std::optional<size_t>(0)
+                                                             : FindMonitor(names, options_.monitor);
+    const std::string missing = found ? "" : MissingMonitorText(names, options_.monitor);
+    if (missing != std::exchange(missing_, missing) && !missing.empty() &&
+        options_.monitor_missing) {
+      options_.monitor_missing(missing);
+    }
+    return count > 0 ? all[found.value_or(0)] : nullptr;
+  }
+
+  const ScreenOptions options_;
+  std::string missing_;  // as said last
   GLFWwindow* window_ = nullptr;
 };
 
@@ -168,6 +212,7 @@ class Screen::Impl {
     Wait();
     began_ = Clock::now();
     glfwPollEvents();
+    if (std::exchange(monitors_changed, false)) glfw_.Place();
     if (!injected_.empty()) {
       // One step a frame: spreads a script's input over frames, like a hand's.
       for (const InputEvent& event : injected_.front()) Queue(event);
@@ -320,6 +365,8 @@ class Screen::Impl {
     // It was covered, or has another size.
     glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { Of(w).exposed_ = true; });
     glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { Of(w).exposed_ = true; });
+    monitors_changed = false;
+    glfwSetMonitorCallback([](GLFWmonitor*, int) { monitors_changed = true; });
   }
 
   // Nothing waits before the loss of the keyboard: the bur must stop at once, and what was pressed
@@ -434,8 +481,8 @@ class Screen::Impl {
 
   // Something is to be shown, or somebody holds something whose repeats Dear ImGui counts in frames.
   bool Stirs() const {
-    return !pending_.empty() || !injected_.empty() || exposed_ || held_.any() || keys_.any() ||
-           glfwWindowShouldClose(glfw_.get());
+    return !pending_.empty() || !injected_.empty() || exposed_ || monitors_changed || held_.any() ||
+           keys_.any() || glfwWindowShouldClose(glfw_.get());
   }
 
   // Whether this frame has the same triangles, letters and textures as the last one that was drawn.

@@ -19,8 +19,12 @@ struct ScreenOptions {
   std::string title = "Enamel";
   int width_px = 1280, height_px = 800;
   bool full_screen = false;  // width and height are then the monitor's
-  bool visible = true;       // false: drawn off screen, for screenshots and tests
-  bool paced = true;  // false, for measuring: frames follow each other, each drawn to its end
+  std::string monitor;  // to be on: its name, or its number, 0 the first; empty: the primary one
+  // Called with a line for the log while that monitor is not there: at the start, and when it goes. The
+  // window is on the primary one then.
+  std::function<void(const std::string&)> monitor_missing;
+  bool visible = true;  // false: drawn off screen, for screenshots and tests
+  bool paced = true;    // false, for measuring: frames follow each other, each drawn to its end
 };
 
 // The window on the desktop: GLFW, an OpenGL 3.3 context, Dear ImGui with our fonts and style, and

@@ -5,9 +5,11 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "station/render/gl_objects.h"
+#include "station/render/monitors.h"
 #include "tests/station/render/virtual_display.h"
 
 namespace enamel::station::render {
@@ -109,6 +111,42 @@ TEST_F(ScreenTest, ACapturedCursorMovesAsFarAsAHandAndNoFartherInAStep) {
   screen_->CaptureCursor(false);
   EXPECT_EQ(MovedBy({{InputEvent::Cursor(10, 10)}, {InputEvent::Cursor(300, 300)}, {}}), 0);
   EXPECT_EQ(MovedBy({{InputEvent::Cursor(600, 300)}}), 300) << "free, it may be thrown";
+}
+
+TEST(MonitorTest, IsFoundByItsNameOrElseByItsNumber) {
+  const std::vector<std::string> names = {"eDP-1", "HDMI-1", "2"};
+  EXPECT_EQ(FindMonitor(names, "HDMI-1"), 1U);
+  EXPECT_EQ(FindMonitor(names, "0"), 0U);
+  EXPECT_EQ(FindMonitor(names, "1"), 1U);
+  EXPECT_EQ(FindMonitor(names, "2"), 2U) << "its name";
+  for (const char* wanted : {"", "HDMI", "3", "-1", "1 ", "+1", "99999999999999999999"}) {
+    EXPECT_FALSE(FindMonitor(names, wanted)) << wanted;
+  }
+  EXPECT_FALSE(FindMonitor({}, "0"));
+}
+
+TEST_F(ScreenTest, AMonitorThatIsNotThereIsSaidOnceWithThoseThatAre) {
+  std::vector<std::string> said;
+  ScreenOptions options{.width_px = kWidth, .height_px = kHeight, .visible = false, .paced = false};
+  options.monitor_missing = [&](const std::string& what) { said.push_back(what); };
+  for (const char* there : {"", "0", "screen"}) {
+    options.monitor = there;
+    screen_.reset();
+    screen_.emplace(options);
+    EXPECT_TRUE(said.empty()) << there;
+  }
+  for (const bool full : {false, true}) {
+    options.monitor = "HDMI-2";
+    options.full_screen = full;
+    screen_.reset();
+    screen_.emplace(options);
+    for (int i = 0; i < 3; ++i) Frame();
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NE(said[0].find("expected the monitor 'HDMI-2', found screen"), std::string::npos)
+        << said[0];
+    EXPECT_EQ(screen_->width(), full ? 1600 : kWidth) << "it is shown all the same";
+    said.clear();
+  }
 }
 
 // Frames of a page with these words, as a person's window draws them.
