@@ -34,8 +34,8 @@ language::Language LanguageFor(const std::string& asked) {
 OpenCommand DeclareOpen(CommandGroup group) {
   auto options = std::make_shared<OpenOptions>();
   desk::DeskOptions& o = options->desk;
-  CLI::App* cmd =
-      group.app.add_subcommand("open", "The window a student sits at; also without any subcommand");
+  CLI::App* cmd = group.app.add_subcommand(
+      "open", "The window a student sits at; its options do without the word, too");
   AddWorkplaceSettings(*cmd, group.place);
   cmd->add_option("--profile", o.profile, "Device profile of this station's device: offered first");
   AddCpu(cmd, o.cpu);

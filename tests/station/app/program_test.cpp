@@ -126,6 +126,35 @@ TEST_F(ProgramTest, WrongCommandLineIsExitCodeTwo) {
   EXPECT_EQ(RunProgram("no-such-thing").code, 2);
 }
 
+// As guide and unit write it: a desktop's icon names the folder and no command.
+TEST_F(ProgramTest, WithoutACommandItTakesTheOptionsOfTheWindow) {
+  const std::string settings = (folder_ / "station.toml").string();
+  std::ofstream(settings) << "monitor = \"HDMI-1\"\nlanguage = \"de\"\n";
+  for (const std::string& arguments :
+       {data(), data() + " --server 127.0.0.1:9 --window 640x480 --monitor 1 --simulated",
+        "--config " + settings + data(), "--log-level=warning" + data(),
+        "--log-format text --config " + settings + data() + " --language zh --no-sound",
+        data() + " --config " + settings}) {
+    const Outcome out = RunProgram(" " + arguments);
+    EXPECT_EQ(out.code, 1) << arguments << ": " << out.text;
+    EXPECT_NE(out.text.find("not enrolled"), std::string::npos) << arguments << ": " << out.text;
+  }
+  const struct {
+    std::string arguments;
+    const char* said;
+  } wrong[] = {{"--dta x", "did you mean '--data'?"},
+               {"--window big", "WIDTHxHEIGHT"},
+               {"--data x run", "run"},
+               {"--config", "--config"}};
+  for (const auto& each : wrong) {
+    const Outcome out = RunProgram(each.arguments);
+    EXPECT_EQ(out.code, 2) << each.arguments << ": " << out.text;
+    EXPECT_NE(out.text.find(each.said), std::string::npos) << out.text;
+  }
+  EXPECT_NE(RunProgram("--version").text.find("enamel-station"), std::string::npos);
+  EXPECT_NE(RunProgram("--data x --help").text.find("--monitor"), std::string::npos);
+}
+
 TEST_F(ProgramTest, StationThatIsNotEnrolledIsToldHow) {
   Outcome out = RunProgram(kRun + data());
   EXPECT_EQ(out.code, 1);
