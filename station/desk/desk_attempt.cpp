@@ -97,9 +97,11 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   attempt->nearness_ = std::make_unique<NearnessWatch>(core::BursOf(params), p.volume);
   attempt->gauge_.emplace(p.exercise.target, p.volume);
+  std::optional<cutting::Volume> cut;  // of a resumed attempt
+  if (p.core) cut = p.core->volume().Unpacked();
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
-        ViewOf(p), p.core ? p.core->volume().Unpacked() : p.volume,
+        ViewOf(p), cut ? *cut : p.volume,
         [zones = attempt->zones_.get(), reach = attempt->reach_.get(),
          nearness = attempt->nearness_.get()](const cutting::Volume& now) {
           nearness->Look();

@@ -202,6 +202,50 @@ TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
 }
 
+// They were shown as of an uncut tooth until the next cut.
+TEST_F(DeskAttemptTest, AResumedCutIsMeasuredBeforeItsFirstPicture) {
+  PreparedAttempt base;
+  base.exercise = scene::ClassOneExercise(scene::BuildBuiltinScene("block", 500'000)->scene, {});
+  for (const auto& profile : scene::BuiltinProfiles()) {
+    if (profile.name == "pointer") base.profile = profile;
+  }
+  auto prepared = WarmUpFor(base);
+  ASSERT_TRUE(prepared.ok());
+  prepared->core = std::make_unique<core::Core>(prepared->header.params, prepared->volume.Packed());
+  // Half a second in the air, then down to a millimetre under the top, and a millimetre to the side.
+  constexpr int64_t kTop_um = 5000;
+  const core::CoreParams& params = prepared->header.params;
+  const auto counts = [&](int axis, int64_t at_nm) {
+    const auto i = static_cast<size_t>(axis);
+    return static_cast<int32_t>((at_nm - params.device_origin_nm[i]) / params.resolution_nm[i]);
+  };
+  core::TickInput input;
+  input.flags = core::kBurOn;
+  input.bur_speed_krpm = kTurbineSpeed_krpm;
+  double removed_mm3 = 0;
+  for (int tick = 0; tick < 3500; ++tick) {
+    input.counts = {counts(0, 1000 * std::clamp(tick - 2500, 0, 1000)), counts(1, 0),
+                    counts(2, 1000 * (kTop_um + 1000 - std::clamp(tick - 500, 0, 2000)))};
+    const auto out = prepared->core->Step(input);
+    for (const int64_t units : out.removed) {
+      removed_mm3 += 1e9 * cutting::RemovedUnitsToM3(units, prepared->voxel_m());
+    }
+  }
+  prepared->header.hand = PointerDevice(1e-6, 1e-3).hand();
+  const scene::CavityTarget target = prepared->exercise.target;
+  DeviceOffer mouse;
+  auto attempt = DeskAttempt::Create(std::move(*prepared), mouse, nullptr, false);
+  ASSERT_TRUE(attempt.ok()) << attempt.status().message();
+  ASSERT_TRUE((*attempt)->view().WaitIdle(std::chrono::seconds(60)));
+  const auto zones = (*attempt)->zones();
+  ASSERT_TRUE(zones);
+  // The slot is within the box to be cut.
+  const double box_mm3 = 4e-9 * target.half_size_um[0] * target.half_size_um[1] * target.depth_um;
+  EXPECT_GT(removed_mm3, 1);
+  EXPECT_NEAR(zones->target_percent / 100 * box_mm3, removed_mm3, 0.05 * removed_mm3);
+  EXPECT_EQ(zones->beyond_mm3, 0);
+}
+
 TEST(WarmUpTextTest, ADeviceThatIsAskewIsTurnedTheOtherWay) {
   const auto text = [](double turned_deg) {
     const double angle = -turned_deg * std::numbers::pi / 180;
