@@ -58,7 +58,7 @@ class Paced final : public Attached {
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-// Tissue that hardens and is gone as its test likes.
+// Tissue whose hardness its test switches on and off.
 class Fickle final : public haptics::Material {
  public:
   haptics::Contact ContactAt(const dvec3&, const dvec3&) noexcept override {
@@ -72,7 +72,7 @@ class Fickle final : public haptics::Material {
   bool is_solid = false;
 };
 
-// What a hand draws at most, J, from the coupling of these parameters in a loop of the rate that they
+// The most energy, J, that a hand draws from the coupling of these parameters in a loop of the rate that they
 // say, if a pose comes only in each n-th tick. In the theorem's own sum (common/haptics/README.md), kept
 // here: damping b and the cell's friction pay, and what the spring may hold at the start is free.
 double Drawn_j(const core::CoreParams& p, double b_n_s_per_m, int n, uint64_t seed) {
@@ -271,7 +271,7 @@ TEST_F(DeviceDelayTest, ADeviceAsQuickAsTheLoopHasNothingAdded) {
   }
 }
 
-// Looks each 0.1 ms at a device of one pose a millisecond, as `poses` has it.
+// Looks each 0.1 ms at a device's count of `poses`, but for the times at which the computer `is_away`.
 scene::PosePeriod Watched(const std::function<uint64_t(int64_t us)>& poses,
                           const std::function<bool(int64_t us)>& is_away) {
   PoseWatch watch;
