@@ -18,7 +18,7 @@ runner() {
     *": ./check"*) echo check ;;
     *ansible*) echo tests/packaging/chairs.sh ;;
     *"patronictl "*) echo tests/cluster/patroni.sh ;;
-    *" calibrate --device hid"*) echo "nobody: it needs a board" ;;
+    *" calibrate --device hid"* | *" first-hour --device dhd"*) echo "nobody: it needs a unit" ;;
     docs/several_servers.md:* | *" psql school "*) echo cluster ;;
     *" simulate "* | *"enamel-lab operators"*) echo minutes ;;
     *" restore "*) echo tests/packaging/debian.sh ;;
@@ -195,7 +195,7 @@ result=$work/mine/attempts/$attempt/result.bin
 key=$(enamel-server admin list-stations --data "$data" | sed -nE "s/^key of this server's tickets and results +//p")
 assignment=$(enamel-server admin list-assignments --data "$data" | grep -v practice | cut -d ' ' -f 1)
 export ENAMEL_PASSWORD=$anna
-for guide in for_instructors at_the_chair for_data_protection for_researchers for_students is_it_for_you what_a_hand_feels paper README; do
+for guide in for_instructors at_the_chair for_data_protection for_researchers for_students haptic_devices is_it_for_you what_a_hand_feels paper README; do
   try "docs/$guide.md"
 done
 mode=counts try docs/several_servers.md

@@ -120,6 +120,37 @@ TEST_F(ProgramTest, HelpTeachesAFirstAttempt) {
   }
 }
 
+TEST_F(ProgramTest, FirstHourReplaysAFileOfAnswersAndKeepsWhatWasFoundWhenItEnds) {
+  const fs::path out = folder_ / "hour.json", answers = folder_ / "answers";
+  const std::string command = "first-hour --device simulated:omega3 --out " + out.string() +
+                              " --answers " + answers.string();
+  std::ofstream(answers) << "start.open:\nhoming.did: pit\nhoming.middle @1:\n"
+                            "workspace.end: skip no room\ndirections.right.from: skip\n"
+                            "directions.why: no time\nforce.x.yes: yes\n";
+  const Outcome ended = RunProgram(command);
+  EXPECT_EQ(ended.code, 1) << ended.text;
+  EXPECT_NE(ended.text.find("has none for 'force.y.yes'"), std::string::npos) << ended.text;
+  EXPECT_NE(ended.text.find("the input ended"), std::string::npos) << ended.text;
+  const auto document = boost::json::parse(AsText(*ReadFile(out))).as_object();
+  EXPECT_FALSE(document.at("complete").as_bool());
+  EXPECT_EQ(document.at("steps").at("directions").at("reason"), "no time");
+  EXPECT_EQ(document.at("steps").at("force").at("found").at("x").at("axis"), "+x");
+  EXPECT_NE(document.at("computer").at("kernel").as_string(), "");
+
+  std::ofstream(answers) << "start.open\n";
+  const Outcome wrong = RunProgram(command);
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.text.find("line 1: expected ID: ANSWER"), std::string::npos) << wrong.text;
+}
+
+TEST_F(ProgramTest, FirstHourLetsNoRealUnitPushWithoutATerminal) {
+  const Outcome out =
+      RunProgram("first-hour --device dhd --out " + (folder_ / "hour.json").string());
+  EXPECT_EQ(out.code, 1);
+  EXPECT_NE(out.text.find("run this on a terminal"), std::string::npos) << out.text;
+  EXPECT_FALSE(fs::exists(folder_ / "hour.json"));
+}
+
 TEST_F(ProgramTest, WrongCommandLineIsExitCodeTwo) {
   EXPECT_EQ(RunProgram("spool").code, 2);
   EXPECT_EQ(RunProgram("run").code, 2);
