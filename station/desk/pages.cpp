@@ -51,6 +51,9 @@ bool Pages::Draw() {
     case Place::kExercises:
       Exercises();
       break;
+    case Place::kPracticeList:
+      PracticeList();
+      break;
     case Place::kExercise:
       Exercise();
       break;
@@ -133,6 +136,9 @@ void Pages::SignIn() {
   ui_.SameLine();
   bool offline = !flow_.reserved().empty() &&
                  ui_.Button(Say("sign_in.offline"), Ui::Look::kPlain, !flow_.busy());
+  ui_.SameLine();
+  const bool practise =
+      flow_.may_practise() && ui_.Button(Say("sign_in.practise"), Ui::Look::kSmall, !flow_.busy());
   ui_.Gap(8);
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
@@ -146,6 +152,7 @@ void Pages::SignIn() {
     password_.clear();
   }
   if (offline) flow_.ToReserved();
+  if (practise) flow_.ToPractice();
   if (ui_.escape()) flow_.Open(Dialog::kClose);
   ui_.End();
 }
@@ -193,11 +200,32 @@ void Pages::Exercises() {
   ui_.End();
 }
 
+// Of whoever comes: no names, no results, no interrupted attempts.
+void Pages::PracticeList() {
+  ui_.Begin("practice-list", kWidePage);
+  ui_.Title(Say("sign_in.practise"));
+  ui_.Note(Say("practice_list.text"));
+  ui_.Problem(flow_.problem());
+  const auto& all = flow_.exercises();
+  std::vector<Card> cards;
+  for (const auto& exercise : all) cards.push_back(CardOf(flow_.words(), exercise, UnixMs()));
+  ui_.BeginList("practices");
+  const auto chosen = ui_.Cards(cards);
+  if (all.empty() && !flow_.busy()) ui_.Text(Say("practice_list.none"));
+  ui_.EndList();
+  Busy();
+  const bool back = ui_.Button(Say("exercise.back")) || ui_.escape();
+  ui_.End();
+  if (back) return flow_.Back();
+  if (chosen) flow_.ChooseExercise(*chosen);
+}
+
 void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
   const scene::Exercise& e = prepared.exercise;
   ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions")
                                   : WordedText(flow_.words(), e.instructions));
   ui_.Gap(8);
+  if (flow_.way() == Way::kPractice) return ui_.Text(Say("practice.note"));
   ui_.Note(FactsText(flow_.words(), e, prepared.scene.title, flow_.chosen().exam));
 }
 

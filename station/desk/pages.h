@@ -40,6 +40,7 @@ class Pages {
   };
   std::vector<Section> Sections(bool grouped);
   void ExerciseList();
+  void PracticeList();
   Card AttemptCard(const SpooledAttempt& attempt, std::string_view title, const std::string& text,
                    std::string_view right) const;
   void Exercise();

@@ -149,6 +149,7 @@ void Workflow::CheckDevice(Clock::time_point now) {
 }
 
 void Workflow::Begin() {
+  if (way_ == Way::kPractice) return Practise();
   if (Status begun = attempt_->Begin(workplace_, options_.cpu); !begun.ok())
     return LeaveAttemptFor(begun);
   put_downs_ = 0;

@@ -10,6 +10,7 @@
 #include "station/desk/pages.h"
 #include "station/desk/warm_up.h"
 #include "station/desk/workflow.h"
+#include "station/session/practice_list.h"
 #include "tests/station/desk/english.h"
 #include "tests/station/desk/played_board.h"
 #include "tests/station/hid/hid_double.h"
@@ -363,6 +364,49 @@ TEST_F(DeskAttemptTest, AfterItsEndTheCutGoesOnForPracticeAndNothingOfItIsRecord
   EXPECT_EQ(workplace_->spool().Get(id_)->ticks, ticks);
   EXPECT_EQ(workplace_->spool().Get(id_)->bytes, recorded->bytes);
   EXPECT_EQ(workplace_->spool().List()->size(), 1u);
+}
+
+TEST_F(DeskAttemptTest, PracticeWithoutTheServerIsCutLikeAnyOtherAndNothingOfItIsKept) {
+  const KeptDocuments kept = KeepDocuments(folder_ / "data", "pointer", false);
+  Catalogue list;
+  list.exercises.resize(1);
+  list.exercises[0].name = kept.exercise.name;
+  list.exercises[0].exercise = kept.exercise_hash;
+  list.exercises[0].facts = Catalogue::Facts();
+  list.exercises[0].facts->graded = false;
+  list.profiles = {{"pointer", "", kept.profile_hash}};
+  KeepPracticeList(folder_ / "data", list, 0);
+  const uint16_t port = server_->endpoint().port;
+  workplace_.reset();
+  server_.reset();
+  workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
+  ui_.emplace(*screen_);
+  flow_.emplace(*workplace_, WorkflowOptions{});
+  pages_.emplace(*ui_, *flow_, "Chair 7");
+  flow_->ToPractice();
+  ASSERT_TRUE(Reached([&] { return flow_->exercises().size() == 1; })) << flow_->problem();
+  Picture("practice-list");
+  flow_->ChooseExercise(0);
+  ASSERT_TRUE(Reached([&] { return flow_->preview() != nullptr && !flow_->busy(); }));
+  Picture("practice-exercise");
+  flow_->Start(false);
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kPractice; })) << flow_->problem();
+  EXPECT_EQ(flow_->attempt()->run(), nullptr);
+  ASSERT_TRUE(Reached([&] { return flow_->attempt()->newest().counters.ticks >= 300; }));
+  EXPECT_NE(ui_->words().find("nothing is recorded"), std::string::npos) << ui_->words();
+  server_.emplace(folder_, port);
+  ASSERT_TRUE(Reached([&] {
+    workplace_->uploader().Retry();
+    return server_->connections() > 0;
+  }));
+  EXPECT_EQ(flow_->place(), Place::kPractice);
+  flow_->Back();
+  EXPECT_EQ(flow_->dialog(), Dialog::kPracticePaused);
+  flow_->EndPractice();
+  EXPECT_EQ(flow_->place(), Place::kExercise);
+  ASSERT_TRUE(Reached([&] { return flow_->preview() != nullptr && !flow_->busy(); }))
+      << "and can be begun again: " << flow_->problem();
+  EXPECT_TRUE(workplace_->spool().List()->empty());
 }
 
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
