@@ -179,6 +179,8 @@ class Desk {
   void ShowPicture(double dt_s) {
     warned_ = {};
     if (flow_.place() == Place::kLoss) return ShowLoss(dt_s);
+    // The next person finds the helps as a fresh window has them.
+    if (flow_.place() == Place::kSignIn) outline_ = depth_ = true;
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.cutting() && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;

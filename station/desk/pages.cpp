@@ -28,7 +28,7 @@ bool Pages::Draw() {
     said_.reset();
     offered_ = false;
     // A login stays after a wrong password, and is cleared when its person leaves.
-    if (flow_.place() == Place::kSignIn) login_.clear();
+    if (flow_.place() == Place::kSignIn) static_cast<TypedByPerson&>(*this) = {};
     before_ = flow_.place();
   }
   if (flow_.dialog() != dialog_before_) {
@@ -106,6 +106,9 @@ bool Pages::Draw() {
       break;
     case Dialog::kSignOff:
       AskSignOff();
+      break;
+    case Dialog::kFallback:
+      AskFallback();
       break;
     case Dialog::kCutOff:
       AskCutOff();
@@ -273,16 +276,39 @@ void Pages::Devices() {
   }
 }
 
+// Enter, pressed twice by habit, must not start with another device: it looks for the right one.
+void Pages::AskFallback() {
+  const auto missing = flow_.missing_device();
+  if (!missing || flow_.offer_index() >= flow_.offers().size()) return flow_.CloseDialog();
+  const DeviceOffer& used = flow_.offers()[flow_.offer_index()];
+  ui_.BeginDialog("fallback", Say("fallback.title", {{"device", missing->title}}));
+  ui_.Text(missing->reason);
+  ui_.Text(Say("fallback.ask", {{"device", used.title}}));
+  ui_.Note(used.detail);
+  ui_.Gap(12);
+  if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kMain)) {
+    flow_.CloseDialog();
+    flow_.LookForDevices();
+  }
+  ui_.SameLine();
+  if (ui_.Button(Say("fallback.use"))) flow_.StartWithFallback();
+  ui_.SameLine();
+  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.CloseDialog();
+  ui_.EndDialog();
+}
+
 void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.ok();
   bool resumed = flow_.way() == Way::kResumed;
+  if (has_device) {
+    ui_.Note(Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}}));
+  }
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {
     ui_.Focus(Say(resumed ? "exercise.go_on" : "exercise.start"));
   }
   if (ui_.Button(Say(resumed ? "exercise.go_on" : "exercise.start"), Ui::Look::kMain, ready)) {
-    // Only instructors have the box, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();

@@ -49,7 +49,8 @@ void Workflow::Fail(const Status& status) {
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
     // A person who was looking at a result returns to it after signing in again.
     const Shown shown = place_ == Place::kResult ? result_ : Shown{};
-    SignOut(words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
+    SignOutSpeaking(
+        words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
     come_back_to_ = shown;
     return;
   }
@@ -158,11 +159,25 @@ void Workflow::SignOut(const std::string& why) {
   cut_off_.clear();
   handed_in_.clear();
   result_ = come_back_to_ = {};
-  offline_ = false;
+  offline_ = as_reference_ = false;
   way_ = Way::kTicket;
+  // What one person chose is not there for the next.
+  offers_.clear();
+  offer_ = 0;
+  picked_.clear();
+  agreed_.clear();
+  chosen_ = {};
+  Speak(options_.language);
   Go(Place::kSignIn);
   LookForKept();
   notice_ = why;
+}
+
+// For a person who stays at the window, and signs in next.
+void Workflow::SignOutSpeaking(const std::string& why) {
+  const language::Language language = words_.language();
+  SignOut(why);
+  Speak(language);
 }
 
 void Workflow::Refresh() {
@@ -227,12 +242,12 @@ bool Workflow::Fits(const DeviceOffer& offer) const {
   return any_device() || !preview_ || offer.profile == preview_->profile.name;
 }
 
-// The previous choice stays while it is available.
+// A person's choice stays while it is available. The mouse that came up in place of the station's
+// device does not.
 void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
-  std::string before = offer_ < offers_.size() ? offers_[offer_].title : std::string();
   offers_ = std::move(offers);
   auto same = [&](const DeviceOffer& o) {
-    return o.title == before && o.problem.empty() && Fits(o);
+    return o.title == picked_ && o.problem.empty() && Fits(o);
   };
   auto kept = std::ranges::find_if(offers_, same);
   std::string profile = any_device() || !preview_ ? "" : preview_->profile.name;
@@ -253,6 +268,7 @@ void Workflow::ChooseOffer(size_t index) {
   problem_ = offers_[index].problem;
   if (!problem_.empty()) return;
   offer_ = index;
+  picked_ = offers_[index].title;
   // Another device has another profile and so another plan, which must be fetched.
   if (!any_device()) return;
   preview_.reset();
@@ -511,7 +527,7 @@ void Workflow::Back() {
     case Place::kFirstPassword:
     case Place::kPracticeList:
     case Place::kReserved:
-      return SignOut();
+      return SignOutSpeaking({});
     case Place::kWarmUp:
       return EndWarmUp();
     case Place::kReady:

@@ -46,7 +46,8 @@ enum class Dialog {
   kReserve,
   kPin,
   kCutOff,
-  kSignOff
+  kSignOff,
+  kFallback  // to another device than this station's
 };
 
 // How an attempt gets its ticket: requested when the device rests; taken in advance and locked with
@@ -173,7 +174,13 @@ class Workflow {
   void ChooseExercise(size_t index);
   void LookForDevices();
   void ChooseOffer(size_t index);
+  // Asks first (Dialog::kFallback) where this would be another device than the station's, which
+  // cannot be used.
   void Start(bool as_reference);
+  // The device that cannot be used. None: the chosen one is right, or was agreed to.
+  std::optional<MissingDevice> missing_device() const;
+  // Agrees to the chosen device until the person signs out, and starts.
+  void StartWithFallback();
   // Ten seconds of cutting on a block with this exercise's bur; then, or by EndWarmUp, back to the
   // exercise, with what was found in `notice`.
   void TryDevice();
@@ -241,6 +248,7 @@ class Workflow {
     std::string login, one_time;
   };
   void Go(Place place);
+  void SignOutSpeaking(const std::string& why);
   BackgroundTask::After SignedIn(const Result<Person>& person, const SigningIn& who);
   void WhenFree(std::function<void()> step);
   void FreeAgain();
@@ -298,6 +306,8 @@ class Workflow {
   std::vector<SpooledAttempt> cut_off_, handed_in_;
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
+  std::string picked_;  // title of the device that the person chose; empty: none
+  std::string agreed_;  // and agreed to instead of the station's
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<DeskAttempt> attempt_;
   std::unique_ptr<DeskAttempt> left_;  // left while a background task may still use it

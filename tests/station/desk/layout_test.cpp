@@ -191,8 +191,8 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   ExpectBar();
   server_->SetPageUrl("https://enamel.dental-school.example.edu/enamel");
   for (Language language : languages()) {
+    flow_->SignOut(language::Words(language).Say("signed_out.lost"));  // looks for what was kept
     flow_->Speak(language);
-    flow_->SignOut(flow_->words().Say("signed_out.lost"));  // looks for what was kept
     server_->must_change_password = true;
     flow_->SignIn("ada", "once");
     Settle();
@@ -338,6 +338,9 @@ void PagesLayoutTest::ExpectPracticeWithoutServer() {
   }
   KeepPracticeList(data(), list, 0);
   Recorded(false);
+  pages_.reset();
+  flow_.emplace(*workplace_, WorkflowOptions{.profile = "inverse3"});
+  pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
   flow_->SignOut(flow_->words().Say("practice.idle"));
   ASSERT_TRUE(flow_->may_practise());
   ExpectPage("sign-in with practice");
@@ -351,6 +354,7 @@ void PagesLayoutTest::ExpectPracticeWithoutServer() {
   EXPECT_FALSE(flow_->problem().empty()) << "a profile that is not here";
   ExpectPage("practice that this device cannot do");
   ExpectDialog(Dialog::kPracticePaused, "practice paused");
+  ExpectDialog(Dialog::kFallback, "fallback");
   flow_->Back();
   flow_->Back();
 }

@@ -361,6 +361,8 @@ TEST_F(WorkflowTest, CommonProblemsAreSaidInThePersonsLanguage) {
   server_->refuse_sign_ins.reset();
   Kept();
   flow_->SignOut();
+  EXPECT_EQ(flow_->words().language(), language::Language::kEnglish) << "as the station is set";
+  flow_->Speak(language::Language::kGerman);
   flow_->ToReserved();
   flow_->AskPin(0);
   flow_->GiveBack("804218");
