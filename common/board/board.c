@@ -37,6 +37,7 @@ bool EnBoardStart(EnBoard* board, const EnBoardParams* params) {
   const EnGuard guard = {p->kc_n_per_m, p->cell, p->delay_ticks, 1};
   board->spring.guard = guard;
   board->spring.share = 1;
+  board->slack_n = 2 * p->kc_n_per_m * EnRadius(&p->cell) + EN_RISE_N_PER_S * p->tick_s;
   // Enough to turn half of the peak force around.
   const double half = 0.5 * p->peak_n;
   board->spring.tank.cap_j = 0.5 * half * half / p->kc_n_per_m;
@@ -116,25 +117,68 @@ static EnVec Wish(const EnBoard* board, EnVec tip) {
   return board->silent_s < EN_LOST_S ? board->command.rest_m : board->spring.rest_m;
 }
 
-// As much of the host's force as the peak leaves room for beside the spring's.
-static EnVec Added(const EnBoard* board) {
+// Largest s in [0, 1] with |from + s by| <= most, if |from| <= most.
+static double Reach(EnVec from, EnVec by, double most) {
+  const double a = EnDot(by, by), b = EnDot(from, by);
+  double c = most * most - EnDot(from, from);
+  if (!(a > 0)) return 1;
+  if (!(c > 0)) c = 0;
+  // The root of a s^2 + 2 b s = c, without a difference of nearly equal numbers.
+  const double root = sqrt(b * b + a * c);
+  const double s = b > 0 ? c / (b + root) : (root - b) / a;
+  return s < 1 ? s : 1;
+}
+
+// Toward `wish`, and up to what share of the stiffness, the spring may go in this tick (board.h, "No
+// wish changes the force at once"). `before`: its last force; `way`: the tip's since then.
+typedef struct {
+  EnVec wish_m;
+  double share;
+} Allowed;
+
+static Allowed WithinChange(const EnBoard* board, EnVec tip, EnVec wish, EnVec before, EnVec way) {
+  const EnSpring* s = &board->spring;
+  const double kc = s->guard.kc_n_per_m, felt = kc * s->share;
+  const double most = kc * Length(way) + board->slack_n;
+  const EnVec e = EnMinus(tip, s->rest_m), w = EnMinus(wish, s->rest_m);
+  // What the force changes by with the rest point where it is, and what all of the wish adds.
+  const EnVec stays = EnMinus(EnTimes(e, -felt), before), moves = EnTimes(w, felt);
+  const double reach = Reach(stays, moves, most);
+  Allowed out = {reach < 1 ? EnPlus(s->rest_m, EnTimes(w, reach)) : wish, 1};
+  if (s->share < 1) {
+    // The guard may stop anywhere on the way: its two ends bound the stretch and the change so far.
+    const double here = Length(stays), there = Length(EnPlus(stays, EnTimes(moves, reach)));
+    const double near = Length(e), far = Length(EnMinus(e, EnTimes(w, reach)));
+    const double left = most - (here > there ? here : there), longest = near > far ? near : far;
+    if (longest > 0) out.share = s->share + (left > 0 ? left / (kc * longest) : 0);
+  }
+  return out;
+}
+
+// The host's force, as near as this tick's change lets it come, and as much of it as the peak leaves
+// room for beside the spring's. `before`: the last one.
+static EnVec Added(const EnBoard* board, EnVec before) {
   const EnVec none = {0, 0, 0};
-  if (board->silent_s >= EN_LOST_S) return none;
-  const double room = board->params.peak_n - Length(board->felt_n);
-  const double length = Length(board->command.added_n);
-  if (!(room > 0) || !(length > 0)) return none;
-  return length <= room ? board->command.added_n : EnTimes(board->command.added_n, room / length);
+  const EnVec wanted = board->silent_s < EN_LOST_S ? board->command.added_n : none;
+  const EnVec step = EnMinus(wanted, before);
+  const double far = Length(step), most = EN_ADDED_N_PER_S * board->params.tick_s;
+  const EnVec added = far <= most ? wanted : EnPlus(before, EnTimes(step, most / far));
+  const double room = board->params.peak_n - Length(board->felt_n), length = Length(added);
+  if (!(room > 0)) return none;
+  return length <= room ? added : EnTimes(added, room / length);
 }
 
 EnVec EnBoardTick(EnBoard* board, EnVec tip) {
   const EnVec none = {0, 0, 0};
+  const EnVec felt = board->felt_n, added = board->added_n;
   const bool ran = board->running;
-  if (ran && Within(tip, kFarthest_m))
-    board->work_j -= EnDot(board->felt_n, EnMinus(tip, board->tip_m));
+  const bool whole = Within(tip, kFarthest_m);
+  const EnVec way = ran && whole ? EnMinus(tip, board->tip_m) : none;
+  if (ran) board->work_j -= EnDot(felt, way);
   board->silent_s += board->params.tick_s;
-  board->running = EnBoardDrives(board) && board->command.spring_on && Within(tip, kFarthest_m);
+  board->running = EnBoardDrives(board) && board->command.spring_on && whole;
   board->felt_n = board->added_n = none;
-  if (!Within(tip, kFarthest_m)) {
+  if (!whole) {
     board->command.motors_on = false;  // until the next report
     return none;
   }
@@ -142,11 +186,12 @@ EnVec EnBoardTick(EnBoard* board, EnVec tip) {
   if (!ran || !board->running) EnSpringReset(&board->spring, tip);
   if (!board->running) return none;
   EnBeginTick(&board->spring.tank);
-  const EnForce force =
-      EnSpringPull(&board->spring, tip, Wish(board, tip), Bound(board), board->command.share);
+  const Allowed to = WithinChange(board, tip, Wish(board, tip), felt, way);
+  const double share = board->command.share < to.share ? board->command.share : to.share;
+  const EnForce force = EnSpringPull(&board->spring, tip, to.wish_m, Bound(board), share);
   board->flags = force.flags;
   board->felt_n = force.felt_n;
-  board->added_n = Added(board);
+  board->added_n = Added(board, added);
   return EnPlus(board->felt_n, board->added_n);
 }
 

@@ -15,6 +15,18 @@
 // proof of common/haptics/README.md holds for any reports at any time, and the force is at most
 // `peak_n`. Not covered: the added force and the cell, which are the host's word.
 //
+// No wish changes the force at once. In a tick of length T the spring's force R changes by at most
+//
+//   |R_k - R_(k-1)| <= Kc (|p_k - p_(k-1)| + 2 S) + EN_RISE_N_PER_S T,     N
+//
+// p the reading, S the radius of EnBoardParams::cell. The hand's own motion changes R by Kc times
+// the way even if the rest point stays, two readings of one place differ by up to 2 S, and the last
+// term lets a hand at rest reach any wish. A step of the rest point that would exceed this is
+// shortened, which the guard's proof always allows. Faster is only the way to 0: R shrinks along
+// itself at once when the bound or the share falls, and is 0 when spring or motors are off. The added
+// force changes by at most EN_ADDED_N_PER_S T, also to 0 when the host is lost. It yields at once
+// where the spring needs the peak.
+//
 // Thread safety: none; call all of it from the loop, or with interrupts off. Real-time safe: bounded
 // work, some hundred floating-point operations a tick.
 #ifdef __cplusplus
@@ -26,6 +38,13 @@ extern "C" {
 #define EN_LOST_S 3e-3
 #define EN_FALL_S 0.5
 #define EN_OFF_S 3.0
+
+// The last term of that bound, N/s: what a host always has, even if its operator holds still. The
+// cell's 2 Kc S a tick comes on top, so 100 matters only on a board with very fine counts.
+#define EN_RISE_N_PER_S 100.0
+// The added force's bound, N/s. Touch cues of 0.3 N on contact and 0.12 N of chatter change by up to 0.38 N
+// from one report to the next (touch_cues.h): at 8 kHz these pass in one tick, as if unbounded.
+#define EN_ADDED_N_PER_S 4000.0
 
 typedef struct EnBoardParams {
   double tick_s;      // T of the fast loop
@@ -53,6 +72,7 @@ typedef struct EnBoard {
   bool heard;       // since the start, or since the host was lost
   double silent_s;  // since the last report that counted
   double last_n;    // the spring's force when it came
+  double slack_n;   // of a tick's bound on the change of the force: what the reading does not add
   bool running;     // the spring, in the last tick
   EnVec tip_m;      // of the last tick
   EnVec felt_n;     // the spring's force of the last tick

@@ -29,22 +29,38 @@ int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz) {
 }
 
 int64_t AnswerTicks(const AnswerTime& answers, int64_t rate_hz) {
-  return std::max<int64_t>(1, DelayTicksAt(answers.p99_us, 1'000'000, rate_hz));
+  const auto ticks = [&](int64_t us) {
+    return std::max<int64_t>(1, DelayTicksAt(us, 1'000'000, rate_hz));
+  };
+  return ticks(answers.p99_us) + ticks(answers.median_us) - 1;
+}
+
+int64_t StaleTicks(const PosePeriod& period, int64_t rate_hz) {
+  const auto ticks = [&](int64_t us) { return DelayTicksAt(us, 1'000'000, rate_hz); };
+  const int64_t half = ticks(period.median_us * 95 / 100) - 1;
+  return std::max<int64_t>({half, ticks(period.p99_us) - 2, 0});
 }
 
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
-                          int64_t rate_hz, const std::optional<AnswerTime>& answers) {
+                          int64_t rate_hz, const std::optional<AnswerTime>& answers,
+                          const std::optional<PosePeriod>& poses) {
   DelayUsed out = DelayKnown(profile, calibration, rate_hz);
   out.answers = answers;
   if (calibration != nullptr && calibration->answer_jitter_us) {
     out.calibrated_jitter_us = calibration->answer_jitter_us->value;
   }
-  if (!answers) return out;
-  const int64_t behind = out.from == DelayUsed::From::kAssumed ? out.ticks - 1 : 0;
-  const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMostDelay_ticks);
-  if (ticks > out.ticks) {
-    out.ticks = ticks;
-    out.from = DelayUsed::From::kAnswers;
+  if (answers) {
+    const int64_t behind = out.from == DelayUsed::From::kAssumed ? out.ticks - 1 : 0;
+    const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMostDelay_ticks);
+    if (ticks > out.ticks) {
+      out.ticks = ticks;
+      out.from = DelayUsed::From::kAnswers;
+    }
+  }
+  out.poses = poses;
+  if (poses && StaleTicks(*poses, rate_hz) > 0) {
+    out.ticks = std::min(out.ticks + StaleTicks(*poses, rate_hz), kMostDelay_ticks);
+    out.from = DelayUsed::From::kPoses;
   }
   return out;
 }

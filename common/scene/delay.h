@@ -31,8 +31,23 @@ struct AnswerTime {
   bool operator==(const AnswerTime&) const = default;
 };
 
-// Ticks from the tick that asks to the one that reads the answer, for 99 of 100 answers: at least one.
+// The delay of such a device, ticks, at least one: from the tick that asks to the one that reads the answer,
+// for 99 of 100 answers, and the ticks beyond one for which the force is held until the next answer, for
+// half of them. A device whose answers all take n ticks ends the force for a pose 2 n ticks after it was
+// read, which is d + 1.
 int64_t AnswerTicks(const AnswerTime& answers, int64_t rate_hz);
+
+// How long a device that sends its poses by itself takes from one to the next: half of them, and 99 of 100.
+struct PosePeriod {
+  int64_t median_us = 0, p99_us = 0, poses = 0;
+
+  bool operator==(const PosePeriod&) const = default;
+};
+
+// Ticks beyond one that a pose of it is used for: the force answers a pose that is older by as much.
+// ceil(period/tick) - 1, with 5 % off the median for clocks that differ, and a tick off the 99th
+// percentile: the loop counts a single late pose itself (LoopCounters::leak_j).
+int64_t StaleTicks(const PosePeriod& period, int64_t rate_hz);
 
 struct DelayUsed {
   enum class From {
@@ -40,12 +55,14 @@ struct DelayUsed {
     kCalibration,  // measured on this unit, by `enamel-station calibrate`
     kAssumed,      // nobody measured it: the profile's number, at least kAssumedDelay_ticks
     kAnswers,      // more than these say: its answers take longer now
+    kPoses,        // these, and more on top: its poses come more slowly than the loop's ticks
   };
   int64_t ticks = 0;
   From from = From::kAssumed;
   std::optional<AnswerTime> answers;  // of a device that was timed
   // Of its answers, when this unit was calibrated.
   std::optional<int64_t> calibrated_jitter_us = {};
+  std::optional<PosePeriod> poses = {};  // of a device that was watched
 
   bool operator==(const DelayUsed&) const = default;
 };
@@ -57,9 +74,11 @@ int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 // The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
 // measured the delay, comes first, then a profile that says it was measured. A delay measured at
 // another rate is converted as a time, rounded up. `answers`, as they are now, only add: a measured delay
-// has them as they were, an assumed one has one tick for them and the rest for what lies behind.
+// has them as they were, an assumed one has one tick for them and the rest for what lies behind. `poses`
+// come on top of all that (StaleTicks).
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
-                          int64_t rate_hz, const std::optional<AnswerTime>& answers = {});
+                          int64_t rate_hz, const std::optional<AnswerTime>& answers = {},
+                          const std::optional<PosePeriod>& poses = {});
 
 // The rate and the delay that the coupling's spring runs with: the board's where that runs it, else
 // these of the loop and its bus.

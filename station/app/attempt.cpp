@@ -149,8 +149,8 @@ class Progress {
   steady_clock::time_point last_{};
 };
 
-// The attempt's delay in ticks and its source: "profile", "calibration", "assumed", "answers", or
-// "construction" for a device that is not attached.
+// The attempt's delay in ticks and its source: "profile", "calibration", "assumed", "answers",
+// "poses", or "construction" for a device that is not attached.
 boost::json::object DelayFacts(const PreparedAttempt& job) {
   if (!job.delay) {
     return {{"ticks", job.profile.bus_delay_ticks.value}, {"from", "construction"}};
@@ -159,6 +159,7 @@ boost::json::object DelayFacts(const PreparedAttempt& job) {
   const char* from = job.delay->from == From::kProfile       ? "profile"
                      : job.delay->from == From::kCalibration ? "calibration"
                      : job.delay->from == From::kAnswers     ? "answers"
+                     : job.delay->from == From::kPoses       ? "poses"
                                                              : "assumed";
   return {{"ticks", job.delay->ticks}, {"from", from}};
 }

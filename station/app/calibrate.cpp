@@ -1,14 +1,13 @@
 #include "station/app/calibrate.h"
 
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <limits>
+#include <ratio>
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
@@ -20,11 +19,9 @@
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
 #include "common/scene/rate.h"
+#include "station/app/measured_device.h"
 #include "station/devices/operators.h"
-#include "station/hid/haptic_board.h"
-#include "station/hid/open_device.h"
 #include "station/loop/realtime.h"
-#include "station/sdk/open_sdk_device.h"
 #include "station/session/device_delay.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/server_link.h"
@@ -35,21 +32,9 @@ namespace {
 // Share of the smallest bound: the measured numbers have intervals, and a device changes with
 // warmth and wear.
 constexpr double kMargin = 0.9;
-constexpr const char* kOfBoard = "the device's own (HID feature report)";
-constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr std::string_view kSimulated = "simulated:";
 
-// The measured device and its pace.
-struct Subject {
-  std::unique_ptr<Device> device;
-  scene::DeviceProfile profile;  // for comparison
-  std::array<double, 3> count_m{};
-  std::string address;  // with the serial number
-  bool real = false;
-};
-
-Result<Subject> OpenSimulated(const CalibrateCommand& options) {
-  Subject out;
+Result<MeasuredDevice> OpenSimulated(const CalibrateCommand& options) {
+  MeasuredDevice out;
   auto truth = scene::FindProfile(options.device.substr(kSimulated.size()));
   if (!truth.ok()) return truth.status();
   ENAMEL_ASSIGN_OR_RETURN(auto profile,
@@ -71,92 +56,6 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   return out;
 }
 
-// A device that does not say what it is: its profile does.
-Result<Subject> OpenOfTable(const CalibrateCommand& options) {
-  Subject out;
-  std::string name = options.profile;
-  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
-    const bool chosen = options.device.substr(0, options.device.find(':')) == found.choice;
-    if (chosen && name.empty()) name = found.profile;
-  }
-  if (name.empty()) {
-    return Status(
-        Code::kNotFound,
-        "'" + options.device +
-            "' is not attached, so that its profile is not known: plug it in, or name the "
-            "profile with --profile",
-        "device");
-  }
-  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(name));
-  hid::DeviceChoice choice;
-  choice.device = options.device;
-  choice.thread_setup = [] { (void)RequestRealtime(); };
-  ENAMEL_ASSIGN_OR_RETURN(auto device,
-                          sdk::OpenChosenDevice(choice, profile, 1.0 / options.rate_hz));
-  out.count_m.fill(scene::CountNm(profile) * 1e-9);
-  out.profile = std::move(profile);
-  out.address = options.device + " " + device->Name();
-  out.device = std::move(device);
-  out.real = true;
-  return out;
-}
-
-Result<Subject> OpenAttached(const CalibrateCommand& options) {
-  if (sdk::IsSdkDevice(options.device)) return OpenOfTable(options);
-  Subject out;
-  hid::HapticBoardSettings settings;
-  size_t colon = options.device.find(':');
-  if (options.device.substr(0, colon) != "hid") {
-    return Status(
-        Code::kInvalidInput,
-        "expected hid, hid:VENDOR:PRODUCT, a driver that 'enamel-station devices' lists, or "
-        "simulated:PROFILE, found '" +
-            options.device + "': only devices with motors can be calibrated",
-        "device");
-  }
-  if (colon != std::string::npos) {
-    ENAMEL_ASSIGN_OR_RETURN(auto match,
-                            hid::ParseHidMatch(std::string_view(options.device).substr(colon + 1)));
-    settings.match = match;
-  }
-  settings.thread_setup = [] { (void)RequestRealtime(); };
-  ENAMEL_ASSIGN_OR_RETURN(auto board, hid::HapticBoard::Open(settings));
-  const hid::FeatureReport& feature = board->feature();
-  std::string name = options.profile.empty() ? feature.profile : options.profile;
-  ENAMEL_ASSIGN_OR_RETURN(auto profile,
-                          scene::FindProfile(name.empty() ? "phantom_desktop" : name));
-  out.profile = std::move(profile);
-  for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
-  // The board's own peak force replaces the profile's: its motors are limited to that.
-  out.profile.peak_force_mn = {
-      *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()), kOfBoard};
-  out.profile.axes = {feature.axes, kOfBoard};
-  out.profile.board_spring.reset();
-  if (feature.runs_spring()) {
-    out.profile.board_spring =
-        scene::BoardSpringSpec{feature.spring_rate_hz, feature.spring_delay_ticks, kOfBoard};
-    out.profile.coupling_mn_per_mm = {feature.spring_kc_mn_per_mm, kOfBoard};
-  }
-  out.address = options.device + " " + board->Name();
-  out.device = std::move(board);
-  out.real = true;
-  return out;
-}
-
-// Sleeps until a time, not for a duration, so that one late tick does not move all later ones.
-// Continues after signals.
-void SleepUntil(int64_t due_ns) {
-  timespec t{due_ns / kSecond_ns, due_ns % kSecond_ns};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
-  }
-}
-
-int64_t Now_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec * kSecond_ns + t.tv_nsec;
-}
-
 void ShowProgress(const Calibrator& calibrator, std::string& last) {
   std::string doing = calibrator.Doing();
   if (doing == last || program::LogIsJson()) return;
@@ -164,7 +63,8 @@ void ShowProgress(const Calibrator& calibrator, std::string& last) {
   std::fprintf(stderr, "%3.0f %%  %s\n", 100 * calibrator.progress(), doing.c_str());
 }
 
-Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateCommand& options) {
+Result<std::array<AxisFigures, 3>> Measure(MeasuredDevice& subject,
+                                           const CalibrateCommand& options) {
   CalibratorSetup setup;
   setup.count_m = subject.count_m;
   setup.tick_s = 1.0 / options.rate_hz;
@@ -179,7 +79,7 @@ Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateComm
   std::string shown;
   int64_t due_ns = Now_ns();
   while (!calibrator.done()) {
-    if (subject.real) SleepUntil(due_ns += kSecond_ns / options.rate_hz);
+    if (subject.real) SleepUntil(due_ns += std::nano::den / options.rate_hz);
     ShowProgress(calibrator, shown);
     subject.device->SendForce(calibrator.Step(subject.device->ReadSample()));
   }
@@ -189,7 +89,7 @@ Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateComm
 }
 
 // Asks the person to let go and confirm; a pipe cannot.
-Status AwaitGoAhead(const CalibrateCommand& options, const Subject& subject) {
+Status AwaitGoAhead(const CalibrateCommand& options, const MeasuredDevice& subject) {
   if (!subject.real || options.yes) return Status::Ok();
   if (::isatty(STDIN_FILENO) == 0) {
     return Status(Code::kInvalidInput,
@@ -242,7 +142,7 @@ void Print(const AxisFigures& worst, const std::array<AxisFigures, 3>& axes,
 
 // Where attempts on this unit find its delay (device_delay.h).
 Status KeepForAttempts(const CalibrateCommand& options, const scene::Calibration& document,
-                       const Subject& subject) {
+                       const MeasuredDevice& subject) {
   const std::string unit = subject.device->Unit();
   // Only for units with a serial number: two boards of one model differ in their delay.
   if (unit.empty()) {
@@ -412,8 +312,9 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
 Status CalibrateDevice(const CalibrateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.calibration, "--calibration"));
-  auto subject =
-      options.device.starts_with(kSimulated) ? OpenSimulated(options) : OpenAttached(options);
+  auto subject = options.device.starts_with(kSimulated)
+                     ? OpenSimulated(options)
+                     : OpenToMeasure(options.device, options.profile, options.rate_hz);
   if (!subject.ok()) return subject.status();
   // Reports a name that the document does not allow before anything moves.
   scene::DeviceProfile named = subject->profile;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 #include "common/program/log.h"
 
@@ -13,6 +14,22 @@ int Finish(const Status& status) {
   std::fflush(stdout);
   program::SayError(status.message());
   return kFailed;
+}
+
+std::vector<const char*> WithOpen(int argc, const char* const* argv, const CLI::App& app) {
+  std::vector<const char*> out(argv, argv + argc);
+  for (size_t i = 1; i < out.size(); ++i) {
+    const std::string_view word = out[i];
+    if (!word.starts_with("-")) break;  // a command, or none that there is
+    const size_t equals = word.find('=');
+    const CLI::Option* own = app.get_option_no_throw(std::string(word.substr(0, equals)));
+    if (own == nullptr) {
+      out.insert(out.begin() + static_cast<std::ptrdiff_t>(i), "open");
+      break;
+    }
+    if (equals == word.npos && own->get_items_expected_max() > 0) ++i;  // over its value
+  }
+  return out;
 }
 
 void AddCpu(CLI::App* cmd, int& cpu) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/program/command_settings.h"
@@ -35,6 +36,10 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
       group.app, name, help, std::move(run),
       [&exit_code = group.exit_code](const auto& command) { exit_code = Finish(command()); });
 }
+
+// The arguments of a command line, `open` added where an option of it comes before any command: as
+// 'enamel-station --data FOLDER'. Options of the program itself may come before that.
+std::vector<const char*> WithOpen(int argc, const char* const* argv, const CLI::App& app);
 
 // Adds --cpu, for commands with a haptic loop.
 void AddCpu(CLI::App* cmd, int& cpu);

@@ -5,6 +5,7 @@
 #include "station/app/calibrate.h"
 #include "station/app/devices.h"
 #include "station/app/doctor.h"
+#include "station/app/first_hour/command.h"
 #include "station/app/loop_test.h"
 
 namespace enamel::station {
@@ -59,6 +60,41 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher
                       "The station's folder, for its name and for what attempts find of it");
   command->add_flag("--yes", options->yes, "It may move at once: nobody is near it");
   command->callback([=] { *exit_code = finish(CalibrateDevice(*options)); });
+}
+
+void AddFirstHour(CLI::App& app, const Finisher& finish, int* exit_code) {
+  auto options = std::make_shared<FirstHourCommand>();
+  auto* command = app.add_subcommand(
+      "first-hour",
+      "Go through the first hour with a new haptic device, and write down what is found");
+  command->footer(
+      "An example that needs no device; a simulated person does what each step asks:\n"
+      "  enamel-station first-hour --device simulated:omega3 --out hour.json\n"
+      "A unit on the table, on a terminal beside it:\n"
+      "  enamel-station first-hour --device dhd --out hour.json\n"
+      "Each step says what to do and waits for you. Type skip and a reason to leave one out. The "
+      "motors\n"
+      "push only after you have typed yes, and never with more than --max-force. Ctrl-C ends the "
+      "hour "
+      "and\n"
+      "keeps what was found.\n"
+      "--answers FILE has a line for each question, \"homing.did: in the pit\", or \"workspace.end "
+      "@20:\" for an\n"
+      "answer after 20 s. It cannot let a real unit push: that yes is typed.");
+  command
+      ->add_option(
+          "--device", options->device,
+          "hid, hid:VENDOR:PRODUCT, a driver (dhd, polhem, …) or simulated:PROFILE (a name "
+          "or a .json file)")
+      ->required();
+  command->add_option("--profile", options->profile,
+                      "Profile to compare with; else the device's own");
+  command->add_option("--out", options->out, "Write what is found to this file")->required();
+  command->add_option("--max-force", options->max_force_n, "N that its motors may use")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command->add_option("--answers", options->answers, "Take the answers from this file");
+  command->callback([=] { *exit_code = finish(RunFirstHour(*options)); });
 }
 
 void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& finish,
@@ -120,6 +156,7 @@ void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Fini
   // The parser's callbacks choose the command; the exit code outlives them in `main`.
   AddDevices(app, default_data, finish, exit_code);
   AddCalibrate(app, default_data, finish, exit_code);
+  AddFirstHour(app, finish, exit_code);
   AddDoctor(app, default_data, finish, exit_code, own_settings);
   AddLoopTest(app, finish, exit_code);
 }

@@ -13,7 +13,7 @@ class App;
 
 namespace enamel::station {
 
-// Adds 'devices', 'calibrate', 'doctor' and 'loop-test'. `finish` turns an outcome into the exit
+// Adds 'devices', 'calibrate', 'first-hour', 'doctor' and 'loop-test'. `finish` turns an outcome into the exit
 // code, which is written to `exit_code`; `default_data` is the folder used without --data; `own_settings`
 // are CommandSettings::own. All must
 // outlive the parsing.

@@ -213,6 +213,9 @@ Finding DelayFinding(const scene::DelayUsed& delay, std::string found) {
     case From::kAnswers:
       return {"delay", Verdict::kWarn, std::move(found),
               "close other programs; if it stays, 'enamel-station calibrate' measures all of it"};
+    case From::kPoses:
+      return {"delay", Verdict::kWarn, std::move(found),
+              "plug the device in directly, and set its rate to the loop's where it has one"};
     case From::kProfile:
     case From::kCalibration:
       break;

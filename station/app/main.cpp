@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "common/program/log.h"
 #include "common/program/suggestion.h"
@@ -22,6 +23,7 @@ constexpr char kFooter[] = R"(A first attempt, with a server on the same machine
   enamel-server admin enrol-code --data SERVER_DATA        # prints CODE@FINGERPRINT
   enamel-station enrol --server 127.0.0.1:8443 --code CODE@FINGERPRINT
   enamel-station                                           # the window; sign in there
+                                                           # it has the options of 'open'
 or without a window, with a simulated hand:
   ENAMEL_PASSWORD=... enamel-station run --user LOGIN \
       --exercise NAME --profile phantom_desktop --operator student
@@ -92,7 +94,8 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   settings.Add();
   try {
-    app.parse(argc, argv);
+    const std::vector<const char*> arguments = WithOpen(argc, argv, app);
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
     // As started from a desktop's icon: without a subcommand the window opens.
     if (app.get_subcommands().empty()) {
       Status set = settings.Apply(*open.cmd);

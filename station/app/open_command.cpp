@@ -34,8 +34,8 @@ language::Language LanguageFor(const std::string& asked) {
 OpenCommand DeclareOpen(CommandGroup group) {
   auto options = std::make_shared<OpenOptions>();
   desk::DeskOptions& o = options->desk;
-  CLI::App* cmd =
-      group.app.add_subcommand("open", "The window a student sits at; also without any subcommand");
+  CLI::App* cmd = group.app.add_subcommand(
+      "open", "The window a student sits at; its options do without the word, too");
   AddWorkplaceSettings(*cmd, group.place);
   cmd->add_option("--profile", o.profile, "Device profile of this station's device: offered first");
   AddCpu(cmd, o.cpu);
@@ -44,6 +44,10 @@ OpenCommand DeclareOpen(CommandGroup group) {
         desk::DeskOptions size;
         return desk::SetWindowSize(text, size).message();
       });
+  cmd->add_option(
+      "--monitor", o.monitor,
+      "Monitor to be on: its name, as HDMI-1, or its number, 0 the primary one; without "
+      "this option or that monitor the primary one");
   cmd->add_option("--language", options->language,
                   "en, de or zh: the window's language until somebody chooses another; else LANG")
       ->check(IsOneOf("language"));

@@ -1,5 +1,6 @@
 #include "station/desk/desk.h"
 
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -86,6 +87,7 @@ class OpeningDesk {
       DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
                         governor_.budget_s());
     }
+    if (opening_.busy() || script_.playing()) screen_.StayAwake();
     screen_.End();
     times_.Add(screen_.drawing_s());
     end |= script_.playing() && script_.Step(screen_, ui_, nullptr);
@@ -138,6 +140,8 @@ class Desk {
   bool Frame() {
     screen_.Speak(flow_.words().language());
     if (!screen_.Begin()) AskToClose();
+    // The picture may be covered, and keys go elsewhere. Before the flow, which stops the bur.
+    if (screen_.away()) flow_.Interrupt();
     auto now = Clock::now();
     // For the window only: the device and the tick have their own time.
     double dt_s = std::chrono::duration<double>(now - last_).count();
@@ -152,6 +156,8 @@ class Desk {
     if (panel_) {
       DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
     }
+    // The steps that follow a background task, or a device that holds still, come with a frame.
+    if (flow_.busy() || flow_.place() == Place::kReady || script_.playing()) screen_.StayAwake();
     screen_.End();
     Measure();
     end |= script_.playing() && script_.Step(screen_, ui_, &flow_);
@@ -173,6 +179,8 @@ class Desk {
   void ShowPicture(double dt_s) {
     warned_ = {};
     if (flow_.place() == Place::kLoss) return ShowLoss(dt_s);
+    // The next person finds the helps as a fresh window has them.
+    if (flow_.place() == Place::kSignIn) outline_ = depth_ = true;
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.cutting() && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
@@ -214,8 +222,7 @@ class Desk {
     render::SteerCamera(screen_, camera, !attempt.by_pointer() && !mirror);
     if (mirror || !attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
     auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
-    camera.Orbit(share(screen_.cursor_x() - screen_.last_cursor_x()),
-                 share(screen_.cursor_y() - screen_.last_cursor_y()));
+    camera.Orbit(share(screen_.moved_x()), share(screen_.moved_y()));
     for (const render::InputEvent& event : screen_.events()) {
       if (event.kind == render::InputEvent::Kind::kWheel) {
         camera.Zoom(static_cast<float>(event.y));
@@ -371,6 +378,8 @@ Status RunDesk(const DeskOptions& options) {
     window.full_screen = options.full_screen;
     window.width_px = options.width_px;
     window.height_px = options.height_px;
+    window.monitor = options.monitor;
+    window.monitor_missing = [](const std::string& what) { spdlog::warn("{}", what); };
     render::Screen screen(window);
     if (opening.workplace() == nullptr) {
       ENAMEL_RETURN_IF_ERROR(OpeningDesk(options, screen, opening, script).Run());

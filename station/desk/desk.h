@@ -18,6 +18,7 @@ struct DeskOptions {
   language::Language language = language::Language::kEnglish;
   bool full_screen = true;
   int width_px = 1280, height_px = 720;  // when not full screen
+  std::string monitor;                   // as ScreenOptions::monitor
   std::string quality;       // "best", "good", "fair", "low"; empty: chosen by drawing time
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes and watchdog of attached devices

@@ -97,9 +97,11 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   attempt->nearness_ = std::make_unique<NearnessWatch>(core::BursOf(params), p.volume);
   attempt->gauge_.emplace(p.exercise.target, p.volume);
+  std::optional<cutting::Volume> cut;  // of a resumed attempt
+  if (p.core) cut = p.core->volume().Unpacked();
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
-        ViewOf(p), p.core ? p.core->volume().Unpacked() : p.volume,
+        ViewOf(p), cut ? *cut : p.volume,
         [zones = attempt->zones_.get(), reach = attempt->reach_.get(),
          nearness = attempt->nearness_.get()](const cutting::Volume& now) {
           nearness->Look();
@@ -225,8 +227,7 @@ void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
     mapping.SetPedal(pedal);
     bool steering = screen.button(render::kMouseRight) || render::HoldsMirror(screen, *view_);
     if (!steering) {
-      mapping.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
-                     screen.cursor_y() - screen.last_cursor_y());
+      mapping.MoveBy(screen.moved_x(), screen.moved_y());
       for (const InputEvent& event : screen.events()) {
         if (event.kind == InputEvent::Kind::kKey && event.code == 'B' && event.pressed) {
           mapping.Recall();

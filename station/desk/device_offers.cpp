@@ -5,6 +5,7 @@
 
 #include "station/desk/problem_words.h"
 #include "station/devices/operators.h"
+#include "station/devices/trouble.h"
 #include "station/sdk/open_sdk_device.h"
 
 namespace enamel::station::desk {
@@ -62,6 +63,7 @@ DeviceOffer AttachedOffer(const Words& words, const HidInfo& info, const Pedal& 
   offer.title = info.name.empty() ? hid::HidKindText(hid::Recognise(info)) : info.name;
   offer.device = hid::DeviceNameOf(info);
   offer.pedal = pedal.choice;
+  offer.felt = board;
   if (const Status refused = hid::WhyNotUsable(info); !refused.ok()) {
     offer.problem = ProblemText(words, refused);
   }
@@ -83,6 +85,7 @@ DeviceOffer SdkOffer(const Words& words, const sdk::SdkDevice& found, const Peda
   offer.title = found.name;
   offer.device = found.choice;
   offer.profile = found.profile;
+  offer.felt = true;
   offer.pedal = pedal.choice;
   if (!found.problem.ok()) offer.problem = ProblemText(words, found.problem);
   offer.detail = words.Say("device.with_pedal",
@@ -135,6 +138,23 @@ size_t FirstUsable(const std::vector<DeviceOffer>& offers, const std::string& pr
     return o.problem.empty() && (profile.empty() || o.profile == profile);
   };
   return static_cast<size_t>(std::ranges::find_if(offers, fits) - offers.begin());
+}
+
+std::optional<MissingDevice> MissingFor(const language::Words& words,
+                                        const std::vector<DeviceOffer>& offers, size_t chosen,
+                                        const std::string& profile, const std::string& named) {
+  const auto wanted = [&](const DeviceOffer& o) {
+    return profile.empty() ? o.felt : o.profile == profile;
+  };
+  const auto usable = [&](const DeviceOffer& o) { return o.problem.empty() && wanted(o); };
+  if (chosen >= offers.size() || std::ranges::any_of(offers, usable)) return std::nullopt;
+  auto broken = std::ranges::find_if(offers, wanted);
+  // A board that does not answer has no profile.
+  const auto refused = [](const DeviceOffer& o) { return o.felt && !o.problem.empty(); };
+  if (broken == offers.end()) broken = std::ranges::find_if(offers, refused);
+  if (broken != offers.end()) return MissingDevice{broken->title, broken->problem};
+  if (profile.empty()) return std::nullopt;
+  return MissingDevice{named, words.Say("device_trouble." + std::string(trouble::kNotAttached))};
 }
 
 }  // namespace enamel::station::desk

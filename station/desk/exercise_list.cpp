@@ -109,7 +109,10 @@ void Ui::Typed(std::string& text) {
     ImTextCharToUtf8(letter.data(), static_cast<unsigned>(event.code));
     text += letter.data();
   }
-  typing_ = !text.empty();
+  typed_ = 0;
+  for (std::string_view rest = text; !rest.empty(); ++*typed_) {
+    if (!NextCodePoint(rest)) rest.remove_prefix(1);
+  }
   // What had it may be gone.
   if (text != before) focus_ = 0;
 }

@@ -28,7 +28,7 @@ bool Pages::Draw() {
     said_.reset();
     offered_ = false;
     // A login stays after a wrong password, and is cleared when its person leaves.
-    if (flow_.place() == Place::kSignIn) login_.clear();
+    if (flow_.place() == Place::kSignIn) static_cast<TypedByPerson&>(*this) = {};
     before_ = flow_.place();
   }
   if (flow_.dialog() != dialog_before_) {
@@ -50,6 +50,9 @@ bool Pages::Draw() {
       break;
     case Place::kExercises:
       Exercises();
+      break;
+    case Place::kPracticeList:
+      PracticeList();
       break;
     case Place::kExercise:
       Exercise();
@@ -104,6 +107,9 @@ bool Pages::Draw() {
     case Dialog::kSignOff:
       AskSignOff();
       break;
+    case Dialog::kFallback:
+      AskFallback();
+      break;
     case Dialog::kCutOff:
       AskCutOff();
       break;
@@ -133,6 +139,9 @@ void Pages::SignIn() {
   ui_.SameLine();
   bool offline = !flow_.reserved().empty() &&
                  ui_.Button(Say("sign_in.offline"), Ui::Look::kPlain, !flow_.busy());
+  ui_.SameLine();
+  const bool practise =
+      flow_.may_practise() && ui_.Button(Say("sign_in.practise"), Ui::Look::kSmall, !flow_.busy());
   ui_.Gap(8);
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
@@ -146,6 +155,7 @@ void Pages::SignIn() {
     password_.clear();
   }
   if (offline) flow_.ToReserved();
+  if (practise) flow_.ToPractice();
   if (ui_.escape()) flow_.Open(Dialog::kClose);
   ui_.End();
 }
@@ -193,11 +203,32 @@ void Pages::Exercises() {
   ui_.End();
 }
 
+// Of whoever comes: no names, no results, no interrupted attempts.
+void Pages::PracticeList() {
+  ui_.Begin("practice-list", kWidePage);
+  ui_.Title(Say("sign_in.practise"));
+  ui_.Note(Say("practice_list.text"));
+  ui_.Problem(flow_.problem());
+  const auto& all = flow_.exercises();
+  std::vector<Card> cards;
+  for (const auto& exercise : all) cards.push_back(CardOf(flow_.words(), exercise, UnixMs()));
+  ui_.BeginList("practices");
+  const auto chosen = ui_.Cards(cards);
+  if (all.empty() && !flow_.busy()) ui_.Text(Say("practice_list.none"));
+  ui_.EndList();
+  Busy();
+  const bool back = ui_.Button(Say("exercise.back")) || ui_.escape();
+  ui_.End();
+  if (back) return flow_.Back();
+  if (chosen) flow_.ChooseExercise(*chosen);
+}
+
 void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
   const scene::Exercise& e = prepared.exercise;
   ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions")
                                   : WordedText(flow_.words(), e.instructions));
   ui_.Gap(8);
+  if (flow_.way() == Way::kPractice) return ui_.Text(Say("practice.note"));
   ui_.Note(FactsText(flow_.words(), e, prepared.scene.title, flow_.chosen().exam));
 }
 
@@ -245,16 +276,39 @@ void Pages::Devices() {
   }
 }
 
+// Enter, pressed twice by habit, must not start with another device: it looks for the right one.
+void Pages::AskFallback() {
+  const auto missing = flow_.missing_device();
+  if (!missing || flow_.offer_index() >= flow_.offers().size()) return flow_.CloseDialog();
+  const DeviceOffer& used = flow_.offers()[flow_.offer_index()];
+  ui_.BeginDialog("fallback", Say("fallback.title", {{"device", missing->title}}));
+  ui_.Text(missing->reason);
+  ui_.Text(Say("fallback.ask", {{"device", used.title}}));
+  ui_.Note(used.detail);
+  ui_.Gap(12);
+  if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kMain)) {
+    flow_.CloseDialog();
+    flow_.LookForDevices();
+  }
+  ui_.SameLine();
+  if (ui_.Button(Say("fallback.use"))) flow_.StartWithFallback();
+  ui_.SameLine();
+  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.CloseDialog();
+  ui_.EndDialog();
+}
+
 void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.ok();
   bool resumed = flow_.way() == Way::kResumed;
+  if (has_device) {
+    ui_.Note(Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}}));
+  }
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {
     ui_.Focus(Say(resumed ? "exercise.go_on" : "exercise.start"));
   }
   if (ui_.Button(Say(resumed ? "exercise.go_on" : "exercise.start"), Ui::Look::kMain, ready)) {
-    // Only instructors have the box, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();

@@ -17,9 +17,23 @@ inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
 // With room for an end that cannot be stored.
 inline constexpr Ui::Page kHandInPage{0.15f, 0.06f, 0.7f, 0.88f, false};
 
+// What the person at the window has typed and ticked; all of it is forgotten at the sign-out.
+struct TypedByPerson {
+  std::string login_, password_, password_again_, search_, dentist_, anyway_, pin_, pin_again_,
+      signer_;
+  bool consent_ = false, as_reference_ = false;
+  // A message sent to this chair, until the person dismisses it.
+  struct Said {
+    protocol::Remark remark;
+    Workflow::Clock::time_point since;
+  };
+  std::optional<Said> said_;
+  bool offered_ = false;  // the focus was moved to the start of the exercise shown
+};
+
 // Draws the page of the current place and passes choices to the workflow. Text being typed into
 // fields is kept here, and forgotten on leaving.
-class Pages {
+class Pages : private TypedByPerson {
  public:
   Pages(Ui& ui, Workflow& flow, std::string station)
       : ui_(ui), flow_(flow), station_(std::move(station)) {}
@@ -40,6 +54,7 @@ class Pages {
   };
   std::vector<Section> Sections(bool grouped);
   void ExerciseList();
+  void PracticeList();
   Card AttemptCard(const SpooledAttempt& attempt, std::string_view title, const std::string& text,
                    std::string_view right) const;
   void Exercise();
@@ -69,6 +84,7 @@ class Pages {
   void AskSignOff();
   void Reserved();
   void Devices();
+  void AskFallback();
   void ExerciseChoices(bool prepared);
   bool AskClose();
   void Busy();
@@ -79,16 +95,6 @@ class Pages {
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, password_again_, search_, dentist_, anyway_, pin_, pin_again_,
-      signer_;
-  bool consent_ = false, as_reference_ = false;
-  // A message sent to this chair, until the person dismisses it.
-  struct Said {
-    protocol::Remark remark;
-    Workflow::Clock::time_point since;
-  };
-  std::optional<Said> said_;
-  bool offered_ = false;  // the focus was moved to the start of the exercise shown
   Place before_ = Place::kSignIn;
   Dialog dialog_before_ = Dialog::kNone;
 };

@@ -134,6 +134,8 @@ std::string SofterText(const language::Words& words, scene::DelayUsed::From from
       return words.Say("ready.not_calibrated", {{"device", device}});
     case scene::DelayUsed::From::kAnswers:
       return words.Say("ready.slow_answers", {{"device", device}});
+    case scene::DelayUsed::From::kPoses:
+      return words.Say("ready.slow_poses", {{"device", device}});
     case scene::DelayUsed::From::kProfile:
     case scene::DelayUsed::From::kCalibration:
       break;

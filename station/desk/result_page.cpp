@@ -161,7 +161,8 @@ void Pages::PracticePaused() {
   ui_.Gap(12);
   if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
   ui_.SameLine();
-  if (ui_.Button(Say("practice.end"))) flow_.EndPractice();
+  const bool unrecorded = flow_.way() == Way::kPractice;
+  if (ui_.Button(Say(unrecorded ? "practice.end_unrecorded" : "practice.end"))) flow_.EndPractice();
   ui_.EndDialog();
 }
 

@@ -65,9 +65,12 @@ size_t Ui::Beside(size_t from, int down) const {
 void Ui::ReadKeys() {
   next_ = focus_;
   const size_t n = std::max<size_t>(shown_.size(), 1);
-  const bool typing = std::exchange(typing_, false);
+  std::optional<size_t> typed = std::exchange(typed_, std::nullopt);
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
+    // As Typed will count them.
+    if (typed && event.kind == InputEvent::Kind::kCharacter)
+      *typed += event.code != ' ' || *typed > 0;
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
     // A held key keeps moving the focus but chooses once; in a field, arrows and space edit the
     // text.
@@ -99,7 +102,10 @@ void Ui::ReadKeys() {
       case render::kKeySpace:
         // Space is the pedal when the mouse is the handpiece: held down, it must not choose in a
         // dialog over the tooth.
-        choose_ |= once && !writing && !typing && spaced_;
+        choose_ |= once && !writing && typed.value_or(0) == 0 && spaced_;
+        break;
+      case render::kKeyBackspace:
+        if (typed && *typed > 0) --*typed;
         break;
       case render::kKeyEscape:
         escape_ |= once;
@@ -113,12 +119,14 @@ void Ui::ReadKeys() {
 // A new page's focus is at its first choice.
 void Ui::Enter(const std::string& name) {
   moved_ = false;
-  if (name != page_) {
+  fresh_ = name != page_;
+  if (fresh_) {
     page_ = name;
     focus_ = 0;
     moved_ = true;
     walked_ = false;
-    choose_ = false;  // the key that opened the page
+    choose_ = escape_ = false;  // the key that opened the page
+    screen_.DropWaiting();
   } else if (next_ != focus_) {
     // Among the last frame's choices: this frame's are only known at its end.
     focus_ = next_;
@@ -165,7 +173,7 @@ void Ui::End() {
 }
 
 bool Ui::pressed(int key) const {
-  if (blocked_) return false;
+  if (blocked_ || fresh_) return false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || event.repeat) continue;
     if (event.pressed && event.code == key) return true;

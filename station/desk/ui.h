@@ -51,6 +51,7 @@ struct Picture {
 // Every choice takes part in one round of Tab and shows when it has the focus. Up and Down move to
 // the nearest choice there, Left and Right as Tab does.
 // Enter or the space bar chooses it, once per key press. The focus starts at a page's first choice.
+// A page or dialog answers no key that was pressed before it was shown.
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
  public:
@@ -100,7 +101,7 @@ class Ui {
   // chosen, or none.
   std::optional<size_t> Cards(std::span<const Card> cards, const std::string& heading = {});
   // Adds the letters typed in this frame to `text`, and takes its last away with Backspace; not
-  // while a field takes them. While there is text the space bar writes, and chooses nothing.
+  // while a field takes them. Behind a letter the space bar writes, and chooses nothing.
   void Typed(std::string& text);
   bool Check(const std::string& label, bool& value);
   // One line of text, which takes letters whenever it has the focus. True when Enter was pressed in
@@ -168,9 +169,11 @@ class Ui {
   size_t focus_ = 0, count_ = 0;
   size_t next_ = 0;  // the focus after this frame's keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
-  bool walked_ = false;        // somebody has moved the focus on this page
-  bool spaced_ = true;         // the space bar chooses
-  bool typing_ = false;        // and writes instead: in the last frame Typed had text
+  bool walked_ = false;  // somebody has moved the focus on this page
+  bool spaced_ = true;   // the space bar chooses
+  std::optional<size_t>
+      typed_;                  // letters that Typed had in the last frame; none: it was not called
+  bool fresh_ = false;         // the page or dialog in use is shown for the first time
   bool after_button_ = false;  // drawn last
   bool beside_ = false;        // SameLine was called after it
   // Of a page's list: height of what follows it, as last drawn, and where the list ended.

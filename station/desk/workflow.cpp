@@ -22,7 +22,7 @@ double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<doubl
 
 Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
     : workplace_(workplace), options_(std::move(options)), words_(options_.language) {
-  LookForReserved();
+  LookForKept();
 }
 
 Workflow::~Workflow() {
@@ -43,12 +43,14 @@ void Workflow::Go(Place place) {
 
 // A sign-in lasts as long as its connection: afterwards the person has to sign in again.
 void Workflow::Fail(const Status& status) {
-  bool signed_in = !offline_ && (place_ == Place::kExercises || place_ == Place::kExercise ||
-                                 place_ == Place::kReady || place_ == Place::kResult);
+  bool signed_in = !offline_ && way_ != Way::kPractice &&
+                   (place_ == Place::kExercises || place_ == Place::kExercise ||
+                    place_ == Place::kReady || place_ == Place::kResult);
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
     // A person who was looking at a result returns to it after signing in again.
     const Shown shown = place_ == Place::kResult ? result_ : Shown{};
-    SignOut(words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
+    SignOutSpeaking(
+        words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
     come_back_to_ = shown;
     return;
   }
@@ -100,9 +102,11 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   bool may_idle = place_ == Place::kFirstPassword || place_ == Place::kExercises ||
                   place_ == Place::kExercise || place_ == Place::kResult ||
                   place_ == Place::kLoss || place_ == Place::kPractice ||
-                  place_ == Place::kReserved;
+                  place_ == Place::kReserved || place_ == Place::kPracticeList ||
+                  (place_ == Place::kReady && way_ == Way::kPractice);
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
-    SignOut(words_.Say("signed_out.idle"));
+    const bool nobody = way_ == Way::kPractice || place_ == Place::kPracticeList;
+    SignOut(words_.Say(nobody ? "practice.idle" : "signed_out.idle"));
   }
 }
 
@@ -155,10 +159,25 @@ void Workflow::SignOut(const std::string& why) {
   cut_off_.clear();
   handed_in_.clear();
   result_ = come_back_to_ = {};
-  offline_ = false;
+  offline_ = as_reference_ = false;
+  way_ = Way::kTicket;
+  // What one person chose is not there for the next.
+  offers_.clear();
+  offer_ = 0;
+  picked_.clear();
+  agreed_.clear();
+  chosen_ = {};
+  Speak(options_.language);
   Go(Place::kSignIn);
-  LookForReserved();
+  LookForKept();
   notice_ = why;
+}
+
+// For a person who stays at the window, and signs in next.
+void Workflow::SignOutSpeaking(const std::string& why) {
+  const language::Language language = words_.language();
+  SignOut(why);
+  Speak(language);
 }
 
 void Workflow::Refresh() {
@@ -205,7 +224,7 @@ const Catalogue::Profile* Workflow::ProfileFor(const DeviceOffer& offer) const {
 void Workflow::ChooseExercise(size_t index) {
   if (busy() || index >= catalogue_.exercises.size()) return;
   chosen_ = catalogue_.exercises[index];
-  way_ = Way::kTicket;
+  way_ = place_ == Place::kPracticeList ? Way::kPractice : Way::kTicket;
   preview_.reset();
   Go(Place::kExercise);
   LookForDevices();
@@ -220,26 +239,25 @@ void Workflow::LookForDevices() {
 }
 
 bool Workflow::Fits(const DeviceOffer& offer) const {
-  // A reserved or interrupted attempt has its profile in its signed ticket.
-  return way_ == Way::kTicket || !preview_ || offer.profile == preview_->profile.name;
+  return any_device() || !preview_ || offer.profile == preview_->profile.name;
 }
 
-// The previous choice stays while it is available.
+// A person's choice stays while it is available. The mouse that came up in place of the station's
+// device does not.
 void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
-  std::string before = offer_ < offers_.size() ? offers_[offer_].title : std::string();
   offers_ = std::move(offers);
   auto same = [&](const DeviceOffer& o) {
-    return o.title == before && o.problem.empty() && Fits(o);
+    return o.title == picked_ && o.problem.empty() && Fits(o);
   };
   auto kept = std::ranges::find_if(offers_, same);
-  std::string profile = way_ == Way::kTicket || !preview_ ? "" : preview_->profile.name;
+  std::string profile = any_device() || !preview_ ? "" : preview_->profile.name;
   offer_ = kept != offers_.end()
                ? static_cast<size_t>(kept - offers_.begin())
                : FirstUsable(offers_, profile.empty() ? options_.profile : profile);
   // The configured profile is a preference; if its device is not attached, any usable one is better
   // than none.
   if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
-  if (way_ == Way::kTicket) return Fetch();
+  if (any_device()) return Fetch();
   if (offer_ == offers_.size()) {
     problem_ = words_.Say("device.profile_not_here", {{"device", DeviceNamed(profile)}});
   }
@@ -250,8 +268,9 @@ void Workflow::ChooseOffer(size_t index) {
   problem_ = offers_[index].problem;
   if (!problem_.empty()) return;
   offer_ = index;
+  picked_ = offers_[index].title;
   // Another device has another profile and so another plan, which must be fetched.
-  if (way_ != Way::kTicket) return;
+  if (!any_device()) return;
   preview_.reset();
   Fetch();
 }
@@ -259,22 +278,31 @@ void Workflow::ChooseOffer(size_t index) {
 void Workflow::Fetch() {
   const Catalogue::Profile* profile = ProfileFor(offers_[offer_]);
   if (profile == nullptr) {
-    problem_ = words_.Say("device.profile_unknown", {{"profile", offers_[offer_].profile}});
+    const bool practice = way_ == Way::kPractice;
+    problem_ = words_.Say(practice ? "practice.no_profile" : "device.profile_unknown",
+                          {{"profile", offers_[offer_].profile}});
     return;
   }
   problem_.clear();
-  task_.Start("task.tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
-    auto prepared = workplace_.Prepare(e, p);
-    if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
-    // std::function copies its captures, and a volume must not be copied: shared, then moved out.
-    auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
-    return [this, shared] { preview_ = std::make_unique<PreparedAttempt>(std::move(*shared)); };
-  });
+  task_.Start(
+      "task.tooth",
+      [this, e = chosen_, p = *profile,
+       practice = way_ == Way::kPractice]() -> BackgroundTask::After {
+        auto prepared = practice ? workplace_.PreparePractice(e, p) : workplace_.Prepare(e, p);
+        if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
+        // std::function copies its captures, and a volume must not be copied: shared, then moved out.
+        auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
+        return [this, shared] { preview_ = std::make_unique<PreparedAttempt>(std::move(*shared)); };
+      });
 }
 
 void Workflow::Open(Dialog dialog) {
   dialog_ = dialog;
   if (dialog != Dialog::kNone) problem_.clear();
+}
+
+void Workflow::Interrupt() {
+  if (cutting() && dialog_ == Dialog::kNone) Back();
 }
 
 void Workflow::LeaveAttempt() {
@@ -311,7 +339,7 @@ void Workflow::FreeAgain() {
 void Workflow::LeaveAttemptFor(const Status& problem) {
   LeaveAttempt();
   preview_.reset();
-  if (way_ == Way::kTicket) {
+  if (any_device()) {
     Go(Place::kExercise);
     Fetch();
   } else if (offline_) {
@@ -395,6 +423,12 @@ void Workflow::Reserve(const std::string& pin) {
   });
 }
 
+// For the first page.
+void Workflow::LookForKept() {
+  LookForReserved();
+  may_practise_ = workplace_.RemembersPractice();
+}
+
 void Workflow::LookForReserved() {
   auto reserved = workplace_.Reserved();
   if (!reserved.ok()) Fail(reserved.status());
@@ -404,6 +438,14 @@ void Workflow::LookForReserved() {
 void Workflow::ToReserved() {
   Go(Place::kReserved);
   LookForReserved();
+}
+
+void Workflow::ToPractice() {
+  if (busy()) return;
+  Go(Place::kPracticeList);
+  task_.Start("task.exercises", [this]() -> BackgroundTask::After {
+    return [this, practices = workplace_.Practices()] { catalogue_ = practices; };
+  });
 }
 
 void Workflow::AskPin(size_t index) {
@@ -481,15 +523,16 @@ void Workflow::Back() {
       if (busy()) task_.Forget();
       preview_.reset();
       if (offline_) return SignOut();
-      return Go(Place::kExercises);
+      return Go(way_ == Way::kPractice ? Place::kPracticeList : Place::kExercises);
     case Place::kFirstPassword:
+    case Place::kPracticeList:
     case Place::kReserved:
-      return SignOut();
+      return SignOutSpeaking({});
     case Place::kWarmUp:
       return EndWarmUp();
     case Place::kReady:
       LeaveAttempt();
-      if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
+      if (!any_device()) return offline_ ? ToReserved() : ToExercises();
       Go(Place::kExercise);
       return WhenFree([this] { LookForDevices(); });
     case Place::kRunning:

@@ -25,6 +25,7 @@ enum class Place {
   kFirstPassword,  // in place of a one-time password
   kReserved,
   kExercises,
+  kPracticeList,  // of exercises that need no server, for anybody
   kExercise,
   kWarmUp,  // trying the device: nothing is recorded
   kReady,
@@ -45,12 +46,14 @@ enum class Dialog {
   kReserve,
   kPin,
   kCutOff,
-  kSignOff
+  kSignOff,
+  kFallback  // to another device than this station's
 };
 
 // How an attempt gets its ticket: requested when the device rests; taken in advance and locked with
-// a PIN; or already there, because the attempt was interrupted and continues.
-enum class Way { kTicket, kReserved, kResumed };
+// a PIN; or already there, because the attempt was interrupted and continues. Practice without the
+// server is no attempt and needs none.
+enum class Way { kTicket, kReserved, kResumed, kPractice };
 
 // Whether progress on what the score measures is shown while cutting: in practice, and to
 // instructors; in an exam to nobody.
@@ -100,7 +103,7 @@ class Workflow {
   bool busy() const { return task_.busy(); }
   const std::string& task() const { return task_.what(); }  // a key of the words
   const Person& person() const { return person_; }
-  bool instructor() const { return person_.role != "student"; }
+  bool instructor() const { return !person_.role.empty() && person_.role != "student"; }
   const std::vector<Catalogue::Exercise>& exercises() const { return catalogue_.exercises; }
   // The chosen exercise. For a reserved or interrupted attempt, what is known of it.
   const Catalogue::Exercise& chosen() const { return chosen_; }
@@ -116,6 +119,8 @@ class Workflow {
   // A device as people call it, for the name of its profile.
   std::string DeviceNamed(const std::string& profile) const;
   const Catalogue::Exercise* ExerciseOf(const SpooledAttempt& attempt) const;  // null: not listed
+  // The station remembers exercises that can be practised without the server.
+  bool may_practise() const { return may_practise_; }
   // Tickets taken in advance, of all people here.
   const std::vector<ReservedAttempt>& reserved() const { return reserved_; }
   const ReservedAttempt& reserved_chosen() const { return reserved_[reserved_index_]; }
@@ -169,7 +174,13 @@ class Workflow {
   void ChooseExercise(size_t index);
   void LookForDevices();
   void ChooseOffer(size_t index);
+  // Asks first (Dialog::kFallback) where this would be another device than the station's, which
+  // cannot be used.
   void Start(bool as_reference);
+  // The device that cannot be used. None: the chosen one is right, or was agreed to.
+  std::optional<MissingDevice> missing_device() const;
+  // Agrees to the chosen device until the person signs out, and starts.
+  void StartWithFallback();
   // Ten seconds of cutting on a block with this exercise's bur; then, or by EndWarmUp, back to the
   // exercise, with what was found in `notice`.
   void TryDevice();
@@ -183,6 +194,8 @@ class Workflow {
   void EndCutOff();  // hands it in as recorded
   void Reserve(const std::string& pin);
   void ToReserved();
+  // The exercises that can be practised without the server. Nobody signs in, and nothing is recorded.
+  void ToPractice();
   void AskPin(size_t index);
   void OpenReserved(const std::string& pin);
   void GiveBack(const std::string& pin);  // returns the dialog's ticket for good
@@ -193,6 +206,8 @@ class Workflow {
   void LeaveSignOff();
   bool signs_end() const { return place_ == Place::kHandIn; }
   void Open(Dialog dialog);
+  // The person cannot see or steer the cut any more: as Esc, where the bur may be turning.
+  void Interrupt();
   void CloseDialog() { Open(Dialog::kNone); }
   void EndAttempt();  // finished, or given up: sealed as recorded
   // Stores what was recorded and goes back to the exercises, where the attempt can be continued.
@@ -215,7 +230,7 @@ class Workflow {
   // Continues the cut where the attempt left it, for practice only: for whoever sees progress.
   bool may_go_on() const;
   void GoOnForPractice();
-  void EndPractice();  // to the result
+  void EndPractice();  // to the result, or to the exercise practised without the server
   void Back();         // one place back, if possible
 
  private:
@@ -233,6 +248,7 @@ class Workflow {
     std::string login, one_time;
   };
   void Go(Place place);
+  void SignOutSpeaking(const std::string& why);
   BackgroundTask::After SignedIn(const Result<Person>& person, const SigningIn& who);
   void WhenFree(std::function<void()> step);
   void FreeAgain();
@@ -252,6 +268,10 @@ class Workflow {
   void TakeAttempt(std::unique_ptr<DeskAttempt> attempt);
   void TakeTicket();
   void Begin();
+  void Practise();
+  // Reserved and interrupted attempts have their device profile in their signed ticket.
+  bool any_device() const { return way_ == Way::kTicket || way_ == Way::kPractice; }
+  void LookForKept();
   void LookForReserved();
   void LookForStillness();
   void HandInUnheld();
@@ -282,10 +302,12 @@ class Workflow {
   Catalogue catalogue_;
   Catalogue::Exercise chosen_;
   Way way_ = Way::kTicket;
-  bool offline_ = false, as_reference_ = false;
+  bool offline_ = false, as_reference_ = false, may_practise_ = false;
   std::vector<SpooledAttempt> cut_off_, handed_in_;
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
+  std::string picked_;  // title of the device that the person chose; empty: none
+  std::string agreed_;  // and agreed to instead of the station's
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<DeskAttempt> attempt_;
   std::unique_ptr<DeskAttempt> left_;  // left while a background task may still use it

@@ -20,7 +20,21 @@ void Workflow::Start(bool as_reference) {
   if (busy() || !preview_ || offer_ >= offers_.size()) return;
   problem_.clear();
   as_reference_ = as_reference;
+  if (missing_device()) return Open(Dialog::kFallback);
   OpenDevice([this](std::unique_ptr<Device> attached) { ShowAttempt(std::move(attached)); });
+}
+
+std::optional<MissingDevice> Workflow::missing_device() const {
+  // A ticket taken in advance or an interrupted attempt names the device profile itself.
+  if (!any_device() || offer_ >= offers_.size() || offers_[offer_].title == agreed_) return {};
+  return MissingFor(words_, offers_, offer_, options_.profile, DeviceNamed(options_.profile));
+}
+
+void Workflow::StartWithFallback() {
+  if (busy() || dialog_ != Dialog::kFallback || offer_ >= offers_.size()) return;
+  CloseDialog();
+  agreed_ = offers_[offer_].title;
+  Start(as_reference_);
 }
 
 void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
@@ -149,6 +163,7 @@ void Workflow::CheckDevice(Clock::time_point now) {
 }
 
 void Workflow::Begin() {
+  if (way_ == Way::kPractice) return Practise();
   if (Status begun = attempt_->Begin(workplace_, options_.cpu); !begun.ok())
     return LeaveAttemptFor(begun);
   put_downs_ = 0;

@@ -61,7 +61,10 @@ bool Workflow::may_go_on() const {
 }
 
 void Workflow::GoOnForPractice() {
-  if (busy() || !may_go_on()) return;
+  if (!busy() && may_go_on()) Practise();
+}
+
+void Workflow::Practise() {
   put_downs_ = 0;
   attempt_->Rehearse(options_.cpu);
   Go(Place::kPractice);
@@ -77,6 +80,12 @@ void Workflow::WatchPractice(Clock::time_point now) {
 void Workflow::EndPractice() {
   if (place_ != Place::kPractice) return;
   attempt_->rehearsal()->End();
+  if (way_ == Way::kPractice) {
+    // The cut is not kept. Its device may be another one next time.
+    LeaveAttempt();
+    Go(Place::kExercise);
+    return LookForDevices();
+  }
   attempt_->held().SetPaused(false);
   Go(Place::kResult);
 }

@@ -29,10 +29,10 @@ inline constexpr int kModShift = 1;
 // One action of a person at the window. All input enters this way, from GLFW or from a script that
 // plays a person (Screen::Inject), so both are handled alike.
 struct InputEvent {
-  enum class Kind : uint8_t { kKey, kCharacter, kCursor, kButton, kWheel };
+  enum class Kind : uint8_t { kKey, kCharacter, kCursor, kButton, kWheel, kFocus, kPlaced };
   Kind kind = Kind::kKey;
   int code = 0;          // Key or MouseButton; character: Unicode
-  bool pressed = false;  // key, button
+  bool pressed = false;  // key, button; focus: the window has it now
   int mods = 0;          // kModShift
   bool repeat = false;   // key: pressed, as a repeat of a held key
   double x = 0, y = 0;   // cursor: window pixels from the upper left; wheel: notches
@@ -48,6 +48,10 @@ struct InputEvent {
     return {Kind::kButton, button, pressed, 0, false, 0, 0};
   }
   static InputEvent Wheel(double notches) { return {Kind::kWheel, 0, false, 0, false, 0, notches}; }
+  // The keyboard goes to this window, or to another from now on.
+  static InputEvent Focus(bool here) { return {Kind::kFocus, 0, here, 0, false, 0, 0}; }
+  // The next kCursor is where the window system puts the cursor: no hand moves it there.
+  static InputEvent Placed() { return {Kind::kPlaced, 0, false, 0, false, 0, 0}; }
 };
 
 }  // namespace enamel::station::render

@@ -116,6 +116,7 @@ Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watc
                const cutting::Volume* uncut)
     : feed_(feed),
       watch_(std::move(watch)),
+      cut_already_(uncut != nullptr && uncut != &initial),
       groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
       replica_(initial),
       looks_(replica_, uncut),
@@ -187,6 +188,8 @@ void Mesher::MeshInitial() {
     Simplify(mesh, kUncutError_mm);
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
   }
+  // Whoever waits for the picture then finds what was removed before.
+  if (watch_ && cut_already_ && !stop_) watch_(replica_);
   {
     MutexLock lock(mutex_);
     initial_done_ = true;

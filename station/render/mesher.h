@@ -54,7 +54,8 @@ void Append(const surface::Mesh& part, std::span<const uint8_t> materials, Group
 void Append(const surface::Mesh& part, const ToothLooks& looks, GroupMesh& mesh);
 
 // Called with the replica on the mesher's thread after it has changed, at most every
-// kWatchInterval, to measure what was removed. The picture waits meanwhile.
+// kWatchInterval, to measure what was removed. The picture waits meanwhile. Of a tooth that is cut
+// already also before the first picture.
 using VolumeWatch = std::function<void(const cutting::Volume& now)>;
 inline constexpr std::chrono::milliseconds kWatchInterval{500};
 
@@ -67,7 +68,7 @@ class Mesher {
   static constexpr std::chrono::milliseconds kRest{250};
 
   // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
-  // `uncut`: as ToothLooks takes it.
+  // `uncut`: as ToothLooks takes it; another volume than `initial` where that is cut already.
   Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {},
          const cutting::Volume* uncut = nullptr);
   ~Mesher();
@@ -94,6 +95,7 @@ class Mesher {
   // Constant after construction.
   BrickFeed& feed_;
   const VolumeWatch watch_;
+  const bool cut_already_;
   ivec3 groups_{0};
   // Owned by the mesher's thread.
   cutting::Volume replica_;

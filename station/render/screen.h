@@ -19,8 +19,12 @@ struct ScreenOptions {
   std::string title = "Enamel";
   int width_px = 1280, height_px = 800;
   bool full_screen = false;  // width and height are then the monitor's
-  bool visible = true;       // false: drawn off screen, for screenshots and tests
-  bool paced = true;  // false, for measuring: frames follow each other, each drawn to its end
+  std::string monitor;  // to be on: its name, or its number, 0 the first; empty: the primary one
+  // Called with a line for the log while that monitor is not there: at the start, and when it goes. The
+  // window is on the primary one then.
+  std::function<void(const std::string&)> monitor_missing;
+  bool visible = true;  // false: drawn off screen, for screenshots and tests
+  bool paced = true;    // false, for measuring: frames follow each other, each drawn to its end
 };
 
 // The window on the desktop: GLFW, an OpenGL 3.3 context, Dear ImGui with our fonts and style, and
@@ -37,13 +41,17 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   // Collects input and begins a frame of Dear ImGui, at most 60 times a second. Without a graphics
-  // card it uses at most two thirds of the time, because the tick needs the processor too. False
-  // once the person has closed the window; CancelClose revokes that.
+  // card it uses at most two thirds of the time, because the tick needs the processor too. Once some
+  // frames looked the same, nothing is held and nobody does anything, it begins ten a second and waits
+  // for input in between, which ends the wait at once. False once the person has closed the window;
+  // CancelClose revokes that.
   bool Begin();
+  // The next frame comes as soon as usual, even if this one looks like the last.
+  void StayAwake();
   // Lays a picture under ImGui's frame; without one the background has one colour. It is copied at
   // once: a page that is drawn over it may end the attempt, and with it the picture.
   void Show(const Target& picture);
-  // Draws ImGui's frame and shows it.
+  // Draws ImGui's frame and shows it; nothing is drawn where it looks like the frame before.
   void End();
   // Loads this language's letters, from the next frame on.
   void Speak(language::Language language);
@@ -53,23 +61,35 @@ class Screen {
   void CancelClose();
   void Close();
 
-  // Of this frame, in order.
+  // Of this frame, in order. What follows a key or click that may choose something comes in a later
+  // frame: a page answers it first.
   std::span<const InputEvent> events() const;
   // Acts as if the person had done it. The events of one call come between two frames, those of
   // the next call a frame later.
   void Inject(std::vector<InputEvent> events);
   void Inject(const InputEvent& event) { Inject(std::vector{event}); }
   bool injecting() const;  // some are still waiting
+  // Drops keys, letters and clicks of earlier frames that still wait: they were meant for what was
+  // shown then. Releases stay.
+  void DropWaiting();
   // While captured the cursor is hidden and moves without limit: the mouse does not control
   // widgets.
   void CaptureCursor(bool capture);
   // Cursor in window pixels, and whether a mouse button or a key is held.
   double cursor_x() const;
   double cursor_y() const;
-  double last_cursor_x() const;  // of the previous frame
-  double last_cursor_y() const;
+  // How far a hand moved the mouse in this frame, px. Not what the window system does: it puts the
+  // cursor elsewhere when the window gets or loses the keyboard, captures or frees the cursor, or is
+  // moved or resized, and when the cursor enters. Nor a step of a captured cursor that is larger than
+  // a hand's (kLargestStep in screen.cpp), as a remote desktop makes.
+  double moved_x() const;
+  double moved_y() const;
   bool button(int button) const;
   bool key(int key) const;
+  // In this frame another window had the keyboard, however briefly, or this one was iconified.
+  // Everything held counts as let go when that begins, and nothing moves until it ends. A click asks
+  // for the keyboard.
+  bool away() const;
 
   int width() const;  // of the picture, px
   int height() const;
@@ -78,6 +98,7 @@ class Screen {
   const std::string& renderer() const;  // OpenGL's own name
   // Wall time of drawing the last frame, without waiting for the display, s.
   double drawing_s() const;
+  uint64_t drawn() const;  // frames so far that were drawn
 
   // The last frame shown as PNG. Errors: kStorage.
   Status WriteScreenshot(const std::string& path);

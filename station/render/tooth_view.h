@@ -44,8 +44,8 @@ class ToothView {
   static constexpr size_t kBricksPerTick = 4;
 
   // Starts meshing a copy of `initial`. `watch` sees the replica at intervals (mesher.h). `uncut`: the
-  // tooth before a bur touched it, which must outlive the view; null: what is cut looks as if it were
-  // not. Throws std::runtime_error when the driver refuses a resource.
+  // tooth before a bur touched it, which must outlive the view, `initial` itself if none has; null:
+  // what is cut looks as if it were not. Throws std::runtime_error when the driver refuses a resource.
   ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch = {},
             const cutting::Volume* uncut = nullptr);
 

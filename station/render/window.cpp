@@ -31,9 +31,9 @@ void PressKey(Camera& camera, int key) {
   }
 }
 
-void Drag(const Screen& screen, Camera& camera, const InputEvent& from, const InputEvent& to) {
+void Drag(const Screen& screen, Camera& camera) {
   auto share = [&](double d) { return static_cast<float>(d / std::max(screen.height(), 1)); };
-  float dx = share(to.x - from.x), dy = share(to.y - from.y);
+  const float dx = share(screen.moved_x()), dy = share(screen.moved_y());
   if (screen.button(GLFW_MOUSE_BUTTON_LEFT)) return camera.Orbit(dx, dy);
   if (screen.button(GLFW_MOUSE_BUTTON_RIGHT) || screen.button(GLFW_MOUSE_BUTTON_MIDDLE)) {
     camera.Pan(dx, dy);
@@ -62,10 +62,7 @@ void SteerCamera(const Screen& screen, Camera& camera, bool by_mouse) {
       camera.Zoom(static_cast<float>(event.y));
     }
   }
-  if (by_mouse) {
-    Drag(screen, camera, InputEvent::Cursor(screen.last_cursor_x(), screen.last_cursor_y()),
-         InputEvent::Cursor(screen.cursor_x(), screen.cursor_y()));
-  }
+  if (by_mouse) Drag(screen, camera);
 }
 
 bool HoldsMirror(const Screen& screen, ToothView& view) {
@@ -90,8 +87,7 @@ void SteerMirror(const Screen& screen, ToothView& view, double dt_s) {
   const float right = held(kKeyRight, kKeyLeft), up = held(kKeyUp, kKeyDown);
   if (right != 0 || up != 0) mirror.Tilt(turn * right, turn * up, camera);
   if (!HoldsMirror(screen, view)) return;
-  const double dx = screen.cursor_x() - screen.last_cursor_x(),
-               dy = screen.cursor_y() - screen.last_cursor_y();
+  const double dx = screen.moved_x(), dy = screen.moved_y();
   auto share = [&](double d) { return static_cast<float>(d / std::max(screen.height(), 1)); };
   if (dx != 0 || dy != 0) mirror.Move(share(dx), share(dy), camera);
   for (const InputEvent& event : screen.events()) {

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <thread>
@@ -20,6 +21,19 @@ constexpr size_t kMaxCalibration = 1 << 16;
 constexpr std::chrono::milliseconds kPatience{10 * kAnswersToKnow};
 constexpr std::chrono::milliseconds kLookEvery{5};
 
+// With the usual timer slack of 50 us a look each 150 us: 7 in a tick at 1 kHz.
+constexpr std::chrono::microseconds kLookForPose{100};
+constexpr int64_t kShortLook_ns = 250'000;
+constexpr size_t kPosesToKnow = 250, kFewestPoses = 20;
+constexpr std::chrono::milliseconds kWatchPoses{500};
+// A look is off by up to its own length; the mean over so many poses by an eighth of that.
+constexpr size_t kPosesInMean = 8;
+
+int64_t Now_ns() {
+  using namespace std::chrono;
+  return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
 const char* FromText(scene::DelayUsed::From from) {
   switch (from) {
     case scene::DelayUsed::From::kProfile:
@@ -30,6 +44,8 @@ const char* FromText(scene::DelayUsed::From from) {
       return "assumed";
     case scene::DelayUsed::From::kAnswers:
       return "more than was known, as its answers take now";
+    case scene::DelayUsed::From::kPoses:
+      return "more than was known, as its poses come more slowly than the ticks";
   }
   return "";
 }
@@ -85,6 +101,59 @@ std::optional<scene::AnswerTime> AwaitAnswerTime(const Device& device) {
   return found && found->answers > 0 ? found : std::nullopt;
 }
 
+void PoseWatch::Look(int64_t now_ns, uint64_t poses) {
+  const int64_t look_ns = now_ns - looked_ns_;
+  const bool grew = began_ && poses > poses_;
+  if (grew) {
+    const bool sure = look_ns <= kShortLook_ns;
+    // Poses in each of two short looks come faster than the looks. After a look without one, several came
+    // at once.
+    const auto count =
+        static_cast<int64_t>(sure && grew_ ? std::min<uint64_t>(poses - poses_, 64) : 1);
+    for (int64_t i = 1; i <= count; ++i)
+      arrivals_.push_back({looked_ns_ + look_ns * i / count, sure});
+  }
+  grew_ = grew;
+  poses_ = poses;
+  looked_ns_ = now_ns;
+  began_ = true;
+}
+
+std::optional<scene::PosePeriod> PoseWatch::period() const {
+  const auto sure = static_cast<size_t>(std::ranges::count(arrivals_, true, &Arrival::sure));
+  return PeriodOf(2 * sure >= arrivals_.size());
+}
+
+std::optional<scene::PosePeriod> PoseWatch::PeriodOf(bool only_sure) const {
+  // Sorted times of `n` poses, each over n.
+  const auto over = [&](size_t n) {
+    std::vector<int64_t> out;
+    for (size_t i = n; i < arrivals_.size(); ++i) {
+      const Arrival &from = arrivals_[i - n], &to = arrivals_[i];
+      if (only_sure && !(from.sure && to.sure)) continue;
+      out.push_back((to.at_ns - from.at_ns) / static_cast<int64_t>(n));
+    }
+    std::ranges::sort(out);
+    return out;
+  };
+  const std::vector<int64_t> each = over(1), means = over(kPosesInMean);
+  if (each.size() + 1 < kFewestPoses || means.empty()) return std::nullopt;
+  return scene::PosePeriod{means[means.size() / 2] / 1000,
+                           each[(each.size() * 99 - 1) / 100] / 1000,
+                           static_cast<int64_t>(each.size())};
+}
+
+std::optional<scene::PosePeriod> AwaitPosePeriod(const Device& device) {
+  if (device.answer_time() || device.counters().samples == 0) return std::nullopt;
+  PoseWatch watch;
+  const auto until = std::chrono::steady_clock::now() + kWatchPoses;
+  while (watch.arrivals() < kPosesToKnow && std::chrono::steady_clock::now() < until) {
+    watch.Look(Now_ns(), device.counters().samples);
+    std::this_thread::sleep_for(kLookForPose);
+  }
+  return watch.period();
+}
+
 std::string AnswersText(const scene::AnswerTime& answers) {
   char text[120];
   std::snprintf(
@@ -108,6 +177,13 @@ std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
     }
     answers += ")";
   }
+  if (used.from == scene::DelayUsed::From::kPoses && used.poses) {
+    char text[100];
+    std::snprintf(text, sizeof text, " (one each %.2f ms, 99 of 100 within %.2f)",
+                  static_cast<double>(used.poses->median_us) * 1e-3,
+                  static_cast<double>(used.poses->p99_us) * 1e-3);
+    answers += text;
+  }
   if (used.from != scene::DelayUsed::From::kAssumed) {
     return device + ": " + ticks + ", " + FromText(used.from) + answers;
   }
@@ -123,8 +199,9 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
   const std::string name = device.Name();
   const auto calibration = FindCalibration(data, device.Unit());
   const int64_t rate_hz = prepared.header.params.rate_hz;
-  const auto used = scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr,
-                                           rate_hz, AwaitAnswerTime(device));
+  const auto used =
+      scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz,
+                             AwaitAnswerTime(device), AwaitPosePeriod(device));
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
   // The chunks of a resumed attempt are chained to its header, and its ticks must replay with it: a
@@ -171,7 +248,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
   prepared.header.params = *params;
   prepared.delay = used;
   using From = scene::DelayUsed::From;
-  const bool unknown = used.from == From::kAssumed || used.from == From::kAnswers;
+  const bool unknown =
+      used.from == From::kAssumed || used.from == From::kAnswers || used.from == From::kPoses;
   spdlog::log(unknown ? spdlog::level::warn : spdlog::level::info, "{}: Kc {} mN/mm{}",
               DelayText(used, name), is,
               is < was ? " instead of the profile's " + std::to_string(was) : "");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/scene/delay.h"
 #include "station/devices/device.h"
@@ -28,6 +29,35 @@ std::optional<scene::Calibration> FindCalibration(const std::filesystem::path& d
 inline constexpr int64_t kAnswersToKnow = 500;
 std::optional<scene::AnswerTime> AwaitAnswerTime(const Device& device);
 
+// Finds how long a device takes from pose to pose from looks at its count of poses. Looks of at most
+// 250 us tell when a pose came; a longer one, when the computer was busy, tells nothing, unless most are:
+// then this computer's timer is the slow part, and a loop has no better one.
+class PoseWatch {
+ public:
+  // Times and counts only grow.
+  void Look(int64_t now_ns, uint64_t poses);
+  size_t arrivals() const { return arrivals_.size(); }
+  // Nothing with fewer than 20 arrivals.
+  std::optional<scene::PosePeriod> period() const;
+
+ private:
+  // A time at which the count had grown.
+  struct Arrival {
+    int64_t at_ns = 0;
+    bool sure = false;
+  };
+  std::optional<scene::PosePeriod> PeriodOf(bool only_sure) const;
+
+  std::vector<Arrival> arrivals_;
+  int64_t looked_ns_ = 0;
+  uint64_t poses_ = 0;
+  bool began_ = false, grew_ = false;  // grew: in the last look
+};
+
+// How often a device that sends its poses by itself does so: of 250 poses, or of half a second. Nothing:
+// it answers instead (answer_time), counts no poses, or sends none. Blocks meanwhile.
+std::optional<scene::PosePeriod> AwaitPosePeriod(const Device& device);
+
 // A profile at 1 kHz that says nothing of a delay.
 scene::DeviceProfile SilentProfile();
 // The delay for attempts on this unit with this profile, at 1 kHz.
@@ -42,7 +72,7 @@ std::string AnswersText(const scene::AnswerTime& answers);
 std::string DelayText(const scene::DelayUsed& used, const std::string& device);
 
 // Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`, whose
-// answers it awaits as above, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
+// answers or poses it awaits as above, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
 // are left unchanged. Logged, as a warning if nobody measured. A resumed attempt keeps its original
 // parameters. Errors: WithDelay's; kConflict when a resumed attempt is stiffer than this device
 // allows.

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/unix_time.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
+#include "station/session/practice_list.h"
 #include "station/uplink/attempt_sender.h"
 
 namespace enamel::station {
@@ -44,20 +46,6 @@ UploaderOptions UploaderOf(const WorkplaceOptions& options) {
   UploaderOptions out = options.uploader;
   out.retention = options.retention;
   return out;
-}
-
-Result<Catalogue::Facts> FactsOf(const Catalogue::Exercise& listed,
-                                 const scene::FetchContent& fetch) {
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, fetch(listed.exercise));
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(exercise_text)));
-  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, fetch(exercise.scene));
-  ENAMEL_ASSIGN_OR_RETURN(auto scene, scene::SceneFromJson(AsText(scene_text)));
-  auto has = [&](cutting::Tissue tissue) {
-    return std::ranges::find(scene.tissues, tissue, &scene::TissueSpec::tissue) !=
-           scene.tissues.end();
-  };
-  return Catalogue::Facts{scene.tooth, exercise.target.landmark, has(cutting::Tissue::kCaries),
-                          has(cutting::Tissue::kNeighbour), exercise.graded};
 }
 
 // An attempt's size on disk until it ends: 3.7 bytes a tick, measured with simulated hands, plus
@@ -236,13 +224,34 @@ Result<Catalogue> Workplace::Exercises() {
   return link->ListExercises(who);
 }
 
+Result<Catalogue::Facts> Workplace::FactsOf(const Sha256& name, const Fetch& fetch) {
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, fetch(name));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(exercise_text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, fetch(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene, scene::SceneFromJson(AsText(scene_text)));
+  auto has = [&](cutting::Tissue tissue) {
+    return std::ranges::find(scene.tissues, tissue, &scene::TissueSpec::tissue) !=
+           scene.tissues.end();
+  };
+  return Catalogue::Facts{scene.tooth, exercise.target.landmark, has(cutting::Tissue::kCaries),
+                          has(cutting::Tissue::kNeighbour), exercise.graded};
+}
+
 void Workplace::Describe(Catalogue& catalogue) {
   auto link = UseLink();
   BlobCache cache(data_ / "blobs");
+  const auto fetch = [&](const Sha256& name) { return link->FetchBlob(name, cache); };
+  bool practice = false;
   for (Catalogue::Exercise& listed : catalogue.exercises) {
-    auto facts = FactsOf(listed, [&](const Sha256& name) { return link->FetchBlob(name, cache); });
+    auto facts = FactsOf(listed.exercise, fetch);
     if (facts.ok()) listed.facts = std::move(*facts);
     if (!link->connected()) return;
+    practice |= listed.facts && !listed.facts->graded && !listed.exam;
+  }
+  KeepPracticeList(data_, catalogue, UnixMs());
+  // Few and small. Without them only devices that somebody has chosen here could be used.
+  for (size_t i = 0; practice && i < catalogue.profiles.size() && link->connected(); ++i) {
+    (void)fetch(catalogue.profiles[i].profile);
   }
 }
 
@@ -384,14 +393,12 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
                                           device, options, std::move(*recording));
 }
 
-Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
+Result<PreparedAttempt> Workplace::FromCache(const Sha256& exercise, const Sha256& profile) const {
   BlobCache cache(data_ / "blobs");
-  return Assemble(ticket.exercise, ticket.profile, [&](const Sha256& name) -> Result<Bytes> {
-    // The cache is by content: it has the version of the ticket, even if the exercise has a newer
-    // one.
+  return Assemble(exercise, profile, [&](const Sha256& name) -> Result<Bytes> {
+    // The cache is by content: it has the version asked for, even if the exercise has a newer one.
     if (auto cached = cache.Find(name)) return std::move(*cached);
-    return Status(Code::kNotFound, "document " + name.Hex() +
-                                       " of this attempt is not on this station any more (" +
+    return Status(Code::kNotFound, "document " + name.Hex() + " is not on this station any more (" +
                                        (data_ / "blobs").string() +
                                        "): prepare the exercise once with the server at hand");
   });

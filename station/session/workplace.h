@@ -89,7 +89,8 @@ class Workplace {
 
   Result<Catalogue> Exercises();
   // Adds the facts of every exercise, from its documents in the cache or at the server. Those of
-  // which they cannot be read stay without: what is wrong shows when one is prepared.
+  // which they cannot be read stay without: what is wrong shows when one is prepared. Remembers the
+  // practice exercises for Practices, and fetches the device profiles that these need.
   void Describe(Catalogue& catalogue);
   // Fetches the documents that are not in the cache yet.
   Result<PreparedAttempt> Prepare(const Catalogue::Exercise& exercise,
@@ -140,6 +141,18 @@ class Workplace {
   // kForbidden when the server would refuse the recording: another station's, not signed by it,
   // expired.
   Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
+
+  // Practice without the server, which needs nobody signed in: workplace_practice.cpp.
+
+  // Whether this station remembers any practice exercise. Their documents may be lost meanwhile.
+  bool RemembersPractice() const;
+  // The practice exercises, never graded ones or exams, of which the cache has every document; and
+  // the device profiles that it has. Reads them all: wait for the disk elsewhere than in the window.
+  Catalogue Practices() const;
+  // Prepares one of them, for a run of which nothing is recorded. Errors: kNotFound when the cache
+  // has lost a document; kForbidden when it is graded.
+  Result<PreparedAttempt> PreparePractice(const Catalogue::Exercise& exercise,
+                                          const Catalogue::Profile& profile) const;
 
   // Attempts that the spool has: workplace_resume.cpp.
 
@@ -203,7 +216,9 @@ class Workplace {
   Result<HandedBack> HandBackNow(const Uuid& attempt);
   Status AskForTicket(PreparedAttempt& prepared, bool as_reference);
   Result<trace::Header> HeaderOf(const Uuid& attempt);
-  Result<PreparedAttempt> FromCache(const trace::Ticket& ticket);
+  using Fetch = std::function<Result<Bytes>(const Sha256&)>;
+  static Result<Catalogue::Facts> FactsOf(const Sha256& exercise, const Fetch& fetch);
+  Result<PreparedAttempt> FromCache(const Sha256& exercise, const Sha256& profile) const;
   Result<PreparedAttempt> OfHeader(const trace::Header& header);
   Result<PreparedAttempt> Replayed(const trace::Header& header, const KeepGoing& keep_going);
   void KeepAlive();

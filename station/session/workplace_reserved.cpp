@@ -89,7 +89,7 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
   }
   ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
   ENAMEL_RETURN_IF_ERROR(CheckTicket(ticket));
-  ENAMEL_ASSIGN_OR_RETURN(auto prepared, FromCache(ticket));
+  ENAMEL_ASSIGN_OR_RETURN(auto prepared, FromCache(ticket.exercise, ticket.profile));
   prepared.header.ticket = ticket;
   ENAMEL_ASSIGN_OR_RETURN(const auto locked, safe_.List());
   auto found = std::ranges::find(locked, attempt, &LockedTicket::attempt);

@@ -64,7 +64,7 @@ Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std:
 
 // The documents that a recording was made of, from the cache, with its header.
 Result<PreparedAttempt> Workplace::OfHeader(const trace::Header& header) {
-  auto prepared = FromCache(header.ticket);
+  auto prepared = FromCache(header.ticket.exercise, header.ticket.profile);
   if (!prepared.ok()) return prepared.status();
   // Parameters with another delay than the profile's belong to this version too.
   Status params =

@@ -47,9 +47,9 @@ page paused
 see Der Bohrer ist aus
 frames 2
 picture PICTURES/de-5-paused.png
-click Abbrechen
+click Versuch aufgeben
 page give-up
-click Abbrechen
+click Versuch aufgeben
 page result
 frames 5
 picture PICTURES/de-6-result.png

@@ -18,7 +18,7 @@ runner() {
     *": ./check"*) echo check ;;
     *ansible*) echo tests/packaging/chairs.sh ;;
     *"patronictl "*) echo tests/cluster/patroni.sh ;;
-    *" calibrate --device hid"*) echo "nobody: it needs a board" ;;
+    *" calibrate --device hid"* | *" first-hour --device dhd"*) echo "nobody: it needs a unit" ;;
     docs/several_servers.md:* | *" psql school "*) echo cluster ;;
     *" simulate "* | *"enamel-lab operators"*) echo minutes ;;
     *" restore "*) echo tests/packaging/debian.sh ;;
@@ -78,7 +78,7 @@ run() {
   esac
   expected $rc "$2" || { cat "$work/out"; fail "$1: $2"; }
 }
-declare -A count=([here]=0 [later]=0 [there]=0 [nobody]=0)
+declare -A count=([here]=0 [later]=0 [there]=0 [nobody]=0 [named]=0)
 try() {
   local file=$1 written who
   while IFS= read -r written; do
@@ -91,6 +91,32 @@ try() {
     esac
     count[$who]=$((count[$who] + 1))
   done < <(guide_blocks "$root/$file" '```' '```sh')
+}
+
+# Commands that sentences and units name: the program has them, and they have the options. `enamel-station` without a command is
+# its window.
+check_named() {
+  local named program words options help option
+  while IFS= read -r named; do
+    read -r program words <<<"$named"
+    options=$(grep -oE -- '--[a-z][a-z0-9-]*' <<<"$words" || true)
+    read -r words <<<"$(sed -E 's/(^| )([^a-z].*)$//' <<<"$words")"
+    help=$("$bin/$program" --help)
+    [ -n "$words" ] || [ "$program" != enamel-station ] || words=open
+    if [ -n "$words" ]; then
+      help+=$("$bin/$program" $words --help)
+      grep -qE "^Usage: .*enamel-[a-z]+ .*\b${words%% *}\b" <<<"$help" || fail "$program has no command ${words%% *}: $named"
+    fi
+    for option in $options; do
+      grep -qE -- "(^|[ ,])$option([ ,=]|$)" <<<"$help" || fail "no $option: $named"
+    done
+    count[named]=$((count[named] + 1))
+  done < <(
+    cd "$root"
+    sed -nE "s/^(\S+ )*['\`]?(ENAMEL_[A-Z]+=\S+ )*(enamel-(station|server|lab) [^'\`]*)['\`].*/\3/p" \
+      < <(grep -ohE "['\`](ENAMEL_[A-Z]+=\S+ )*enamel-(station|server|lab) [^'\`]*['\`]" README.md docs/*.md {station,server}/{README.md,ops/*.service,ops/*.toml} station/lab/README.md)
+    sed -nE 's#^ExecStart[A-Za-z]*=.*/usr/bin/(enamel-(station|server) .*)#\1#p' {station,server}/ops/*.service
+  )
 }
 
 if [ "$mode" = --cluster ]; then
@@ -140,6 +166,8 @@ if [ "$mode" = --cluster ]; then
   exit
 fi
 
+check_named
+[ "${count[named]}" -ge 40 ] || fail "found only ${count[named]} commands in sentences and units"
 anna="what anna chose"
 sed -e "s#/var/lib/enamel#$data#; s#/usr/share/enamel/web#$page_folder#; s#/var/backups/enamel#$work/backups#" \
   -e "s#^http = .*#http = \"127.0.0.1:$port\"#; s#^stations = .*#stations = \"127.0.0.1:$((port + 1))\"#" \
@@ -167,7 +195,7 @@ result=$work/mine/attempts/$attempt/result.bin
 key=$(enamel-server admin list-stations --data "$data" | sed -nE "s/^key of this server's tickets and results +//p")
 assignment=$(enamel-server admin list-assignments --data "$data" | grep -v practice | cut -d ' ' -f 1)
 export ENAMEL_PASSWORD=$anna
-for guide in for_instructors at_the_chair for_data_protection for_researchers for_students is_it_for_you what_a_hand_feels paper README; do
+for guide in for_instructors at_the_chair for_data_protection for_researchers for_students haptic_devices is_it_for_you what_a_hand_feels paper README; do
   try "docs/$guide.md"
 done
 mode=counts try docs/several_servers.md

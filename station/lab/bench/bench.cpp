@@ -95,6 +95,7 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   RegisterTarget(*bench, exit_code);
   RegisterRecord(*bench, exit_code);
   RegisterFrames(*bench, exit_code);
+  RegisterIdle(*bench, exit_code);
   RegisterAnswers(*bench, exit_code);
   RegisterStorage(*bench, exit_code);
 }

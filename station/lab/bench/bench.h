@@ -24,6 +24,7 @@ void RegisterImport(CLI::App& app, int* exit_code);
 void RegisterTarget(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterFrames(CLI::App& app, int* exit_code);
+void RegisterIdle(CLI::App& app, int* exit_code);
 void RegisterAnswers(CLI::App& app, int* exit_code);
 void RegisterStorage(CLI::App& app, int* exit_code);
 

@@ -43,6 +43,23 @@ TEST(WordsTest, EveryMessageHasTheSamePlacesInEveryLanguage) {
   }
 }
 
+// German had one word for giving an attempt up and for leaving a dialog.
+TEST(WordsTest, WhatLosesSomethingIsCalledOtherwiseThanWhatLosesNothing) {
+  const char* loses[] = {"close.close",         "cut_off.hand_in", "finish.hand_in",
+                         "hand_in.give_up_end", "paused.give_up",  "pin.give_back",
+                         "sign_off.unsigned"};
+  const char* loses_nothing[] = {"close.stay",    "cut_off.later", "exercise.back", "finish.go_on",
+                                 "hand_in.leave", "paused.go_on",  "pin.leave"};
+  for (Language each : kLanguages) {
+    const auto say = ByKey(each);
+    for (const char* one : loses) {
+      for (const char* other : loses_nothing) {
+        EXPECT_NE(say.at(one), say.at(other)) << CodeOf(each) << " " << one << ", " << other;
+      }
+    }
+  }
+}
+
 // An apostrophe begins what ICU leaves alone, and a translator does not see it; two spaces come
 // from joined lines.
 TEST(WordsTest, NoMessageHasWhatATranslatorCannotSee) {

@@ -50,11 +50,51 @@ TEST(DelayTest, ADelayIsATimeAndIsRoundedUpAtAnotherRate) {
 
 AnswerTime Answers(int64_t p99_us) { return {p99_us / 2, p99_us, 500}; }
 
-TEST(DelayTest, AnswersCountInWholeTicksOfTheirNinetyNinthPart) {
+TEST(DelayTest, AnswersCountInWholeTicksOfTheirNinetyNinthPartAndOfTheHoldUntilTheNext) {
   EXPECT_EQ(AnswerTicks(Answers(90), 1000), 1);
   EXPECT_EQ(AnswerTicks(Answers(1000), 1000), 1);
   EXPECT_EQ(AnswerTicks(Answers(1001), 1000), 2);
-  EXPECT_EQ(AnswerTicks(Answers(1001), 4000), 5);
+  EXPECT_EQ(AnswerTicks(Answers(1001), 4000), 5 + 2 - 1);  // 1.001 and 0.5 ms, ticks of 0.25 ms
+  // All answers take n ticks: the force for a pose ends 2 n ticks after it was read.
+  for (int64_t n : {1, 2, 3, 5}) {
+    EXPECT_EQ(AnswerTicks({n * 1000, n * 1000, 500}, 1000) + 1, 2 * n);
+  }
+}
+
+TEST(DelayTest, PosesThatComeMoreSlowlyThanTheTicksAreATickLateForEachThatTheyMiss) {
+  struct Case {
+    int64_t hz, rate_hz, ticks;
+  };
+  for (const Case& c : {Case{4000, 1000, 0},
+                        {1000, 1000, 0},
+                        {990, 1000, 0},
+                        {800, 1000, 1},
+                        {500, 1000, 1},
+                        {250, 1000, 3},
+                        {1000, 4000, 3},
+                        {1000, 500, 0}}) {
+    const int64_t us = 1'000'000 / c.hz;
+    EXPECT_EQ(StaleTicks({us, us, 250}, c.rate_hz), c.ticks) << c.hz << ", " << c.rate_hz;
+  }
+  // One in a hundred is late: by a tick that is the loop's to count, by more it is the device's.
+  EXPECT_EQ(StaleTicks({1000, 1900, 250}, 1000), 0);
+  EXPECT_EQ(StaleTicks({1000, 2900, 250}, 1000), 1);
+}
+
+TEST(DelayTest, SlowPosesComeOnTopOfWhatIsKnown) {
+  const PosePeriod slow{4000, 4100, 125}, quick{1000, 1300, 250};
+  DeviceProfile profile = Phantom();
+  DelayUsed used = DelayOfAttached(profile, nullptr, 1000, {}, slow);
+  EXPECT_EQ(used.ticks, 1 + 3);
+  EXPECT_EQ(used.from, From::kPoses);
+  EXPECT_EQ(used.poses, slow);
+  const Calibration two = Measured(2);
+  EXPECT_EQ(DelayOfAttached(profile, &two, 1000, {}, slow).ticks, 2 + 3);
+  used = DelayOfAttached(profile, &two, 1000, {}, quick);
+  EXPECT_EQ(used.ticks, 2);
+  EXPECT_EQ(used.from, From::kCalibration);
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, {}, PosePeriod{900'000, 900'000, 20}).ticks,
+            kMostDelay_ticks);
 }
 
 TEST(DelayTest, SlowAnswersAddToWhatIsAssumedAndRaiseWhatWasMeasured) {
@@ -63,15 +103,15 @@ TEST(DelayTest, SlowAnswersAddToWhatIsAssumedAndRaiseWhatWasMeasured) {
   DelayUsed used = DelayOfAttached(profile, nullptr, 1000, Answers(90));
   EXPECT_EQ(used, (DelayUsed{2, From::kAssumed, Answers(90)}));
   used = DelayOfAttached(profile, nullptr, 1000, Answers(3050));
-  EXPECT_EQ(used, (DelayUsed{5, From::kAnswers, Answers(3050)}));
+  EXPECT_EQ(used, (DelayUsed{4 + 1 + 1, From::kAnswers, Answers(3050)}));
   // A measurement has the tick behind the answers in it.
   const Calibration three = Measured(3);
-  EXPECT_EQ(DelayOfAttached(profile, &three, 1000, Answers(2500)).from, From::kCalibration);
+  EXPECT_EQ(DelayOfAttached(profile, &three, 1000, Answers(2000)).from, From::kCalibration);
   EXPECT_EQ(DelayOfAttached(profile, &three, 1000, Answers(3050)),
-            (DelayUsed{4, From::kAnswers, Answers(3050)}));
+            (DelayUsed{5, From::kAnswers, Answers(3050)}));
   profile.delay_measured = true;
   EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(3050)),
-            (DelayUsed{4, From::kAnswers, Answers(3050)}));
+            (DelayUsed{5, From::kAnswers, Answers(3050)}));
   EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(900'000)).ticks, kMostDelay_ticks);
 }
 

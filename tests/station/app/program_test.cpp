@@ -120,10 +120,70 @@ TEST_F(ProgramTest, HelpTeachesAFirstAttempt) {
   }
 }
 
+TEST_F(ProgramTest, FirstHourReplaysAFileOfAnswersAndKeepsWhatWasFoundWhenItEnds) {
+  const fs::path out = folder_ / "hour.json", answers = folder_ / "answers";
+  const std::string command = "first-hour --device simulated:omega3 --out " + out.string() +
+                              " --answers " + answers.string();
+  std::ofstream(answers) << "start.open:\nhoming.did: pit\nhoming.middle @1:\n"
+                            "workspace.end: skip no room\ndirections.right.from: skip\n"
+                            "directions.why: no time\nforce.x.yes: yes\n";
+  const Outcome ended = RunProgram(command);
+  EXPECT_EQ(ended.code, 1) << ended.text;
+  EXPECT_NE(ended.text.find("has none for 'force.y.yes'"), std::string::npos) << ended.text;
+  EXPECT_NE(ended.text.find("the input ended"), std::string::npos) << ended.text;
+  const auto document = boost::json::parse(AsText(*ReadFile(out))).as_object();
+  EXPECT_FALSE(document.at("complete").as_bool());
+  EXPECT_EQ(document.at("steps").at("directions").at("reason"), "no time");
+  EXPECT_EQ(document.at("steps").at("force").at("found").at("x").at("axis"), "+x");
+  EXPECT_NE(document.at("computer").at("kernel").as_string(), "");
+
+  std::ofstream(answers) << "start.open\n";
+  const Outcome wrong = RunProgram(command);
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.text.find("line 1: expected ID: ANSWER"), std::string::npos) << wrong.text;
+}
+
+TEST_F(ProgramTest, FirstHourLetsNoRealUnitPushWithoutATerminal) {
+  const Outcome out =
+      RunProgram("first-hour --device dhd --out " + (folder_ / "hour.json").string());
+  EXPECT_EQ(out.code, 1);
+  EXPECT_NE(out.text.find("run this on a terminal"), std::string::npos) << out.text;
+  EXPECT_FALSE(fs::exists(folder_ / "hour.json"));
+}
+
 TEST_F(ProgramTest, WrongCommandLineIsExitCodeTwo) {
   EXPECT_EQ(RunProgram("spool").code, 2);
   EXPECT_EQ(RunProgram("run").code, 2);
   EXPECT_EQ(RunProgram("no-such-thing").code, 2);
+}
+
+// As guide and unit write it: a desktop's icon names the folder and no command.
+TEST_F(ProgramTest, WithoutACommandItTakesTheOptionsOfTheWindow) {
+  const std::string settings = (folder_ / "station.toml").string();
+  std::ofstream(settings) << "monitor = \"HDMI-1\"\nlanguage = \"de\"\n";
+  for (const std::string& arguments :
+       {data(), data() + " --server 127.0.0.1:9 --window 640x480 --monitor 1 --simulated",
+        "--config " + settings + data(), "--log-level=warning" + data(),
+        "--log-format text --config " + settings + data() + " --language zh --no-sound",
+        data() + " --config " + settings}) {
+    const Outcome out = RunProgram(" " + arguments);
+    EXPECT_EQ(out.code, 1) << arguments << ": " << out.text;
+    EXPECT_NE(out.text.find("not enrolled"), std::string::npos) << arguments << ": " << out.text;
+  }
+  const struct {
+    std::string arguments;
+    const char* said;
+  } wrong[] = {{"--dta x", "did you mean '--data'?"},
+               {"--window big", "WIDTHxHEIGHT"},
+               {"--data x run", "run"},
+               {"--config", "--config"}};
+  for (const auto& each : wrong) {
+    const Outcome out = RunProgram(each.arguments);
+    EXPECT_EQ(out.code, 2) << each.arguments << ": " << out.text;
+    EXPECT_NE(out.text.find(each.said), std::string::npos) << out.text;
+  }
+  EXPECT_NE(RunProgram("--version").text.find("enamel-station"), std::string::npos);
+  EXPECT_NE(RunProgram("--data x --help").text.find("--monitor"), std::string::npos);
 }
 
 TEST_F(ProgramTest, StationThatIsNotEnrolledIsToldHow) {

@@ -10,6 +10,7 @@
 #include "station/desk/pages.h"
 #include "station/desk/warm_up.h"
 #include "station/desk/workflow.h"
+#include "station/session/practice_list.h"
 #include "tests/station/desk/english.h"
 #include "tests/station/desk/played_board.h"
 #include "tests/station/hid/hid_double.h"
@@ -193,13 +194,57 @@ TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   EXPECT_NE(ui_->words().find("Cut into the block"), std::string::npos) << ui_->words();
   Picture("warm-up");
   board_->buttons = 0;
-  flow_->Back();
+  flow_->Interrupt();
   EXPECT_EQ(flow_->place(), Place::kExercise);
   EXPECT_NE(flow_->notice().find("Device tried for"), std::string::npos) << flow_->notice();
   EXPECT_TRUE(workplace_->spool().List()->empty());
   ASSERT_NO_FATAL_FAILURE(Start()) << "and the attempt begins as before";
   flow_->EndAttempt();
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+}
+
+// They were shown as of an uncut tooth until the next cut.
+TEST_F(DeskAttemptTest, AResumedCutIsMeasuredBeforeItsFirstPicture) {
+  PreparedAttempt base;
+  base.exercise = scene::ClassOneExercise(scene::BuildBuiltinScene("block", 500'000)->scene, {});
+  for (const auto& profile : scene::BuiltinProfiles()) {
+    if (profile.name == "pointer") base.profile = profile;
+  }
+  auto prepared = WarmUpFor(base);
+  ASSERT_TRUE(prepared.ok());
+  prepared->core = std::make_unique<core::Core>(prepared->header.params, prepared->volume.Packed());
+  // Half a second in the air, then down to a millimetre under the top, and a millimetre to the side.
+  constexpr int64_t kTop_um = 5000;
+  const core::CoreParams& params = prepared->header.params;
+  const auto counts = [&](int axis, int64_t at_nm) {
+    const auto i = static_cast<size_t>(axis);
+    return static_cast<int32_t>((at_nm - params.device_origin_nm[i]) / params.resolution_nm[i]);
+  };
+  core::TickInput input;
+  input.flags = core::kBurOn;
+  input.bur_speed_krpm = kTurbineSpeed_krpm;
+  double removed_mm3 = 0;
+  for (int tick = 0; tick < 3500; ++tick) {
+    input.counts = {counts(0, 1000 * std::clamp(tick - 2500, 0, 1000)), counts(1, 0),
+                    counts(2, 1000 * (kTop_um + 1000 - std::clamp(tick - 500, 0, 2000)))};
+    const auto out = prepared->core->Step(input);
+    for (const int64_t units : out.removed) {
+      removed_mm3 += 1e9 * cutting::RemovedUnitsToM3(units, prepared->voxel_m());
+    }
+  }
+  prepared->header.hand = PointerDevice(1e-6, 1e-3).hand();
+  const scene::CavityTarget target = prepared->exercise.target;
+  DeviceOffer mouse;
+  auto attempt = DeskAttempt::Create(std::move(*prepared), mouse, nullptr, false);
+  ASSERT_TRUE(attempt.ok()) << attempt.status().message();
+  ASSERT_TRUE((*attempt)->view().WaitIdle(std::chrono::seconds(60)));
+  const auto zones = (*attempt)->zones();
+  ASSERT_TRUE(zones);
+  // The slot is within the box to be cut.
+  const double box_mm3 = 4e-9 * target.half_size_um[0] * target.half_size_um[1] * target.depth_um;
+  EXPECT_GT(removed_mm3, 1);
+  EXPECT_NEAR(zones->target_percent / 100 * box_mm3, removed_mm3, 0.05 * removed_mm3);
+  EXPECT_EQ(zones->beyond_mm3, 0);
 }
 
 TEST(WarmUpTextTest, ADeviceThatIsAskewIsTurnedTheOtherWay) {
@@ -321,6 +366,49 @@ TEST_F(DeskAttemptTest, AfterItsEndTheCutGoesOnForPracticeAndNothingOfItIsRecord
   EXPECT_EQ(workplace_->spool().List()->size(), 1u);
 }
 
+TEST_F(DeskAttemptTest, PracticeWithoutTheServerIsCutLikeAnyOtherAndNothingOfItIsKept) {
+  const KeptDocuments kept = KeepDocuments(folder_ / "data", "pointer", false);
+  Catalogue list;
+  list.exercises.resize(1);
+  list.exercises[0].name = kept.exercise.name;
+  list.exercises[0].exercise = kept.exercise_hash;
+  list.exercises[0].facts = Catalogue::Facts();
+  list.exercises[0].facts->graded = false;
+  list.profiles = {{"pointer", "", kept.profile_hash}};
+  KeepPracticeList(folder_ / "data", list, 0);
+  const uint16_t port = server_->endpoint().port;
+  workplace_.reset();
+  server_.reset();
+  workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
+  ui_.emplace(*screen_);
+  flow_.emplace(*workplace_, WorkflowOptions{});
+  pages_.emplace(*ui_, *flow_, "Chair 7");
+  flow_->ToPractice();
+  ASSERT_TRUE(Reached([&] { return flow_->exercises().size() == 1; })) << flow_->problem();
+  Picture("practice-list");
+  flow_->ChooseExercise(0);
+  ASSERT_TRUE(Reached([&] { return flow_->preview() != nullptr && !flow_->busy(); }));
+  Picture("practice-exercise");
+  flow_->Start(false);
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kPractice; })) << flow_->problem();
+  EXPECT_EQ(flow_->attempt()->run(), nullptr);
+  ASSERT_TRUE(Reached([&] { return flow_->attempt()->newest().counters.ticks >= 300; }));
+  EXPECT_NE(ui_->words().find("nothing is recorded"), std::string::npos) << ui_->words();
+  server_.emplace(folder_, port);
+  ASSERT_TRUE(Reached([&] {
+    workplace_->uploader().Retry();
+    return server_->connections() > 0;
+  }));
+  EXPECT_EQ(flow_->place(), Place::kPractice);
+  flow_->Back();
+  EXPECT_EQ(flow_->dialog(), Dialog::kPracticePaused);
+  flow_->EndPractice();
+  EXPECT_EQ(flow_->place(), Place::kExercise);
+  ASSERT_TRUE(Reached([&] { return flow_->preview() != nullptr && !flow_->busy(); }))
+      << "and can be begun again: " << flow_->problem();
+  EXPECT_TRUE(workplace_->spool().List()->empty());
+}
+
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));
@@ -337,9 +425,13 @@ TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= ticks + 100; }));
   EXPECT_EQ(flow_->dialog(), Dialog::kNone);
   EXPECT_TRUE(Newest().put_down);
-  board_->buttons = 0;
-  ASSERT_TRUE(Reached([&] { return !Newest().put_down; }));
-  flow_->Open(Dialog::kPaused);
+  // With the foot on the pedal: the window can be covered at any time.
+  board_->buttons = 1;
+  auto bur_on = [&] { return (Newest().input_flags & core::kBurOn) != 0; };
+  ASSERT_TRUE(Reached([&] { return !Newest().put_down && bur_on(); }));
+  flow_->Interrupt();
+  EXPECT_EQ(flow_->dialog(), Dialog::kPaused);
+  ASSERT_TRUE(Reached([&] { return !bur_on(); }));
   for (int i = 0; i < 3; ++i) Frame();
   EXPECT_EQ(ui_->words().find("holder"), std::string::npos) << ui_->words();
   flow_->EndAttempt();

@@ -123,5 +123,29 @@ TEST_F(DeviceOffersTest, ASpaceMouseIsOfferedWithoutForceAndTheNamedPedal) {
   EXPECT_EQ(offers[0].profile, "pointer");
 }
 
+TEST(MissingForTest, IsTheStationsDeviceOrOneWithMotorsThatCannotBeUsed) {
+  const DeviceOffer mouse{"Mouse", "", "pointer", "", "", "", "", false};
+  const DeviceOffer falcon{"Falcon", "", "falcon", "", "falcon", "", "", true};
+  DeviceOffer broken{"Inverse3", "", "inverse3", "", "inverse3", "", "It is off.", true};
+  const auto missing = [&](const std::vector<DeviceOffer>& offers, size_t chosen,
+                           const std::string& profile) {
+    const auto found = MissingFor(kEnglish, offers, chosen, profile, "Haply Inverse3");
+    return found ? found->title + ": " + found->reason : std::string();
+  };
+  EXPECT_EQ(missing({mouse}, 0, ""), "") << "a chair with a mouse";
+  EXPECT_EQ(missing({mouse}, 0, "pointer"), "");
+  EXPECT_EQ(missing({broken, mouse}, 1, ""), "Inverse3: It is off.");
+  EXPECT_EQ(missing({broken, mouse}, 1, "pointer"), "") << "the chair's own device is the mouse";
+  EXPECT_EQ(missing({broken, falcon, mouse}, 1, ""), "") << "any with motors will do";
+  EXPECT_EQ(missing({broken, falcon, mouse}, 1, "inverse3"), "Inverse3: It is off.");
+  EXPECT_EQ(missing({falcon, mouse}, 1, ""), "") << "chosen on purpose";
+  EXPECT_EQ(missing({falcon, mouse}, 1, "falcon"), "") << "chosen on purpose";
+  EXPECT_EQ(missing({mouse}, 0, "inverse3").find("Haply Inverse3: The device is not connected."),
+            0u);
+  broken.profile = "";  // it does not say who it is
+  EXPECT_EQ(missing({broken, mouse}, 1, "inverse3"), "Inverse3: It is off.");
+  EXPECT_EQ(missing({}, 0, "inverse3"), "");
+}
+
 }  // namespace
 }  // namespace enamel::station::desk

@@ -13,6 +13,7 @@
 #include "station/desk/problem_words.h"
 #include "station/desk/stop_sign.h"
 #include "station/render/panel.h"
+#include "station/session/practice_list.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
 #include "tests/station/uplink/fake_server.h"
@@ -123,6 +124,7 @@ class PagesLayoutTest : public LayoutTest {
     Await([&] { return flow_->attempt()->run()->snapshot().counters.ticks > 10; });
   }
   void ExpectPractice();
+  void ExpectPracticeWithoutServer();
   void ExpectDialog(Dialog dialog, const std::string& what) {
     flow_->Open(dialog);
     ExpectPage(what);
@@ -189,8 +191,8 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   ExpectBar();
   server_->SetPageUrl("https://enamel.dental-school.example.edu/enamel");
   for (Language language : languages()) {
+    flow_->SignOut(language::Words(language).Say("signed_out.lost"));  // looks for what was kept
     flow_->Speak(language);
-    flow_->SignOut(flow_->words().Say("signed_out.lost"));  // looks for what was kept
     server_->must_change_password = true;
     flow_->SignIn("ada", "once");
     Settle();
@@ -274,6 +276,7 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   Await([&] { return flow_->score().has_value(); });
   ExpectPage("result");
   ExpectPractice();
+  ExpectPracticeWithoutServer();
 
   pages_.reset();
   flow_.reset();
@@ -320,6 +323,40 @@ void PagesLayoutTest::ExpectPractice() {
   ExpectPage("practice");
   ExpectDialog(Dialog::kPracticePaused, "practice paused");
   flow_->EndPractice();
+}
+
+// With all the ways that the first page can offer.
+void PagesLayoutTest::ExpectPracticeWithoutServer() {
+  Catalogue list;
+  for (bool graded : {false, true}) {
+    const KeptDocuments kept = KeepDocuments(data(), "pointer", graded);
+    Catalogue::Exercise& listed = list.exercises.emplace_back();
+    listed.name = graded ? "graded" : "practice";
+    listed.exercise = kept.exercise_hash;
+    listed.facts = Catalogue::Facts();
+    listed.facts->graded = false;
+  }
+  KeepPracticeList(data(), list, 0);
+  Recorded(false);
+  pages_.reset();
+  flow_.emplace(*workplace_, WorkflowOptions{.profile = "inverse3"});
+  pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
+  flow_->SignOut(flow_->words().Say("practice.idle"));
+  ASSERT_TRUE(flow_->may_practise());
+  ExpectPage("sign-in with practice");
+  flow_->ToPractice();
+  Settle();
+  ASSERT_EQ(flow_->exercises().size(), 1U)
+      << "the graded one is not offered, whatever the list says";
+  ExpectPage("practice list");
+  flow_->ChooseExercise(0);
+  Settle();
+  EXPECT_FALSE(flow_->problem().empty()) << "a profile that is not here";
+  ExpectPage("practice that this device cannot do");
+  ExpectDialog(Dialog::kPracticePaused, "practice paused");
+  ExpectDialog(Dialog::kFallback, "fallback");
+  flow_->Back();
+  flow_->Back();
 }
 
 void LayoutTest::ExpectPanel() {

@@ -150,6 +150,7 @@ TEST(SofterTextTest, SaysWhyAForceIsSofterAndThatOneMayBegin) {
             "Arm was not calibrated on this station, so its force is softer than it could be. You "
             "can begin. The person who looks after this station can calibrate it.");
   EXPECT_EQ(SofterText(kEnglish, From::kAnswers, "Arm").find("Arm answers more slowly"), 0u);
+  EXPECT_EQ(SofterText(kEnglish, From::kPoses, "Arm").find("Arm reports its position less"), 0u);
 }
 
 }  // namespace

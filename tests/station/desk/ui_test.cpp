@@ -199,6 +199,110 @@ TEST_F(UiTest, LettersAreTakenWithoutAFieldAndTheSpaceBarWritesAmongThem) {
   EXPECT_EQ(chosen, 2);
 }
 
+// All that a person types while a picture takes long.
+TEST_F(UiTest, LettersAndASpaceWithinAFrameAreText) {
+  std::string typed;
+  int chosen = 0;
+  auto page = [&] {
+    ui_->Begin("list");
+    ui_->Typed(typed);
+    chosen += ui_->Button("Class I") ? 1 : 0;
+    ui_->End();
+  };
+  const auto key = [](int code) {
+    return std::vector{InputEvent::Key(code, true), InputEvent::Key(code, false)};
+  };
+  const std::vector<InputEvent> space = {InputEvent::Key(render::kKeySpace, true),
+                                         InputEvent::Character(' '),
+                                         InputEvent::Key(render::kKeySpace, false)};
+  const auto together = [](std::initializer_list<std::vector<InputEvent>> parts) {
+    std::vector<InputEvent> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  };
+  Play(page);
+  screen_->Inject(together({{InputEvent::Character('a')}, space, {InputEvent::Character('4')}}));
+  Play(page);
+  EXPECT_EQ(typed, "a 4");
+  EXPECT_EQ(chosen, 0);
+  const auto erase = key(render::kKeyBackspace);
+  screen_->Inject(together({erase, erase, erase, space}));
+  Play(page);
+  EXPECT_EQ(typed, "");
+  EXPECT_EQ(chosen, 1) << "with nothing typed any more it chooses";
+  // The space bar chooses before the letter behind it changes the list.
+  screen_->Inject(together({space, {InputEvent::Character('x')}}));
+  Play(page);
+  EXPECT_EQ(typed, "x");
+  EXPECT_EQ(chosen, 2);
+}
+
+// One page after another; what each was told.
+struct TwoPages {
+  bool second = false;
+  int chosen = 0, left = 0, finish = 0;
+  std::string typed;
+  void Draw(Ui& ui) {
+    if (!second) {
+      ui.Begin("first");
+      ui.Typed(typed);
+      second = ui.Button("Next");
+      ui.End();
+      return;
+    }
+    ui.Begin("second");
+    ui.Typed(typed);
+    chosen += ui.Button("Start") ? 1 : 0;
+    left += ui.escape() ? 1 : 0;
+    finish += ui.pressed('F') ? 1 : 0;
+    ui.End();
+  }
+};
+
+TEST_F(UiTest, APageAnswersNoKeyThatWasPressedBeforeItWasShown) {
+  const std::vector<InputEvent> behind = {InputEvent::Key(render::kKeyEnter, true),
+                                          InputEvent::Key(render::kKeyEnter, false),
+                                          InputEvent::Character('x'),
+                                          InputEvent::Key('F', true),
+                                          InputEvent::Key('F', false),
+                                          InputEvent::Key(render::kKeySpace, true),
+                                          InputEvent::Key(render::kKeySpace, false),
+                                          InputEvent::Key(render::kKeyEscape, true)};
+  const auto held = InputEvent::Key(render::kKeyLeftShift, false);
+  for (int first : {int{render::kKeyEnter}, int{render::kKeySpace}, 0}) {
+    TwoPages pages;
+    auto page = [&] { pages.Draw(*ui_); };
+    Play(page);
+    Press(render::kKeyLeftShift);
+    Play(page);
+    std::vector<InputEvent> events;
+    if (first != 0) {
+      events.push_back(InputEvent::Key(first, true));
+    } else {
+      const Rect at = ui_->choices().at(0).at;
+      events = {InputEvent::Cursor(at.x0 + 9, at.y0 + 9),
+                InputEvent::Button(render::kMouseLeft, true),
+                InputEvent::Button(render::kMouseLeft, false)};
+    }
+    events.insert(events.end(), behind.begin(), behind.end());
+    events.push_back(held);
+    screen_->Inject(events);
+    Play(page);
+    ASSERT_TRUE(pages.second) << first;
+    EXPECT_EQ(pages.chosen + pages.left + pages.finish, 0) << first;
+    EXPECT_EQ(pages.typed, "") << first;
+    EXPECT_FALSE(screen_->key(render::kKeyLeftShift)) << "what was held is let go";
+    screen_->Inject(behind);
+    Play(page);
+    EXPECT_EQ(pages.chosen, 1) << "Enter; behind the letter the space bar writes";
+    EXPECT_EQ(pages.left, 1);
+    EXPECT_EQ(pages.finish, 1);
+    EXPECT_EQ(pages.typed, "x");
+    Release(render::kKeyEscape);
+    Release(render::kKeySpace);
+  }
+}
+
 TEST_F(UiTest, AKeyThatIsHeldChoosesOnce) {
   int chosen = 0, left = 0, finish = 0;
   auto page = [&] {

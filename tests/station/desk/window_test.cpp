@@ -10,10 +10,12 @@
 #include <thread>
 #include <vector>
 
+#include "common/trace/replay.h"
 #include "station/desk/desk.h"
 #include "station/render/png_file.h"
 #include "station/spool/spool.h"
 #include "tests/station/desk/played_board.h"
+#include "tests/station/render/second_client.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
 #include "tests/station/uplink/fake_server.h"
@@ -65,6 +67,11 @@ class WindowTest : public testing::Test {
     changes_.push_back({at + ".png", at, std::move(change)});
     return "picture " + at + ".png\nuntil " + at + "\nframes 30\n";
   }
+  // As Meet, but the script continues at once.
+  std::string MeetBriefly(std::function<void()> change) {
+    std::string lines = Meet(std::move(change));
+    return lines.substr(0, lines.rfind("frames"));
+  }
   // Keeps an attempt, and makes it, with these lines of the script before it and while it runs. Its id.
   Uuid Play(const std::string& before, const std::string& during) {
     Uuid attempt;
@@ -72,7 +79,7 @@ class WindowTest : public testing::Test {
       auto spool = Spool::Open(data());
       ENAMEL_CHECK(spool.ok());
       attempt = KeepAttempt(data(), **spool, credentials_, keys_.secret_key, server_->person,
-                            kProfile, kKeptPin);
+                            profile_, kKeptPin);
     }
     std::thread meanwhile([&] {
       for (const Change& each : changes_) {
@@ -116,6 +123,7 @@ class WindowTest : public testing::Test {
   trace::KeyPair keys_;
   Credentials credentials_;
   DeskOptions options_;
+  std::string profile_ = kProfile;
 
  private:
   struct Change {
@@ -146,6 +154,60 @@ TEST_F(WindowTest, ADeviceThatStandsTurnedMovesTheBurAsTheHandSeesIt) {
   align += Meet(to(0));
   const Uuid measured = Play(align, Meet(to(-kAside_counts)));
   EXPECT_EQ(RecordedLast(measured), (std::array{kAside_counts, 0}));
+}
+
+// A program on the same display takes keyboard and pointer from the window while the bur cuts, and gives
+// them back. The recording, replayed, says what the hand did. With ENAMEL_FULL=1 50 times.
+TEST_F(WindowTest, AnotherProgramThatTakesTheKeyboardStopsTheBurAndMovesNothing) {
+  const int times = ::getenv("ENAMEL_FULL") != nullptr ? 50 : 6;
+  profile_ = "pointer";
+  options_.width_px = 320;
+  options_.height_px = 200;
+  std::optional<render::SecondClient> other;
+  // Into the block, and back by a notch: a hand that rests there cuts nothing more.
+  std::string during = "wheel 5\nframes 3\nhold Left\nwheel 5\nframes 20\nwheel -1\nframes 12\n";
+  for (int i = 0; i < times; ++i) {
+    during += MeetBriefly([&, i] {
+      if (!other) other.emplace();
+      other->TakeKeyboard();
+      // Anywhere on the display. Sometimes the window draws a frame meanwhile.
+      other->PutPointer(7 * i % 320, 311 * i % 1000);
+      if (i % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(40));
+      other->MovePointer(90 - 31 * i % 180, 40);
+      EXPECT_TRUE(other->GiveKeyboard("Enamel"));
+      other->PutPointer(1500 - 23 * i, 13 * i);
+    });
+    during += "page paused\nframes 2\nkey Enter\npage running\nframes 4\nhold Left\nframes 4\n";
+  }
+  const Uuid attempt = Play("", during + "let Left\n");
+
+  auto spool = Spool::Open(data());
+  ASSERT_TRUE(spool.ok());
+  const auto file = (*spool)->Export(attempt);
+  ASSERT_TRUE(file.ok());
+  const auto header = trace::DecodeHeader(file->header);
+  ASSERT_TRUE(header.ok());
+  core::Core core(header->params, scene::BuildBuiltinScene("block", 200'000)->volume.Packed());
+  int starts = 0, stops = 0;
+  int64_t cut = 0, cut_afterwards = 0;
+  int32_t moved = 0;
+  std::optional<std::array<int32_t, 3>> rested;  // where the bur first stopped
+  const auto replayed =
+      trace::Replay(core, *header, file->chunks, [&](const trace::Tick& t, const auto& out) {
+        const bool on = (t.input.flags & core::kBurOn) != 0;
+        starts += on && starts == stops;
+        stops += !on && starts > stops;
+        if (stops > 0 && !rested) rested = t.input.counts;
+        for (const int64_t units : out.removed) (rested ? cut_afterwards : cut) += units;
+        for (size_t i = 0; rested && i < 3; ++i) {
+          moved = std::max(moved, std::abs(t.input.counts[i] - (*rested)[i]));
+        }
+      });
+  ASSERT_TRUE(replayed.ok() && replayed->witness_ok);
+  EXPECT_EQ(stops, times + 1) << "and once at the end";
+  EXPECT_GT(cut, 50 * 65'536) << "voxels";
+  EXPECT_EQ(cut_afterwards, 0);
+  EXPECT_EQ(moved, 0) << "counts";
 }
 
 // Pixels of the picture in the red of a sign.

@@ -4,6 +4,7 @@
 
 #include "common/base/password.h"
 #include "station/desk/first_password.h"
+#include "tests/station/session/kept_attempt.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
@@ -63,6 +64,21 @@ class WorkflowTest : public testing::Test {
     if (ended) EXPECT_TRUE(workplace_->spool().PutSeal(seal).ok());
     return header.ticket.attempt;
   }
+  // A practice exercise that somebody's list has had, with the server away since.
+  void ServerLeavesPractice() {
+    const KeptDocuments kept = KeepDocuments(folder_ / "data", "pointer", false);
+    server_->assignments = {Uuid::New()};
+    server_->describe = [&](size_t, wire::ExerciseRef& ref) {
+      ref.set_name(kept.exercise.name);
+      ref.set_exercise(protocol::ToField(kept.exercise_hash.view()));
+    };
+    server_->profiles = {{"pointer", kept.profile_hash}};
+    EXPECT_FALSE(flow_->may_practise());
+    SignIn();
+    flow_->SignOut();
+    EXPECT_TRUE(flow_->may_practise());
+    server_.reset();
+  }
   Uuid Kept() {
     trace::Ticket ticket;
     ticket.attempt = Uuid::New();
@@ -113,6 +129,42 @@ TEST_F(WorkflowTest, WithoutTheServerThePersonIsToldAndMayTryAgain) {
   server_.emplace(folder_, port);
   server_->person = person;
   SignIn();
+}
+
+TEST_F(WorkflowTest, WithoutTheServerAnybodyMayPractise) {
+  ServerLeavesPractice();
+  flow_->ToPractice();
+  Settle();
+  ASSERT_EQ(flow_->place(), Place::kPracticeList);
+  ASSERT_EQ(flow_->exercises().size(), 1u) << flow_->problem();
+  flow_->ChooseExercise(0);
+  EXPECT_EQ(flow_->way(), Way::kPractice);
+  Settle();
+  ASSERT_EQ(flow_->place(), Place::kExercise);
+  EXPECT_TRUE(flow_->problem().empty()) << flow_->problem();
+  ASSERT_NE(flow_->preview(), nullptr);
+  EXPECT_TRUE(flow_->preview()->attempt().IsZero()) << "it needs no ticket";
+  ASSERT_LT(flow_->offer_index(), flow_->offers().size());
+  EXPECT_EQ(flow_->offers()[flow_->offer_index()].profile, "pointer");
+  EXPECT_FALSE(flow_->instructor()) << "nobody is signed in";
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kPracticeList);
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_EQ(flow_->way(), Way::kTicket);
+  EXPECT_TRUE(flow_->exercises().empty());
+  EXPECT_TRUE(workplace_->spool().List()->empty());
+}
+
+TEST_F(WorkflowTest, PracticeThatNobodyIsAtEnds) {
+  ServerLeavesPractice();
+  flow_->ToPractice();
+  Settle();
+  const auto now = Clock::now();
+  flow_->Tick(now, true);
+  flow_->Tick(now + std::chrono::seconds(601), false);
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_EQ(flow_->notice(), "Practice has ended, because nobody was active.");
 }
 
 TEST_F(WorkflowTest, SigningOutDoesNotWaitForAServerThatHangs) {
@@ -309,6 +361,8 @@ TEST_F(WorkflowTest, CommonProblemsAreSaidInThePersonsLanguage) {
   server_->refuse_sign_ins.reset();
   Kept();
   flow_->SignOut();
+  EXPECT_EQ(flow_->words().language(), language::Language::kEnglish) << "as the station is set";
+  flow_->Speak(language::Language::kGerman);
   flow_->ToReserved();
   flow_->AskPin(0);
   flow_->GiveBack("804218");

@@ -2,16 +2,23 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <tuple>
 
 #include "common/base/file.h"
+#include "common/haptics/coupling.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/plan.h"
 #include "station/lab/devices/emulated_inverse3.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/session/log_lines.h"
+#include "tests/support/dice.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station {
@@ -19,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Attached final : public Device {
+class Attached : public Device {
  public:
   explicit Attached(bool motors, std::string unit = "hid:1209:0001:SN7")
       : motors_(motors), unit_(std::move(unit)) {}
@@ -34,6 +41,78 @@ class Attached final : public Device {
   const bool motors_;
   const std::string unit_;
 };
+
+// Sends its poses by itself, one each period, by the clock: no thread of its own can be late.
+class Paced final : public Attached {
+ public:
+  explicit Paced(std::chrono::microseconds period) : Attached(true), period_(period) {}
+  DeviceCounters counters() const noexcept override {
+    DeviceCounters out;
+    const auto passed = std::chrono::steady_clock::now() - began_;
+    out.samples = 1 + static_cast<uint64_t>(passed / period_);
+    return out;
+  }
+
+ private:
+  const std::chrono::microseconds period_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+// Tissue whose hardness its test switches on and off.
+class Fickle final : public haptics::Material {
+ public:
+  haptics::Contact ContactAt(const dvec3&, const dvec3&) noexcept override {
+    haptics::Contact contact;
+    contact.engaged = is_solid;
+    if (is_solid) contact.damping_n_s_per_m = Sym3::Isotropic(1e9);
+    return contact;
+  }
+  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
+
+  bool is_solid = false;
+};
+
+// The most energy, J, that a hand draws from the coupling of these parameters in a loop of the rate that they
+// say, if a pose comes only in each n-th tick. In the theorem's own sum (common/haptics/README.md), kept
+// here: damping b and the cell's friction pay, and what the spring may hold at the start is free.
+double Drawn_j(const core::CoreParams& p, double b_n_s_per_m, int n, uint64_t seed) {
+  haptics::CouplingParams c;
+  c.law.kind = p.law;
+  c.law.kc_n_per_m = p.kc_mn_per_mm;
+  c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
+  c.law.tick_s = 1.0 / p.rate_hz;
+  c.peak_force_n = p.peak_force_mn * 1e-3;
+  c.cell = core::TipCellOf(p);
+  c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
+  haptics::Coupling coupling(c);
+  Fickle tissue;
+  testing_support::Dice dice(seed);
+  const double count_m = p.resolution_nm[0] * 1e-9;
+  const auto read = [&](const dvec3& x) { return (glm::floor(x / count_m) + 0.5) * count_m; };
+  const double swing_m = 3e-6 * std::pow(10, 2 * dice.Uniform());
+  const double period = n * (2 + 12 * dice.Uniform()), hardens = n * (2 + 12 * dice.Uniform());
+  const dvec3 along = dice.Direction();
+  const int hand = dice.Below(3);
+  const bool always_solid = dice.Below(2) == 0;
+  dvec3 x(0), pose = read(x), force(0);
+  coupling.Reset(pose);
+  double balance_j = 0.5 * c.law.kc_n_per_m * Dot(x - pose, x - pose), lowest_j = 0;
+  for (int k = 0; k < 1000; ++k) {
+    if (k % n == 0) pose = read(x);
+    tissue.is_solid = always_solid || std::sin(2 * M_PI * k / hardens) > -0.7;
+    force = coupling.Tick(pose, 1, tissue).force_sent_n;
+    dvec3 next = along * (swing_m * std::sin(2 * M_PI * (k + 1) / period));
+    if (hand == 1) next = x + dice.Direction() * (swing_m * dice.Uniform());
+    if (hand == 2)
+      next = x + force * (swing_m * dice.Uniform() / std::max(1e-9, glm::length(force)));
+    const dvec3 way = next - x;
+    balance_j += -Dot(force, way) + b_n_s_per_m / c.law.tick_s * Dot(way, way) +
+                 c.law.kc_n_per_m * c.cell.Support(way);
+    lowest_j = std::min(lowest_j, balance_j);
+    x = next;
+  }
+  return -lowest_j;
+}
 
 class DeviceDelayTest : public testing::Test {
  protected:
@@ -140,7 +219,8 @@ TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) 
     EXPECT_GE(answers.answers, kAnswersToKnow);
     EXPECT_GE(answers.median_us, delay_us);
     EXPECT_GE(answers.p99_us, answers.median_us);
-    const int64_t ticks = 1 + std::max<int64_t>(1, (answers.p99_us + 999) / 1000);
+    const auto whole = [](int64_t us) { return std::max<int64_t>(1, (us + 999) / 1000); };
+    const int64_t ticks = 1 + whole(answers.p99_us) + whole(answers.median_us) - 1;
     EXPECT_EQ(prepared_.delay->ticks, ticks);
     EXPECT_EQ(prepared_.header.params.bus_delay_ticks, static_cast<uint32_t>(ticks));
     EXPECT_EQ(Kc(), std::min<int64_t>(222, 2000 / ((ticks + 1) * (ticks + 1))));
@@ -152,6 +232,78 @@ TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) 
     EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kAnswers);
     EXPECT_LE(Kc(), 2000 / 36);
   }
+}
+
+// b = 1.75 N s/m, 1 kHz, a delay of 0 that somebody measured: 3500/(d + 1)^2.
+TEST_F(DeviceDelayTest, ADeviceWhosePosesComeSlowlyIsComputedWithThemAndGivesNoEnergy) {
+  prepared_.profile.delay_measured = true;
+  const auto told = prepared_.header.params;
+  const double b = static_cast<double>(prepared_.profile.viscous_mn_s_per_m()) * 1e-3;
+  for (const auto& [period_ms, ticks, kc] : {std::tuple{4, 3u, 218}, {2, 1u, 875}}) {
+    LogLines log;
+    const Paced device{std::chrono::milliseconds(period_ms)};
+    ASSERT_TRUE(UseDelayOf(prepared_, device, folder_).ok());
+    EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kPoses);
+    EXPECT_EQ(prepared_.header.params.bus_delay_ticks, ticks);
+    EXPECT_EQ(Kc(), kc);
+    EXPECT_TRUE(log.Has("its poses come more slowly than the ticks (one each " +
+                        std::to_string(period_ms) + ".0"))
+        << log.text();
+    double told_j = 0, used_j = 0;
+    for (uint64_t seed = 1; seed <= 200; ++seed) {
+      told_j = std::max(told_j, Drawn_j(told, b, period_ms, seed));
+      used_j = std::max(used_j, Drawn_j(prepared_.header.params, b, period_ms, seed));
+    }
+    EXPECT_GT(told_j, 50e-6) << "as the profile says, it pumps";
+    EXPECT_LE(used_j, 1e-12);
+    RecordProperty("drawn_as_told_uj_at_" + std::to_string(period_ms) + "_ms",
+                   std::to_string(told_j * 1e6));
+  }
+}
+
+TEST_F(DeviceDelayTest, ADeviceAsQuickAsTheLoopHasNothingAdded) {
+  prepared_.profile.delay_measured = true;
+  for (const int period_us : {1000, 250}) {
+    ASSERT_TRUE(UseDelayOf(prepared_, Paced(std::chrono::microseconds(period_us)), folder_).ok());
+    EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kProfile) << period_us;
+    ASSERT_TRUE(prepared_.delay->poses);
+    EXPECT_NEAR(static_cast<double>(prepared_.delay->poses->median_us), period_us, 0.1 * period_us);
+  }
+}
+
+// Looks each 0.1 ms at a device's count of `poses`, but for the times at which the computer `is_away`.
+scene::PosePeriod Watched(const std::function<uint64_t(int64_t us)>& poses,
+                          const std::function<bool(int64_t us)>& is_away) {
+  PoseWatch watch;
+  for (int64_t us = 0; us < 300'000; us += 100) {
+    if (!is_away(us)) watch.Look(us * 1000, poses(us));
+  }
+  return watch.period().value_or(scene::PosePeriod{});
+}
+
+TEST(PoseWatchTest, ABusThatBringsFourPosesAtOnceBringsOneIn4ms) {
+  const auto found = Watched([](int64_t us) { return static_cast<uint64_t>(us / 4000 * 4); },
+                             [](int64_t) { return false; });
+  EXPECT_EQ(found.median_us, 4000);
+  EXPECT_EQ(found.p99_us, 4000);
+}
+
+TEST(PoseWatchTest, LooksThatAComputerMissesAreNoLatePoses) {
+  const auto each_ms = [](int64_t us) { return static_cast<uint64_t>(us / 1000); };
+  // Away for 12 of each 50 ms.
+  auto found = Watched(each_ms, [](int64_t us) { return us % 50'000 > 38'000; });
+  EXPECT_EQ(found.median_us, 1000);
+  EXPECT_EQ(found.p99_us, 1000);
+  // A timer of 4 ms never looks in between: a loop on it does not either.
+  found = Watched(each_ms, [](int64_t us) { return us % 4000 != 0; });
+  EXPECT_EQ(found.median_us, 4000);
+}
+
+TEST(PoseWatchTest, OfNoPosesOrFewNothingIsSaid) {
+  PoseWatch watch;
+  EXPECT_FALSE(watch.period());
+  for (int64_t ms = 0; ms < 19; ++ms) watch.Look(ms * 1'000'000, static_cast<uint64_t>(ms));
+  EXPECT_FALSE(watch.period());
 }
 
 TEST_F(DeviceDelayTest, ABrokenMeasurementCountsAsNoneAndIsSaid) {

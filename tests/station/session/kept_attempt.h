@@ -14,13 +14,15 @@ namespace enamel::station {
 
 inline constexpr char kKeptPin[] = "804217";
 
-// A class I cavity in the practice block, kept for later at a station: its documents in the cache,
-// a ticket of this person signed by the server's key and locked under the PIN. An attempt can then
-// be made without a server. Returns its id.
-inline Uuid KeepAttempt(const std::filesystem::path& data, Spool& spool,
-                        const Credentials& credentials, const trace::SecretKey& ticket_key,
-                        const Uuid& person, const std::string& profile_name,
-                        const std::string& pin) {
+// Documents of an attempt in a station's cache.
+struct KeptDocuments {
+  scene::Exercise exercise;
+  Sha256 exercise_hash, profile_hash;
+};
+
+// A class I cavity in the practice block and a device profile, in the cache.
+inline KeptDocuments KeepDocuments(const std::filesystem::path& data,
+                                   const std::string& profile_name, bool graded) {
   auto built = scene::BuildBuiltinScene("block", 200'000);
   ENAMEL_CHECK(built.ok());
   BlobCache cache(data / "blobs");
@@ -31,28 +33,43 @@ inline Uuid KeepAttempt(const std::filesystem::path& data, Spool& spool,
   };
   ENAMEL_CHECK(put(scene::EncodeVolume(built->volume)) == built->scene.volume);
   const Sha256 scene_hash = put(AsBytes(scene::ToJson(built->scene)));
-  scene::Exercise exercise = scene::ClassOneExercise(built->scene, scene_hash);
+  KeptDocuments out;
+  out.exercise = scene::ClassOneExercise(built->scene, scene_hash);
+  out.exercise.graded = graded;
   // One to change to, with all that may be written of a bur.
   for (scene::BurSpec bur : built->scene.burs) {
     if (bur.name != "inverted-12") continue;
     bur.name.clear();
     bur.iso_number = "806 314 010 524 012";
-    exercise.other_burs = {bur};
+    out.exercise.other_burs = {bur};
   }
+  out.exercise_hash = put(AsBytes(scene::ToJson(out.exercise)));
+  for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
+    if (profile.name == profile_name) out.profile_hash = put(AsBytes(scene::ToJson(profile)));
+  }
+  return out;
+}
+
+// KeepDocuments' exercise, kept for later at a station: a ticket of this person signed by the
+// server's key and locked under the PIN. An attempt can then be made without a server. Returns its
+// id.
+inline Uuid KeepAttempt(const std::filesystem::path& data, Spool& spool,
+                        const Credentials& credentials, const trace::SecretKey& ticket_key,
+                        const Uuid& person, const std::string& profile_name,
+                        const std::string& pin) {
+  const KeptDocuments documents = KeepDocuments(data, profile_name, true);
   trace::Ticket ticket;
   ticket.attempt = Uuid::New();
   ticket.person = person;
   ticket.station = credentials.station;
   ticket.expires_unix_ms = int64_t{1} << 60;
-  ticket.exercise = put(AsBytes(scene::ToJson(exercise)));
-  for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
-    if (profile.name == profile_name) ticket.profile = put(AsBytes(scene::ToJson(profile)));
-  }
+  ticket.exercise = documents.exercise_hash;
+  ticket.profile = documents.profile_hash;
   trace::SignTicket(ticket, ticket_key);
   LockedTicket names;
   names.person = "Ada";
-  names.exercise = exercise.name;
-  names.title = exercise.title;
+  names.exercise = documents.exercise.name;
+  names.title = documents.exercise.title;
   names.profile = profile_name;
   ENAMEL_CHECK(TicketSafe(spool).Put(ticket, names, pin).ok());
   return ticket.attempt;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include "station/session/practice_list.h"
+#include "tests/station/session/kept_attempt.h"
 #include "tests/station/session/log_lines.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
@@ -52,6 +54,57 @@ class WorkplaceTest : public testing::Test {
   std::optional<FakeServer> server_;
   std::unique_ptr<Workplace> workplace_;
 };
+
+TEST_F(WorkplaceTest, PractisesWithoutTheServerWhatItsCacheHasAndNothingGraded) {
+  const KeptDocuments practice = KeepDocuments(folder_ / "data", "pointer", false);
+  const KeptDocuments graded = KeepDocuments(folder_ / "data", "pointer", true);
+  server_->assignments = {Uuid::New(), Uuid::New()};
+  server_->describe = [&](size_t i, wire::ExerciseRef& ref) {
+    ref.set_name(i == 0 ? practice.exercise.name : "graded");
+    ref.set_exercise(protocol::ToField((i == 0 ? practice : graded).exercise_hash.view()));
+  };
+  server_->profiles = {{"pointer", practice.profile_hash}, {"omega3", HashSha256(AsBytes("lost"))}};
+  EXPECT_FALSE(workplace_->RemembersPractice());
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  auto listed = workplace_->Exercises();
+  ASSERT_TRUE(listed.ok());
+  workplace_->Describe(*listed);
+  workplace_->SignOut();
+  server_.reset();
+  EXPECT_TRUE(workplace_->RemembersPractice());
+  Catalogue here = workplace_->Practices();
+  ASSERT_EQ(here.exercises.size(), 1u);
+  EXPECT_EQ(here.exercises[0].exercise, practice.exercise_hash);
+  EXPECT_EQ(here.exercises[0].title, practice.exercise.title);
+  EXPECT_FALSE(here.exercises[0].facts->graded);
+  ASSERT_EQ(here.profiles.size(), 1u) << "the other is not in the cache";
+  const auto prepared = workplace_->PreparePractice(here.exercises[0], here.profiles[0]);
+  ASSERT_TRUE(prepared.ok()) << prepared.status().message();
+  EXPECT_TRUE(prepared->attempt().IsZero());
+
+  // Whoever writes that file makes no graded exercise practice.
+  Catalogue forged = here;
+  forged.exercises[0].exercise = graded.exercise_hash;
+  KeepPracticeList(folder_ / "data", forged, 0);
+  EXPECT_TRUE(workplace_->Practices().exercises.empty());
+  EXPECT_EQ(workplace_->PreparePractice(forged.exercises[0], here.profiles[0]).status().code(),
+            Code::kForbidden);
+  KeepPracticeList(folder_ / "data", here, 0);
+
+  // One document after the other is damaged: the cache checks them by their names.
+  const std::string scene = practice.exercise.scene.Hex(),
+                    volume = scene::SceneFromJson(AsText(*ReadFile(folder_ / "data/blobs" / scene)))
+                                 ->volume.Hex();
+  for (const std::string& name : {practice.exercise_hash.Hex(), scene, volume}) {
+    const fs::path file = folder_ / "data/blobs" / name;
+    const Bytes whole = *ReadFile(file);
+    ASSERT_TRUE(WriteFileDurably(file, ByteView(whole).first(whole.size() - 1)).ok());
+    EXPECT_TRUE(workplace_->Practices().exercises.empty()) << name;
+    EXPECT_FALSE(workplace_->PreparePractice(here.exercises[0], here.profiles[0]).ok());
+    ASSERT_TRUE(WriteFileDurably(file, whole).ok());
+    EXPECT_EQ(workplace_->Practices().exercises.size(), 1u);
+  }
+}
 
 TEST_F(WorkplaceTest, TicketIsGivenBackWithItsPin) {
   Uuid attempt = Reserved();

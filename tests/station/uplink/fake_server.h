@@ -140,6 +140,8 @@ class FakeServer {
   std::vector<Uuid> assignments;
   // Fills in the entry of that place in the list.
   std::function<void(size_t, wire::ExerciseRef&)> describe;
+  // Device profiles of the list: their names, and hashes of the documents.
+  std::vector<std::pair<std::string, Sha256>> profiles;
   // The last request for a ticket; all are refused. Read it after the answer.
   const wire::RequestTicket& asked_for() const { return asked_for_; }
 
@@ -316,6 +318,11 @@ class FakeServer {
         }
         if (!assignment.IsZero()) ref.set_assignment(protocol::ToField(assignment.view()));
         if (describe) describe(static_cast<size_t>(&assignment - assignments.data()), ref);
+      }
+      for (const auto& [name, hash] : profiles) {
+        wire::ProfileRef& ref = *reply.mutable_exercises()->add_profiles();
+        ref.set_name(name);
+        ref.set_profile(protocol::ToField(hash.view()));
       }
       reply.mutable_exercises();
     } else if (request.has_request_ticket()) {
