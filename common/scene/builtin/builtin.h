@@ -34,7 +34,7 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
 
 // The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3;
 // pointer, for what has no motors (mouse, 6-DoF mouse); woodenhaptics_v2015, polhem_v1, polhem_v3,
-// inverse3, touch, falcon, omega6 and omega7, which ask for what nobody published (AskedFor); and last sigma7, which drives six axes.
+// inverse3, minverse, touch, touch_x, falcon, omega6 and omega7, which ask for what nobody published (AskedFor); and last sigma7, which drives six axes.
 std::vector<DeviceProfile> BuiltinProfiles();
 
 // Class I occlusal cavity on any scene with an "occlusal_centre" landmark.

@@ -213,6 +213,43 @@ DeviceProfile Inverse3() {
   return p;
 }
 
+// The maker has published no figure of a MinVerse. Force, stiffness and workspace are the least of the other
+// devices', so that none is too much for it.
+DeviceProfile MinVerse() {
+  constexpr const char* kAsked =
+      "asked for: not published; the least of the devices above until somebody asks the maker";
+  DeviceProfile p = Inverse3();
+  p.name = "minverse";
+  p.title = "Haply MinVerse";
+  p.resolution_nm = {10'000,
+                     "asked for: not published; as an Inverse3's until calibrate measures a unit"};
+  p.max_stiffness_mn_per_mm = {400, kAsked};
+  p.coupling_mn_per_mm = {44, kPassiveSource};
+  p.damping_mn_s_per_m = {200, kAskedDamping};
+  p.peak_force_mn = {3'300, kAsked};
+  p.continuous_force_mn = {880, kAsked};
+  p.workspace_radius_um = {40'000, kAsked};
+  return p;
+}
+
+DeviceProfile TouchX() {
+  DeviceProfile p = Touch();
+  p.name = "touch_x";
+  p.title = "3D Systems Touch X";
+  p.resolution_nm = {23'000, kSheetSource};
+  p.max_stiffness_mn_per_mm = {
+      1'480, "published by the manufacturer (1.48 N/mm, the least of three axes); not measured"};
+  p.coupling_mn_per_mm = {370, kPassiveSource};
+  p.damping_mn_s_per_m = {740, kAskedDamping};
+  p.friction_mn = {10, kAskedFriction};
+  p.mass_g = {45, kSheetSource};
+  p.peak_force_mn = {7'900, kSheetSource};
+  p.continuous_force_mn = {1'750, kSheetSource};
+  p.workspace_radius_um = {
+      60'000, "published by the manufacturer (160 x 120 x 120 mm); half of the shortest side"};
+  return p;
+}
+
 DeviceProfile Falcon() {
   DeviceProfile p;
   p.name = "falcon";
@@ -295,7 +332,9 @@ std::vector<DeviceProfile> BuiltinProfiles() {
           PolhemV1(),
           PolhemV3(),
           Inverse3(),
+          MinVerse(),
           Touch(),
+          TouchX(),
           Falcon(),
           OmegaWithWrist("omega6", "omega.6"),
           OmegaWithWrist("omega7", "omega.7"),

@@ -311,6 +311,17 @@ TEST(SceneJsonTest, AProfileNamesWhatNobodyPublished) {
       expected = {"max_stiffness_mn_per_mm", "damping_mn_s_per_m", "friction_mn", "mass_g",
                   "bus_delay_ticks",         "workspace_radius_um"};
     }
+    if (profile.name == "minverse") {
+      expected = {"resolution_nm",
+                  "max_stiffness_mn_per_mm",
+                  "damping_mn_s_per_m",
+                  "friction_mn",
+                  "mass_g",
+                  "peak_force_mn",
+                  "continuous_force_mn",
+                  "bus_delay_ticks",
+                  "workspace_radius_um"};
+    }
     if (profile.name == "falcon") {
       expected = {"damping_mn_s_per_m", "friction_mn", "mass_g", "continuous_force_mn",
                   "bus_delay_ticks"};
@@ -318,7 +329,7 @@ TEST(SceneJsonTest, AProfileNamesWhatNobodyPublished) {
     if (profile.name == "omega6" || profile.name == "omega7") {
       expected = {"damping_mn_s_per_m", "friction_mn", "mass_g", "bus_delay_ticks"};
     }
-    if (profile.name == "touch") {
+    if (profile.name == "touch" || profile.name == "touch_x") {
       expected = {"damping_mn_s_per_m", "friction_mn", "bus_delay_ticks"};
     }
     EXPECT_EQ(AskedFor(profile), expected) << profile.name;
