@@ -2,7 +2,6 @@
 
 #include <sys/statvfs.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -15,6 +14,7 @@
 #include "common/program/output.h"
 #include "common/scene/find_profile.h"
 #include "station/devices/duration_histogram.h"
+#include "station/devices/trouble.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/loop/realtime.h"
@@ -258,25 +258,20 @@ Finding Graphics() {
 Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
                   const std::vector<sdk::SdkDevice>& driven) {
   std::string there;
-  bool may_use = true, usable = true;
-  const auto add = [&](const std::string& device) {
-    there += (there.empty() ? "" : "; ") + device;
+  bool usable = true, has_pedal = false;
+  const auto add = [&](const std::string& device, const Status& problem, bool is_borne) {
+    there += (there.empty() ? "" : "; ") + device + (problem.ok() ? "" : ", " + problem.message());
+    usable = usable && (problem.ok() || is_borne);
   };
   for (const hid::HidInfo& info : attached) {
     if (hid::Recognise(info) == hid::HidKind::kOther) continue;
-    const bool mine = ::access(info.path.c_str(), R_OK | W_OK) == 0;
-    add(hid::DeviceNameOf(info) + " (" + info.name + ")" +
-        (mine ? "" : ", may not be used by you: " + info.path));
-    may_use = may_use && mine;
+    const Status problem = hid::WhyNotUsable(info);
+    has_pedal = has_pedal || (hid::Recognise(info) == hid::HidKind::kFootPedal && problem.ok());
+    add(hid::DeviceNameOf(info) + " (" + info.name + ")", problem, false);
   }
   for (const sdk::SdkDevice& found : driven) {
-    add((found.ids.empty() ? "" : found.ids + ": ") + found.name + ", driver " + found.choice +
-        (found.problem.ok() ? "" : ", " + found.problem.message()));
-    usable = usable && found.problem.ok();
-  }
-  if (!may_use) {
-    return {"devices", Verdict::kFail, there,
-            "install station/ops/60-enamel.rules and plug in again"};
+    add((found.ids.empty() ? "" : found.ids + ": ") + found.name + ", driver " + found.choice,
+        found.problem, has_pedal && found.problem.field() == trouble::kNoGrip);
   }
   if (!usable) return {"devices", Verdict::kFail, there, ""};
   if (there.empty()) {

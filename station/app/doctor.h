@@ -28,7 +28,8 @@ using program::Verdict;
 // ServerLink::kTimeout to connect, then kSilence.
 std::vector<Finding> Examine(const DoctorCommand& options);
 
-// The attached devices, each with the reason why it cannot be used.
+// The attached devices, each with the reason why it cannot be used. One that cannot is a failure; a grip
+// that is missing is none where a foot pedal is there.
 Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
                   const std::vector<sdk::SdkDevice>& driven);
 

@@ -87,7 +87,8 @@ DeviceOffer SdkOffer(const Words& words, const sdk::SdkDevice& found, const Peda
   offer.profile = found.profile;
   offer.felt = true;
   offer.pedal = pedal.choice;
-  if (!found.problem.ok()) offer.problem = ProblemText(words, found.problem);
+  const bool is_borne = found.problem.field() == trouble::kNoGrip && !pedal.choice.empty();
+  if (!found.problem.ok() && !is_borne) offer.problem = ProblemText(words, found.problem);
   offer.detail = words.Say("device.with_pedal",
                            {{"device", words.Say("device.by_library", {{"library", found.choice}})},
                             {"pedal", pedal.words}});

@@ -9,11 +9,14 @@
 namespace enamel::station::trouble {
 
 inline constexpr const char* kPermission = "permission";  // this user may not open it
-inline constexpr const char* kInUse = "in_use";           // by another program
+inline constexpr const char* kConfined =
+    "confined";                                  // the unit of this program does not list its kind
+inline constexpr const char* kInUse = "in_use";  // by another program
 inline constexpr const char* kNotAttached = "not_attached";
 inline constexpr const char* kSilent = "silent";  // attached, and gives no pose or no answer
 inline constexpr const char* kSlow = "slow";      // answers too late for the loop
 inline constexpr const char* kPower = "power";
+inline constexpr const char* kNoGrip = "no_grip";  // nothing to hold it by is connected
 inline constexpr const char* kNotReady = "not_ready";
 inline constexpr const char* kLibrary = "library";       // of its maker: missing or too old
 inline constexpr const char* kService = "service";       // of its maker: not running, or too old
@@ -29,10 +32,10 @@ inline constexpr const char* kMiddle = "middle";
 // None of these.
 inline constexpr const char* kDevice = "device";
 
-inline constexpr std::array<std::string_view, 18> kAll = {
-    kPermission, kInUse,   kNotAttached, kSilent,  kSlow,     kPower,
-    kNotReady,   kLibrary, kService,     kDamping, kFirmware, kModel,
-    kOtherUnit,  kPit,     kInkwell,     kGrip,    kMiddle,   kDevice};
+inline constexpr std::array<std::string_view, 20> kAll = {
+    kPermission, kConfined, kInUse,   kNotAttached, kSilent,  kSlow,     kPower,
+    kNoGrip,     kNotReady, kLibrary, kService,     kDamping, kFirmware, kModel,
+    kOtherUnit,  kPit,      kInkwell, kGrip,        kMiddle,  kDevice};
 
 constexpr bool IsListed(std::string_view field) {
   return std::ranges::find(kAll, field) != kAll.end();

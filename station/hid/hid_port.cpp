@@ -1,13 +1,13 @@
 #include "station/hid/hid_port.h"
 
 #include <hidapi/hidapi.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
 
 #include "common/base/mutex.h"
+#include "station/devices/device_node.h"
 #include "station/devices/trouble.h"
 
 namespace enamel::station::hid {
@@ -96,12 +96,11 @@ Result<std::unique_ptr<HidPort>> HidPort::Open(const std::string& path) {
   MutexLock lock(context);
   hid_device* handle = hid_open_path(path.c_str());
   if (handle == nullptr) {
-    const bool is_there = ::access(path.c_str(), F_OK) == 0;
-    return Status(Code::kUnavailable,
-                  "cannot open " + path + " (" + Utf8(hid_error(nullptr)) +
-                      "): when permission is what is missing, install station/ops/60-enamel.rules "
-                      "in /etc/udev/rules.d and plug the device in again",
-                  is_there ? trouble::kPermission : trouble::kNotAttached);
+    const std::string why = Utf8(hid_error(nullptr));
+    // hidapi does not say which error it was.
+    ENAMEL_RETURN_IF_ERROR(WhyNotOpenable(path));
+    return Status(Code::kUnavailable, "cannot open " + path + " (" + why + "): plug it in again",
+                  trouble::kDevice);
   }
   return std::unique_ptr<HidPort>(new HidPort(handle));
 }

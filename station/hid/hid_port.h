@@ -44,7 +44,7 @@ Result<HidMatch> ParseHidMatch(std::string_view text);
 // thread at a time. Real-time: never.
 class HidPort {
  public:
-  // Errors: kUnavailable, with what to do when the system refuses.
+  // Errors: as OpenNode; kUnavailable.
   static Result<std::unique_ptr<HidPort>> Open(const std::string& path);
   ~HidPort();
   HidPort(const HidPort&) = delete;

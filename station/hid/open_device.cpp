@@ -1,11 +1,8 @@
 #include "station/hid/open_device.h"
 
-#include <unistd.h>
-
 #include <cmath>
 
 #include "common/scene/cell.h"
-#include "station/devices/trouble.h"
 #include "station/hid/axis_map.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
@@ -96,15 +93,7 @@ std::string DeviceNameOf(const HidInfo& info) {
   return ids;
 }
 
-Status WhyNotUsable(const HidInfo& info) {
-  if (::access(info.path.c_str(), R_OK | W_OK) == 0) return Status::Ok();
-  bool known = Recognise(info) == HidKind::kSpaceMouse || Recognise(info) == HidKind::kFootPedal;
-  return Status(Code::kUnavailable,
-                info.path +
-                    " may not be used by you: an admin installs station/ops/60-enamel.rules" +
-                    (known ? "" : " with a line for it") + ", then plug it in again",
-                trouble::kPermission);
-}
+Status WhyNotUsable(const HidInfo& info) { return WhyNotOpenable(info.path); }
 
 Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                                            const scene::DeviceProfile& profile, double tick_s) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "common/scene/types.h"
 #include "station/devices/device.h"
+#include "station/devices/device_node.h"
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_port.h"
 
@@ -23,7 +25,12 @@ const char* HidKindText(HidKind kind);  // "haptic board", …
 // pedal.
 std::string DeviceNameOf(const HidInfo& info);
 
-// Why this program may not open it, and what to do; ok if it may. Opens nothing.
+// The device files of boards, 6-DoF mice and pedals.
+inline constexpr std::array kNodes{
+    DeviceNode{&kHidrawNode, ""}, DeviceNode{&kHidrawNode, "046d:c6"},
+    DeviceNode{&kHidrawNode, "256f:"}, DeviceNode{&kHidrawNode, "05f3:00ff"}};
+
+// Whether the station can open it now: WhyNotOpenable of its file.
 Status WhyNotUsable(const HidInfo& info);
 
 struct DeviceChoice {

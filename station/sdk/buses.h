@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
+#include "station/devices/device_node.h"
 #include "station/devices/polled_device.h"
 #include "station/sdk/open_sdk_device.h"
 
@@ -13,12 +15,25 @@
 // what keeps it from being used, and fills in all but SdkDevice::choice.
 namespace enamel::station::sdk {
 
+// The device files of each driver. Haply's service opens its devices itself.
+inline constexpr std::array kForceDimensionNodes{DeviceNode{&kUsbNode, "1451:"}};
+// The Touch: a serial port, and since 2023 a HID device (both ids: sawSensablePhantom's README; hidraw:
+// wangzivector/Touch_ROS_Server).
+inline constexpr std::array kOpenHapticsNodes{DeviceNode{&kAcmNode, "2988:"},
+                                              DeviceNode{&kAcmNode, "0301:2988"},
+                                              DeviceNode{&kHidrawNode, "2988:"}};
+inline constexpr std::array kMbedNodes{DeviceNode{&kHidrawNode, "1234:0006"}};
+inline constexpr std::array kPolhemSerialNodes{DeviceNode{&kAcmNode, "16c0:"}};
+inline constexpr std::array kFalconNodes{DeviceNode{&kUsbNode, "0403:cb48"}};
+
 struct BusChoice {
   std::string address;  // which of several, as the driver says below; empty: the first
   double peak_n = 0;    // a longer force is shortened to this
   double reach_m = 0;   // of the tip from the middle of its workspace
   // How long Open waits where somebody has to move the device before it knows where it is.
   std::chrono::milliseconds for_hand{10'000};
+  std::string profile;     // the device profile's name; empty: of any model
+  bool has_pedal = false;  // so that a device without a button can be used
 };
 
 // Through the maker's library. Address: the library's file, if the system's loader does not find it.

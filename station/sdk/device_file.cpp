@@ -1,28 +1,17 @@
 #include "station/sdk/device_file.h"
 
-#include <fcntl.h>
 #include <sys/file.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include "station/devices/device_node.h"
 #include "station/devices/trouble.h"
 
 namespace enamel::station::sdk {
 namespace {
 
 namespace fs = std::filesystem;
-
-Status NotPermitted(const std::string& path) {
-  return Status(Code::kUnavailable,
-                path +
-                    " may not be used by you: an admin installs station/ops/60-enamel.rules, "
-                    "then plug it in again",
-                trouble::kPermission);
-}
 
 // The folder of the USB device itself, above those of its interface and of the driver's.
 fs::path UsbFolder(const std::string& path) {
@@ -47,24 +36,13 @@ std::string Line(const fs::path& file) {
 }  // namespace
 
 Result<std::unique_ptr<Fd>> OpenAlone(const std::string& path) {
-  auto opened =
-      std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (opened->get() < 0) {
-    if (errno == EACCES) return NotPermitted(path);
-    return Status(Code::kUnavailable,
-                  "cannot open " + path + " (" + std::strerror(errno) + "): plug the device in",
-                  trouble::kNotAttached);
-  }
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenNode(path));
   if (::flock(opened->get(), LOCK_EX | LOCK_NB) != 0) {
     return Status(Code::kUnavailable,
                   path + " is in use: close the other program or window that uses this device",
                   trouble::kInUse);
   }
   return opened;
-}
-
-Status WhyNotOpenable(const std::string& path) {
-  return ::access(path.c_str(), R_OK | W_OK) == 0 ? Status::Ok() : NotPermitted(path);
 }
 
 std::string UsbPlace(const std::string& path) { return UsbFolder(path).filename(); }

@@ -9,13 +9,9 @@
 // Device files below /dev. Thread safety: functions, any thread. Real-time: never.
 namespace enamel::station::sdk {
 
-// Opens a device file for reading and writing, not waiting, for this program alone: another that asks
-// the same way, such as a second station, is refused until this is closed. Errors: kUnavailable, with
-// what to do.
+// Opens a device file as OpenNode does, for this program alone: OpenAlone refuses the file to a second
+// station until the first closes it. Errors: as OpenNode.
 Result<std::unique_ptr<Fd>> OpenAlone(const std::string& path);
-
-// Whether this program may open it; else what to do. Opens nothing.
-Status WhyNotOpenable(const std::string& path);
 
 // The USB socket that "/dev/hidraw3" or "/dev/ttyACM0" is plugged into: "1-2.3". It names a unit that
 // has no serial number. Empty if the system does not say.

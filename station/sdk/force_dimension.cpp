@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 constexpr MakersLibrary::Names kNames{"Force Dimension",
                                       "dhd",
                                       {"libdhd.so.3", "libdhd.so"},
-                                      {"1451:", ""},
+                                      kForceDimensionNodes,
                                       "Force Dimension's SDK for Linux, so that ldconfig finds it"};
 constexpr const char* kOldest = "3.3.2";  // the first with dhdSetWatchdog
 constexpr std::array kOldestParts = {3, 3, 2};
@@ -111,6 +111,13 @@ Quat ToScene(const double (&m)[3][3]) {
   // ToScene of the frame's image of each scene axis.
   return QuatOfColumns(ToScene(m[0][1], m[1][1], m[2][1]), -ToScene(m[0][0], m[1][0], m[2][0]),
                        ToScene(m[0][2], m[1][2], m[2][2]));
+}
+
+Status OpensNone(const Dhd& dhd) {
+  return Status(Code::kUnavailable,
+                std::string("no Force Dimension device (") + dhd.error() +
+                    "): connect it and switch it on, and close other programs that use it",
+                trouble::kNotAttached);
 }
 
 std::string NameOf(const Dhd& dhd, char id) {
@@ -231,12 +238,7 @@ class ForceDimension final : public PolledBus {
 Result<std::unique_ptr<PolledBus>> OpenForceDimension(const BusChoice& choice) {
   ENAMEL_ASSIGN_OR_RETURN(const Dhd dhd, Load(choice.address));
   const int id = dhd.open();
-  if (id < 0) {
-    return Status(Code::kUnavailable,
-                  std::string("no Force Dimension device (") + dhd.error() +
-                      "): connect it and switch it on, and close other programs that use it",
-                  trouble::kNotAttached);
-  }
+  if (id < 0) return OpensNone(dhd);
   auto bus = std::make_unique<ForceDimension>(dhd, static_cast<char>(id), choice.peak_n);
   ENAMEL_RETURN_IF_ERROR(bus->Begin());
   return std::unique_ptr<PolledBus>(std::move(bus));
@@ -248,7 +250,7 @@ std::vector<SdkDevice> FindForceDimension() {
   const auto dhd = Load({});
   if (!dhd.ok()) return WithoutLibrary(kNames, dhd.status());
   const int opened = dhd->open();
-  if (opened < 0) return {};
+  if (opened < 0) return NotOpened(kNames, OpensNone(*dhd));
   const auto id = static_cast<char>(opened);
   const std::string name = NameOf(*dhd, id);
   SdkDevice found{"", name, ProfileNameOf(name), "", UnitOf(*dhd, id), WhyNotUsable(*dhd, id)};

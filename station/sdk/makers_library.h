@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,8 @@ class MakersLibrary {
     const char* driver;  // as a command line names it
     // As the system's loader finds them, the preferred one first.
     std::array<const char*, 2> files;
-    // What the maker's USB ids begin with: "1451:", "2988:"; or "".
-    std::array<const char*, 2> usb_ids;
-    const char* install;  // what to install
+    std::span<const DeviceNode> nodes;  // of its devices
+    const char* install;                // what to install
   };
   // `file` names the library's file; empty: the first of `names.files` that there is. Errors:
   // kUnavailable, with what to install.
@@ -52,5 +52,10 @@ class MakersLibrary {
 // The maker's devices on USB, by the system's list: they cannot be used, because `why`.
 std::vector<SdkDevice> WithoutLibrary(const MakersLibrary::Names& names, const Status& why,
                                       const std::filesystem::path& usb = "/sys/bus/usb/devices");
+
+// As WithoutLibrary, for a library that is there and opens none of them. A device whose file cannot be
+// opened has that problem; the others have `why`.
+std::vector<SdkDevice> NotOpened(const MakersLibrary::Names& names, const Status& why,
+                                 const std::filesystem::path& usb = "/sys/bus/usb/devices");
 
 }  // namespace enamel::station::sdk

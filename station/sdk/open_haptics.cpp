@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 constexpr MakersLibrary::Names kNames{"3D Systems",
                                       "openhaptics",
                                       {"libHD.so.3.4", "libHD.so"},
-                                      {"2988:", ""},
+                                      kOpenHapticsNodes,
                                       "3D Systems' OpenHaptics and Touch Device Driver for Linux"};
 
 using Handle = unsigned int;
@@ -124,7 +124,8 @@ Result<Handle> Init(const Hd& hd) {
   return Status(Code::kUnavailable,
                 std::string("OpenHaptics opens no device (") + (why == nullptr ? "" : why) + "): " +
                     (taken ? "it is in use by another program: close that program"
-                           : "connect it, switch it on, and run Touch_Setup once"),
+                           : "connect it, switch it on, and run Touch_HeadlessSetup once, as this "
+                             "user"),
                 taken ? trouble::kInUse : trouble::kNotAttached);
 }
 
@@ -271,7 +272,7 @@ std::vector<SdkDevice> FindOpenHaptics() {
   const auto hd = Load({});
   if (!hd.ok()) return WithoutLibrary(kNames, hd.status());
   const auto device = Init(*hd);
-  if (!device.ok()) return {};
+  if (!device.ok()) return NotOpened(kNames, device.status());
   const std::string name = NameOf(*hd);
   SdkDevice found{"", name, ProfileNameOf(name), "", UnitOf(*hd), WhyNotUsable(*hd)};
   hd->disable_device(*device);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <span>
 
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
@@ -19,7 +20,8 @@ struct Driver {
   std::string_view choice;
   OpenBus open;
   FindDevices find;
-  bool answers = false;           // as PolledBus::answers
+  std::span<const DeviceNode> nodes;  // the device files that it opens, or its library does
+  bool answers = false;               // as PolledBus::answers
   Status (*library)() = nullptr;  // whether the maker's library can be loaded; null: it needs none
 };
 
@@ -27,13 +29,15 @@ struct Driver {
 constexpr std::chrono::milliseconds kHandAgain{1'000};
 
 constexpr std::array kDrivers = {
-    Driver{"dhd", OpenForceDimension, FindForceDimension, false, LoadForceDimension},
-    Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics, false, LoadOpenHaptics},
-    Driver{"woodenhaptics", OpenWoodenHaptics, FindWoodenHaptics, true},
-    Driver{"polhem", OpenPolhem, FindPolhem, true},
-    Driver{"polhem_serial", OpenPolhemSerial, FindPolhemSerial, true},
-    Driver{"inverse3", OpenInverse3, FindInverse3, true},
-    Driver{"falcon", OpenFalcon, FindFalcon, true},
+    Driver{"dhd", OpenForceDimension, FindForceDimension, kForceDimensionNodes, false,
+           LoadForceDimension},
+    Driver{"openhaptics", OpenOpenHaptics, FindOpenHaptics, kOpenHapticsNodes, false,
+           LoadOpenHaptics},
+    Driver{"woodenhaptics", OpenWoodenHaptics, FindWoodenHaptics, kMbedNodes, true},
+    Driver{"polhem", OpenPolhem, FindPolhem, kMbedNodes, true},
+    Driver{"polhem_serial", OpenPolhemSerial, FindPolhemSerial, kPolhemSerialNodes, true},
+    Driver{"inverse3", OpenInverse3, FindInverse3, {}, true},
+    Driver{"falcon", OpenFalcon, FindFalcon, kFalconNodes, true},
 };
 
 std::string_view NameIn(std::string_view choice) { return choice.substr(0, choice.find(':')); }
@@ -49,6 +53,8 @@ Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoi
   if (choice.device.size() > driver.choice.size())
     wanted.address = choice.device.substr(driver.choice.size() + 1);
   wanted.peak_n = static_cast<double>(profile.peak_force_mn.value) * 1e-3;
+  wanted.profile = profile.name;
+  wanted.has_pedal = !choice.pedal.empty();
   wanted.reach_m = static_cast<double>(profile.workspace_radius_um.value) * 1e-6;
   ENAMEL_ASSIGN_OR_RETURN(auto bus, driver.open(wanted));
   // Tried again and again, so that no try need wait long.
@@ -91,6 +97,11 @@ std::vector<std::string> Drivers() {
   std::vector<std::string> out;
   for (const Driver& driver : kDrivers) out.emplace_back(driver.choice);
   return out;
+}
+
+std::span<const DeviceNode> NodesOf(std::string_view choice) {
+  const Driver* driver = Find(choice);
+  return driver == nullptr ? std::span<const DeviceNode>() : driver->nodes;
 }
 
 Status CheckLibrary(std::string_view choice) {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "station/devices/device_node.h"
 #include "station/devices/polled_device.h"
 #include "station/hid/open_device.h"
 
@@ -35,6 +37,9 @@ std::string AskedForText(const SdkDevice& device);
 
 // By choice.
 std::vector<std::string> Drivers();
+
+// The device files that a driver opens; none: it opens a connection to a service.
+std::span<const DeviceNode> NodesOf(std::string_view choice);
 
 // Whether the maker's library that a driver needs can be loaded. Errors: kUnavailable, with what to
 // install.

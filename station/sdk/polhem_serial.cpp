@@ -233,7 +233,7 @@ std::vector<SdkDevice> FindPolhemSerial() {
   std::vector<SdkDevice> out;
   for (const std::string& path : Ports()) {
     out.push_back({"", "Polhem v3 (" + path + ")", "polhem_v3", UsbIds(path), UnitOf(path),
-                   WhyNotOpenable(path)});
+                   OpenAlone(path).status()});
   }
   return out;
 }

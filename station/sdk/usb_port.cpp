@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
+#include "station/devices/device_node.h"
 #include "station/devices/trouble.h"
 
 namespace enamel::station::sdk {
@@ -37,6 +39,13 @@ std::string PlaceOf(libusb_device* device) {
   return out;
 }
 
+std::string NodeOf(libusb_device* device) {
+  char path[32];
+  std::snprintf(path, sizeof path, "/dev/bus/usb/%03d/%03d", libusb_get_bus_number(device),
+                libusb_get_device_address(device));
+  return path;
+}
+
 // Calls `take` for each attached device until it returns true.
 template <typename Take>
 void ForEach(libusb_context* context, Take take) {
@@ -46,7 +55,8 @@ void ForEach(libusb_context* context, Take take) {
   for (ssize_t i = 0; i < count; ++i) {
     libusb_device_descriptor about{};
     if (libusb_get_device_descriptor(all[i], &about) != LIBUSB_SUCCESS) continue;
-    if (take(all[i], UsbInfo{about.idVendor, about.idProduct, PlaceOf(all[i])})) break;
+    if (take(all[i], UsbInfo{about.idVendor, about.idProduct, PlaceOf(all[i]), NodeOf(all[i])}))
+      break;
   }
   if (count >= 0) libusb_free_device_list(all, 1);
 }
@@ -64,6 +74,10 @@ Status Refused(const UsbInfo& info, int error) {
       return {Code::kUnavailable,
               name + " is in use: close the other program or window that uses this device",
               trouble::kInUse};
+    case LIBUSB_ERROR_IO:
+      // libusb says only this of what a unit's device controller refuses.
+      ENAMEL_RETURN_IF_ERROR(WhyNotOpenable(info.node));
+      [[fallthrough]];
     default:
       return {
           Code::kUnavailable,

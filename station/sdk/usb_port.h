@@ -16,6 +16,7 @@ namespace enamel::station::sdk {
 struct UsbInfo {
   uint16_t vendor = 0, product = 0;
   std::string place;  // the socket, "1-2.3", as UsbPlace says it
+  std::string node;   // its device file
 };
 
 // Attached devices with these ids, by place. Opens none. Thread safety: any thread.

@@ -269,7 +269,7 @@ std::vector<SdkDevice> Find(const Model& model) {
   for (const hid::HidInfo& info : hid::ListHid()) {
     if (info.vendor != kMbedVendor || info.product != kMbedProduct) continue;
     out.push_back({"", std::string(model.name), std::string(model.profile), kMbedIds,
-                   UnitOf(model, info), hid::WhyNotUsable(info)});
+                   UnitOf(model, info), OpenAlone(info.path).status()});
   }
   return out;
 }

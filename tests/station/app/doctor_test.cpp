@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "station/devices/trouble.h"
 #include "station/lab/devices/emulated_inverse3.h"
 #include "station/session/device_delay.h"
+#include "tests/support/opens_with.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station {
@@ -66,6 +69,40 @@ TEST(DoctorTest, ADeviceIsNamedWithItsDriverAndWhatIsMissing) {
   EXPECT_EQ(finding.found,
             "0403:cb48: Novint Falcon, driver falcon; 0403:cb48: Novint Falcon, driver falcon");
   EXPECT_EQ(DevicesOf({}, {}).verdict, Verdict::kWarn);
+}
+
+TEST(DoctorTest, ADeviceThatCannotBeOpenedIsAFailureWithTheRemedy) {
+  hid::HidInfo mouse;
+  mouse.path = "/dev/hidraw3";
+  mouse.vendor = 0x256f;
+  mouse.product = 0xc62e;
+  mouse.usage_page = 1;
+  mouse.usage = 8;
+  const test::OpensWith call([](const char*, int) {
+    errno = EPERM;
+    return -1;
+  });
+  const Finding finding = DevicesOf({mouse}, {});
+  EXPECT_EQ(finding.verdict, Verdict::kFail);
+  EXPECT_NE(finding.found.find("DeviceAllow=char-hidraw rw"), std::string::npos) << finding.found;
+}
+
+TEST(DoctorTest, AnInverse3WithoutAGripFailsUnlessAFootPedalIsThere) {
+  const sdk::SdkDevice arm{"inverse3",
+                           "Inverse3 049D",
+                           "inverse3",
+                           "",
+                           "inverse3:049D",
+                           Status(Code::kUnavailable, "no grip is connected", trouble::kNoGrip),
+                           true};
+  EXPECT_EQ(DevicesOf({}, {arm}).verdict, Verdict::kFail);
+  hid::HidInfo pedal;
+  pedal.path = "/dev/null";
+  pedal.vendor = 0x05f3;
+  pedal.product = 0x00ff;
+  const Finding finding = DevicesOf({pedal}, {arm});
+  EXPECT_EQ(finding.verdict, Verdict::kOk);
+  EXPECT_NE(finding.found.find("no grip is connected"), std::string::npos) << finding.found;
 }
 
 }  // namespace

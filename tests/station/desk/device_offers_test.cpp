@@ -1,14 +1,18 @@
 #include "station/desk/device_offers.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "station/hid/haptic_report.h"
 #include "tests/station/desk/english.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/support/opens_with.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station::desk {
@@ -22,16 +26,16 @@ class DeviceOffersTest : public testing::Test {
  protected:
   void SetUp() override { HidBus::Get().Reset(); }
   void TearDown() override { HidBus::Get().Reset(); }
-  ScriptedHid Device(const char* node, uint16_t vendor, uint16_t product, bool permitted = true) {
+  ScriptedHid Device(const char* node, uint16_t vendor, uint16_t product) {
     ScriptedHid d;
     d.path = folder_ / node;
     d.vendor = vendor;
     d.product = product;
-    if (permitted) std::ofstream(d.path) << "";
+    std::ofstream(d.path) << "";
     return d;
   }
-  ScriptedHid Board(const std::string& profile, bool permitted = true) {
-    ScriptedHid d = Device("board", 0x1209, 0x0001, permitted);
+  ScriptedHid Board(const std::string& profile) {
+    ScriptedHid d = Device("board", 0x1209, 0x0001);
     d.usage_page = hid::kBoardUsagePage;
     d.usage = hid::kBoardUsage;
     hid::FeatureReport f;
@@ -81,7 +85,11 @@ TEST_F(DeviceOffersTest, ABoardIsOfferedFirstWithItsProfileAndThePedalThatIsTher
 }
 
 TEST_F(DeviceOffersTest, WhatMayNotBeOpenedIsShownWithWhatToDoAndNotChosen) {
-  HidBus::Get().Plug(Board("phantom_desktop", false));
+  HidBus::Get().Plug(Board("phantom_desktop"));
+  const test::OpensWith call([](const char*, int) {
+    errno = EACCES;
+    return -1;
+  });
   auto offers = DeviceOffers(kEnglish, false, {});
   ASSERT_EQ(offers.size(), 2u);
   EXPECT_EQ(offers[0].problem.find("This station may not use the device."), 0u)
@@ -93,7 +101,11 @@ TEST_F(DeviceOffersTest, WhatMayNotBeOpenedIsShownWithWhatToDoAndNotChosen) {
 }
 
 TEST_F(DeviceOffersTest, APedalThatMayNotBeOpenedIsSaidAndLeftOut) {
-  HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff, false));
+  const test::OpensWith call([](const char* path, int flags) {
+    errno = EACCES;
+    return std::string_view(path).ends_with("pedal") ? -1 : ::open(path, flags);
+  });
+  HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff));
   HidBus::Get().Plug(Board("phantom_desktop"));
   auto offers = DeviceOffers(kEnglish, false, {});
   EXPECT_EQ(offers[0].pedal, "");

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <thread>
 
 #include "station/devices/pointer_device.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/support/opens_with.h"
 
 namespace enamel::station::hid {
 namespace {
@@ -117,6 +119,10 @@ TEST_F(FootPedalTest, MissingAndForbiddenPedalsSayWhatToDo) {
   ScriptedHid locked = Vec();
   locked.may_open = false;
   bus_.Plug(locked);
+  const test::OpensWith call([](const char*, int) {
+    errno = EACCES;
+    return -1;
+  });
   auto forbidden = FootPedal::Open({});
   ASSERT_FALSE(forbidden.ok());
   EXPECT_NE(forbidden.status().message().find("60-enamel.rules"), std::string::npos);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -14,6 +15,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/await_sample.h"
 #include "tests/support/block_plan.h"
+#include "tests/support/opens_with.h"
 
 namespace enamel::station::hid {
 namespace {
@@ -554,6 +556,10 @@ TEST_F(HapticBoardTest, WhatCannotBeOpenedSaysWhy) {
   ScriptedHid d = Plugged();
   d.may_open = false;
   bus_.Plug(d);
+  const test::OpensWith call([](const char*, int) {
+    errno = EACCES;
+    return -1;
+  });
   Status s = refusal();
   EXPECT_EQ(s.code(), Code::kUnavailable);
   EXPECT_NE(s.message().find("60-enamel.rules"), std::string::npos);

@@ -96,6 +96,10 @@ void HidBus::Close(Handle* handle) {
 
 int HidBus::Read(Handle* handle, unsigned char* out, size_t size, int timeout_ms) {
   std::unique_lock lock(mutex_);
+  if (const auto it = devices_.find(handle->path);
+      it != devices_.end() && handle->reports.empty() && !it->second.endless.empty()) {
+    handle->reports.push_back(it->second.endless);
+  }
   changed_.wait_for(lock, std::chrono::milliseconds(timeout_ms),
                     [&] { return handle->gone || !handle->reports.empty(); });
   if (handle->gone) return -1;

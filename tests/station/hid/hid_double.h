@@ -22,6 +22,7 @@ struct ScriptedHid {
   std::wstring serial, maker, name;
   Bytes feature;         // answer to every feature request; empty: none
   bool may_open = true;  // false: permission denied
+  Bytes endless = {};    // a report that is there whenever no other is; empty: none
   // A device that only answers: called for each report written to it, while the bus is locked. Empty: no
   // answer.
   std::function<Bytes(ByteView)> answer = {};

@@ -327,9 +327,9 @@ TEST_F(SdkDeviceTest, ADeviceWithoutItsLibraryIsListedWithWhatIsMissing) {
   plug("1-1", "1451", "0402");
   plug("1-2", "0403", "6001");
   plug("1-3", "0403", "cb48");
-  constexpr MakersLibrary::Names kNames{
-      "Maker", "dhd", {"libx.so", ""}, {"1451:", "0403:cb48"}, "it"};
-  const auto found = WithoutLibrary(kNames, Status(Code::kUnavailable, "no library"), usb.path());
+  const std::array nodes{kForceDimensionNodes[0], kFalconNodes[0]};
+  const MakersLibrary::Names names{"Maker", "dhd", {"libx.so", ""}, nodes, "it"};
+  const auto found = WithoutLibrary(names, Status(Code::kUnavailable, "no library"), usb.path());
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].ids, "0403:cb48");
   EXPECT_EQ(found[1].ids, "1451:0402");

@@ -82,6 +82,10 @@ std::vector<libusb_transfer*> TakeReady(libusb_context* context) {
       transfer->actual_length = std::min(static_cast<int>(packet.size()), transfer->length);
       std::copy_n(packet.begin(), transfer->actual_length, transfer->buffer);
       transfer->status = LIBUSB_TRANSFER_COMPLETED;
+    } else if (const enamel::Bytes& endless = socket->device.endless; !endless.empty()) {
+      transfer->actual_length = std::min(static_cast<int>(endless.size()), transfer->length);
+      std::copy_n(endless.begin(), transfer->actual_length, transfer->buffer);
+      transfer->status = LIBUSB_TRANSFER_COMPLETED;
     } else {
       return false;
     }
@@ -124,6 +128,7 @@ int libusb_get_device_descriptor(libusb_device* device, libusb_device_descriptor
 uint8_t libusb_get_bus_number(libusb_device* device) {
   return static_cast<uint8_t>(std::stoi(device->place));
 }
+uint8_t libusb_get_device_address(libusb_device*) { return 1; }
 int libusb_get_port_numbers(libusb_device* device, uint8_t* ports, int) {
   ports[0] = static_cast<uint8_t>(std::stoi(device->place.substr(device->place.find('-') + 1)));
   return 1;
@@ -134,6 +139,7 @@ int libusb_open(libusb_device* device, libusb_device_handle** handle) {
   UsbBus::Socket* socket = UsbBus::Get().At(device->place);
   if (socket == nullptr) return LIBUSB_ERROR_NO_DEVICE;
   if (!socket->device.may_open) return LIBUSB_ERROR_ACCESS;
+  if (socket->device.confined) return LIBUSB_ERROR_IO;
   *handle = new libusb_device_handle{device->context, device->place};
   return LIBUSB_SUCCESS;
 }

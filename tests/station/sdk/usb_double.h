@@ -16,7 +16,9 @@ namespace enamel::station::testing_support {
 
 struct ScriptedUsb {
   uint16_t vendor = 0, product = 0;
-  bool may_open = true;  // false: permission denied
+  bool may_open = true;   // false: permission denied
+  bool confined = false;  // true: operation not permitted
+  Bytes endless = {};     // a packet that is there whenever none of Send's is; empty: none
   // Both are called while the bus is locked.
   // True: the chip drops what it has not passed on.
   std::function<bool(uint8_t request, uint16_t value)> control = {};
