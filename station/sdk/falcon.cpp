@@ -78,7 +78,9 @@ std::optional<Answer> Parse(ByteView frame) {
   return out;
 }
 
-Bytes FrameOf(const std::array<int16_t, 3>& motors, uint8_t state) {
+// The homing bit is in each frame. Public clients of libnifalcon differ: many keep it and note that the
+// counters need it, some clear it once the device is homed. Keeping it serves both.
+Bytes FrameOf(const std::array<int16_t, 3>& motors, uint8_t lights) {
   Bytes out(kFrame, kZero);
   out.front() = kFrameBegin;
   out.back() = kFrameEnd;
@@ -88,7 +90,7 @@ Bytes FrameOf(const std::array<int16_t, 3>& motors, uint8_t state) {
       out[1 + 4 * i + nibble] = static_cast<uint8_t>(kZero + (word >> (4 * nibble) & 0xF));
     }
   }
-  out[kState] = static_cast<uint8_t>(kZero + state);
+  out[kState] = static_cast<uint8_t>(kZero + (lights | kHoming));
   return out;
 }
 
@@ -247,8 +249,10 @@ class Falcon final : public AnsweringBus {
         unit_(std::move(unit)),
         line_(std::move(line)) {}
   // No firmware is known to switch the motors off when it hears nothing: so this is said last, whatever
-  // was before.
-  ~Falcon() override { (void)line_.Write(FrameOf({}, 0)); }
+  // was before. Twice: a frame that the chip does not take in time is lost.
+  ~Falcon() override {
+    for (int i = 0; i < 2; ++i) (void)line_.Write(FrameOf({}, 0));
+  }
 
   std::string Name() const override { return kName; }
   std::string Driver() const override { return "falcon"; }
@@ -302,8 +306,8 @@ class Falcon final : public AnsweringBus {
     return Heard::kPose;
   }
   bool Ask(const dvec3& force_n) override {
-    const uint8_t state = homed_ ? kLightBlue : kLightRed | kHoming;
-    return line_.Write(FrameOf(homed_ ? MotorsOf(force_n) : std::array<int16_t, 3>{}, state));
+    if (!homed_) return line_.Write(FrameOf({}, kLightRed));
+    return line_.Write(FrameOf(MotorsOf(force_n), kLightBlue));
   }
   Result<bool> IsReady(Heard heard, const Pose& pose) override {
     if (heard != Heard::kPose) return false;

@@ -235,7 +235,8 @@ void EmulatedFalcon::TakeFrame() {
     }
     answer.front() = '<';
     answer.back() = '>';
-    answer[13] = static_cast<uint8_t>('A' + (homed_ ? 0x70 : 0x10) + buttons_);
+    // The worse of two that public clients expect: it tells where it is in homing mode only.
+    answer[13] = static_cast<uint8_t>('A' + (homed_ && (state & 1) != 0 ? 0x70 : 0x10) + buttons_);
     if (lose_ >= 0) answer.erase(answer.begin() + lose_);
     answer = Through(std::move(answer));
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <thread>
 
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
@@ -197,6 +198,25 @@ TEST(FalconTest, OneThatMayNotBeUsedOrIsInUseIsListedWithWhatToDo) {
   UsbBus::Get().Plug("1-2", locked);
   EXPECT_EQ(FindFalcon().front().problem.field(), trouble::kPermission);
   EXPECT_NE(FindFalcon().front().problem.message().find("60-enamel.rules"), std::string::npos);
+}
+
+// The emulated firmware tells where it is in homing mode only.
+TEST(FalconTest, EachFrameKeepsTheHomingModeAndTheLastForceIsZero) {
+  EmulatedFalcon arm;
+  {
+    auto bus = OpenFalcon(Choice(arm));
+    ASSERT_TRUE(bus.ok()) << bus.status().message();
+    PolledBus::Pose pose;
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_TRUE((*bus)->Send(dvec3(0, 0, 1)));
+      EXPECT_NE((*bus)->Read(pose), PolledBus::Heard::kGone);
+    }
+    EXPECT_NE(arm.told(), (std::array<int, 3>{}));
+  }
+  for (int i = 0; i < 10'000 && arm.told() != std::array<int, 3>{}; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(arm.told(), (std::array<int, 3>{}));
 }
 
 TEST(FalconTest, ATipAtTheRimOfItsWorkspaceIsRefused) {
