@@ -15,7 +15,13 @@ using namespace std::chrono;
 // An answer that did not come within this time is lost. While opening, the driver waits so long for each.
 constexpr milliseconds kLost{50};
 constexpr seconds kSilence{1};
-// Exchanges that are timed then, and how many of them may be late before it is not now and then.
+// More than questions can be owed within kLost, one a tick.
+constexpr int kMostDropped = 64;
+// So many answers in a row that nobody understands are another device's, or noise.
+constexpr int kMostRefused = 100;
+// No arm reaches so far. The squares of a quaternion's length between 0.9 and 1.1. As in PolledDevice.
+constexpr double kFarthest_m = 10, kLeastSquare = 0.81, kMostSquare = 1.21;
+// Exchanges that are timed, and how many of them may be late before it is not now and then.
 constexpr int kTimedAnswers = 100, kFewLate = 10, kManyLate = kTimedAnswers / 2;
 
 }  // namespace
@@ -30,7 +36,8 @@ PolledBus::Heard AnsweringBus::Read(Pose& out) {
       break;
   }
   out.asked_ns = nanoseconds(answered_.time_since_epoch()).count();
-  return Understand(out);
+  const Heard heard = Understand(out);
+  return heard == Heard::kPose && !CanBe(out) ? Heard::kRefused : heard;
 }
 
 bool AnsweringBus::Send(const dvec3& force_n) {
@@ -61,7 +68,8 @@ AnsweringBus::Got AnsweringBus::Next(microseconds patience) {
 bool AnsweringBus::DropLate() {
   const auto until = Clock::now() + (is_unsure_ ? patience_ : milliseconds(0));
   Got got = Got::kAnswer;
-  while (got == Got::kAnswer) {
+  // A device that never ceases to send is not waited for.
+  for (int dropped = 0; got == Got::kAnswer && dropped < kMostDropped; ++dropped) {
     const auto left = owed_.empty() ? Clock::duration(0) : until - Clock::now();
     got = Next(std::max(microseconds(0), duration_cast<microseconds>(left)));
   }
@@ -80,12 +88,13 @@ void AnsweringBus::ForgetLost() {
 
 Status AnsweringBus::AwaitReady() {
   const auto until = Clock::now() + kSilence;
-  while (Clock::now() < until) {
+  for (int refused = 0; Clock::now() < until && refused < kMostRefused;) {
     Pose pose;
     if (!Send(dvec3(0))) break;
     const Heard heard = Read(pose);
     if (heard == Heard::kGone) break;
     if (heard == Heard::kNothing) continue;
+    refused = heard == Heard::kRefused ? refused + 1 : 0;
     ENAMEL_ASSIGN_OR_RETURN(const bool is_ready, IsReady(heard, pose));
     if (is_ready) return Status::Ok();
   }
@@ -109,6 +118,14 @@ Status AnsweringBus::ChoosePatience() {
   }
   patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
   return Status::Ok();
+}
+
+// Comparisons with what is not a number fail.
+bool CanBe(const PolledBus::Pose& pose) noexcept {
+  const Quat& q = pose.orientation;
+  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  return Dot(pose.tip_m, pose.tip_m) < kFarthest_m * kFarthest_m && square > kLeastSquare &&
+         square < kMostSquare;
 }
 
 Status SaysNothing(const std::string& name) {

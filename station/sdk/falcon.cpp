@@ -44,6 +44,10 @@ constexpr int kMostHails = 100, kMostUploads = 10, kMostProbes = 10;
 constexpr size_t kPiece = 62;
 // The chip passes on what came after 16 ms, or 1 ms in frames.
 constexpr milliseconds kEchoPatience{200}, kHailPatience{20}, kProbePatience{30}, kQuiet{10};
+// Bounds for a line that never falls quiet. DropUntilQuiet drops so many bytes. So many packets without a
+// frame are an answer that nobody understands; a frame comes in one packet, or in two.
+constexpr size_t kMostDropped = 64 * 1024;
+constexpr int kMostOfAnAnswer = 8;
 constexpr std::chrono::seconds kSilence{1};
 
 // A frame: '<', three words of four signs each, lowest nibble first, a state, 'A', '>'.
@@ -106,9 +110,11 @@ class Line {
     DropUntilQuiet(milliseconds(0));  // what this computer had already read
     return true;
   }
-  // Drops what has come and comes, until nothing does for so long.
+  // Drops what has come and comes, until nothing does for so long, or the device never ceases.
   void DropUntilQuiet(milliseconds quiet) {
-    while (Fill(quiet) == Got::kBytes) {
+    for (size_t dropped = 0; dropped < kMostDropped && Fill(quiet) == Got::kBytes;) {
+      dropped += came_.size();
+      came_.clear();
     }
     came_.clear();
   }
@@ -125,7 +131,8 @@ class Line {
         came_.insert(came_.end(), packet.begin() + kModemBytes, packet.begin() + got);
         return Got::kBytes;
       }
-      if (got == 0 && Clock::now() >= until) return Got::kNothing;
+      // An empty packet of the chip's does not count: it sends one every millisecond.
+      if (Clock::now() >= until) return Got::kNothing;
     }
   }
   // Whether just these bytes come.
@@ -272,7 +279,11 @@ class Falcon final : public AnsweringBus {
  private:
   Got Await(std::chrono::microseconds patience) override {
     const auto until = Clock::now() + patience;
-    while (!(frame_ = line_.TakeFrame())) {
+    for (int packets = 0; !(frame_ = line_.TakeFrame()); ++packets) {
+      if (packets == kMostOfAnAnswer) {
+        frame_.emplace();
+        return Got::kAnswer;
+      }
       const auto left = std::chrono::duration_cast<std::chrono::microseconds>(until - Clock::now());
       switch (line_.Fill(std::max(left, std::chrono::microseconds(0)))) {
         case Line::Got::kBytes:
@@ -287,6 +298,7 @@ class Falcon final : public AnsweringBus {
   }
   Heard Understand(Pose& out) override {
     const auto answer = Parse(*frame_);
+    is_frame_ = answer.has_value();
     if (!answer) return Heard::kRefused;
     // Firmware that restarts is not homed, and its counts mean nothing.
     if (!answer->homed) return homed_ ? Heard::kGone : Heard::kRefused;
@@ -337,7 +349,7 @@ class Falcon final : public AnsweringBus {
     while (!homed_) {
       Pose pose;
       if (!Send(dvec3(0))) return SaysNothing(kName);
-      if (Read(pose) != Heard::kNothing) heard_at = Clock::now();
+      if (Read(pose) != Heard::kNothing && is_frame_) heard_at = Clock::now();
       if (Clock::now() - heard_at > kSilence) return SaysNothing(kName);
       if (!homed_ && Clock::now() - begin > for_hand_) {
         return Status(Code::kUnavailable,
@@ -355,6 +367,7 @@ class Falcon final : public AnsweringBus {
   const std::string unit_;
   Line line_;
   std::optional<Bytes> frame_;
+  bool is_frame_ = false;  // the last answer was one
   bool homed_ = false;
   dvec3 tip_m_ = falcon::kMiddle_m, angles_rad_{falcon::kRadAtZero};
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "station/devices/force_keeper.h"
@@ -107,7 +108,7 @@ Result<Dhd> Load(const std::string& file) {
 dvec3 ToScene(double x, double y, double z) { return FromUserward({x, y, z}); }
 
 // The handle's frame in the scene: ToScene turns both.
-Quat ToScene(const double (&m)[3][3]) {
+std::optional<Quat> ToScene(const double (&m)[3][3]) {
   // ToScene of the frame's image of each scene axis.
   return QuatOfColumns(ToScene(m[0][1], m[1][1], m[2][1]), -ToScene(m[0][0], m[1][0], m[2][0]),
                        ToScene(m[0][2], m[1][2], m[2][2]));
@@ -175,8 +176,11 @@ class ForceDimension final : public PolledBus {
     if (turns_) {
       double frame[3][3] = {};
       if (dhd_.orientation(frame, id_) < 0) return Heard::kGone;
-      out.orientation = ToScene(frame);
+      const auto turn = ToScene(frame);
+      if (!turn) return Heard::kRefused;
+      out.orientation = *turn;
     }
+    if (!CanBe(out)) return Heard::kRefused;
     out.pedal = dhd_.button(0, id_) == kOn;
     if (Clock::now() >= status_due_) WatchMotors();
     out.driven = driven_;

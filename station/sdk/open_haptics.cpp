@@ -1,5 +1,6 @@
 #include <array>
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "common/base/triple_buffer.h"
@@ -111,7 +112,7 @@ Result<Hd> Load(const std::string& file) {
 dvec3 ToScene(const double* v) { return {v[0], -v[2], v[1]}; }
 
 // The stylus' frame in the scene. No source gives its axis: here it points along its own -z, as a bur does.
-Quat Turned(const std::array<double, 16>& columns) {
+std::optional<Quat> Turned(const std::array<double, 16>& columns) {
   return QuatOfColumns(ToScene(&columns[0]), ToScene(&columns[4]), ToScene(&columns[8]));
 }
 
@@ -175,6 +176,7 @@ class OpenHaptics final : public PolledBus {
     if (newest.is_gone) return Heard::kGone;
     if (newest.number == seen_) return Heard::kNothing;
     seen_ = newest.number;
+    if (!newest.is_sound) return Heard::kRefused;
     out = newest.pose;
     return Heard::kPose;
   }
@@ -205,6 +207,7 @@ class OpenHaptics final : public PolledBus {
     Pose pose;
     uint64_t number = 0;
     bool is_gone = false;
+    bool is_sound = false;  // its numbers can be a pose's
   };
   struct Force {
     dvec3 newtons{0};
@@ -233,7 +236,9 @@ class OpenHaptics final : public PolledBus {
     frame_.is_gone = error != 0 && frame_.pose.driven;
     if (!frame_.is_gone) {
       frame_.pose.tip_m = ToScene(&columns[12]) * 1e-3;
-      frame_.pose.orientation = Turned(columns);
+      const auto turn = Turned(columns);
+      frame_.pose.orientation = turn.value_or(Quat());
+      frame_.is_sound = turn && CanBe(frame_.pose);
       frame_.pose.pedal = (buttons & kButton1) != 0;
       frame_.pose.second = (buttons & kButton2) != 0;
     }

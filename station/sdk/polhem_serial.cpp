@@ -25,6 +25,8 @@ namespace enamel::station::sdk {
 namespace {
 
 constexpr size_t kSerialLine = 64;
+// The driver keeps so much of a line that has not ended. An answer is a line, after at most a few empty ones.
+constexpr size_t kMostKept = 4 * kSerialLine, kMostOfAnAnswer = 16 * kSerialLine;
 constexpr std::string_view kTeensy = "16c0:";  // Teensy boards; their builds differ in the product
 // The counters of an arm that is held at home, a to f (v3, since 2020-10-27).
 constexpr std::array<int, 6> kSerialHome = {8298, -10771, 19756, 0, 30, 0};
@@ -44,7 +46,8 @@ bool TakeNumber(std::string_view& line, size_t width, size_t decimals, double& o
   field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
   const size_t point = field.find('.');
   if (point == field.npos || field.size() - point - 1 != decimals) return false;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), out);
+  const auto [end, error] =
+      std::from_chars(field.data(), field.data() + field.size(), out, std::chars_format::fixed);
   return error == std::errc() && end == field.data() + field.size();
 }
 
@@ -84,16 +87,24 @@ class PolhemSerial final : public AnsweringBus {
   std::string Unit() const override { return unit_; }
 
  private:
-  // A line may come in pieces.
+  // A line may come in pieces. A port that sends without end, and no line, has answered what nobody
+  // understands.
   Got Await(std::chrono::microseconds patience) override {
     const auto until = Clock::now() + patience;
-    while (!TakeLine()) {
+    for (size_t bytes = 0; !TakeLine();) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
       pollfd ready{port_->get(), POLLIN, 0};
       if (::poll(&ready, 1, static_cast<int>(std::max<int64_t>(left.count(), 0))) == 0) {
         return Got::kNothing;
       }
-      if (!Fill()) return Got::kClosed;
+      const auto got = Fill();
+      if (!got) return Got::kClosed;
+      bytes += *got;
+      if (bytes > kMostOfAnAnswer) {
+        answer_.reset();
+        return Got::kAnswer;
+      }
+      if (Clock::now() >= until && !HasLine()) return Got::kNothing;
     }
     return Got::kAnswer;
   }
@@ -135,22 +146,18 @@ class PolhemSerial final : public AnsweringBus {
       ::ioctl(port_->get(), TIOCSSERIAL, &serial);
     }
   }
-  // All that is there. False: the port is gone.
-  bool Fill() {
+  // Reads at most a piece. Returns the bytes read, 0 if none are there; nothing: the port is gone.
+  std::optional<size_t> Fill() {
     std::array<char, 256> piece;
-    for (;;) {
-      const ssize_t got = ::read(port_->get(), piece.data(), piece.size());
-      if (got > 0) {
-        text_.append(piece.data(), static_cast<size_t>(got));
-        // What has no end of a line by now has none.
-        if (text_.size() > piece.size()) text_.erase(0, text_.size() - piece.size());
-      } else if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
-        return false;
-      } else if (errno == EAGAIN) {
-        return true;
-      }
-    }
+    const ssize_t got = ::read(port_->get(), piece.data(), piece.size());
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+    if (got <= 0) return std::nullopt;
+    text_.append(piece.data(), static_cast<size_t>(got));
+    // What has no end of a line by now has none.
+    if (text_.size() > kMostKept) text_.erase(0, text_.size() - kMostKept);
+    return static_cast<size_t>(got);
   }
+  bool HasLine() const { return text_.find('\n') != std::string::npos; }
   // The next line with a word: one without is what older firmware sends in between. False: none.
   bool TakeLine() {
     for (size_t end; (end = text_.find('\n')) != std::string::npos;) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -14,6 +15,7 @@
 #include "tests/station/sdk/emulated_falcon.h"
 #include "tests/station/sdk/usb_double.h"
 #include "tests/support/await_sample.h"
+#include "tests/support/temp_folder.h"
 
 // Claims about the Falcon alone. Those about every device are in arms_test.cpp.
 namespace enamel::station::sdk {
@@ -198,6 +200,24 @@ TEST(FalconTest, OneThatMayNotBeUsedOrIsInUseIsListedWithWhatToDo) {
   UsbBus::Get().Plug("1-2", locked);
   EXPECT_EQ(FindFalcon().front().problem.field(), trouble::kPermission);
   EXPECT_NE(FindFalcon().front().problem.message().find("60-enamel.rules"), std::string::npos);
+}
+
+// Packets of noise, and the chip's own empty ones.
+TEST(FalconTest, ALineThatNeverFallsQuietIsRefusedInTime) {
+  const test::TempFolder folder;
+  std::ofstream(folder.path() / "falcon.bin") << "firmware";
+  for (const Bytes& packet : {Bytes{1, 0x60, 'x', '<', 'y'}, Bytes{1, 0x60}}) {
+    ScriptedUsb usb{0x0403, 0xcb48};
+    usb.control = [](uint8_t, uint16_t) { return false; };
+    usb.written = [](ByteView) {};
+    usb.endless = packet;
+    UsbBus::Get().Plug("1-9", usb);
+    const bool noise = packet.size() > 2;
+    const std::string file = noise ? folder.path() / "falcon.bin" : folder.path() / "none";
+    EXPECT_EQ(OpenFalcon({file, 5, 0.04}).status().field(),
+              noise ? trouble::kSilent : trouble::kFirmware);
+    UsbBus::Get().Unplug("1-9");
+  }
 }
 
 // The emulated firmware tells where it is in homing mode only.

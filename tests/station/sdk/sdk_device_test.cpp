@@ -14,6 +14,7 @@
 #include "station/desk/device_offers.h"
 #include "station/devices/trouble.h"
 #include "station/sdk/buses.h"
+#include "station/sdk/frames.h"
 #include "station/sdk/makers_library.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
@@ -195,6 +196,51 @@ TEST_F(SdkDeviceTest, APoseThatIsNoNumberIsSilenceAndNotAPlace) {
   DeviceSample s = device_->ReadSample();
   EXPECT_FALSE(s.fresh);
   EXPECT_EQ(s.counts, (std::array<int32_t, 3>{}));
+}
+
+TEST_F(SdkDeviceTest, ATransformThatIsNoRotationTurnsNothing) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  using Frame = std::array<std::array<double, 3>, 3>;
+  const Frame kNoRotations[] = {{},
+                                {{{1, 0, 0}, {0, kNone, 0}, {0, 0, 1}}},
+                                {{{1e300, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                                {{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}}},
+                                {{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}};
+  for (const auto& [driver, name] : {std::pair{"dhd", "sigma.7"}, {"openhaptics", "Touch"}}) {
+    DoubledArm& sdk = Attach(driver, name);
+    sdk.With([](State& s) { s.wrist = true; });
+    auto bus = std::string(driver) == "dhd" ? OpenForceDimension({"", 5, 0.1})
+                                            : OpenOpenHaptics({"", 5, 0.1});
+    ASSERT_TRUE(bus.ok()) << bus.status().message();
+    const Frame upright = sdk.Get().frame;
+    for (const Frame& frame : kNoRotations) {
+      // A frame that was under way before is still heard.
+      const auto heard = [&](PolledBus::Heard wanted) {
+        PolledBus::Pose pose;
+        for (int i = 0; i < 1'000; ++i) {
+          if ((*bus)->Read(pose) == wanted) return true;
+        }
+        return false;
+      };
+      sdk.With([&](State& s) { s.frame = frame; });
+      EXPECT_TRUE(heard(PolledBus::Heard::kRefused)) << driver;
+      EXPECT_FALSE(std::string(driver) == "dhd" && heard(PolledBus::Heard::kPose));
+      sdk.With([&](State& s) { s.frame = upright; });
+      EXPECT_TRUE(heard(PolledBus::Heard::kPose)) << driver;
+    }
+    bus->reset();
+    arms_.clear();
+  }
+}
+
+TEST_F(SdkDeviceTest, ColumnsOfARotationAreItsQuaternion) {
+  // A quarter about z: x goes to y.
+  const auto turn = QuatOfColumns({0, 1, 0}, {-1, 0, 0}, {0, 0, 1});
+  ASSERT_TRUE(turn);
+  EXPECT_NEAR(turn->z, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(turn->w, std::sqrt(0.5), 1e-12);
+  EXPECT_FALSE(QuatOfColumns({0, 1, 0}, {1, 0, 0}, {0, 0, 1})) << "a mirror";
+  EXPECT_FALSE(QuatOfColumns({0, 0, 0}, {0, 0, 0}, {0, 0, 0}));
 }
 
 TEST_F(SdkDeviceTest, AFootPedalGoesWithAMakersDevice) {
