@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <boost/json.hpp>
 #include <cmath>
@@ -18,7 +19,13 @@ namespace json = boost::json;
 
 constexpr const char* kHost = "localhost";
 constexpr const char* kPort = "10001";
-constexpr const char* kProfile = "inverse3";
+// The models, as the service's config.type and our profiles name them.
+struct Model {
+  std::string_view type;
+  const char* name;
+};
+constexpr std::array kModels = {Model{"inverse3", "Inverse3"}, Model{"inverse3x", "Inverse3x"},
+                                Model{"minverse", "MinVerse"}};
 constexpr std::chrono::seconds kInventoryPatience{1};
 // Answers without a position to a force in one form, before the other form is tried.
 constexpr int kQuestionsOfAForm = 20;
@@ -62,14 +69,41 @@ const json::value* Listed(const json::value& message, std::string_view list,
   return nullptr;
 }
 
-std::string NameOf(const std::string& id) { return "Inverse3 " + id; }
+const Model* ModelNamed(std::string_view type) {
+  const auto* found = std::ranges::find(kModels, type, &Model::type);
+  return found == kModels.end() ? nullptr : found;
+}
+std::string TypeOf(const json::value& device) {
+  return Text(Member(Member(&device, "config"), "type"));
+}
+
+std::string NameOf(const json::value& device) {
+  const Model* model = ModelNamed(TypeOf(device));
+  return std::string(model == nullptr ? "Haply device" : model->name) + " " +
+         Text(Member(&device, "device_id"));
+}
 std::string UnitNamed(const std::string& id) { return "inverse3:" + id; }
 
+// The wired grip, else the wireless one; null: neither is connected.
+const json::value* GripIn(const json::value& message) {
+  const json::value* grip = Listed(message, "verse_grip", {});
+  return grip == nullptr ? Listed(message, "wireless_verse_grip", {}) : grip;
+}
+
 // Why the device cannot be used now, and what to do; empty: it can.
-Status WhyNotUsable(const json::value& device) {
-  const auto because = [](const char* why, const char* which) {
+Status WhyNotUsable(const json::value& message, const json::value& device) {
+  const auto because = [](const std::string& why, const char* which) {
     return Status(Code::kUnavailable, why, which);
   };
+  // Another model's force would be too much for it.
+  if (const std::string type = TypeOf(device); ModelNamed(type) == nullptr) {
+    return because(
+        type.empty()
+            ? "its service does not say which model it is (config.type): update the service"
+            : "it is a model that this station does not know, '" + type +
+                  "': expected inverse3, inverse3x or minverse; update the station",
+        type.empty() ? trouble::kService : trouble::kModel);
+  }
   const json::value* status = Member(&device, "status");
   if (IsFalse(Member(status, "power_supply")))
     return because("it has no power: connect its power supply", trouble::kPower);
@@ -85,6 +119,11 @@ Status WhyNotUsable(const json::value& device) {
     return because(
         "its service adds damping: set filters.damping to 0 in /etc/haply-inverse-service",
         trouble::kDamping);
+  if (GripIn(message) == nullptr)
+    return because(
+        "no grip is connected, which has the button and turns the bur: connect the VerseGrip. With "
+        "a foot pedal it can be used without; the bur then stays upright",
+        trouble::kNoGrip);
   return Status::Ok();
 }
 
@@ -108,11 +147,13 @@ class Inverse3 final : public AnsweringBus {
  public:
   Inverse3(const BusChoice& choice, std::unique_ptr<WebSocket> socket)
       : AnsweringBus(choice.peak_n, "run its service on this computer"),
+        profile_(choice.profile),
+        has_pedal_(choice.has_pedal),
         socket_(std::move(socket)) {}
   // Closed at once, the connection could take the last force with it.
   ~Inverse3() override { (void)Await(patience()); }
 
-  std::string Name() const override { return NameOf(id_); }
+  std::string Name() const override { return name_; }
   std::string Driver() const override { return "inverse3"; }
   std::string Unit() const override { return UnitNamed(id_); }
 
@@ -169,8 +210,21 @@ class Inverse3 final : public AnsweringBus {
                     trouble::kNotAttached);
     }
     id_ = Text(Member(device, "device_id"));
+    name_ = NameOf(*device);
     session_ = Text(Member(&message, "session_id"));
-    return UsableUnless(WhyNotUsable(*device), Name());
+    has_grip_ = GripIn(message) != nullptr;
+    const Status problem = WhyNotUsable(message, *device);
+    const bool is_borne = problem.field() == trouble::kNoGrip && has_pedal_;
+    if (!is_borne) ENAMEL_RETURN_IF_ERROR(UsableUnless(problem, Name()));
+    return CheckModel(TypeOf(*device));
+  }
+  // A profile of another of these models has that one's force. Profiles of other names are a school's own.
+  Status CheckModel(const std::string& type) const {
+    if (ModelNamed(profile_) == nullptr || profile_ == type) return Status::Ok();
+    return Status(Code::kConflict,
+                  Name() + " needs the profile " + type + ", found " + profile_ +
+                      ": choose the profile " + type,
+                  trouble::kModel);
   }
   Heard Take(const json::value& message, Pose& out) const {
     // A service that restarted has another session; the device's settings and calibration are lost.
@@ -186,28 +240,32 @@ class Inverse3 final : public AnsweringBus {
     const double none = std::nan("");
     out.tip_m = {Number(Member(at, "x"), none), Number(Member(at, "y"), none),
                  Number(Member(at, "z"), none)};
-    TakeGrip(message, out);
-    return Heard::kPose;
+    return !has_grip_ || TakeGrip(message, out) ? Heard::kPose : Heard::kRefused;
   }
-  // Of the wired grip, else of the wireless one.
-  static void TakeGrip(const json::value& message, Pose& out) {
-    const json::value* grip = Listed(message, "verse_grip", {});
-    if (grip == nullptr) grip = Listed(message, "wireless_verse_grip", {});
-    const json::value* state = Member(grip, "state");
-    if (const json::value* q = Member(state, "orientation"); q != nullptr) {
-      // The grip points along its y, the bur along its own -z.
-      constexpr double kHalf = std::numbers::sqrt2 / 2;
-      const Quat grip_in_scene{Number(Member(q, "x"), 0), Number(Member(q, "y"), 0),
-                               Number(Member(q, "z"), 0), Number(Member(q, "w"), 1)};
-      out.orientation = grip_in_scene.Normalised() * Quat{kHalf, 0, 0, kHalf};
-    }
+  // False: it is away or its turn is none, and the bur must not jump to another.
+  static bool TakeGrip(const json::value& message, Pose& out) {
+    const json::value* state = Member(GripIn(message), "state");
+    const json::value* q = Member(state, "orientation");
+    const double none = std::nan("");
+    const Quat grip_in_scene{Number(Member(q, "x"), none), Number(Member(q, "y"), none),
+                             Number(Member(q, "z"), none), Number(Member(q, "w"), none)};
+    // The grip points along its y, the bur along its own -z. Checked before it is normalised: what is
+    // no turn would become one.
+    constexpr double kHalf = std::numbers::sqrt2 / 2;
+    out.orientation = grip_in_scene * Quat{kHalf, 0, 0, kHalf};
     const json::value* buttons = Member(state, "buttons");
     out.pedal = IsTrue(Member(state, "button")) || IsTrue(Member(buttons, "a")) ||
                 IsTrue(Member(buttons, "button_1"));
+    if (!CanBe(out)) return false;
+    out.orientation = out.orientation.Normalised();
+    return true;
   }
 
+  const std::string profile_;
+  const bool has_pedal_;
   const std::unique_ptr<WebSocket> socket_;
-  std::string text_, id_, session_;
+  std::string text_, id_, name_, session_;
+  bool has_grip_ = false;
   size_t form_ = 0;
   int without_position_ = 0;
 };
@@ -247,8 +305,10 @@ std::vector<SdkDevice> FindInverse3At(const std::string& address) {
   const json::array* all = inventory.ok() ? List(*inventory, "inverse3") : nullptr;
   if (all == nullptr) return out;
   for (const json::value& device : *all) {
-    const std::string id = Text(Member(&device, "device_id"));
-    out.push_back({"", NameOf(id), kProfile, "", UnitNamed(id), WhyNotUsable(device)});
+    const std::string type = TypeOf(device);
+    out.push_back({"", NameOf(device), ModelNamed(type) == nullptr ? "" : type, "",
+                   UnitNamed(Text(Member(&device, "device_id"))),
+                   WhyNotUsable(*inventory, device)});
   }
   return out;
 }

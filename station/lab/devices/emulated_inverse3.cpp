@@ -70,12 +70,20 @@ struct EmulatedInverse3::Service {
         if (refused) return;
         sessions.insert(session);
         std::unique_lock lock(arm.mutex_);
+        if (!babble.empty()) return Babble(session);
         Send(*session, FrameOf(json::serialize(Message(*session, true))));
         lock.unlock();
         Read(session);
       });
       Accept();
     });
+  }
+  // Sends it again and again, and reads nothing.
+  void Babble(const std::shared_ptr<Session>& session) {
+    asio::async_write(session->stream.next_layer(), asio::buffer(babble),
+                      [this, session](Error error, size_t) {
+                        if (!error) Babble(session);
+                      });
   }
   void Read(const std::shared_ptr<Session>& session) {
     session->stream.async_read(session->in, [this, session](Error error, size_t) {
@@ -137,7 +145,7 @@ struct EmulatedInverse3::Service {
     json::object device{{"device_id", id}, {"state", state}, {"status", is}};
     if (full) {
       device["config"] = {
-          {"type", "inverse3"},
+          {"type", type},
           {"filters", {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", damping}}}}}};
     }
     json::object out{{"session_id", session_id}, {"inverse3", json::array{}}};
@@ -150,8 +158,8 @@ struct EmulatedInverse3::Service {
       held["button"] = button;
     }
     const json::value one{{"device_id", "61548"}, {"state", std::move(held)}};
-    out["verse_grip"] = wireless ? json::array{} : json::array{one};
-    out["wireless_verse_grip"] = wireless ? json::array{one} : json::array{};
+    out["verse_grip"] = gripped && !wireless ? json::array{one} : json::array{};
+    out["wireless_verse_grip"] = gripped && wireless ? json::array{one} : json::array{};
     return out;
   }
 
@@ -164,8 +172,9 @@ struct EmulatedInverse3::Service {
   // Guarded by arm.mutex_.
   dvec3 tip_m{0, 0.15, 0.1};
   std::array<double, 4> grip{-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // points down
-  bool button = false, wireless = false, truncated = false, connected = true;
-  std::string id = kId, form = "vector", session_id = "1";
+  bool button = false, wireless = false, truncated = false, connected = true, gripped = true;
+  Bytes babble;
+  std::string type = "inverse3", id = kId, form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
   double damping = 0;
 };
@@ -235,6 +244,21 @@ void EmulatedInverse3::Restart() {
 void EmulatedInverse3::Truncate(bool truncate) {
   std::lock_guard lock(mutex_);
   service_->truncated = truncate;
+}
+
+void EmulatedInverse3::HasGrip(bool has) {
+  std::lock_guard lock(mutex_);
+  service_->gripped = has;
+}
+
+void EmulatedInverse3::IsOf(const std::string& type) {
+  std::lock_guard lock(mutex_);
+  service_->type = type;
+}
+
+void EmulatedInverse3::Babble(const Bytes& bytes) {
+  std::lock_guard lock(mutex_);
+  service_->babble = bytes;
 }
 
 void EmulatedInverse3::Disconnect() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/bytes.h"
 #include "common/math/vec.h"
 #include "station/lab/devices/emulated_arm.h"
 
@@ -33,6 +34,12 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Set(const dvec3& tip_m);
   // The grip's quaternion x, y, z, w and its button; wireless: as the wireless grip writes them.
   void Grip(const std::array<double, 4>& xyzw, bool button, bool wireless);
+  // Connects a grip to the service, or disconnects it.
+  void HasGrip(bool has);
+  // Sets its config.type: "inverse3", "minverse".
+  void IsOf(const std::string& type);
+  // Sessions from now on get these bytes again and again in place of messages.
+  void Babble(const Bytes& bytes);
   // The one form of a force that this version of the service takes: "vector" or "values".
   void Take(const std::string& form);
   // What the status says of `member` ("calibrated", "power_supply", "ready") from now on.

@@ -622,6 +622,133 @@ TEST(Inverse3Test, ItsGripTurnsTheBurAndItsButtonRunsIt) {
   }
 }
 
+// Neither is a turn of the grip, nor of the bur.
+TEST(Inverse3Test, AGripWhoseNumbersAreNoTurnOrThatIsAwayTurnsNothing) {
+  EmulatedInverse3 service;
+  auto bus = OpenInverse3({service.address(), 1, 0.1});
+  ASSERT_TRUE(bus.ok()) << bus.status().message();
+  const auto hear = [&] {
+    PolledBus::Pose pose;
+    EXPECT_TRUE((*bus)->Send(dvec3(0)));
+    return (*bus)->Read(pose);
+  };
+  // Longer than an answer that is under way.
+  const auto hears = [&](PolledBus::Heard wanted) {
+    for (int i = 0; i < 1'000; ++i) {
+      if (hear() == wanted) return true;
+    }
+    return false;
+  };
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const std::array<double, 4>& q : {std::array<double, 4>{0, 0, 0, 0},
+                                         {1e300, 0, 0, 1e300},
+                                         {kInfinite, 0, 0, 0},
+                                         {0, 0, 0, 0.5}}) {
+    service.Grip(q, false, false);
+    EXPECT_TRUE(hears(PolledBus::Heard::kRefused)) << q[0] << " " << q[3];
+    service.Grip({0, 0, 0, 1}, false, false);
+    EXPECT_TRUE(hears(PolledBus::Heard::kPose));
+  }
+  service.HasGrip(false);
+  EXPECT_TRUE(hears(PolledBus::Heard::kRefused));
+}
+
+TEST(Inverse3Test, WithoutAGripItNeedsAFootPedal) {
+  EmulatedInverse3 service;
+  service.HasGrip(false);
+  const auto listed = FindInverse3At(service.address());
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0].problem.field(), trouble::kNoGrip);
+  EXPECT_NE(listed[0].problem.message().find("connect the VerseGrip"), std::string::npos);
+  BusChoice choice{service.address(), 1, 0.1};
+  EXPECT_EQ(OpenInverse3(choice).status().field(), trouble::kNoGrip);
+  choice.has_pedal = true;
+  auto bus = OpenInverse3(choice);
+  ASSERT_TRUE(bus.ok()) << bus.status().message();
+  // A grip that is connected later would turn the bur at once.
+  service.HasGrip(true);
+  service.Grip({0, 0, 0, 1}, true, false);
+  for (int i = 0; i < 20; ++i) {
+    PolledBus::Pose pose;
+    EXPECT_TRUE((*bus)->Send(dvec3(0)));
+    if ((*bus)->Read(pose) != PolledBus::Heard::kPose) continue;
+    EXPECT_EQ(pose.orientation.w, 1);
+    EXPECT_FALSE(pose.pedal);
+  }
+}
+
+TEST(Inverse3Test, ItsModelChoosesTheProfileAndAnothersForceIsRefused) {
+  EmulatedInverse3 service;
+  for (const auto& [type, name] : {std::pair{"inverse3", "Inverse3 049D"},
+                                   {"inverse3x", "Inverse3x 049D"},
+                                   {"minverse", "MinVerse 049D"}}) {
+    service.IsOf(type);
+    const auto listed = FindInverse3At(service.address());
+    ASSERT_EQ(listed.size(), 1u);
+    EXPECT_EQ(listed[0].profile, type);
+    EXPECT_EQ(listed[0].name, name);
+    EXPECT_TRUE(listed[0].problem.ok()) << listed[0].problem.message();
+  }
+  // A MinVerse now. A school's own profile may have any name.
+  for (const auto& [profile, is_taken] :
+       {std::pair{"inverse3", false}, {"minverse", true}, {"room_4", true}}) {
+    BusChoice choice{service.address(), 1, 0.1};
+    choice.profile = profile;
+    const Status opened = OpenInverse3(choice).status();
+    EXPECT_EQ(opened.ok(), is_taken) << opened.message();
+    if (!is_taken) EXPECT_EQ(opened.field(), trouble::kModel) << opened.message();
+  }
+  EXPECT_LT(scene::FindProfile("minverse")->peak_force_mn.value,
+            scene::FindProfile("inverse3")->peak_force_mn.value);
+  for (const auto& [type, field] :
+       {std::pair{"inverse9", trouble::kModel}, {"", trouble::kService}}) {
+    service.IsOf(type);
+    const auto listed = FindInverse3At(service.address());
+    ASSERT_EQ(listed.size(), 1u);
+    EXPECT_EQ(listed[0].profile, "");
+    EXPECT_EQ(listed[0].problem.field(), field) << listed[0].problem.message();
+    EXPECT_EQ(OpenInverse3({service.address(), 1, 0.1}).status().field(), field);
+  }
+}
+
+// Pings without end, which a client answers before it sees a message; and text that is none of the service's.
+TEST(Inverse3Test, AServiceThatSendsWithoutEndIsRefusedInTime) {
+  EmulatedInverse3 service;
+  Bytes pings;
+  for (int i = 0; i < 500; ++i) pings.insert(pings.end(), {0x89, 0x00});
+  for (const Bytes& bytes : {pings, Bytes{0x81, 0x01, 'x'}}) {
+    service.Babble(bytes);
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(OpenInverse3({service.address(), 1, 0.1}).status().field(), trouble::kService);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60));
+  }
+}
+
+TEST(SerialArmTest, APortThatSendsWithoutEndIsRefusedInTime) {
+  const Status refused = OpenPolhemSerial({"/dev/zero", 5, 0.15}).status();
+  EXPECT_EQ(refused.field(), trouble::kSilent) << refused.message();
+}
+
+// Reports of the right size, more than anybody asked for.
+TEST(HidArmTest, OneThatSendsWithoutEndIsReadInTime) {
+  HidBus::Get().Reset();
+  testing_support::ScriptedHid arm;
+  arm.path = "/dev/null";
+  arm.vendor = 0x1234;
+  arm.product = 0x0006;
+  arm.endless = Bytes(8);
+  HidBus::Get().Plug(arm);
+  auto bus = OpenWoodenHaptics({"", 5, 0.3});
+  ASSERT_TRUE(bus.ok()) << bus.status().message();
+  PolledBus::Pose pose;
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE((*bus)->Send(dvec3(0)));
+    EXPECT_EQ((*bus)->Read(pose), PolledBus::Heard::kPose);
+  }
+  bus->reset();
+  HidBus::Get().Reset();
+}
+
 TEST(Inverse3Test, OneThatCannotBeUsedIsRefusedAndListedWithWhatToDo) {
   const std::pair<std::function<void(EmulatedInverse3&)>, const char*> kReasons[] = {
       {[](EmulatedInverse3& s) { s.Status("calibrated", false); }, "inkwell"},
