@@ -19,6 +19,7 @@ runner() {
     *ansible*) echo tests/packaging/chairs.sh ;;
     *"patronictl "*) echo tests/cluster/patroni.sh ;;
     *" calibrate --device hid"* | *" first-hour --device dhd"*) echo "nobody: it needs a unit" ;;
+    docs/haptic_devices.md:*) echo "nobody: it needs a maker's driver" ;;
     docs/several_servers.md:* | *" psql school "*) echo cluster ;;
     *" simulate "* | *"enamel-lab operators"*) echo minutes ;;
     *" restore "*) echo tests/packaging/debian.sh ;;
