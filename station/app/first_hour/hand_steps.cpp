@@ -85,9 +85,9 @@ Status Start(Hour& hour, Step& step) {
   hour.Tell(
       "Connect the unit as the guide says (docs/haptic_devices.md, \"First hour with a real "
       "unit\").\n"
-      "Nothing is pushed in this step. At each question you may type skip and a reason; Ctrl-C "
-      "ends\n"
-      "the hour at any time, and what was found so far is kept.");
+      "Nothing is pushed in this step. Each question waits for half an hour. Instead of an answer "
+      "you\n"
+      "may type skip and a reason. Ctrl-C ends the hour at any time, and keeps what was found.");
   step.found["attempts"] = json::array();
   double opened_ms = 0;
   while (true) {
