@@ -96,7 +96,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   attempt->nearness_ = std::make_unique<NearnessWatch>(core::BursOf(params), p.volume);
-  attempt->gauge_.emplace(p.exercise.target, p.volume);
+  attempt->gauge_.emplace(p.scene, p.exercise.target, core::BursOf(params), p.volume);
   std::optional<cutting::Volume> cut;  // of a resumed attempt
   if (p.core) cut = p.core->volume().Unpacked();
   try {
@@ -150,10 +150,11 @@ Warned DeskAttempt::warned() const {
 void DeskAttempt::WriteBesideBur(const language::Words& words, const Screen& screen, bool depth,
                                  const Warned& warned) const {
   if (!view_->has_state()) return;
-  const dvec3& tip_m = view_->state().anchor.tip_m;
-  const std::optional<double> depth_m = depth ? gauge_->Depth_m(tip_m) : std::nullopt;
-  WriteBeside(tip_m, depth_m ? gauge_->Text(words, *depth_m) : "", NearText(words, warned),
-              view_->camera(), screen.fonts(), screen.width(), screen.height());
+  const render::FrameState& now = view_->state();
+  WriteBeside(now.anchor.tip_m,
+              depth ? gauge_->Text(words, gauge_->At(now.anchor, now.bur)) : std::string(),
+              NearText(words, warned), view_->camera(), screen.fonts(), screen.width(),
+              screen.height());
 }
 
 bool DeskAttempt::drawn() {

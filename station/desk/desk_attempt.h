@@ -55,8 +55,8 @@ class DeskAttempt {
   render::Reach reach() const { return reach_->reach(); }
   // What the turning bur is near to; nothing while it rests.
   Warned warned() const;
-  // Writes beside the bur's tip: where it is under the uncut surface and `depth` is wanted, how
-  // deep; and the warning, if there is one.
+  // Writes beside the bur's tip: where it is under the uncut surface and `depth` is wanted, how deep
+  // it is and how far from the target's floor; and the warning, if there is one.
   void WriteBesideBur(const language::Words& words, const render::Screen& screen, bool depth,
                       const Warned& warned) const;
 
