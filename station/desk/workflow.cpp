@@ -21,7 +21,10 @@ double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<doubl
 }  // namespace
 
 Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
-    : workplace_(workplace), options_(std::move(options)), words_(options_.language) {
+    : workplace_(workplace),
+      options_(std::move(options)),
+      words_(options_.language),
+      last_(LastDeviceOf(workplace.data())) {
   LookForKept();
 }
 

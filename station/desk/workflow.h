@@ -17,6 +17,7 @@
 #include "station/desk/result_losses.h"
 #include "station/desk/result_pictures.h"
 #include "station/desk/watch/stillness.h"
+#include "station/session/last_device.h"
 
 namespace enamel::station::desk {
 
@@ -175,7 +176,7 @@ class Workflow {
   void LookForDevices();
   void ChooseOffer(size_t index);
   // Asks first (Dialog::kFallback) where this would be another device than the station's, which
-  // cannot be used.
+  // cannot be used: the configured one, else the one with motors that was last cut with.
   void Start(bool as_reference);
   // The device that cannot be used. None: the chosen one is right, or was agreed to.
   std::optional<MissingDevice> missing_device() const;
@@ -267,6 +268,7 @@ class Workflow {
   void WatchWarmUp(Clock::time_point now);
   void TakeAttempt(std::unique_ptr<DeskAttempt> attempt);
   void TakeTicket();
+  void RememberDevice();  // the one that is cut with, where it has motors
   void Begin();
   void Practise();
   // Reserved and interrupted attempts have their device profile in their signed ticket.
@@ -306,8 +308,9 @@ class Workflow {
   std::vector<SpooledAttempt> cut_off_, handed_in_;
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
-  std::string picked_;  // title of the device that the person chose; empty: none
-  std::string agreed_;  // and agreed to instead of the station's
+  std::string picked_;              // title of the device that the person chose; empty: none
+  std::string agreed_;              // and agreed to instead of the station's
+  std::optional<LastDevice> last_;  // with motors, that somebody cut with here
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<DeskAttempt> attempt_;
   std::unique_ptr<DeskAttempt> left_;  // left while a background task may still use it

@@ -1,5 +1,7 @@
 // The steps of one attempt: from the device's opening to the score. Other steps are in
 // workflow.cpp.
+#include <spdlog/spdlog.h>
+
 #include <utility>
 
 #include "station/desk/problem_words.h"
@@ -27,7 +29,21 @@ void Workflow::Start(bool as_reference) {
 std::optional<MissingDevice> Workflow::missing_device() const {
   // A ticket taken in advance or an interrupted attempt names the device profile itself.
   if (!any_device() || offer_ >= offers_.size() || offers_[offer_].title == agreed_) return {};
-  return MissingFor(words_, offers_, offer_, options_.profile, DeviceNamed(options_.profile));
+  // Where nobody has set the station's device, it is the one that was cut with before: once it is
+  // unplugged, nothing else tells that there was one.
+  const bool set = !options_.profile.empty() || !last_;
+  return MissingFor(words_, offers_, offer_, set ? options_.profile : last_->profile,
+                    set ? DeviceNamed(options_.profile) : last_->title);
+}
+
+void Workflow::RememberDevice() {
+  const DeviceOffer& used = offers_[offer_];
+  const LastDevice device{used.title, used.profile};
+  if (!used.felt || last_ == device) return;
+  last_ = device;
+  if (Status kept = KeepLastDevice(workplace_.data(), device); !kept.ok()) {
+    spdlog::warn("the device that is cut with could not be remembered: {}", kept.message());
+  }
 }
 
 void Workflow::StartWithFallback() {
@@ -163,6 +179,7 @@ void Workflow::CheckDevice(Clock::time_point now) {
 }
 
 void Workflow::Begin() {
+  RememberDevice();
   if (way_ == Way::kPractice) return Practise();
   if (Status begun = attempt_->Begin(workplace_, options_.cpu); !begun.ok())
     return LeaveAttemptFor(begun);

@@ -125,6 +125,7 @@ class DeskAttemptTest : public testing::Test {
 
 TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
   ASSERT_NO_FATAL_FAILURE(Begin("pointer"));
+  EXPECT_FALSE(LastDeviceOf(folder_ / "data")) << "a mouse has no motors";
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 300; }));
   flow_->EndAttempt();
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
@@ -412,6 +413,7 @@ TEST_F(DeskAttemptTest, PracticeWithoutTheServerIsCutLikeAnyOtherAndNothingOfItI
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));
+  EXPECT_EQ(LastDeviceOf(folder_ / "data"), LastDevice("Bench arm", "phantom_desktop"));
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 50; }));
   board_->buttons = 2;
   ASSERT_TRUE(Reached([&] { return flow_->dialog() == Dialog::kPaused; }));

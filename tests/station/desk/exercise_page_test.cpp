@@ -231,6 +231,23 @@ TEST_F(ExercisePageTest, NobodyCutsWithTheMouseInPlaceOfABrokenDeviceByHabit) {
   EXPECT_EQ(flow_->dialog(), Dialog::kFallback) << "not by the next person";
 }
 
+TEST_F(ExercisePageTest, AskedIsAlsoWhereTheDeviceThatWasCutWithIsUnplugged) {
+  ASSERT_TRUE(KeepLastDevice(folder_ / "data", {"Bench arm", "phantom_desktop"}).ok());
+  Open({});
+  ToExercise();
+  ASSERT_EQ(flow_->offers().size(), 1u) << "nothing is attached";
+  flow_->Start(false);
+  Settle();
+  ASSERT_EQ(flow_->dialog(), Dialog::kFallback);
+  EXPECT_NE(ui_->words().find("Bench arm cannot be used"), std::string::npos) << ui_->words();
+  EXPECT_NE(ui_->words().find("The device is not connected."), std::string::npos) << ui_->words();
+  Close();
+  // A chair that is set to the mouse has no other device.
+  Open({.profile = "pointer"});
+  ToExercise();
+  EXPECT_FALSE(flow_->missing_device());
+}
+
 TEST_F(ExercisePageTest, ADeviceThatIsRepairedIsUsedInPlaceOfTheMouseThatNobodyChose) {
   PlugBroken();
   Open({});
