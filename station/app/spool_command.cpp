@@ -186,11 +186,12 @@ void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
                 LocalTime(run.ended_unix_ms).c_str(), json::serialize(facts).c_str());
     return;
   }
-  std::printf("run %u, ended %s: %.0f ticks, %.0f late, %.0f in gaps, %.0f faults\n", run.run,
-              LocalTime(run.ended_unix_ms).c_str(), NumberIn(facts, {"ticks"}),
-              NumberIn(facts, {"late_ticks"}),
-              NumberIn(facts, {"gap_ticks"}) + NumberIn(facts, {"skipped_ticks"}),
-              NumberIn(facts, {"fault_count"}));
+  std::printf(
+      "run %u, ended %s: %.0f ticks, %.0f late, %.0f in gaps, %.0f interruptions, %.0f faults\n",
+      run.run, LocalTime(run.ended_unix_ms).c_str(), NumberIn(facts, {"ticks"}),
+      NumberIn(facts, {"late_ticks"}),
+      NumberIn(facts, {"gap_ticks"}) + NumberIn(facts, {"skipped_ticks"}),
+      NumberIn(facts, {"interruptions"}), NumberIn(facts, {"fault_count"}));
   for (const char* what : {"lateness", "tick"}) {
     std::printf("  %-8s  p50 %.1f  p99 %.1f  max %.1f us\n", what,
                 NumberIn(facts, {what, "p50_us"}), NumberIn(facts, {what, "p99_us"}),

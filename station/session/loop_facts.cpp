@@ -54,8 +54,9 @@ json::object DurationFacts(const DurationHistogram& h) {
 }
 
 std::string CountsText(const LoopCounters& counters) {
-  return fmt::format("{} ticks, {} late, {} in gaps, {} faults", counters.ticks,
-                     counters.late_ticks, counters.missed_ticks(), counters.faults);
+  return fmt::format("{} ticks, {} late, {} in gaps, {} interruptions, {} faults", counters.ticks,
+                     counters.late_ticks, counters.missed_ticks(), counters.interruptions,
+                     counters.faults);
 }
 
 json::object LoopFacts(const TickLoop& loop, const Device& device) {

@@ -19,7 +19,7 @@ inline constexpr int kLoopFactsVersion = 1;
 inline constexpr size_t kLoopFactsBytes = 150'000;
 boost::json::object LoopFacts(const TickLoop& loop, const Device& device);
 
-// "13844 ticks, 1 late, 3 in gaps, 0 faults": as the log and the operator's panel say it.
+// "13844 ticks, 1 late, 3 in gaps, 0 interruptions, 0 faults": as the log and the operator's panel say it.
 std::string CountsText(const LoopCounters& counters);
 
 // Member `faults`: each fault with the ticks that led to it.

@@ -330,8 +330,9 @@ TEST_F(ProgramTest, LoopsOfAnAttemptAreShownAsKept) {
   Outcome text = RunProgram("spool loops " + id.Text() + data());
   EXPECT_EQ(text.code, 0);
   for (const char* words :
-       {"run 0, ended 2023-11-", "120345 ticks, 1 late, 7 in gaps, 1 faults", "p99 71.0  max 7300",
-        "fault at tick 90211: the force was held too long", "run 1, ended ", "{\"version\":9}"}) {
+       {"run 0, ended 2023-11-", "120345 ticks, 1 late, 107 in gaps, 2 interruptions, 1 faults",
+        "p99 71.0  max 107300", "fault at tick 90211: the computer was busy", "run 1, ended ",
+        "{\"version\":9}"}) {
     EXPECT_NE(text.text.find(words), std::string::npos) << words << ": " << text.text;
   }
   EXPECT_EQ(text.text.find(" 0 ticks"), std::string::npos) << "nothing is made up: " << text.text;

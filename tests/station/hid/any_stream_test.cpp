@@ -327,16 +327,24 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     bus_.Plug(Plugged(Feature(), L"A1"));
     ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
     if (dice_.OneIn(2)) sequence_ = dice_.Any();
-    // The foot has stayed on the pedal: that is not a release, and no force returns.
-    const bool pedal = pedal_;
-    pedal_ = true;
+    // Back, and not yet for long enough.
     for (int i = 0; i < 5; ++i) {
       Send(Next());
       AwaitTaken();
       Tick();
       ASSERT_NE(loop_->fault(), Fault::kNone);
     }
-    pedal_ = pedal;
+  }
+
+  // Above the block, with a board that answers, until the fault has ended.
+  void Recover() {
+    hand_z_ = above_;
+    for (int i = 0; i < 300 && loop_->fault() != Fault::kNone; ++i) {
+      Send(Next());
+      ASSERT_NO_FATAL_FAILURE(AwaitTaken());
+      ASSERT_NO_FATAL_FAILURE(Tick());
+    }
+    ASSERT_EQ(loop_->fault(), Fault::kNone);
   }
 
   HidBus& bus_ = HidBus::Get();
@@ -359,9 +367,8 @@ TEST_P(AnyStreamTest, TheBoardsForceIsBoundedAndItsReportsCountAsTheDocumentSays
   for (int step = 0; step < 400; ++step) {
     bool stalled = dice_.OneIn(60);
     if (dice_.OneIn(40)) pedal_ = !pedal_;
-    if (loop_->fault() != Fault::kNone) {  // the operator acts on it, above the block
-      hand_z_ = above_;
-      if (dice_.OneIn(2)) pedal_ = !pedal_;
+    if (loop_->fault() != Fault::kNone && dice_.OneIn(8)) {
+      ASSERT_NO_FATAL_FAILURE(Recover()) << "step " << step;
     }
     if (dice_.OneIn(12)) pedal_ = dice_.OneIn(2);  // bounces
     if (dice_.OneIn(30)) bus_.HoldWrites(true);
@@ -405,7 +412,7 @@ TEST_P(AnyStreamTest, TheBoardsForceIsBoundedAndItsReportsCountAsTheDocumentSays
 }
 
 // A board that restarts with its cable in place, between two ticks.
-TEST_P(AnyStreamTest, AfterARestartTheForceStaysAwayUntilThePedalWasReleasedAndPressed) {
+TEST_P(AnyStreamTest, AfterARestartTheForceStaysAwayUntilTheBoardHasAnsweredForAWhile) {
   Open();
   for (int i = 0; i < 20; ++i) {
     Send(Next());
@@ -421,13 +428,7 @@ TEST_P(AnyStreamTest, AfterARestartTheForceStaysAwayUntilThePedalWasReleasedAndP
     ASSERT_NO_FATAL_FAILURE(Tick());
     ASSERT_EQ(loop_->fault(), Fault::kUnplugged);
   }
-  for (bool pedal : {false, true}) {
-    pedal_ = pedal;
-    Send(Next());
-    ASSERT_NO_FATAL_FAILURE(AwaitTaken());
-    ASSERT_NO_FATAL_FAILURE(Tick());
-  }
-  EXPECT_EQ(loop_->fault(), Fault::kNone);
+  ASSERT_NO_FATAL_FAILURE(Recover());
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AnyStreamTest, testing::Range(1u, 9u));

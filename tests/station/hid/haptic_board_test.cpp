@@ -754,7 +754,7 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
 }
 
 // In contact with a wall; the board's watchdog trips, and clears again.
-TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePedalAndFreeAir) {
+TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilFreeAir) {
   test::BlockPlan block = test::MakeBlockPlan();
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
@@ -789,15 +789,14 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
     ASSERT_EQ(force(), 0);
     ASSERT_EQ(loop.fault(), Fault::kSwitchedOff);
   }
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 300; ++i) {
     tick(z, kMotorsOn);
     ASSERT_EQ(force(), 0);
   }
-  tick(z, kMotorsOn, 1);  // pressed anew, but in the tooth
   EXPECT_EQ(loop.fault(), Fault::kNone);
   for (int i = 0; i < 20; ++i) {
     tick(z, kMotorsOn, 1);
-    ASSERT_EQ(force(), 0);
+    ASSERT_EQ(force(), 0) << "still in the tooth";
   }
 }
 

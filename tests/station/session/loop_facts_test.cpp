@@ -32,7 +32,7 @@ TEST(CountsTextTest, CountsEveryTickThatWasNotStepped) {
   counters.late_ticks = 1;
   counters.gap_ticks = 2;
   counters.skipped_ticks = 3;
-  EXPECT_EQ(CountsText(counters), "13844 ticks, 1 late, 5 in gaps, 0 faults");
+  EXPECT_EQ(CountsText(counters), "13844 ticks, 1 late, 5 in gaps, 0 interruptions, 0 faults");
   EXPECT_EQ(counters.passed_ticks(), 13849u);
 }
 
