@@ -1,7 +1,12 @@
 #include "station/desk/opening.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <utility>
 
+#include "common/base/file.h"
 #include "station/desk/station_facts.h"
 
 namespace enamel::station::desk {
@@ -32,6 +37,10 @@ OpeningProblem OpeningProblemOf(const language::Words& words, const Status& prob
     return {words.Say("opening.lost"), words.Say("opening.lost_safe"), elsewhere,
             problem.message() + ".\nPut its copy back as " + SpoolFile(data).string() +
                 ", then try again here."};
+  }
+  if (problem.field() == kWindowOpen) {
+    return {words.Say("opening.window"), words.Say("opening.window_safe"),
+            words.Say("opening.window_todo"), problem.message() + "."};
   }
   if (problem.field() == kServerOption) {
     return {words.Say("opening.address"), where_it_was, elsewhere,
@@ -70,9 +79,34 @@ OpeningProblem OpeningProblemOf(const language::Words& words, const Status& prob
 }
 
 Opening::Opening(WorkplaceOptions options) : options_(std::move(options)) {
+  problem_ = Lock();
+  if (!problem_.ok()) return;
   auto opened = Workplace::Open(options_);
   problem_ = opened.status();
   if (opened.ok()) workplace_ = std::move(*opened);
+}
+
+// flock rather than a file's existence: the system releases it when the program ends, in any way.
+Status Opening::Lock() {
+  if (lock_) return Status::Ok();
+  const std::filesystem::path path = options_.data / "window.lock";
+  auto file = std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  // No folder, or one that cannot be written: the workplace says so better.
+  if (file->get() < 0) return Status::Ok();
+  if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0) {
+    const auto pid = ReadFile(path, 32);
+    return Status(Code::kConflict,
+                  "process " + (pid.ok() ? std::string(AsText(*pid)) : std::string("?")) +
+                      " has the window of " + options_.data.string() +
+                      " open. A second window needs a folder of its own (--data); commands work "
+                      "beside it",
+                  kWindowOpen);
+  }
+  // For the message above only.
+  const std::string pid = std::to_string(::getpid());
+  if (::ftruncate(file->get(), 0) == 0) (void)!::write(file->get(), pid.data(), pid.size());
+  lock_ = std::move(file);
+  return Status::Ok();
 }
 
 std::vector<std::string> Opening::Lines() const {
@@ -83,6 +117,8 @@ std::vector<std::string> Opening::Lines() const {
 
 void Opening::TryAgain() {
   if (busy() || workplace_) return;
+  problem_ = Lock();
+  if (!problem_.ok()) return;
   task_.Start("trouble.looking", [this]() -> BackgroundTask::After {
     // A task's outcome is copied (std::function), but a workplace cannot be.
     auto opened = std::make_shared<Result<std::unique_ptr<Workplace>>>(Workplace::Open(options_));

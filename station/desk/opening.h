@@ -4,11 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "common/base/fd.h"
 #include "common/language/words.h"
 #include "station/desk/background_task.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
+
+// Field of the error when another window uses the folder.
+inline constexpr char kWindowOpen[] = "window_open";
 
 // Why the station cannot be used, for the student and for the administrator.
 struct OpeningProblem {
@@ -21,8 +25,10 @@ struct OpeningProblem {
 OpeningProblem OpeningProblemOf(const language::Words& words, const Status& problem,
                                 const std::filesystem::path& data);
 
-// Opens a workplace that may fail at first (not enrolled, a damaged spool, a disk that cannot be
-// written). Gives the reason and tries again on request. Thread safety: the window's thread.
+// Opens a window's workplace, which may fail at first (not enrolled, a damaged spool, a disk that
+// cannot be written). Gives the reason and tries again on request. One window at a time uses a
+// folder: another is refused (kConflict, field kWindowOpen) until this is destroyed or its program
+// ends in any way. Commands are not windows. Thread safety: the window's thread.
 class Opening {
  public:
   // Tries at once, and waits for the disk.
@@ -43,7 +49,10 @@ class Opening {
   void Tick() { task_.Poll(); }  // once a frame
 
  private:
+  Status Lock();
+
   const WorkplaceOptions options_;
+  std::unique_ptr<Fd> lock_;  // of the folder, for windows
   Status problem_;
   std::unique_ptr<Workplace> workplace_;
   BackgroundTask task_;

@@ -1,6 +1,7 @@
 #include "station/desk/opening.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -100,6 +101,32 @@ TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
     EXPECT_EQ(shown.operators.find(problem.message()), 0u) << "in the program's own words";
     EXPECT_EQ(shown.what.find("spool"), std::string::npos) << "students know no spool";
   }
+}
+
+TEST_F(OpeningTest, ASecondWindowIsRefusedWhileOneIsOpenAndCommandsAreNot) {
+  Enrol();
+  auto first = std::make_unique<Opening>(WorkplaceOptions{.data = data()});
+  ASSERT_NE(first->workplace(), nullptr) << first->problem().message();
+  Opening second({.data = data()});
+  EXPECT_EQ(second.workplace(), nullptr);
+  EXPECT_EQ(second.problem().field(), kWindowOpen);
+  const OpeningProblem shown = second.explained(kEnglish);
+  EXPECT_EQ(shown.what, "Another window of this station is open.");
+  EXPECT_NE(shown.operators.find("process " + std::to_string(::getpid()) + " has the window of"),
+            std::string::npos)
+      << shown.operators;
+  second.TryAgain();
+  Settle(second);
+  EXPECT_EQ(second.workplace(), nullptr);
+  // As 'upload', 'run' and 'spool list' open it.
+  EXPECT_TRUE(Workplace::Open({.data = data()}).ok());
+  EXPECT_TRUE(Spool::OpenToRead(data()).ok());
+  first.reset();
+  second.TryAgain();
+  Settle(second);
+  EXPECT_NE(second.workplace(), nullptr) << second.problem().message();
+  Opening third({.data = data()});
+  EXPECT_EQ(third.problem().field(), kWindowOpen) << "which is the one now";
 }
 
 TEST_F(OpeningTest, AnEmptySpoolIsNotOfferedToBeSalvaged) {
