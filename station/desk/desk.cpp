@@ -273,9 +273,13 @@ class Desk {
     const Words& words = flow_.words();
     const Snapshot newest = attempt.newest();
     if (newest.fault != Fault::kNone) {
-      content.fault = FaultSentence(words, newest.fault, attempt.device().problem());
+      content.fault =
+          FaultSentence(words, newest.fault, attempt.device().problem(), attempt.lacks_realtime());
     } else if (newest.put_down) {
       content.fault = words.Say("fault.in_holder");
+    }
+    if ((content.state.warnings & render::kWarnLate) != 0 && attempt.lacks_realtime()) {
+      content.state.warnings ^= render::kWarnLate | render::kWarnNoRealtime;
     }
     // Graded work and exams: a student who saw the zones would cut to the numbers.
     if (MayShowProgress(prepared)) {

@@ -203,6 +203,12 @@ Snapshot DeskAttempt::newest() {
   return run_ != nullptr ? run_->snapshot() : Snapshot();
 }
 
+bool DeskAttempt::lacks_realtime() const {
+  if (!held_->has_motors() || simulated()) return false;
+  return rehearsal_ != nullptr ? rehearsal_->lacks_realtime()
+                               : run_ != nullptr && run_->lacks_realtime();
+}
+
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   // As the loop begins: the first, or the one that was in use when the attempt was cut off.
   wanted_bur_ = prepared_.core ? prepared_.core->bur() : 0;

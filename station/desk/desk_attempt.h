@@ -81,6 +81,8 @@ class DeskAttempt {
   UnrecordedRun* rehearsal() { return rehearsal_.get(); }
   // The newest tick of the one that began last; nothing before it.
   Snapshot newest();
+  // Of the one that runs (RunningAttempt::lacks_realtime), for a device whose lateness matters.
+  bool lacks_realtime() const;
 
   // Turns this frame's mouse and key input into the device's pose. `held`: ignore it (a dialog is
   // open).

@@ -303,6 +303,7 @@ void Pages::ExerciseChoices(bool prepared) {
   bool resumed = flow_.way() == Way::kResumed;
   if (has_device) {
     ui_.Note(Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}}));
+    if (flow_.lacks_realtime()) ui_.Problem(Say("exercise.no_realtime"));
   }
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {

@@ -78,8 +78,9 @@ void Pages::Paused() {
   if (put_down) ui_.Text(Say("paused.in_holder"));
   ui_.Text(Say("paused.text"));
   if (run != nullptr) {
-    ui_.Problem(
-        FaultSentence(flow_.words(), run->snapshot().fault, flow_.attempt()->device().problem()));
+    ui_.Problem(FaultSentence(flow_.words(), run->snapshot().fault,
+                              flow_.attempt()->device().problem(),
+                              flow_.attempt()->lacks_realtime()));
   }
   ui_.Note(Say("paused.leave_text"));
   ui_.Gap(12);

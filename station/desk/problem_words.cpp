@@ -110,7 +110,8 @@ const char* FaultKey(Fault fault) {
   return "";
 }
 
-std::string FaultSentence(const language::Words& words, Fault fault, const Status& device) {
+std::string FaultSentence(const language::Words& words, Fault fault, const Status& device,
+                          bool lacks_realtime) {
   if (fault == Fault::kNone) return {};
   const std::string& cause = device.field();
   // The fault's own words are as precise and do not speak of looking for devices.
@@ -119,7 +120,9 @@ std::string FaultSentence(const language::Words& words, Fault fault, const Statu
   if (away && !same && trouble::IsListed(cause)) {
     return words.Say("fault.device", {{"reason", words.Say("device_trouble." + cause)}});
   }
-  return words.Say("fault.text", {{"reason", words.Say(FaultKey(fault))}});
+  const bool late = fault == Fault::kLateOnce || fault == Fault::kLateOften;
+  const char* key = late && lacks_realtime ? "fault.no_realtime" : FaultKey(fault);
+  return words.Say("fault.text", {{"reason", words.Say(key)}});
 }
 
 std::string NoScoreText(const language::Words& words, const Status& problem) {

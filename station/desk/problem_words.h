@@ -18,8 +18,10 @@ std::string NoScoreText(const language::Words& words, const Status& problem);
 // Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);
 // Why the force is off and what to do, as a sentence of the window. `device`: why its driver cannot reach
-// it (Device::problem), which is more precise than the fault where it names a cause. Empty for none.
-std::string FaultSentence(const language::Words& words, Fault fault, const Status& device);
+// it (Device::problem), which is more precise than the fault where it names a cause.
+// `lacks_realtime`: the loop has no real-time rights, so that a late tick is no wonder. Empty for none.
+std::string FaultSentence(const language::Words& words, Fault fault, const Status& device,
+                          bool lacks_realtime);
 
 // Why a device's force is softer than it could be; empty: it is not.
 std::string SofterText(const language::Words& words, scene::DelayUsed::From from,

@@ -7,6 +7,7 @@
 
 #include "station/desk/exercise_words.h"
 #include "station/desk/problem_words.h"
+#include "station/loop/realtime.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -15,6 +16,13 @@ using language::Words;
 
 // Few enough for one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
+
+// On a thread of its own, which takes the priority with it.
+bool LacksRealtime() {
+  bool lacks = false;
+  std::thread([&] { lacks = !RequestRealtime().steady(); }).join();
+  return lacks;
+}
 
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
@@ -237,7 +245,12 @@ void Workflow::LookForDevices() {
   if (busy()) return;
   task_.Start("task.devices", [this, language = words_.language()]() -> BackgroundTask::After {
     auto offers = DeviceOffers(Words(language), options_.simulated, options_.device);
-    return [this, offers = std::move(offers)] { TakeOffers(offers); };
+    // Before anybody cuts: the loop asks only then.
+    const bool lacks = std::ranges::any_of(offers, &DeviceOffer::felt) && LacksRealtime();
+    return [this, offers = std::move(offers), lacks] {
+      lacks_realtime_ = lacks;
+      TakeOffers(offers);
+    };
   });
 }
 

@@ -127,6 +127,10 @@ class Workflow {
   const ReservedAttempt& reserved_chosen() const { return reserved_[reserved_index_]; }
   const std::vector<DeviceOffer>& offers() const { return offers_; }
   size_t offer_index() const { return offer_; }
+  // A device with motors is chosen, and this program has no real-time rights.
+  bool lacks_realtime() const {
+    return lacks_realtime_ && offer_ < offers_.size() && offers_[offer_].felt;
+  }
   // Whether the ticket's device profile, if there is a ticket, allows this device.
   bool Fits(const DeviceOffer& offer) const;
   // The exercise chosen, once fetched; from kReady on the attempt has it.
@@ -304,7 +308,7 @@ class Workflow {
   Catalogue catalogue_;
   Catalogue::Exercise chosen_;
   Way way_ = Way::kTicket;
-  bool offline_ = false, as_reference_ = false, may_practise_ = false;
+  bool offline_ = false, as_reference_ = false, may_practise_ = false, lacks_realtime_ = false;
   std::vector<SpooledAttempt> cut_off_, handed_in_;
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;

@@ -16,6 +16,9 @@ struct RealtimeGrant {
   bool pinned = false;         // the thread runs on the requested processor
   // The refused requests, their consequence and how to allow them; empty if all were granted.
   std::string refused;
+
+  // Other programs cannot make ticks late.
+  bool steady() const { return fifo && memory_locked; }
 };
 
 // Applies to the calling thread (priority, processor) and the process (memory). Not real-time.

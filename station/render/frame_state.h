@@ -17,12 +17,13 @@ enum Warning : uint32_t {
   kWarnGap = 1u << 3,           // ticks were just lost: not recorded, not stepped
   kWarnOffline = 1u << 4,       // server not reachable: recording continues on the station
   kWarnPulpExposed = 1u << 5,
-  kWarnDisk = 1u << 6,     // the spool takes nothing at the moment
-  kWarnDevice = 1u << 7,   // the device reports nothing new
-  kWarnTime = 1u << 8,     // past the exercise's time limit
-  kWarnResumed = 1u << 9,  // resumed after an interruption: no cause for alarm
+  kWarnDisk = 1u << 6,         // the spool takes nothing at the moment
+  kWarnDevice = 1u << 7,       // the device reports nothing new
+  kWarnTime = 1u << 8,         // past the exercise's time limit
+  kWarnResumed = 1u << 9,      // resumed after an interruption: no cause for alarm
+  kWarnNoRealtime = 1u << 10,  // in place of kWarnLate, where the loop has no real-time rights
 };
-inline constexpr int kWarningCount = 10;
+inline constexpr int kWarningCount = 11;
 
 // The picture's facts of one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {

@@ -30,7 +30,7 @@ ImVec4 ColourFor(Bearing bearing) {
 constexpr std::array<const char*, kWarningCount> kWarnings = {
     "warning.press_less", "warning.uneven", "warning.force_off", "warning.held_up",
     "warning.offline",    "warning.pulp",   "warning.disk",      "warning.silent",
-    "warning.time",       "warning.resumed"};
+    "warning.time",       "warning.resumed",    "warning.no_realtime"};
 const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 
 struct Panel {

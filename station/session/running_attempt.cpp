@@ -115,6 +115,7 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
 void RunningAttempt::RunLoop(const AttemptOptions& options) {
   if (!options.lockstep) {
     RealtimeGrant grant = RequestRealtime({options.cpu});
+    lacks_realtime_ = !grant.steady();
     // Lateness is harmless without motors and in simulations.
     auto level = options.faults_when_late ? spdlog::level::warn : spdlog::level::info;
     if (!grant.refused.empty()) spdlog::log(level, "{}", grant.refused);

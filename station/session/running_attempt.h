@@ -68,6 +68,9 @@ class RunningAttempt : private TickObserver {
   // Errors: what is stored and what is lost. May be called again, and after End.
   Status Leave();
   bool ticking() const { return !loop_.finished(); }
+  // The system refused the loop's priority or memory lock (realtime.h), so that other programs can
+  // make ticks late. False until the loop has asked.
+  bool lacks_realtime() const { return lacks_realtime_; }
   // Stops waiting for a spool that takes nothing: it is tried once more after the end, then samples
   // in memory are lost.
   void GiveUp() { give_up_ = true; }
@@ -123,7 +126,8 @@ class RunningAttempt : private TickObserver {
   SampleRing ring_;
   Recorder recorder_;
   TickLoop loop_;
-  std::atomic<bool> give_up_{false}, done_{false}, ended_{false}, left_{false};
+  std::atomic<bool> give_up_{false}, done_{false}, ended_{false}, left_{false},
+      lacks_realtime_{false};
   Fault logged_ = Fault::kNone;  // of the recorder's thread
   Mutex joining_;
   mutable Mutex mutex_;

@@ -32,7 +32,7 @@ UnrecordedRun::UnrecordedRun(std::unique_ptr<core::Core> core, const PreparedAtt
       dropper_([this] { Drop(); }),
       ticker_([this, cpu = options.cpu] {
         // If refused, the attempt's own request reports it.
-        (void)RequestRealtime({cpu});
+        lacks_realtime_ = !RequestRealtime({cpu}).steady();
         loop_.Run();
       }) {}
 

@@ -35,6 +35,8 @@ class UnrecordedRun : private TickObserver {
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() { return loop_.snapshot(); }
   Found found();
+  // As RunningAttempt's.
+  bool lacks_realtime() const { return lacks_realtime_; }
 
  private:
   void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
@@ -48,6 +50,7 @@ class UnrecordedRun : private TickObserver {
   // Written by the tick.
   std::atomic<uint64_t> turning_ticks_{0};
   std::atomic<double> peak_force_n_{0};
+  std::atomic<bool> lacks_realtime_{false};
   std::thread dropper_, ticker_;
 };
 

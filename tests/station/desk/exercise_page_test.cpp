@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "station/desk/layout.h"
 #include "station/desk/pages.h"
 #include "tests/station/desk/played_board.h"
 #include "tests/station/hid/hid_double.h"
@@ -258,12 +259,15 @@ TEST_F(ExercisePageTest, ADeviceThatIsRepairedIsUsedInPlaceOfTheMouseThatNobodyC
   flow_->LookForDevices();
   Settle();
   EXPECT_EQ(flow_->offers()[flow_->offer_index()].title, "Bench arm");
+  EXPECT_EQ(ui_->words().find("no real-time rights") != std::string::npos, flow_->lacks_realtime());
+  EXPECT_TRUE(LayoutFaults().empty()) << LayoutFaults()[0];
   const auto mouse = FirstUsable(flow_->offers(), "pointer");
   flow_->ChooseOffer(mouse);
   Settle();
   flow_->LookForDevices();
   Settle();
   EXPECT_EQ(flow_->offer_index(), mouse) << "chosen on purpose";
+  EXPECT_FALSE(flow_->lacks_realtime()) << "which a mouse does not need";
   EXPECT_FALSE(flow_->missing_device());
 }
 

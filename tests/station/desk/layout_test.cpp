@@ -400,10 +400,14 @@ void LayoutTest::ExpectPanel() {
     content.state.warnings = render::kWarnDisk | render::kWarnOffline | render::kWarnTime;
     for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kTooSlow,
                         Fault::kUnplugged, Fault::kSwitchedOff}) {
-      content.fault = FaultSentence(words, fault, Status::Ok());
       stop = StopOf(fault, false, false);
       content.bur_away.reset();
-      Expect(std::string(FaultKey(fault)) + ", " + name, panel);
+      for (bool lacks_realtime : {false, true}) {
+        const std::string said = FaultSentence(words, fault, Status::Ok(), lacks_realtime);
+        if (said == content.fault) continue;
+        content.fault = said;
+        Expect(std::string(FaultKey(fault)) + ", " + name, panel);
+      }
     }
     content.fault.clear();
   }

@@ -153,5 +153,20 @@ TEST(SofterTextTest, SaysWhyAForceIsSofterAndThatOneMayBegin) {
   EXPECT_EQ(SofterText(kEnglish, From::kPoses, "Arm").find("Arm reports its position less"), 0u);
 }
 
+TEST(FaultSentenceTest, ALateLoopWithoutRealtimeRightsIsNotBlamedOnOtherPrograms) {
+  const auto said = [](Fault fault, bool lacks) {
+    return FaultSentence(kEnglish, fault, Status::Ok(), lacks);
+  };
+  for (const Fault late : {Fault::kLateOnce, Fault::kLateOften}) {
+    EXPECT_NE(said(late, true).find("has no real-time rights"), std::string::npos);
+    EXPECT_NE(said(late, true).find("enamel-station doctor"), std::string::npos) << "what to do";
+    EXPECT_EQ(said(late, false).find("real-time"), std::string::npos);
+    EXPECT_NE(said(late, false).find("busy"), std::string::npos);
+  }
+  for (const Fault other : {Fault::kNone, Fault::kStalled, Fault::kTooSlow, Fault::kUnplugged}) {
+    EXPECT_EQ(said(other, true), said(other, false));
+  }
+}
+
 }  // namespace
 }  // namespace enamel::station::desk

@@ -1,10 +1,14 @@
 #include "station/session/running_attempt.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <boost/json.hpp>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "station/session/workplace.h"
 #include "tests/station/session/faulty_disk.h"
@@ -32,6 +36,7 @@ class Plunging final : public Device {
     s.buttons = pedal ? kPedal : 0;
     s.bur_speed_krpm = pedal ? kTurbineSpeed_krpm : uint16_t{0};
     s.attached = attached;
+    policy = ::sched_getscheduler(0);
     ++reads;
     return s;
   }
@@ -43,6 +48,7 @@ class Plunging final : public Device {
 
   std::atomic<uint64_t> reads{0}, zeros_in_a_row{0}, pushed{0};
   std::atomic<bool> attached{true}, pedal{true};
+  std::atomic<int> policy{-1};  // of the loop's thread, in the system's own words
 
  private:
   int32_t z_;
@@ -239,6 +245,20 @@ TEST_F(RunningAttemptTest, EndedItIsSealedAlsoIfTheProgramIsStoppedThen) {
 }
 
 // While the disk takes nothing no tick is stepped, and the attempt may end in that state.
+TEST_F(RunningAttemptTest, WhetherItLacksRealtimeRightsIsWhatTheSystemSays) {
+  Plunging device(above_, above_);
+  auto run = Begin(device);
+  ASSERT_TRUE(Await([&] { return device.reads > 10; }));
+  std::ifstream file("/proc/self/status");
+  const std::string status{std::istreambuf_iterator<char>(file), {}};
+  const size_t locked = status.find("VmLck:");
+  ASSERT_NE(locked, std::string::npos);
+  const bool has_both =
+      device.policy == SCHED_FIFO && std::strtoull(&status[locked + 6], nullptr, 10) > 0;
+  EXPECT_EQ(run->lacks_realtime(), !has_both);
+  EXPECT_TRUE(run->Leave().ok());
+}
+
 TEST_F(RunningAttemptTest, AFaultWhileTheDiskHoldsTheLoopIsLoggedThen) {
   LogLines log;
   Plunging device(above_, above_);
