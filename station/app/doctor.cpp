@@ -258,14 +258,18 @@ Finding Graphics() {
 Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
                   const std::vector<sdk::SdkDevice>& driven) {
   std::string there;
-  bool usable = true, has_pedal = false;
+  bool usable = true, has_pedal = false, stands_in = false;
   const auto add = [&](const std::string& device, const Status& problem, bool is_borne) {
     there += (there.empty() ? "" : "; ") + device + (problem.ok() ? "" : ", " + problem.message());
     usable = usable && (problem.ok() || is_borne);
+    stands_in = stands_in || is_borne;
   };
   for (const hid::HidInfo& info : attached) {
     if (hid::Recognise(info) == hid::HidKind::kOther) continue;
-    const Status problem = hid::WhyNotUsable(info);
+    Status problem = hid::WhyNotUsable(info);
+    if (problem.ok() && hid::Recognise(info) == hid::HidKind::kHapticBoard) {
+      problem = hid::AskBoard(info).status();
+    }
     has_pedal = has_pedal || (hid::Recognise(info) == hid::HidKind::kFootPedal && problem.ok());
     add(hid::DeviceNameOf(info) + " (" + info.name + ")", problem, false);
   }
@@ -277,7 +281,8 @@ Finding DevicesOf(const std::vector<hid::HidInfo>& attached,
   if (there.empty()) {
     return {"devices", Verdict::kWarn, "none attached: mouse and simulated device are there", ""};
   }
-  return {"devices", Verdict::kOk, there, ""};
+  // The bur stays upright: nobody should learn with that unawares.
+  return {"devices", stands_in ? Verdict::kWarn : Verdict::kOk, there, ""};
 }
 
 Finding DelayOf(const fs::path& data, const sdk::SdkDevice& device) {

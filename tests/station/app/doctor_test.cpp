@@ -87,7 +87,18 @@ TEST(DoctorTest, ADeviceThatCannotBeOpenedIsAFailureWithTheRemedy) {
   EXPECT_NE(finding.found.find("DeviceAllow=char-hidraw rw"), std::string::npos) << finding.found;
 }
 
-TEST(DoctorTest, AnInverse3WithoutAGripFailsUnlessAFootPedalIsThere) {
+// Its file can be opened, and nothing in it answers.
+TEST(DoctorTest, ABoardThatDoesNotDescribeItselfIsAFailure) {
+  hid::HidInfo board;
+  board.path = "/dev/null";
+  board.usage_page = hid::kBoardUsagePage;
+  board.usage = hid::kBoardUsage;
+  const Finding finding = DevicesOf({board}, {});
+  EXPECT_EQ(finding.verdict, Verdict::kFail);
+  EXPECT_NE(finding.found.find("/dev/null"), std::string::npos) << finding.found;
+}
+
+TEST(DoctorTest, AnInverse3WithoutAGripFailsAndWithAFootPedalWarns) {
   const sdk::SdkDevice arm{"inverse3",
                            "Inverse3 049D",
                            "inverse3",
@@ -101,7 +112,7 @@ TEST(DoctorTest, AnInverse3WithoutAGripFailsUnlessAFootPedalIsThere) {
   pedal.vendor = 0x05f3;
   pedal.product = 0x00ff;
   const Finding finding = DevicesOf({pedal}, {arm});
-  EXPECT_EQ(finding.verdict, Verdict::kOk);
+  EXPECT_EQ(finding.verdict, Verdict::kWarn);
   EXPECT_NE(finding.found.find("no grip is connected"), std::string::npos) << finding.found;
 }
 
