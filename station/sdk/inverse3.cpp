@@ -27,6 +27,8 @@ struct Model {
 constexpr std::array kModels = {Model{"inverse3", "Inverse3"}, Model{"inverse3x", "Inverse3x"},
                                 Model{"minverse", "MinVerse"}};
 constexpr std::chrono::seconds kInventoryPatience{1};
+// Answers with a position and no orientation: a grip without a cable may sleep.
+constexpr int kQuestionsOfAGrip = 50;
 // Answers without a position to a force in one form, before the other form is tried.
 constexpr int kQuestionsOfAForm = 20;
 // The service's documentation names a force's member in the first way, public clients in the second.
@@ -84,10 +86,12 @@ std::string NameOf(const json::value& device) {
 }
 std::string UnitNamed(const std::string& id) { return "inverse3:" + id; }
 
-// The wired grip, else the wireless one; null: neither is connected.
+// The wired grip, else the wireless one, else one that somebody built; null: none is connected.
 const json::value* GripIn(const json::value& message) {
-  const json::value* grip = Listed(message, "verse_grip", {});
-  return grip == nullptr ? Listed(message, "wireless_verse_grip", {}) : grip;
+  for (const char* list : {"verse_grip", "wireless_verse_grip", "custom_verse_grip"}) {
+    if (const json::value* grip = Listed(message, list, {}); grip != nullptr) return grip;
+  }
+  return nullptr;
 }
 
 // Why the device cannot be used now, and what to do; empty: it can.
@@ -176,6 +180,7 @@ class Inverse3 final : public AnsweringBus {
     return Got::kClosed;
   }
   Heard Understand(Pose& out) override {
+    has_position_ = false;
     boost::system::error_code error;
     const json::value message = json::parse(text_, error);
     return error ? Heard::kRefused : Take(message, out);
@@ -193,6 +198,14 @@ class Inverse3 final : public AnsweringBus {
   // against a form: one that is merely late must not leave the other form chosen, without a force.
   Result<bool> IsReady(Heard heard, const Pose&) override {
     if (heard == Heard::kPose) return true;
+    if (has_position_) {
+      if (++without_grip_ < kQuestionsOfAGrip) return false;
+      return Status(Code::kUnavailable,
+                    Name() +
+                        ": its grip sends no orientation: press a button on the grip to wake it, "
+                        "or connect it again",
+                    trouble::kNoGrip);
+    }
     if (++without_position_ < kQuestionsOfAForm) return false;
     without_position_ = 0;
     if (++form_ < kForms.size()) return false;
@@ -226,7 +239,7 @@ class Inverse3 final : public AnsweringBus {
                       ": choose the profile " + type,
                   trouble::kModel);
   }
-  Heard Take(const json::value& message, Pose& out) const {
+  Heard Take(const json::value& message, Pose& out) {
     // A service that restarted has another session; the device's settings and calibration are lost.
     const std::string session = Text(Member(&message, "session_id"));
     if (!session.empty() && session != session_) return Heard::kGone;
@@ -240,6 +253,7 @@ class Inverse3 final : public AnsweringBus {
     const double none = std::nan("");
     out.tip_m = {Number(Member(at, "x"), none), Number(Member(at, "y"), none),
                  Number(Member(at, "z"), none)};
+    has_position_ = CanBe(out);  // its orientation is still the identity
     return !has_grip_ || TakeGrip(message, out) ? Heard::kPose : Heard::kRefused;
   }
   // False: it is away or its turn is none, and the bur must not jump to another.
@@ -265,9 +279,10 @@ class Inverse3 final : public AnsweringBus {
   const bool has_pedal_;
   const std::unique_ptr<WebSocket> socket_;
   std::string text_, id_, name_, session_;
-  bool has_grip_ = false;
+  bool has_grip_ = false;      // at the beginning
+  bool has_position_ = false;  // the newest answer
   size_t form_ = 0;
-  int without_position_ = 0;
+  int without_position_ = 0, without_grip_ = 0;
 };
 
 struct Place {

@@ -158,8 +158,9 @@ struct EmulatedInverse3::Service {
       held["button"] = button;
     }
     const json::value one{{"device_id", "61548"}, {"state", std::move(held)}};
-    out["verse_grip"] = gripped && !wireless ? json::array{one} : json::array{};
-    out["wireless_verse_grip"] = gripped && wireless ? json::array{one} : json::array{};
+    out["verse_grip"] = gripped && !wireless && !built ? json::array{one} : json::array{};
+    out["wireless_verse_grip"] = gripped && wireless && !built ? json::array{one} : json::array{};
+    if (gripped && built) out["custom_verse_grip"] = json::array{one};
     return out;
   }
 
@@ -172,7 +173,8 @@ struct EmulatedInverse3::Service {
   // Guarded by arm.mutex_.
   dvec3 tip_m{0, 0.15, 0.1};
   std::array<double, 4> grip{-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // points down
-  bool button = false, wireless = false, truncated = false, connected = true, gripped = true;
+  bool button = false, wireless = false, truncated = false, connected = true, gripped = true,
+       built = false;
   Bytes babble;
   std::string type = "inverse3", id = kId, form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
@@ -254,6 +256,11 @@ void EmulatedInverse3::HasGrip(bool has) {
 void EmulatedInverse3::IsOf(const std::string& type) {
   std::lock_guard lock(mutex_);
   service_->type = type;
+}
+
+void EmulatedInverse3::HasBuiltGrip() {
+  std::lock_guard lock(mutex_);
+  service_->built = true;
 }
 
 void EmulatedInverse3::Babble(const Bytes& bytes) {

@@ -36,6 +36,8 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Grip(const std::array<double, 4>& xyzw, bool button, bool wireless);
   // Connects a grip to the service, or disconnects it.
   void HasGrip(bool has);
+  // The grip is one that somebody built: the service lists it as custom_verse_grip.
+  void HasBuiltGrip();
   // Sets its config.type: "inverse3", "minverse".
   void IsOf(const std::string& type);
   // Sessions from now on get these bytes again and again in place of messages.

@@ -677,6 +677,26 @@ TEST(Inverse3Test, WithoutAGripItNeedsAFootPedal) {
   }
 }
 
+TEST(Inverse3Test, AGripThatSomebodyBuiltTurnsTheBur) {
+  EmulatedInverse3 service;
+  service.HasBuiltGrip();
+  service.Grip({0, 0, 0, 1}, true, false);
+  EXPECT_TRUE(FindInverse3At(service.address())[0].problem.ok());
+  auto device = MustOpen(service);
+  const DeviceSample s = Next(*device);
+  EXPECT_NEAR((FromQuantised(s.orientation).Matrix() * dvec3(0, 0, -1)).y, 1, 1e-3);
+  EXPECT_EQ(s.buttons, kPedal);
+}
+
+// The service and its force are not to blame.
+TEST(Inverse3Test, AGripWithoutAnOrientationIsNamedWhenItIsOpened) {
+  EmulatedInverse3 service;
+  service.Grip({0, 0, 0, 0}, false, true);
+  const Status refused = OpenInverse3({service.address(), 1, 0.1}).status();
+  EXPECT_EQ(refused.field(), trouble::kNoGrip) << refused.message();
+  EXPECT_NE(refused.message().find("wake it"), std::string::npos) << refused.message();
+}
+
 TEST(Inverse3Test, ItsModelChoosesTheProfileAndAnothersForceIsRefused) {
   EmulatedInverse3 service;
   for (const auto& [type, name] : {std::pair{"inverse3", "Inverse3 049D"},
