@@ -15,8 +15,8 @@ using namespace std::chrono;
 // An answer that did not come within this time is lost. While opening, the driver waits so long for each.
 constexpr milliseconds kLost{50};
 constexpr seconds kSilence{1};
-// More than questions can be owed within kLost, one a tick.
-constexpr int kMostDropped = 64;
+// Answers in one exchange that nobody asked for. After more of them the next one may be old, however many are dropped.
+constexpr int kMostUnasked = 64;
 // So many answers in a row that nobody understands are another device's, or noise.
 constexpr int kMostRefused = 100;
 // No arm reaches so far. The squares of a quaternion's length between 0.9 and 1.1. As in PolledDevice.
@@ -41,7 +41,11 @@ PolledBus::Heard AnsweringBus::Read(Pose& out) {
 }
 
 bool AnsweringBus::Send(const dvec3& force_n) {
-  if (!DropLate()) return false;
+  if (!DropLate()) {
+    // It may still listen, and not every device has a watchdog: the last it hears is no force.
+    (void)Ask(dvec3(0));
+    return false;
+  }
   owed_.push_back(Clock::now());
   return Ask(Limited(force_n, peak_n_));
 }
@@ -64,12 +68,12 @@ AnsweringBus::Got AnsweringBus::Next(microseconds patience) {
 
 // An answer that came too late answers nothing any more: kept, each later answer would be one exchange
 // old. Where an answer came while several were owed, this waits for the others. False: the device is
-// detached.
+// detached, or sends so much unasked that its newest pose is not at hand.
 bool AnsweringBus::DropLate() {
   const auto until = Clock::now() + (is_unsure_ ? patience_ : milliseconds(0));
   Got got = Got::kAnswer;
-  // A device that never ceases to send is not waited for.
-  for (int dropped = 0; got == Got::kAnswer && dropped < kMostDropped; ++dropped) {
+  for (int unasked = 0; got == Got::kAnswer; unasked += owed_.empty()) {
+    if (unasked > kMostUnasked) return false;
     const auto left = owed_.empty() ? Clock::duration(0) : until - Clock::now();
     got = Next(std::max(microseconds(0), duration_cast<microseconds>(left)));
   }

@@ -749,22 +749,24 @@ TEST(SerialArmTest, APortThatSendsWithoutEndIsRefusedInTime) {
   EXPECT_EQ(refused.field(), trouble::kSilent) << refused.message();
 }
 
-// Reports of the right size, more than anybody asked for.
-TEST(HidArmTest, OneThatSendsWithoutEndIsReadInTime) {
+// Reports of the right size, more than anybody asked for: the next one may be old.
+TEST(HidArmTest, OneThatSendsWithoutEndIsRefusedInTimeAndLeftWithForceZero) {
   HidBus::Get().Reset();
   testing_support::ScriptedHid arm;
   arm.path = "/dev/null";
   arm.vendor = 0x1234;
   arm.product = 0x0006;
-  arm.endless = Bytes(8);
+  arm.answer = [](ByteView) { return Bytes(8); };
   HidBus::Get().Plug(arm);
   auto bus = OpenWoodenHaptics({"", 5, 0.3});
   ASSERT_TRUE(bus.ok()) << bus.status().message();
-  PolledBus::Pose pose;
-  for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE((*bus)->Send(dvec3(0)));
-    EXPECT_EQ((*bus)->Read(pose), PolledBus::Heard::kPose);
-  }
+  ASSERT_TRUE((*bus)->Send(dvec3(0, 0, 1)));
+  EXPECT_NE(HidBus::Get().Written().back(), Bytes(9));
+  arm.endless = Bytes(8);
+  HidBus::Get().Plug(arm);
+  EXPECT_FALSE((*bus)->Send(dvec3(0, 0, 1)));
+  EXPECT_EQ(HidBus::Get().Written().back(), Bytes(9));
+  EXPECT_EQ(OpenWoodenHaptics({"", 5, 0.3}).status().code(), Code::kUnavailable);
   bus->reset();
   HidBus::Get().Reset();
 }
