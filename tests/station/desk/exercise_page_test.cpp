@@ -207,7 +207,7 @@ TEST_F(ExercisePageTest, NobodyCutsWithTheMouseInPlaceOfABrokenDeviceByHabit) {
   ASSERT_EQ(flow_->dialog(), Dialog::kFallback) << flow_->problem();
   EXPECT_EQ(ui_->page(), "fallback");
   EXPECT_NE(ui_->words().find("Bench arm cannot be used"), std::string::npos) << ui_->words();
-  EXPECT_NE(ui_->words().find("This station may not use the device."), std::string::npos)
+  EXPECT_NE(ui_->words().find("The device is not connected."), std::string::npos)
       << ui_->words();
   Press(render::kKeyEnter);
   EXPECT_EQ(flow_->dialog(), Dialog::kNone);
