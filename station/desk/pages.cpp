@@ -239,6 +239,7 @@ void Pages::Exercise() {
   if (ref.exam) ui_.Note(Say(ref.sign_off ? "exercise.exam_signed" : "exercise.exam"));
   ui_.Problem(flow_.problem().empty() ? RefusalText(flow_.words(), ref) : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
+  if (flow_.lacks_realtime()) ui_.Problem(Say("exercise.no_realtime"));
   const PreparedAttempt* prepared = flow_.preview();
   ui_.BeginList("facts");
   if (prepared != nullptr) {
@@ -301,10 +302,10 @@ void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.ok();
   bool resumed = flow_.way() == Way::kResumed;
-  if (has_device) {
-    ui_.Note(Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}}));
-    if (flow_.lacks_realtime()) ui_.Problem(Say("exercise.no_realtime"));
-  }
+  // A line without a device, too: buttons must not move while somebody clicks.
+  ui_.Note(has_device
+               ? Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}})
+               : " ");
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {
     ui_.Focus(Say(resumed ? "exercise.go_on" : "exercise.start"));
