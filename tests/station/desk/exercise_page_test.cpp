@@ -207,8 +207,7 @@ TEST_F(ExercisePageTest, NobodyCutsWithTheMouseInPlaceOfABrokenDeviceByHabit) {
   ASSERT_EQ(flow_->dialog(), Dialog::kFallback) << flow_->problem();
   EXPECT_EQ(ui_->page(), "fallback");
   EXPECT_NE(ui_->words().find("Bench arm cannot be used"), std::string::npos) << ui_->words();
-  EXPECT_NE(ui_->words().find("The device is not connected."), std::string::npos)
-      << ui_->words();
+  EXPECT_NE(ui_->words().find("The device is not connected."), std::string::npos) << ui_->words();
   Press(render::kKeyEnter);
   EXPECT_EQ(flow_->dialog(), Dialog::kNone);
   EXPECT_EQ(flow_->place(), Place::kExercise) << "it looked for devices again";
