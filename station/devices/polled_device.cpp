@@ -27,17 +27,6 @@ int64_t Now_ns() {
 
 int64_t Now_us() { return Now_ns() / 1000; }
 
-// Within a tenth of unit length, as a board's (haptic_board.cpp). Comparisons with what is not a number
-// fail.
-bool IsTurn(const Quat& q) {
-  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-  return square > 0.81 && square < 1.21;
-}
-
-bool IsPose(const PolledBus::Pose& pose) {
-  return Dot(pose.tip_m, pose.tip_m) < kFarthest_m * kFarthest_m && IsTurn(pose.orientation);
-}
-
 // Looking for a device takes the processor for milliseconds, which the tick's priority must not give it.
 void TakeOrdinaryPriority() {
   const sched_param ordinary{};
@@ -45,6 +34,13 @@ void TakeOrdinaryPriority() {
 }
 
 }  // namespace
+
+// Comparisons with what is not a number fail.
+bool CanBe(const PolledBus::Pose& pose) noexcept {
+  const Quat& q = pose.orientation;
+  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  return Dot(pose.tip_m, pose.tip_m) < kFarthest_m * kFarthest_m && square > 0.81 && square < 1.21;
+}
 
 scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept {
   const auto us = [&](double share) {
@@ -161,7 +157,7 @@ bool PolledDevice::IsReached(const dvec3& tip_m) {
 bool PolledDevice::Hear(int64_t& asked_ns) {
   PolledBus::Pose read;
   const PolledBus::Heard heard = bus_->Read(read);
-  if (heard == PolledBus::Heard::kPose && IsPose(read) && IsReached(read.tip_m)) {
+  if (heard == PolledBus::Heard::kPose && CanBe(read) && IsReached(read.tip_m)) {
     pose_ = read;
     posed_ = true;
     posed_us_ = Now_us();

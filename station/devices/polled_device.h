@@ -52,6 +52,10 @@ class PolledBus {
   }
 };
 
+// True if a device can mean it: a tip within 10 m, and a quaternion within a tenth of unit length, as a
+// board's (haptic_board.cpp). False for what is not a number.
+bool CanBe(const PolledBus::Pose& pose) noexcept;
+
 // Of the times between questions and whole answers.
 scene::AnswerTime AnswerTimeOf(const DurationHistogram& answers_ns) noexcept;
 
@@ -61,9 +65,9 @@ using ReopenBus = std::function<Result<std::unique_ptr<PolledBus>>()>;
 // Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
 // values with the tick. A device that only answers has one exchange for each tick in which the loop has
 // seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not
-// renewed falls to 0 (ForceKeeper). What is no pose is left out and counted as refused: not finite,
-// farther than 10 m, or an orientation that is no turn. So is a jump of more than kFar, until kAgreeing
-// poses in a row agree on it: noise seldom does. The loop has no force by then.
+// renewed falls to 0 (ForceKeeper). What no device can mean (CanBe) is left out and counted as refused. So
+// is a jump of more than kFar, until kAgreeing poses in a row agree on it: noise seldom does. The loop has
+// no force by then.
 //
 // A device that is detached, or gives no pose for kSilentFor, is away: `attached` is false and its bus is
 // closed with force 0. With `reopen` the bus is then opened again, after kFirstWait and each time twice as

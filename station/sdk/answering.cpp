@@ -19,8 +19,6 @@ constexpr seconds kSilence{1};
 constexpr int kMostUnasked = 64;
 // So many answers in a row that nobody understands are another device's, or noise.
 constexpr int kMostRefused = 100;
-// No arm reaches so far. The squares of a quaternion's length between 0.9 and 1.1. As in PolledDevice.
-constexpr double kFarthest_m = 10, kLeastSquare = 0.81, kMostSquare = 1.21;
 // Exchanges that are timed, and how many of them may be late before it is not now and then.
 constexpr int kTimedAnswers = 100, kFewLate = 10, kManyLate = kTimedAnswers / 2;
 
@@ -122,14 +120,6 @@ Status AnsweringBus::ChoosePatience() {
   }
   patience_ = late > kFewLate ? kLongestPatience : kAnswerPatience;
   return Status::Ok();
-}
-
-// Comparisons with what is not a number fail.
-bool CanBe(const PolledBus::Pose& pose) noexcept {
-  const Quat& q = pose.orientation;
-  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-  return Dot(pose.tip_m, pose.tip_m) < kFarthest_m * kFarthest_m && square > kLeastSquare &&
-         square < kMostSquare;
 }
 
 Status SaysNothing(const std::string& name) {

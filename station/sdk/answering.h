@@ -63,10 +63,6 @@ class AnsweringBus : public PolledBus {
   std::optional<Clock::time_point> unsure_since_;
 };
 
-// True if a device can mean it: a tip that an arm reaches, and a quaternion near unit length. False for
-// what is not a number.
-bool CanBe(const PolledBus::Pose& pose) noexcept;
-
 // Of a device that gives no first pose.
 Status SaysNothing(const std::string& name);
 // Sends force 0 until the first pose, for a second. Errors: SaysNothing.
