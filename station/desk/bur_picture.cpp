@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "station/desk/pages.h"
+#include "station/render/lines.h"
 #include "station/render/revolve.h"
 
 namespace enamel::station::desk {
@@ -76,36 +78,67 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm)
 }
 
 void DrawBurChoice(const std::vector<scene::BurSpec>& burs, const render::FrameState& state,
-                   const Words& words, const render::Fonts& fonts, int width, int height) {
+                   const Words& words, const render::Fonts& fonts, const render::Canvas& canvas) {
   if (burs.size() < 2) return;
-  const float px = fonts.scale, mm = 14 * px, edge = 10 * px, wide = 400 * px;
+  const auto w = static_cast<float>(canvas.width);
+  const float px = fonts.scale, mm = 14 * px, edge = 10 * px;
+  const float wide = render::ChoiceWidth(fonts, canvas) - 2 * edge;
   const ImFont* font = fonts.near;
   ImDrawList* list = ImGui::GetForegroundDrawList();
+  auto text_of = [&](const std::string& text) {
+    return text.empty() ? text : render::InLines(text, wide - 2 * edge, *font);
+  };
   auto tall = [&](const std::string& text) {
-    return font->CalcTextSizeA(font->FontSize, 1e6f, wide - 2 * edge, text.c_str()).y;
+    return text.empty() ? 0 : font->CalcTextSizeA(font->FontSize, FLT_MAX, 0, text.c_str()).y;
   };
   auto write = [&](const std::string& text, ImVec2 at) {
-    list->AddText(font, font->FontSize, at, kScale, text.c_str(), nullptr, wide - 2 * edge);
+    list->AddText(font, font->FontSize, at, kScale, text.c_str());
+  };
+  struct Row {
+    cutting::Bur bur;
+    std::string text;
+    float body = 0;
   };
   // Below the warnings, which are at the top.
-  ImVec2 at{static_cast<float>(width) - wide - 2 * edge, 0.3f * static_cast<float>(height)};
-  for (size_t i = 0; i < burs.size(); ++i) {
-    const std::string text = BurText(words, burs[i]);
-    const cutting::Bur bur = burs[i].metric();
-    const float body = 2e3f * static_cast<float>(bur.radius_m) * mm;
-    const ImVec2 end{at.x + wide, at.y + body + tall(text) + 3 * edge};
+  ImVec2 at{canvas.left_handed ? 2 * edge : w - wide - 2 * edge,
+            0.3f * static_cast<float>(canvas.height)};
+  std::string waits = state.bur_waits ? text_of(words.Say("bur.waits")) : "";
+  const size_t current = std::min<size_t>(state.bur, burs.size() - 1);
+  std::vector<Row> rows;
+  for (const scene::BurSpec& bur : burs) {
+    rows.push_back({bur.metric(), text_of(BurText(words, bur)),
+                    2e3f * static_cast<float>(bur.metric().radius_m) * mm});
+  }
+  const auto fits = [&] {
+    float height = waits.empty() ? 0 : tall(waits) + 3 * edge;
+    for (const Row& row : rows) height += row.body + tall(row.text) + 4 * edge;
+    return at.y + height <= canvas.floor;
+  };
+  // With less room without the others' words, then without the others, then without words.
+  for (size_t i = 0; i < rows.size() && !fits(); ++i) {
+    if (i != current) rows[i].text.clear();
+  }
+  size_t first = 0;
+  if (!fits()) {
+    rows = {rows[current]};
+    first = current;
+  }
+  if (!fits()) rows[0].text.clear();
+  if (!fits()) waits.clear();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Row& row = rows[i];
+    const ImVec2 end{at.x + wide, at.y + row.body + tall(row.text) + 3 * edge};
     list->AddRectFilled(at, end, kBehindBurs, edge);
-    if (i == state.bur) list->AddRect(at, end, kScale, edge, 0, 3 * px);
-    const ImVec2 tip{at.x + edge, at.y + edge + 0.5f * body};
+    if (first + i == current) list->AddRect(at, end, kScale, edge, 0, 3 * px);
+    const ImVec2 tip{at.x + edge, at.y + edge + 0.5f * row.body};
     list->PushClipRect(at, end, true);
-    DrawOutline(render::BurShankOutline(bur), tip, mm, kShank, list);
-    DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead, list);
+    DrawOutline(render::BurShankOutline(row.bur), tip, mm, kShank, list);
+    DrawOutline(render::BurHeadOutline(row.bur), tip, mm, kHead, list);
     list->PopClipRect();
-    write(text, {at.x + edge, at.y + body + 2 * edge});
+    write(row.text, {at.x + edge, at.y + row.body + 2 * edge});
     at.y = end.y + edge;
   }
-  if (!state.bur_waits) return;
-  const std::string waits = words.Say("bur.waits");
+  if (waits.empty()) return;
   list->AddRectFilled(at, {at.x + wide, at.y + tall(waits) + 2 * edge}, kBehindBurs, edge);
   write(waits, {at.x + edge, at.y + edge});
 }

@@ -221,7 +221,7 @@ class Desk {
     const bool mirror = render::HoldsMirror(screen_, attempt.view());
     render::SteerCamera(screen_, camera, !attempt.by_pointer() && !mirror);
     if (mirror || !attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
-    auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
+    auto share = [&](double d) { return static_cast<float>(d / screen_.shorter_side()); };
     camera.Orbit(share(screen_.moved_x()), share(screen_.moved_y()));
     for (const render::InputEvent& event : screen_.events()) {
       if (event.kind == render::InputEvent::Kind::kWheel) {
@@ -287,11 +287,13 @@ class Desk {
       content.reach = attempt.reach();
     }
     if (content.state.warnings & render::kWarnDisk) render::HideProgress(content);
-    const Stop stop = flow_.dialog() == Dialog::kNone
-                          ? StopOf(newest.fault, newest.put_down,
-                                   (content.state.warnings & render::kWarnDisk) != 0)
-                          : Stop::kNone;  // which says why itself
-    if (stop == Stop::kNone) {
+    const bool dialog = flow_.dialog() != Dialog::kNone;  // which says why itself
+    const Stop stop = dialog ? Stop::kNone
+                             : StopOf(newest.fault, newest.put_down,
+                                      (content.state.warnings & render::kWarnDisk) != 0);
+    // Arrow and burs would be drawn over it.
+    const bool free = stop == Stop::kNone && !dialog;
+    if (free) {
       content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     }
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
@@ -299,17 +301,18 @@ class Desk {
       content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
     }
     const std::vector<scene::BurSpec> burs = prepared.exercise.burs();
-    if (burs.size() > 1) content.hint += "   " + words.Say("hint.bur");
+    content.several_burs = burs.size() > 1;
+    if (content.several_burs) content.hint += "   " + words.Say("hint.bur");
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
-    render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
-    if (stop == Stop::kNone) {
-      DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), screen_.width(),
-                    screen_.height());
+    const render::Canvas canvas =
+        render::DrawPanel(content, words, screen_.fonts(), {screen_.width(), screen_.height()});
+    ui_.Over(canvas);
+    if (free) {
+      DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), ui_.AbovePage(canvas));
     }
     const bool kept = flow_.place() == Place::kRunning;
-    DrawStop(stop, kept ? words.Say("stop.kept") : std::string(), screen_.fonts(), screen_.width(),
-             screen_.height());
+    DrawStop(stop, kept ? words.Say("stop.kept") : std::string(), screen_.fonts(), canvas);
   }
 
   void Sound() {

@@ -226,8 +226,8 @@ void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
   } else {
     render::Camera& camera = view_->camera();
     mapping.SetView(dvec3(camera.Right()), dvec3(camera.TowardViewer()),
-                    // Metres a pixel: the picture is two radii high.
-                    2e-3 * camera.radius_mm() / screen.height());
+                    // Metres a pixel: the picture is two radii high, an upright one as wide.
+                    2e-3 * camera.radius_mm() / screen.shorter_side());
     mapping.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
     mapping.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
     bool pedal = screen.button(render::kMouseLeft) || screen.key(render::kKeySpace);

@@ -55,7 +55,7 @@ void Workflow::ChoosePassword(const std::string& chosen, const std::string& agai
 }
 
 void Pages::FirstPassword() {
-  ui_.Begin("first-password", {0.2f, 0.06f, 0.6f, 0.9f, false});
+  ui_.Begin("first-password", Column(0.02f, 0.96f, 0.6f));
   ui_.Title(Say("first_password.title"));
   ui_.Text(Say("first_password.text"));
   if (ui_.Field(Say("first_password.new"), password_, true)) ui_.Focus(Say("first_password.again"));

@@ -141,7 +141,7 @@ bool Covers(const std::string& name) { return name == "dialog" || name == "opera
 
 }  // namespace
 
-std::vector<std::string> LayoutFaults() {
+std::vector<std::string> LayoutFaults(std::span<const Choice> choices) {
   std::vector<std::string> faults;
   const ImDrawData& drawn = *ImGui::GetDrawData();
   const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
@@ -168,6 +168,14 @@ std::vector<std::string> LayoutFaults() {
   for (size_t i = 0; i < sheets.size(); ++i) {
     FindCutOff(sheets[i], whole, faults);
     for (size_t j = i; j < sheets.size(); ++j) FindOverlaps(sheets[i], sheets[j], faults);
+  }
+  for (const Choice& choice : choices) {
+    if (choice.whole || (choice.in_list && !choice.chosen)) continue;
+    faults.push_back((choice.in_list ? "chosen and not seen: [" : "not whole: [") + choice.label +
+                     "] at " + std::to_string(std::lround(choice.at.x0)) + ", " +
+                     std::to_string(std::lround(choice.at.y0)) + " to " +
+                     std::to_string(std::lround(choice.at.x1)) + ", " +
+                     std::to_string(std::lround(choice.at.y1)));
   }
   return faults;
 }

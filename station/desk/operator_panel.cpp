@@ -11,7 +11,7 @@
 namespace enamel::station::desk {
 namespace {
 
-constexpr float kColumn = 570;  // pixels of a picture 1080 high
+constexpr float kColumn = 570;  // pixels of a picture 1080 high, with the letters of it
 
 double Us(double ns) { return ns * 1e-3; }
 
@@ -21,9 +21,11 @@ void Head(const char* text) {
   ImGui::Separator();
 }
 
-void Lateness(const DurationHistogram& lateness, float px) {
-  ImGui::Text("late by   p50 %.0f   p99 %.0f   max %.0f us", Us(lateness.Quantile_ns(0.5)),
-              Us(lateness.Quantile_ns(0.99)), Us(static_cast<double>(lateness.max_ns())));
+ImVec2 PlotSize() { return {ImGui::GetContentRegionAvail().x, 2 * ImGui::GetTextLineHeight()}; }
+
+void Lateness(const DurationHistogram& lateness) {
+  ImGui::TextWrapped("late by   p50 %.0f   p99 %.0f   max %.0f us", Us(lateness.Quantile_ns(0.5)),
+                     Us(lateness.Quantile_ns(0.99)), Us(static_cast<double>(lateness.max_ns())));
   // One bar per doubling from 1 us to 16 ms, by share of ticks; square root, to make rare ones
   // visible.
   std::vector<float> bars;
@@ -38,19 +40,20 @@ void Lateness(const DurationHistogram& lateness, float px) {
     bars.push_back(static_cast<float>(std::sqrt(share)));
   }
   ImGui::PlotHistogram("##late", bars.data(), static_cast<int>(bars.size()), 0, "1 us … 16 ms", 0,
-                       1, {kColumn * px, 46 * px});
+                       1, PlotSize());
 }
 
-void Loop(RunningAttempt& run, uint32_t rate_hz, float px) {
+void Loop(RunningAttempt& run, uint32_t rate_hz) {
   const Snapshot& s = run.snapshot();
   auto n = [](uint64_t v) { return static_cast<unsigned long long>(v); };
   Head("Loop");
-  ImGui::TextUnformatted(CountsText(s.counters).c_str());
-  ImGui::Text("%u Hz   stale %llu   bounded %llu", rate_hz, n(s.counters.stale_ticks),
-              n(s.counters.bounded_ticks));
-  ImGui::Text("tick      p50 %.1f   p99 %.1f us", Us(run.loop().durations().Quantile_ns(0.5)),
-              Us(run.loop().durations().Quantile_ns(0.99)));
-  Lateness(run.loop().lateness(), px);
+  ImGui::TextWrapped("%s", CountsText(s.counters).c_str());
+  ImGui::TextWrapped("%u Hz   stale %llu   bounded %llu", rate_hz, n(s.counters.stale_ticks),
+                     n(s.counters.bounded_ticks));
+  ImGui::TextWrapped("tick      p50 %.1f   p99 %.1f us",
+                     Us(run.loop().durations().Quantile_ns(0.5)),
+                     Us(run.loop().durations().Quantile_ns(0.99)));
+  Lateness(run.loop().lateness());
   if (s.fault != Fault::kNone) ImGui::TextWrapped("%s", FaultText(s.fault));
 }
 
@@ -59,15 +62,17 @@ void DeviceFacts(const Device& device) {
   auto n = [](uint64_t v) { return static_cast<unsigned long long>(v); };
   Head("Device");
   ImGui::TextWrapped("%s", device.Name().c_str());
-  ImGui::Text("samples %llu   lost %llu   refused %llu", n(c.samples), n(c.lost), n(c.refused));
-  ImGui::Text("write errors %llu   unplugged %llu", n(c.write_errors), n(c.detached));
+  ImGui::TextWrapped("samples %llu   lost %llu   refused %llu", n(c.samples), n(c.lost),
+                     n(c.refused));
+  ImGui::TextWrapped("write errors %llu   unplugged %llu", n(c.write_errors), n(c.detached));
 }
 
 void Station(Workflow& flow, StationWatch& station) {
   Head("Station");
   const Credentials& credentials = flow.workplace().credentials();
-  ImGui::Text("%s:%u   %s", credentials.server.host.c_str(), unsigned{credentials.server.port},
-              flow.workplace().person() ? "signed in" : "nobody signed in");
+  ImGui::TextWrapped("%s:%u   %s", credentials.server.host.c_str(),
+                     unsigned{credentials.server.port},
+                     flow.workplace().person() ? "signed in" : "nobody signed in");
   if (const auto& facts = station.Look(Workflow::Clock::now())) {
     for (const std::string& line : Lines(*facts)) ImGui::TextWrapped("%s", line.c_str());
   }
@@ -78,15 +83,16 @@ void Recording(Workflow& flow) {
   Head("Recording");
   RunningAttempt::Recording r = flow.attempt()->run()->recording();
   Uploader::State up = flow.upload();
-  ImGui::Text("%u chunks, %llu ticks durable", r.chunks, static_cast<unsigned long long>(r.ticks));
-  ImGui::Text("%u chunks on the server%s", up.committed, up.sealed ? "   sealed" : "");
+  ImGui::TextWrapped("%u chunks, %llu ticks durable", r.chunks,
+                     static_cast<unsigned long long>(r.ticks));
+  ImGui::TextWrapped("%u chunks on the server%s", up.committed, up.sealed ? "   sealed" : "");
   if (!r.problem.ok()) ImGui::TextWrapped("%s", r.problem.message().c_str());
   if (up.gave_up) ImGui::TextWrapped("%s", up.problem.message().c_str());
 }
 
-void Attempt(Workflow& flow, float px) {
+void Attempt(Workflow& flow) {
   DeskAttempt& attempt = *flow.attempt();
-  if (attempt.run() != nullptr) Loop(*attempt.run(), attempt.prepared().header.params.rate_hz, px);
+  if (attempt.run() != nullptr) Loop(*attempt.run(), attempt.prepared().header.params.rate_hz);
   DeviceFacts(attempt.device());
   if (attempt.run() != nullptr) Recording(flow);
 }
@@ -94,14 +100,14 @@ void Attempt(Workflow& flow, float px) {
 void Pictures(const render::Screen& screen, const PictureTimes& times,
               const render::Quality& quality, double budget_s) {
   Head("Pictures");
-  ImGui::Text("p50 %.1f   p95 %.1f ms   budget here %.1f ms", times.Quantile_ms(0.5),
-              times.Quantile_ms(0.95), 1e3 * budget_s);
-  ImGui::Text("fit for 60 a second (16.7 ms): %.0f %%", 100 * times.ShareWithin(1.0 / 60));
+  ImGui::TextWrapped("p50 %.1f   p95 %.1f ms   budget here %.1f ms", times.Quantile_ms(0.5),
+                     times.Quantile_ms(0.95), 1e3 * budget_s);
+  ImGui::TextWrapped("fit for 60 a second (16.7 ms): %.0f %%", 100 * times.ShareWithin(1.0 / 60));
   ImGui::PlotLines("##pictures", times.ms().data(), static_cast<int>(PictureTimes::kCount),
                    static_cast<int>(times.first()), nullptr, 0, static_cast<float>(2e3 * budget_s),
-                   {kColumn * screen.fonts().scale, 46 * screen.fonts().scale});
-  ImGui::Text("quality %s   %d x %d", std::string(quality.name).c_str(), screen.width(),
-              screen.height());
+                   PlotSize());
+  ImGui::TextWrapped("quality %s   %d x %d", std::string(quality.name).c_str(), screen.width(),
+                     screen.height());
   ImGui::TextWrapped("%s", screen.renderer().c_str());
 }
 
@@ -131,7 +137,9 @@ void Frame(const render::Screen& screen, int columns, Draw&& draw) {
   const float px = screen.fonts().scale;
   ImGui::SetNextWindowPos({static_cast<float>(screen.width()) - 20 * px, 20 * px}, ImGuiCond_Always,
                           {1, 0});
-  ImGui::SetNextWindowSize({(static_cast<float>(columns) * (kColumn + 24) + 48) * px, 0});
+  const float wide = static_cast<float>(columns) * kColumn * screen.fonts().letters +
+                     (24 * static_cast<float>(columns) + 48) * px;
+  ImGui::SetNextWindowSize({std::min(wide, static_cast<float>(screen.width()) - 40 * px), 0});
   ImGui::PushFont(screen.fonts().near);
   ImGui::SetNextWindowFocus();
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.05f, 0.06f, 0.07f, 0.95f});
@@ -139,8 +147,8 @@ void Frame(const render::Screen& screen, int columns, Draw&& draw) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings |
                    // It takes no input: mouse and keys still control the attempt below it.
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::Text("Operator panel   F1 closes it");
-  if (ImGui::BeginTable("columns", columns)) {
+  ImGui::TextWrapped("Operator panel   F1 closes it");
+  if (ImGui::BeginTable("columns", columns, ImGuiTableFlags_SizingStretchSame)) {
     draw();
     ImGui::EndTable();
   }
@@ -157,7 +165,7 @@ void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Scre
   Frame(screen, columns, [&] {
     if (columns == 2) {
       ImGui::TableNextColumn();
-      Attempt(flow, screen.fonts().scale);
+      Attempt(flow);
     }
     ImGui::TableNextColumn();
     Station(flow, station);

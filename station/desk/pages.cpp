@@ -122,7 +122,7 @@ bool Pages::Draw() {
 }
 
 void Pages::SignIn() {
-  ui_.Begin("sign-in", {0.18f, 0.015f, 0.64f, 0.975f, false});
+  ui_.Begin("sign-in", kSignInPage);
   ui_.Title("Enamel");
   ui_.Note(Say("sign_in.station", {{"station", station_}}));
   ui_.Gap(10);
@@ -252,9 +252,9 @@ void Pages::Exercise() {
   } else {
     Busy();
   }
-  ui_.Gap(10);
   Devices();
   ui_.EndList();
+  ChosenDevice();
   if (flow_.instructor() && flow_.way() == Way::kTicket) {
     ui_.Check(Say("exercise.as_reference"), as_reference_);
   }
@@ -262,16 +262,20 @@ void Pages::Exercise() {
   ui_.End();
 }
 
+// The devices that somebody may choose instead.
 void Pages::Devices() {
-  ui_.Text(Say("exercise.device"));
+  bool first = true;
   for (size_t i = 0; i < flow_.offers().size(); ++i) {
     const DeviceOffer& offer = flow_.offers()[i];
     // A device that cannot be chosen for this attempt would only confuse.
-    if (!flow_.Fits(offer)) continue;
-    bool mine = i == flow_.offer_index();
-    bool usable = offer.problem.empty();
+    if (!flow_.Fits(offer) || i == flow_.offer_index()) continue;
+    if (std::exchange(first, false)) {
+      ui_.Gap(10);
+      ui_.Text(Say("exercise.other_devices"));
+    }
+    const bool usable = offer.problem.empty();
     if (ui_.Row(offer.title, usable ? offer.detail : offer.problem,
-                mine ? Say("exercise.in_use") : (usable ? "" : Say("exercise.not_usable")), mine)) {
+                usable ? "" : Say("exercise.not_usable"))) {
       flow_.ChooseOffer(i);
     }
   }
@@ -298,14 +302,21 @@ void Pages::AskFallback() {
   ui_.EndDialog();
 }
 
+// Below the list: what an attempt would begin with is seen without scrolling.
+void Pages::ChosenDevice() {
+  // A row without a device, too: buttons must not move while somebody clicks.
+  if (flow_.offer_index() >= flow_.offers().size()) {
+    (void)ui_.Row(Say("exercise.no_device"), " ", "", true);
+    return;
+  }
+  const DeviceOffer& offer = flow_.offers()[flow_.offer_index()];
+  (void)ui_.Row(offer.title, offer.detail, Say("exercise.in_use"), true);
+}
+
 void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.ok();
   bool resumed = flow_.way() == Way::kResumed;
-  // A line without a device, too: buttons must not move while somebody clicks.
-  ui_.Note(has_device
-               ? Say("exercise.uses", {{"device", flow_.offers()[flow_.offer_index()].title}})
-               : " ");
   // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
   if (ready && !std::exchange(offered_, true)) {
     ui_.Focus(Say(resumed ? "exercise.go_on" : "exercise.start"));

@@ -14,8 +14,13 @@ using language::Words;
 
 // A page that uses the whole window; values are shares of it.
 inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
+// A page with few words, in the middle; `top` and `height`: shares of the window.
+constexpr Ui::Page Column(float top, float height, float width) {
+  return {0.5f * (1 - width), top, width, height, false, true, false, 34};
+}
+inline constexpr Ui::Page kSignInPage = Column(0.015f, 0.975f, 0.64f);
 // With room for an end that cannot be stored.
-inline constexpr Ui::Page kHandInPage{0.15f, 0.06f, 0.7f, 0.88f, false};
+inline constexpr Ui::Page kHandInPage = Column(0.04f, 0.92f, 0.7f);
 
 // What the person at the window has typed and ticked; all of it is forgotten at the sign-out.
 struct TypedByPerson {
@@ -85,6 +90,7 @@ class Pages : private TypedByPerson {
   void Reserved();
   void Devices();
   void AskFallback();
+  void ChosenDevice();
   void ExerciseChoices(bool prepared);
   bool AskClose();
   void Busy();
@@ -109,9 +115,10 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_
 std::string BurText(const Words& words, const cutting::Bur& bur);
 // The same, and its ISO number and grit where it has them.
 std::string BurText(const Words& words, const scene::BurSpec& bur);
-// The burs of an exercise with several, over a picture of that size: each from the side and to one scale, and a ring
-// around the one in the handpiece. Nothing for one.
+// The burs of an exercise with several, over a picture: each from the side and to one scale, and a ring
+// around the one in the handpiece. Words are left out where there is no room for them.
+// Nothing for one bur.
 void DrawBurChoice(const std::vector<scene::BurSpec>& burs, const render::FrameState& state,
-                   const Words& words, const render::Fonts& fonts, int width, int height);
+                   const Words& words, const render::Fonts& fonts, const render::Canvas& canvas);
 
 }  // namespace enamel::station::desk

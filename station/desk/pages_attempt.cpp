@@ -10,7 +10,7 @@
 namespace enamel::station::desk {
 
 void Pages::Ready() {
-  ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
+  ui_.Begin("ready", Column(0.2f, 0.7f, 0.6f));
   ui_.Title(Say("ready.title"));
   const StillnessCheck* check = flow_.stillness();
   // A simulated hand holds still by itself, and sampling it would advance its time.
@@ -51,9 +51,7 @@ void Pages::Remark(RunningAttempt& run) {
 
 // Keys and mouse belong to the handpiece here; only Esc and F are left for the window.
 void Pages::Running() {
-  Ui::Page page{0.605f, 0.79f, 0.38f, 0.12f, true};
-  page.keys = false;
-  ui_.Begin("running", page);
+  ui_.Begin("running", Ui::OnFloor(0.38f));
   // The mouse is the handpiece, so it could not reach buttons.
   if (flow_.attempt()->by_pointer()) {
     ui_.OneLine(Say("running.keys"));

@@ -141,9 +141,7 @@ void Pages::ShownLoss() {
 
 // As while an attempt runs: keys and mouse belong to the handpiece.
 void Pages::Practice() {
-  Ui::Page page{0.605f, 0.70f, 0.38f, 0.2f, true};
-  page.keys = false;
-  ui_.Begin("practice", page);
+  ui_.Begin("practice", Ui::OnFloor(0.38f));
   ui_.Text(Say("practice.note"));
   if (flow_.attempt()->by_pointer()) {
     ui_.OneLine(Say("practice.keys"));

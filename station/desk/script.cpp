@@ -139,7 +139,8 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow
   if (line.verb == "until") return std::filesystem::exists(line.rest);
   // A window that is smaller than any chair's has no room for all words.
   const bool has_room = screen.width() >= kLeastWidth_px && screen.height() >= kLeastHeight_px;
-  for (const std::string& fault : has_room ? LayoutFaults() : std::vector<std::string>()) {
+  for (const std::string& fault :
+       has_room ? LayoutFaults(ui.choices()) : std::vector<std::string>()) {
     unreadable_ += (unreadable_.empty() ? "" : "\n") + line.rest + ": " + fault;
   }
   if (Status written = screen.WriteScreenshot(line.rest); !written.ok()) status_ = written;

@@ -16,7 +16,7 @@ constexpr ImU32 kWrong = IM_COL32(176, 38, 28, 255), kCalm = IM_COL32(52, 96, 13
                 kInk = IM_COL32(245, 246, 248, 255), kStopBehind = IM_COL32(12, 14, 17, 225);
 // Shares of the picture's height. A stroke is 7 % of the two thirds of the sign that its symbol has:
 // 2.8 mm on a screen 300 mm high, 9 arc minutes from a metre. Normal sight resolves 1.
-constexpr float kStopSign = 0.2f, kStopTop = 0.36f;
+constexpr float kStopSign = 0.2f, kStopTop = 0.36f, kStopApart = 0.45f;  // apart: of the sign
 
 // A square from (0, 0) to (1, 1), y down.
 class Pen {
@@ -176,22 +176,25 @@ void DrawStopSign(Stop stop, const Rect& at) {
   DrawSymbol(stop, Pen(inner, kInk), Pen(inner, colour));
 }
 
-void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, int width,
-              int height) {
+void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts,
+              const render::Canvas& canvas) {
   if (stop == Stop::kNone) return;
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
-  const float side = kStopSign * h, apart = 0.45f * side, left = render::PanelRight(fonts);
-  ImGui::SetNextWindowPos({0.5f * (left + w), kStopTop * h}, ImGuiCond_Always, {0.5f, 0});
+  const auto h = static_cast<float>(canvas.height);
+  const render::Span free = render::BesidePanel(fonts, canvas);
+  const auto steps = StepsOf(stop);
+  size_t count = 0;
+  while (count < steps.size() && steps[count] != nullptr) ++count;
+  // On an upright screen beside the panel, not as high.
+  const float widths = 1 + (1 + kStopApart) * static_cast<float>(count);
+  const float side = std::min(kStopSign * h, 0.9f * (free.to - free.from) / widths),
+              apart = kStopApart * side, drawn = widths * side;
+  ImGui::SetNextWindowPos({free.middle(), kStopTop * h}, ImGuiCond_Always, {0.5f, 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::ColorConvertU32ToFloat4(kStopBehind));
   ImGui::Begin("stop", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoNav |
                    ImGuiWindowFlags_NoFocusOnAppearing);
   ImVec2 at = ImGui::GetCursorScreenPos();
-  const auto steps = StepsOf(stop);
-  size_t count = 0;
-  while (count < steps.size() && steps[count] != nullptr) ++count;
-  const float drawn = side + static_cast<float>(count) * (side + apart);
   ImGui::Dummy({drawn, side});
   DrawStopSign(stop, {at.x, at.y, at.x + side, at.y + side});
   for (size_t i = 0; i < count; ++i) {
@@ -205,7 +208,7 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, in
   if (!held.empty()) {
     ImGui::PushFont(fonts.far);
     ImGui::TextUnformatted(
-        render::InEvenLines(held, std::max(drawn, 0.8f * (w - left)), *fonts.far).c_str());
+        render::InEvenLines(held, 0.8f * (free.to - free.from), *fonts.far).c_str());
     ImGui::PopFont();
   }
   ImGui::End();

@@ -5,7 +5,7 @@
 #include "common/language/words.h"
 #include "station/desk/ui.h"
 #include "station/loop/tick_loop.h"
-#include "station/render/fonts.h"
+#include "station/render/panel.h"
 
 // What a person sees at a glance, from a metre away, while the force is off or nothing may be cut.
 namespace enamel::station::desk {
@@ -31,7 +31,7 @@ void DrawStopSign(Stop stop, const Rect& at);
 
 // The sign large over the picture, with what to do in pictures beside it; `held`, that the cut is
 // kept, is written below where it is not empty. In the current ImGui frame; nothing for kNone.
-void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts, int width,
-              int height);
+void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts,
+              const render::Canvas& canvas);
 
 }  // namespace enamel::station::desk

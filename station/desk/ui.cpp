@@ -19,7 +19,8 @@ using render::InputEvent;
 constexpr ImU32 kFocus = IM_COL32(94, 176, 255, 255), kMain = IM_COL32(28, 112, 196, 255),
                 kPlainButton = IM_COL32(58, 66, 76, 255), kDanger = IM_COL32(170, 48, 42, 255),
                 kRow = IM_COL32(36, 41, 48, 255), kChosenRow = IM_COL32(30, 66, 104, 255);
-constexpr float kWords_px = 28;  // of a Line, from its name
+constexpr float kWords_px = 28;      // of a Line, from its name
+constexpr float kFromEdge = 0.015f;  // of what is over a picture, as a share of the window
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
@@ -68,7 +69,7 @@ void Ui::ReadKeys() {
   std::optional<size_t> typed = std::exchange(typed_, std::nullopt);
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
-    // As Typed will count them.
+    // The letters, as Typed will count them.
     if (typed && event.kind == InputEvent::Kind::kCharacter)
       *typed += event.code != ' ' || *typed > 0;
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
@@ -146,12 +147,19 @@ void Ui::Begin(const std::string& name, const Page& page) {
   blocked_ = dialog_before_;
   if (!blocked_) Enter(name);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
-  ImGui::SetNextWindowPos({page.at_x * w, page.at_y * h});
-  if (page.see_through) {
-    ImGui::SetNextWindowSize({page.width * w, 0});
+  const float width =
+      std::max(page.width * w, std::min(page.least_em * fonts().text->FontSize, 0.97f * w));
+  if (page.on_floor) {
+    const render::Canvas canvas = CanvasNow();
+    const float margin = kFromEdge * w;
+    ImGui::SetNextWindowPos(
+        {canvas.left_handed ? margin : w - margin, canvas.floor - kFromEdge * h}, ImGuiCond_Always,
+        {canvas.left_handed ? 0.0f : 1.0f, 1});
   } else {
-    ImGui::SetNextWindowSize({page.width * w, page.height * h});
+    ImGui::SetNextWindowPos({page.at_x * w - 0.5f * (width - page.width * w), page.at_y * h});
   }
+  on_floor_ = page.on_floor;
+  ImGui::SetNextWindowSize({width, page.see_through ? 0 : page.height * h});
   ImGui::PushStyleColor(ImGuiCol_WindowBg,
                         page.see_through ? ImVec4{0.06f, 0.07f, 0.08f, 0.86f} : ImVec4{0, 0, 0, 0});
   ImGui::Begin("page", nullptr, kFixed);
@@ -167,6 +175,7 @@ void Ui::End() {
     below_[list_] = ImGui::GetCursorPosY() - list_end_;
     list_.clear();
   }
+  page_top_ = on_floor_ ? ImGui::GetWindowPos().y : FLT_MAX;
   ImGui::PopFont();
   ImGui::EndDisabled();
   ImGui::End();
@@ -181,7 +190,14 @@ bool Ui::pressed(int key) const {
   return false;
 }
 
+// Without a picture the lines of keys are not there.
+render::Canvas Ui::CanvasNow() const {
+  return canvas_.value_or(render::Canvas{screen_.width(), screen_.height(), false,
+                                         static_cast<float>(screen_.height())});
+}
+
 void Ui::EndFrame() {
+  canvas_.reset();
   // A dialog's settings end with it.
   if (!dialog_) spaced_ = true;
   if (dialog_before_ && !dialog_) page_.clear();  // the page below restarts in the next frame
@@ -222,11 +238,14 @@ void Ui::EndDialog() {
 }
 
 void Ui::Remark(const std::string& who, const std::string& text, const std::string& key) {
-  constexpr float kWidth = 0.58f, kAbove = 0.915f;  // the keys' line is below it
+  constexpr float kWidth = 0.58f;
   constexpr size_t kLongBytes = 160;
   screen_.Need(who + text);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
-  ImGui::SetNextWindowPos({0.015f * w, kAbove * h}, ImGuiCond_Always, {0, 1});
+  const render::Canvas canvas = CanvasNow();
+  ImGui::SetNextWindowPos(
+      {(canvas.left_handed ? 1 - kFromEdge : kFromEdge) * w, canvas.floor - kFromEdge * h},
+      ImGuiCond_Always, {canvas.left_handed ? 1.0f : 0.0f, 1});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {kWidth * w, h});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.10f, 0.25f, 0.42f, 0.88f});
   ImGui::Begin("remark", nullptr,
@@ -271,7 +290,11 @@ void Ui::Listed(const std::string& label, bool field) {
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   const ImRect seen = ImGui::GetCurrentWindow()->ClipRect;
   const bool visible = seen.Contains({0.5f * (lo.x + hi.x), 0.5f * (lo.y + hi.y)});
-  choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field, visible});
+  ImRect room = seen;
+  room.Expand(1);  // of soft edges
+  const bool in_list = (ImGui::GetCurrentWindow()->Flags & ImGuiWindowFlags_ChildWindow) != 0;
+  choices_.push_back(
+      {label, {lo.x, lo.y, hi.x, hi.y}, field, visible, room.Contains(ImRect(lo, hi)), in_list});
   // Mouse and keys share one focus: after a click, Tab continues from there.
   if (ImGui::IsItemClicked()) focus_ = count_ - 1;
 }
@@ -411,6 +434,7 @@ bool Ui::Row(const std::string& whole_title, const std::string& whole_detail,
   ImGui::PopStyleColor(3);
   Focused focus = Next(whole_title);
   Listed(whole_title, false);
+  if (!blocked_) choices_.back().chosen = chosen_row;
   if (focus.has) Ring();
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   ImDrawList* list = ImGui::GetWindowDrawList();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cfloat>
 #include <functional>
 #include <map>
 #include <optional>
@@ -8,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "station/render/panel.h"
 #include "station/render/screen.h"
 
 struct ImFont;
@@ -25,7 +28,9 @@ struct Choice {
   std::string label;
   Rect at;  // window pixels
   bool field = false;
-  bool visible = true;  // false: scrolled out of its list
+  bool visible = true;                   // false: scrolled out of its list
+  bool whole = true;                     // all of it is in view
+  bool in_list = false, chosen = false;  // scrolls with others; marked as the one in use
 };
 
 // One of several to choose from, with a picture at its left.
@@ -69,7 +74,22 @@ class Ui {
     float at_x = 0.1f, at_y = 0.07f, width = 0.8f, height = 0.86f;  // shares of the screen
     bool see_through = false;
     bool keys = true;  // false: keys choose nothing here, they have another meaning
+    // A see-through page then stands on the canvas's floor, away from the panel, wherever `at_x` and
+    // `at_y` are.
+    bool on_floor = false;
+    // Wider about its middle, where `width` is less than so many sizes of the text's font: a line has
+    // to hold some words.
+    float least_em = 0;
   };
+  // A page that stands on the floor, with as much of the width.
+  static Page OnFloor(float width) { return {0, 0, width, 0, true, false, true}; }
+  // Sets the canvas below this frame's page, before Begin; without a call it is the whole window.
+  void Over(const render::Canvas& canvas) { canvas_ = canvas; }
+  // Cuts a canvas off above the page that stood on its floor in the last frame.
+  render::Canvas AbovePage(render::Canvas canvas) const {
+    canvas.floor = std::min(canvas.floor, page_top_);
+    return canvas;
+  }
   void Begin(const std::string& name, const Page& page);
   void Begin(const std::string& name) { Begin(name, Page()); }
   void End();
@@ -97,8 +117,8 @@ class Ui {
   // have the same title.
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
-  // Cards in two columns, as high as their words, below a heading of their own on this page. The one
-  // chosen, or none.
+  // Cards in two columns, or in one on a narrow page, as high as their words, below a heading of their
+  // own on this page. The one chosen, or none.
   std::optional<size_t> Cards(std::span<const Card> cards, const std::string& heading = {});
   // Adds the letters typed in this frame to `text`, and takes its last away with Backspace; not
   // while a field takes them. Behind a letter the space bar writes, and chooses nothing.
@@ -113,9 +133,9 @@ class Ui {
   // One line of a table: a name, a value at the right, words below it. `lost`: highlighted.
   void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
 
-  // A message over a see-through page's picture, at the bottom left: who sends it, its text, and
-  // the key that dismisses it. As wide as the page allows; long texts in smaller letters. In any
-  // script that the station's fonts have.
+  // A message over a see-through page's picture, below the panel: who sends it, its text, and the key
+  // that dismisses it. As wide as the page allows; long texts in smaller letters. In any script that
+  // the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
   // Pictures at the right of the window, beside a page that leaves room there: after the page's End.
@@ -152,6 +172,7 @@ class Ui {
   Focused Next(const std::string& label);
   void Listed(const std::string& label, bool field);
   size_t Beside(size_t from, int down) const;
+  render::Canvas CanvasNow() const;
   float HeightOf(const Card& card, float width) const;
   bool DrawCard(const Card& card, float width, float height);
   void Ring();
@@ -162,8 +183,11 @@ class Ui {
   void Write(const std::string& text, const std::string& lines);
 
   render::Screen& screen_;
+  std::optional<render::Canvas> canvas_;  // of this frame
+  float page_top_ = FLT_MAX;              // of the last page on the floor
   std::string page_, shown_page_, wanted_, words_, shown_words_;
   std::vector<Choice> choices_, shown_;
+  bool on_floor_ = false;                        // the page in use
   bool dialog_ = false, dialog_before_ = false;  // a dialog is shown: in this frame, in the last
   bool blocked_ = false;                         // nothing can be chosen: it is under a dialog
   size_t focus_ = 0, count_ = 0;

@@ -13,6 +13,8 @@ namespace enamel::station::desk {
 namespace {
 
 constexpr float kCardInset = 18, kCardPicture = 84, kCardGap = 16, kRightGap = 20;  // px
+// A card that is narrower has a word or two on a line.
+constexpr float kLeastCard_em = 20;
 constexpr ImU32 kCard = IM_COL32(36, 41, 48, 255), kCardBelowMouse = IM_COL32(54, 60, 68, 255);
 
 }  // namespace
@@ -87,13 +89,16 @@ std::optional<size_t> Ui::Cards(std::span<const Card> cards, const std::string& 
   }
   ImGui::PushID(heading.c_str());
   const float inset = 8 * px(), gap = kCardGap * px();  // for the ring
-  const float width = 0.5f * (ImGui::GetContentRegionAvail().x - 2 * inset - gap);
+  float width = 0.5f * (ImGui::GetContentRegionAvail().x - 2 * inset - gap);
+  const bool two = width >= kLeastCard_em * fonts().near->FontSize;
+  if (!two) width = 2 * width + gap;
   std::optional<size_t> chosen;
   for (size_t i = 0; i < cards.size(); ++i) {
     float height = HeightOf(cards[i], width);
     const size_t neighbour = i ^ 1;
-    if (neighbour < cards.size()) height = std::max(height, HeightOf(cards[neighbour], width));
-    if (i % 2 == 0) {
+    if (two && neighbour < cards.size())
+      height = std::max(height, HeightOf(cards[neighbour], width));
+    if (!two || i % 2 == 0) {
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
     } else {
       ImGui::SameLine(0, gap);

@@ -117,9 +117,7 @@ void Workflow::EndWarmUp() {
 void Pages::WarmUp() {
   DeskAttempt& attempt = *flow_.attempt();
   const bool can_align = attempt.turns_with_view();
-  Ui::Page page{0.605f, can_align ? 0.62f : 0.72f, 0.38f, 0.2f, true};
-  page.keys = false;
-  ui_.Begin("warm-up", page);
+  ui_.Begin("warm-up", Ui::OnFloor(0.38f));
   const std::string alignment = AlignmentText(flow_.words(), flow_.alignment());
   if (alignment.empty()) {
     ui_.OneLine(Say("warm_up.keys"));

@@ -100,7 +100,9 @@ std::optional<glm::vec2> Camera::Away(const glm::vec3& point_mm, float aspect) c
 }
 
 glm::mat4 Camera::ClipFromView(float aspect) const {
-  return glm::perspective(kFieldOfView, aspect, near_mm(), far_mm());
+  // An upright picture is as wide as another is high.
+  const float upright = 2 * std::atan(std::tan(kFieldOfView / 2) / std::min(aspect, 1.0f));
+  return glm::perspective(upright, aspect, near_mm(), far_mm());
 }
 
 }  // namespace enamel::station::render

@@ -12,14 +12,15 @@ namespace enamel::station::render {
 // Orbits a focus; millimetres, scene frame (common/scene/types.h). Not thread-safe.
 class Camera {
  public:
-  // `radius_mm`: half the height of the view at the focus. `aside`: distance of the focus to the
-  // right of the picture's middle, in picture heights. `mesial_x`: scene::MesialX.
+  // `radius_mm`: half the height of the view at the focus, of an upright picture half its width.
+  // `aside`: distance of the focus to the right of the picture's middle, in these heights. `mesial_x`:
+  // scene::MesialX.
   Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0, int mesial_x = 1);
 
   void SetView(View view);
   // A place seen along a direction (out of what is seen), so near that `radius_mm` fills the view.
   void LookAt(const glm::vec3& point_mm, const glm::vec3& toward_viewer, float radius_mm);
-  // Turns by a drag of the mouse, as fractions of the window's height.
+  // Turns by a drag of the mouse, as fractions of the window's shorter side.
   void Orbit(float dx, float dy);
   // Moves the focus in the picture's plane, same unit.
   void Pan(float dx, float dy);

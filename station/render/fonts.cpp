@@ -20,6 +20,13 @@ namespace fs = std::filesystem;
 // looks like 12 mm at 2 m from 0.9 m.
 constexpr double kFarCapital_px = kFarCapital_mm / kReferencePixel_mm + 0.7;  // hinting rounds
 constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 150;
+constexpr double kLinesOfAPage = 37;
+// Pixels of monitors that exist, from a telephone's to a wall's.
+constexpr double kLeastPixel_mm = 0.05, kMostPixel_mm = 1.5, kMostOblong = 1.25;
+// Some monitors report a ratio instead of their size: 16:9 or 16:10, in mm, cm or dm. The window
+// manager mutter ignores these figures as well.
+constexpr int kRatios_mm[][2] = {{16, 9},    {16, 10},    {160, 90},
+                                 {160, 100}, {1600, 900}, {1600, 1000}};
 
 // Latin with the signs of names and our texts: accents, Turkish and Polish, dashes, quotes, µ, ²,
 // ³, ≥.
@@ -165,32 +172,69 @@ bool NeedsMoreLetters(std::string_view text) {
   return false;
 }
 
-Fonts MakeFonts(int picture_height_px, language::Language language, std::string_view more) {
+bool HasLetters(const Fonts& fonts, std::string_view text) {
+  if (fonts.near == nullptr || fonts.text == nullptr) return false;
+  while (!text.empty()) {
+    const std::optional<uint32_t> code = NextCodePoint(text);
+    if (!code) return false;
+    const auto letter = static_cast<ImWchar>(*code);
+    if (fonts.near->FindGlyphNoFallback(letter) == nullptr ||
+        fonts.text->FindGlyphNoFallback(letter) == nullptr) {
+      return false;
+    }
+  }
+  return true;
+}
+
+LetterSizes LettersFor(int width_px, int height_px, double pixel_mm) {
+  const double height_of_4_3 = std::max(std::min<double>(height_px, 0.75 * width_px), 240.0);
+  const double seat = std::min(kSeatCapital_mm / pixel_mm, height_of_4_3 / kLinesOfAPage);
+  LetterSizes out;
+  out.scale = height_of_4_3 / kReferenceHeight_px;
+  out.near = std::max(kNearCapital_px * out.scale, seat);
+  out.text = std::max(kTextCapital_px * out.scale, out.near);
+  out.far = std::max(kFarCapital_px * out.scale, out.text);
+  out.score = kScoreCapital_px * out.scale;
+  return out;
+}
+
+double PixelOf_mm(int width_px, int height_px, int width_mm, int height_mm) {
+  const double across = static_cast<double>(width_mm) / std::max(width_px, 1),
+               down = static_cast<double>(height_mm) / std::max(height_px, 1);
+  const bool ratio = std::ranges::any_of(
+      kRatios_mm, [&](const auto& r) { return r[0] == width_mm && r[1] == height_mm; });
+  const auto exists = [](double mm) { return mm >= kLeastPixel_mm && mm <= kMostPixel_mm; };
+  const bool square = across <= kMostOblong * down && down <= kMostOblong * across;
+  if (!ratio && square && exists(across) && exists(down)) return 0.5 * (across + down);
+  return kReferencePixel_mm * kReferenceHeight_px / std::max(std::min(width_px, height_px), 1);
+}
+
+Fonts MakeFonts(const LetterSizes& sizes, language::Language language, std::string_view more) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   atlas.Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
-  double scale = std::max(picture_height_px, 240) / kReferenceHeight_px;
   std::optional<fs::path> plain = FindFont(), bold = FindFont(true);
   const fs::path *text = plain ? &*plain : nullptr, *title = bold ? &*bold : text;
   Fonts fonts;
-  fonts.scale = static_cast<float>(scale);
+  fonts.scale = static_cast<float>(sizes.scale);
+  fonts.letters = static_cast<float>(sizes.near / kNearCapital_px);
   std::optional<ChineseFont> chinese = ReadChineseFont();
   const bool speaks_it = language == language::Language::kChinese;
   auto add = [&](const fs::path* file, double capital_px, const ImWchar* latin,
                  const ImWchar* ranges) {
-    ImFont* font = Add(file, capital_px * scale, latin);
-    if (chinese && ranges != nullptr) AddChinese(*chinese, capital_px * scale, ranges);
+    ImFont* font = Add(file, capital_px, latin);
+    if (chinese && ranges != nullptr) AddChinese(*chinese, capital_px, ranges);
     return font;
   };
   const ImWchar* all = speaks_it ? ChineseRanges() : nullptr;
   // Both stay until the atlas is built. A range without shapes in a file costs nothing.
   const ImVector<ImWchar> own = RangesWith(kLatin, more);
   const ImVector<ImWchar> merged = RangesWith(speaks_it ? all : kNamesOfLanguages, more);
-  fonts.near = add(text, kNearCapital_px, own.Data, speaks_it || !more.empty() ? merged.Data : all);
+  fonts.near = add(text, sizes.near, own.Data, speaks_it || !more.empty() ? merged.Data : all);
   // The choice of a language shows each one's own name in these letters.
-  fonts.text = add(text, kTextCapital_px, own.Data, merged.Data);
-  fonts.far = add(title, kFarCapital_px, kLatin, all);
-  fonts.score = Add(title, kScoreCapital_px * scale, kDigits);
+  fonts.text = add(text, sizes.text, own.Data, merged.Data);
+  fonts.far = add(title, sizes.far, kLatin, all);
+  fonts.score = Add(title, sizes.score, kDigits);
   // Built here, so that the files' bytes can be freed.
   atlas.Build();
   atlas.ClearInputData();

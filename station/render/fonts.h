@@ -11,7 +11,8 @@
 struct ImFont;
 
 // Fonts in the sizes the station needs. Text to be read from two metres (titles, score, timer,
-// warnings, buttons) has capitals of kFarCapital_mm; the rest is read from the chair.
+// warnings, buttons) has capitals of kFarCapital_mm on a 24-inch screen; the rest is read from the
+// chair.
 namespace enamel::station::render {
 
 inline constexpr double kFarCapital_mm = 12;
@@ -19,13 +20,32 @@ inline constexpr double kFarCapital_mm = 12;
 inline constexpr double kReferencePixel_mm = 0.27673;
 // Height of the picture for which sizes are given; others are in proportion.
 inline constexpr double kReferenceHeight_px = 1080;
+// The smallest letters, seen from the chair: 22 minutes of arc at 700 mm. ISO 9241-3 and NUREG-0700
+// (1.3.1-4) prefer 20 to 22 for reading, and require 16.
+inline constexpr double kSeatCapital_mm = 4.480;
+
+// Heights of capitals, px, and the size of all that is given in pixels of the reference picture.
+struct LetterSizes {
+  double near = 0, text = 0, far = 0, score = 0;
+  double scale = 1;  // of the reference picture's pixels
+};
+// For a window on a screen with pixels of this size. In proportion to the largest picture of 4:3 that
+// the window has room for, so that an upright screen keeps its lines; but none smaller than
+// kSeatCapital_mm, as far as the window has room for it: 37 of them are the least height of a page.
+// Pure.
+LetterSizes LettersFor(int width_px, int height_px, double pixel_mm);
+
+// Size of a monitor's pixels from the size that it reports. Where that is missing or cannot be true,
+// the shorter side is taken to be as long as a 24-inch screen's. Pure.
+double PixelOf_mm(int width_px, int height_px, int width_mm, int height_mm);
 
 struct Fonts {
   ImFont* near = nullptr;   // operator panel, hints
   ImFont* text = nullptr;   // instructions, reasons
   ImFont* far = nullptr;    // to be read from 2 m
   ImFont* score = nullptr;  // digits only
-  float scale = 1;          // picture height / kReferenceHeight_px
+  float scale = 1;          // LetterSizes::scale
+  float letters = 1;        // of `near`, by their size in the reference picture
 };
 
 // Height of a font's capitals, px, from the outline of its letter H. 0 if it has none.
@@ -38,14 +58,16 @@ std::optional<std::filesystem::path> FindFont(bool bold = false);
 // ENAMEL_CJK_FONT. None: Chinese is not offered.
 std::optional<std::filesystem::path> FindChineseFont();
 
-// Makes fonts for pictures of this height with the letters of this language, in the current ImGui
+// Makes fonts of these sizes with the letters of this language, in the current ImGui
 // context, whose textures must then be rebuilt (Screen does). Chinese has the 2500 commonest
 // letters and those of our own texts: names with rarer ones show a question mark. `more`: text by
 // others, in any script these files have; missing letters (emoji) show as a question mark. Not
 // thread-safe.
-Fonts MakeFonts(int picture_height_px, language::Language language, std::string_view more = {});
+Fonts MakeFonts(const LetterSizes& sizes, language::Language language, std::string_view more = {});
 
 // Whether a text has letters beyond the Latin set.
 bool NeedsMoreLetters(std::string_view text);
+// `near` and `text`, which show what others wrote, have a shape for each letter of this text.
+bool HasLetters(const Fonts& fonts, std::string_view text);
 
 }  // namespace enamel::station::render

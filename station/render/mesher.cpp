@@ -188,7 +188,7 @@ void Mesher::MeshInitial() {
     Simplify(mesh, kUncutError_mm);
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
   }
-  // Whoever waits for the picture then finds what was removed before.
+  // WaitIdle returns once what was removed before is measured.
   if (watch_ && cut_already_ && !stop_) watch_(replica_);
   {
     MutexLock lock(mutex_);

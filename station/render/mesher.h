@@ -54,8 +54,8 @@ void Append(const surface::Mesh& part, std::span<const uint8_t> materials, Group
 void Append(const surface::Mesh& part, const ToothLooks& looks, GroupMesh& mesh);
 
 // Called with the replica on the mesher's thread after it has changed, at most every
-// kWatchInterval, to measure what was removed. The picture waits meanwhile. Of a tooth that is cut
-// already also before the first picture.
+// kWatchInterval, to measure what was removed. The picture waits meanwhile. A tooth that is cut
+// already is also shown to it before the first picture.
 using VolumeWatch = std::function<void(const cutting::Volume& now)>;
 inline constexpr std::chrono::milliseconds kWatchInterval{500};
 
@@ -68,7 +68,7 @@ class Mesher {
   static constexpr std::chrono::milliseconds kRest{250};
 
   // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
-  // `uncut`: as ToothLooks takes it; another volume than `initial` where that is cut already.
+  // `uncut`: as ToothLooks takes it; a different volume than `initial` says that `initial` is cut.
   Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {},
          const cutting::Volume* uncut = nullptr);
   ~Mesher();

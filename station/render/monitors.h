@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
-// Which monitor is meant. Pure functions, any thread.
+// The monitor that a setting names. Pure functions, any thread.
 namespace enamel::station::render {
 
-// Of the monitors with these names, the primary one first: the one that is named so, or has this
-// number, 0 the first. None: there is no such one. A name goes before a number.
+// Index of the monitor with this name, or else with this number, 0 the first. `names` begin with the
+// primary one. None: no monitor has that name or number.
 std::optional<size_t> FindMonitor(std::span<const std::string> names, std::string_view wanted);
 
-// What a person reads when it is not there: "expected the monitor 'HDMI-2', found eDP-1, DP-1; …".
+// The line of the log for that: "expected the monitor 'HDMI-2', found eDP-1, DP-1; …".
 std::string MissingMonitorText(std::span<const std::string> names, std::string_view wanted);
 
 }  // namespace enamel::station::render

@@ -8,15 +8,21 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <sstream>
+#include <utility>
+#include <vector>
 
 #include "station/render/lines.h"
 
 namespace enamel::station::render {
 namespace {
 
-constexpr float kMargin_px = 28, kPanelWidth_px = 505, kBar_px = 20;  // at the reference height
+constexpr float kMargin_px = 28, kPanelWidth_px = 505, kChoiceWidth_px = 420,
+                kBar_px = 20;            // at the reference height
 constexpr float kWarningsHeight = 0.3f;  // of the picture, at most in the large letters
-constexpr double kShown_mm3 = 0.005;     // less would be shown as 0.00
+// Shares of the picture, at most: the tooth needs the rest.
+constexpr float kPanelShare = 0.36f, kHintShare = 0.17f, kChoiceShare = 0.3f;
+constexpr double kShown_mm3 = 0.005;  // less would be shown as 0.00
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
@@ -33,22 +39,49 @@ constexpr std::array<const char*, kWarningCount> kWarnings = {
     "warning.time",       "warning.resumed", "warning.no_realtime"};
 const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 
+// The panel is as wide as its letters need, where the picture has room for that.
+float PanelWidth(const Fonts& fonts, int width) {
+  const float by_picture = kPanelWidth_px * fonts.scale;
+  return std::clamp(kPanelWidth_px * fonts.letters, by_picture,
+                    std::max(by_picture, kPanelShare * static_cast<float>(width)));
+}
+
 struct Panel {
   const PanelContent& c;
   const Words& words;
   const Fonts& fonts;
   float px;  // one pixel of the reference picture
+  float width;
 
-  float width() const { return kPanelWidth_px * px; }
-
-  // The value at the right, a line lower where both have no room in one.
+  bool InOneLine(const std::string& name, const std::string& value) const {
+    return ImGui::CalcTextSize(name.c_str()).x + ImGui::GetStyle().ItemSpacing.x +
+               ImGui::CalcTextSize(value.c_str()).x <=
+           width;
+  }
+  // The value at the right, below the name where both have no room in one line.
   void Value(const std::string& name, const std::string& value) const {
-    const float left = ImGui::GetCursorPosX(), apart = ImGui::GetStyle().ItemSpacing.x,
-                value_px = ImGui::CalcTextSize(value.c_str()).x;
+    const float left = ImGui::GetCursorPosX();
+    const bool one = InOneLine(name, value);
     ImGui::TextUnformatted(name.c_str());
-    if (ImGui::GetItemRectSize().x + apart + value_px <= width()) ImGui::SameLine();
-    ImGui::SetCursorPosX(left + width() - value_px);
-    ImGui::TextUnformatted(value.c_str());
+    if (one) ImGui::SameLine();
+    std::istringstream lines(InLines(value, width, *ImGui::GetFont()));
+    for (std::string line; std::getline(lines, line);) {
+      ImGui::SetCursorPosX(left + width - ImGui::CalcTextSize(line.c_str()).x);
+      ImGui::TextUnformatted(line.c_str());
+    }
+  }
+  // Height of what Value will draw in the current font.
+  float HeightOfValue(const std::string& name, const std::string& value) const {
+    if (value.empty() || InOneLine(name, value)) return ImGui::GetTextLineHeightWithSpacing();
+    const std::string lines = InLines(value, width, *ImGui::GetFont());
+    return static_cast<float>(2 + std::ranges::count(lines, '\n')) *
+           ImGui::GetTextLineHeightWithSpacing();
+  }
+  float HeightOfBar(const char* name, const std::string& value) const {
+    ImGui::PushFont(fonts.far);
+    const float text = HeightOfValue(words.Say(name), value);
+    ImGui::PopFont();
+    return text + kBar_px * px + ImGui::GetStyle().ItemSpacing.y;
   }
 
   // `mark`: where the bar becomes critical; 0: nowhere.
@@ -58,8 +91,7 @@ struct Panel {
     Value(words.Say(name), value);
     ImGui::PopFont();
     ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ColourFor(bearing));
-    ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {width(), kBar_px * px},
-                       "");
+    ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {width, kBar_px * px}, "");
     ImGui::PopStyleColor();
     if (mark <= 0) return;
     ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
@@ -97,24 +129,34 @@ struct Panel {
   }
 
   // The least remaining leeway, and its used share.
+  const char* LeewayName() const {
+    return c.reach.leeway->left_mm < 0 ? "panel.over" : "panel.limit";
+  }
+  std::string LeewayLeft() const {
+    return words.Decimal(std::fabs(c.reach.leeway->left_mm), 2) + " mm";
+  }
+  std::string LeewayWhere() const {
+    const std::string_view where = c.reach.leeway->where;
+    return words.Say(where.empty() ? "panel.until_limit" : where);
+  }
+  std::string LeewayUsed() const {
+    if (!c.zones) return "";
+    if (c.zones->neighbour_mm3 >= kShown_mm3) {
+      return words.Say("panel.neighbour_cut",
+                       {{"volume", words.Decimal(c.zones->neighbour_mm3, 2)}});
+    }
+    if (c.zones->beyond_mm3 >= kShown_mm3) {
+      return words.Say("panel.too_much", {{"volume", words.Decimal(c.zones->beyond_mm3, 2)}});
+    }
+    return words.Say("panel.leeway_used", {{"percent", words.Decimal(c.zones->leeway_percent, 0)}});
+  }
   void Leeway() const {
     if (!c.reach.leeway) return;
     const Reach::Leeway& leeway = *c.reach.leeway;
-    bool beyond = leeway.left_mm < 0;
-    Bar(beyond ? "panel.over" : "panel.limit", words.Decimal(std::fabs(leeway.left_mm), 2) + " mm",
-        beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
-    const std::string where = words.Say(leeway.where.empty() ? "panel.until_limit" : leeway.where);
-    std::string used;
-    if (c.zones && c.zones->neighbour_mm3 >= kShown_mm3) {
-      used =
-          words.Say("panel.neighbour_cut", {{"volume", words.Decimal(c.zones->neighbour_mm3, 2)}});
-    } else if (c.zones && c.zones->beyond_mm3 >= kShown_mm3) {
-      used = words.Say("panel.too_much", {{"volume", words.Decimal(c.zones->beyond_mm3, 2)}});
-    } else if (c.zones) {
-      used =
-          words.Say("panel.leeway_used", {{"percent", words.Decimal(c.zones->leeway_percent, 0)}});
-    }
-    Value(where, used);
+    const bool beyond = leeway.left_mm < 0 || leeway.whole_mm <= 0;
+    Bar(LeewayName(), LeewayLeft(), beyond ? 1 : leeway.left_mm / leeway.whole_mm,
+        BearingOf(leeway));
+    Value(LeewayWhere(), LeewayUsed());
   }
 
   void Pulp() const {
@@ -126,31 +168,61 @@ struct Panel {
         kPulpThin_mm / kPulpFar_mm);
   }
 
-  void Removed() const {
-    if (!c.recorded) {
-      ImGui::TextUnformatted(words.Say("panel.not_recorded").c_str());
-      return;
-    }
-    bool any = false;
+  // Name and volume of each tissue of which something is removed, or of all of them together.
+  std::vector<std::pair<std::string, std::string>> Removed(bool together) const {
+    if (!c.recorded) return {{words.Say("panel.not_recorded"), ""}};
+    std::vector<std::pair<std::string, std::string>> out;
+    double all_mm3 = 0;
     for (size_t t = 1; t < c.state.removed_mm3.size(); ++t) {
-      double mm3 = c.state.removed_mm3[t];
-      if (mm3 < 0.005) continue;
-      any = true;
+      const double mm3 = c.state.removed_mm3[t];
+      all_mm3 += mm3;
+      if (mm3 < kShown_mm3 || together) continue;
       const auto tissue = static_cast<cutting::Tissue>(t);
-      Value(words.Say("tissue." + std::string(cutting::TissueName(tissue))),
-            words.Decimal(mm3, 2) + " mm³");
+      out.push_back({words.Say("tissue." + std::string(cutting::TissueName(tissue))),
+                     words.Decimal(mm3, 2) + " mm³"});
     }
-    if (!any) Value(words.Say("panel.removed"), words.Say("panel.nothing_yet"));
+    const bool any = all_mm3 >= kShown_mm3;
+    if (!any) out.push_back({words.Say("panel.removed"), words.Say("panel.nothing_yet")});
+    if (any && together) {
+      out.push_back({words.Say("panel.removed"), words.Decimal(all_mm3, 2) + " mm³"});
+    }
+    return out;
   }
 
-  void All() const {
-    ImGui::PushFont(fonts.near);
-    if (!c.heading.empty()) {
-      ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + width());
-      ImGui::TextDisabled("%s", InLines(c.heading, width(), *fonts.near).c_str());
-      ImGui::PopTextWrapPos();
+  // Without heading and volumes.
+  float HeightOfBars() const {
+    const float line = ImGui::GetTextLineHeightWithSpacing(), gap = ImGui::GetStyle().ItemSpacing.y;
+    float height = fonts.far->FontSize + 3 * gap + HeightOfBar("panel.force", "0.00 N");
+    if (c.time_limit_s > 0) height += line;
+    if (c.zones) height += HeightOfBar("panel.target", "100 %");
+    if (c.reach.leeway) {
+      height +=
+          HeightOfBar(LeewayName(), LeewayLeft()) + HeightOfValue(LeewayWhere(), LeewayUsed());
     }
-    if (c.has_state) {
+    if (c.reach.pulp_mm) height += HeightOfBar("panel.pulp", "> 2.00 mm");
+    return height;
+  }
+
+  // `room`: in height.
+  void All(float room) const {
+    ImGui::PushFont(fonts.near);
+    const std::string heading = InLines(c.heading, width, *fonts.near);
+    const float line = ImGui::GetTextLineHeightWithSpacing(),
+                heading_height =
+                    ImGui::CalcTextSize(heading.c_str()).y + line - ImGui::GetFontSize();
+    room -= c.has_state ? HeightOfBars() : line;
+    auto removed = Removed(false);
+    const auto height_of = [&](const auto& values) {
+      float height = 0;
+      for (const auto& [name, value] : values) height += HeightOfValue(name, value);
+      return height;
+    };
+    if (heading_height + height_of(removed) > room) removed = Removed(true);
+    const bool titled = !c.heading.empty() && heading_height + height_of(removed) <= room;
+    if (titled) ImGui::TextDisabled("%s", heading.c_str());
+    if (!c.has_state) {
+      ImGui::TextDisabled("%s", words.Say("panel.waiting").c_str());
+    } else {
       Time();
       ImGui::Spacing();
       Force();
@@ -158,9 +230,9 @@ struct Panel {
       Leeway();
       Pulp();
       ImGui::Spacing();
-      Removed();
-    } else {
-      ImGui::TextDisabled("%s", words.Say("panel.waiting").c_str());
+      if (height_of(removed) <= room) {
+        for (const auto& [name, value] : removed) Value(name, value);
+      }
     }
     ImGui::PopFont();
   }
@@ -171,18 +243,20 @@ ImVec2 SizeOf(const ImFont& font, const std::string& lines) {
 }
 
 // Ends at the height that is returned.
-float DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts, float width,
-                   float height, float px) {
+float DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts,
+                   const Canvas& canvas) {
   const std::string text = WarningText(words, content);
   if (text.empty()) return 0;
-  const float left = PanelRight(fonts), widest = width - left - 3 * kMargin_px * px;
+  const float px = fonts.scale, height = static_cast<float>(canvas.height);
+  const Span free = BesidePanel(fonts, canvas);
+  const float widest = free.to - free.from - 3 * kMargin_px * px;
   auto lines_of = [&](const ImFont& font) { return InEvenLines(text, widest, font); };
   // Several at a time in smaller letters: the tooth is below them.
   const ImVec2 large = SizeOf(*fonts.far, lines_of(*fonts.far));
   ImFont* font = large.y > kWarningsHeight * height ? fonts.text : fonts.far;
   ImGui::PushFont(font);
-  ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
+  ImGui::SetNextWindowPos({free.middle(), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {free.to - free.from - kMargin_px * px, 1e6f});
   // These are no cause for alarm: nothing is lost, and cutting continues.
   constexpr uint32_t kNoAlarm = kWarnResumed | kWarnOffline;
   const bool calm = content.fault.empty() && (content.state.warnings & ~kNoAlarm) == 0;
@@ -211,13 +285,17 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
 }
 
 // At the edge of what warnings and keys leave free, so large that it is found at a glance.
-void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, float top,
-                 float width, float bottom, float px) {
-  const float inset = 70 * px, size = 34 * px;
-  // Beside the panel, which is at the left.
-  const float left_px = PanelRight(fonts);
-  const glm::vec2 middle(0.5f * (left_px + width), 0.5f * (top + bottom));
-  const float to_side = (0.5f * (width - left_px) - inset) / std::max(std::fabs(away.x), 1e-3f),
+void DrawBurAway(const PanelContent& content, const Words& words, const Fonts& fonts, float top,
+                 const Canvas& canvas) {
+  const glm::vec2& away = *content.bur_away;
+  const float px = fonts.scale, bottom = canvas.floor, inset = 70 * px, size = 34 * px;
+  Span free = BesidePanel(fonts, canvas);
+  if (content.several_burs) {
+    const float burs = ChoiceWidth(fonts, canvas);
+    canvas.left_handed ? free.from += burs : free.to -= burs;
+  }
+  const glm::vec2 middle(free.middle(), 0.5f * (top + bottom));
+  const float to_side = (0.5f * (free.to - free.from) - inset) / std::max(std::fabs(away.x), 1e-3f),
               to_top = (0.5f * (bottom - top) - inset) / std::max(std::fabs(away.y), 1e-3f);
   const glm::vec2 tip = middle + away * std::min(to_side, to_top), across(-away.y, away.x);
   const glm::vec2 left = tip - away * (1.6f * size) + across * size,
@@ -238,18 +316,23 @@ void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, 
 
 // On its own background, because roots and a neighbour's crown reach down to it. Begins at the height
 // that is returned.
-float DrawHint(const std::string& spaced, const Fonts& fonts, float width, float height, float px) {
-  if (spaced.empty()) return height;
+float DrawHint(std::string spaced, const Fonts& fonts, float width, float height, float px) {
   const float size = fonts.near->FontSize, widest = width - 2 * kMargin_px * px;
-  const std::string hint = InEvenLines(Unbroken(spaced), widest, *fonts.near);
-  const ImVec2 text = SizeOf(*fonts.near, hint);
+  std::string hint;
+  ImVec2 text;
+  for (; !spaced.empty(); spaced = WithoutLastKey(spaced)) {
+    hint = InEvenLines(Unbroken(spaced), widest, *fonts.near);
+    text = SizeOf(*fonts.near, hint);
+    if (text.y <= kHintShare * height) break;
+  }
+  if (spaced.empty()) return height;
   const ImVec2 at{kMargin_px * px, height - kMargin_px * px - text.y};
   ImDrawList* list = ImGui::GetForegroundDrawList();
   list->AddRectFilled({at.x - 12 * px, at.y - 6 * px},
                       {at.x + text.x + 12 * px, at.y + text.y + 6 * px}, IM_COL32(15, 17, 20, 200),
                       8 * px);
   list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str());
-  return at.y;
+  return at.y - 6 * px;
 }
 
 }  // namespace
@@ -288,6 +371,11 @@ std::string Unbroken(const std::string& hint) {
   return out;
 }
 
+std::string WithoutLastKey(const std::string& hint) {
+  const size_t last = hint.rfind("   ");
+  return last == hint.npos ? "" : hint.substr(0, last);
+}
+
 std::string TimerText(double seconds) {
   auto s = static_cast<long>(std::max(seconds, 0.0));
   char text[48];
@@ -323,23 +411,33 @@ void HideProgress(PanelContent& content) {
   content.state.removed_mm3 = {};
 }
 
-float PanelRight(const Fonts& fonts) { return (kPanelWidth_px + 4 * kMargin_px) * fonts.scale; }
+Span BesidePanel(const Fonts& fonts, const Canvas& canvas) {
+  const auto width = static_cast<float>(canvas.width);
+  const float panel = PanelWidth(fonts, canvas.width) + 4 * kMargin_px * fonts.scale;
+  return canvas.left_handed ? Span{0, width - panel} : Span{panel, width};
+}
 
-void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
-               int height) {
-  Panel panel{content, words, fonts, fonts.scale};
-  float margin = kMargin_px * fonts.scale, w = static_cast<float>(width),
-        h = static_cast<float>(height);
-  ImGui::SetNextWindowPos({margin, margin});
+float ChoiceWidth(const Fonts& fonts, const Canvas& canvas) {
+  const float by_picture = kChoiceWidth_px * fonts.scale;
+  return std::clamp(kChoiceWidth_px * fonts.letters, by_picture,
+                    std::max(by_picture, kChoiceShare * static_cast<float>(canvas.width)));
+}
+
+Canvas DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts,
+                 Canvas canvas) {
+  const Panel panel{content, words, fonts, fonts.scale, PanelWidth(fonts, canvas.width)};
+  const float margin = kMargin_px * fonts.scale, w = static_cast<float>(canvas.width),
+              h = static_cast<float>(canvas.height);
+  canvas.floor = DrawHint(content.hint, fonts, w, h, fonts.scale);
+  ImGui::SetNextWindowPos({canvas.left_handed ? w - margin : margin, margin}, ImGuiCond_Always,
+                          {canvas.left_handed ? 1.0f : 0.0f, 0});
   ImGui::Begin("panel", nullptr, kOverlay);
-  panel.All();
+  panel.All(canvas.floor - margin - 2 * ImGui::GetStyle().WindowPadding.y);
   ImGui::End();
-  const float top = DrawWarnings(content, words, fonts, w, h, fonts.scale);
+  const float top = DrawWarnings(content, words, fonts, canvas);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
-  const float bottom = DrawHint(content.hint, fonts, w, h, fonts.scale);
-  if (content.bur_away) {
-    DrawBurAway(*content.bur_away, words, fonts, top, w, bottom, fonts.scale);
-  }
+  if (content.bur_away) DrawBurAway(content, words, fonts, top, canvas);
+  return canvas;
 }
 
 }  // namespace enamel::station::render

@@ -55,6 +55,7 @@ struct PanelContent {
   std::optional<ZoneShares> zones;    // none: not to be shown (an exam), or not known
   Reach reach;                        // empty: not to be shown, or not known
   std::optional<glm::vec2> bur_away;  // where it left the picture (Camera::Away)
+  bool several_burs = false;          // a choice of burs is shown on the other side (ChoiceWidth)
   std::string hint;                   // what keys and mouse do
   // Why the force is off and what to do, in one sentence: replaces kWarnFault and kWarnDevice,
   // which are less specific.
@@ -64,17 +65,36 @@ struct PanelContent {
 // Takes away what the recording does not have: while nothing is stored, no progress is shown.
 void HideProgress(PanelContent& content);
 
-// Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
-// can be read from two metres. Draws into the current ImGui frame of a picture of this size.
-void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
-               int height);
+// A picture with words over it, window pixels. The panel is at its left, and at its right for a hand
+// that holds the handpiece in the left.
+struct Canvas {
+  int width = 0, height = 0;
+  bool left_handed = false;
+  float floor = 0;  // where the line of keys begins, at the bottom
+};
 
-// Where what DrawPanel writes at the left ends, in window pixels.
-float PanelRight(const Fonts& fonts);
+// Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
+// can be read from two metres. Where there is no room for all of it, the volumes of the tissues become
+// one, then the heading and the last of the keys are left out. Draws into the current ImGui frame.
+// Returns the canvas with its floor.
+Canvas DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts,
+                 Canvas canvas);
+
+// A part of a canvas's width.
+struct Span {
+  float from = 0, to = 0;
+  float middle() const { return 0.5f * (from + to); }
+};
+// The part that the panel leaves free.
+Span BesidePanel(const Fonts& fonts, const Canvas& canvas);
+// Width of a choice of burs, which is at the edge of the canvas that is away from the panel.
+float ChoiceWidth(const Fonts& fonts, const Canvas& canvas);
 
 // A hint whose lines break only where several spaces part two keys: a key and what it does stay
 // together.
 std::string Unbroken(const std::string& hint);
+// A hint without its last key; empty where it has but one.
+std::string WithoutLastKey(const std::string& hint);
 // "3:07"; hours only when there are any. Negative counts as 0.
 std::string TimerText(double seconds);
 // Each warning as a sentence for the person at the chair, one line each; empty for none.

@@ -43,8 +43,8 @@ constexpr int kPlacedFrames = 3;
 // The largest step of a hand in one event, as a share of the window's height. A hand that takes the
 // cursor across the window into a target half as far wide needs 0.13 s (Card, English and Burr 1978:
 // 0.1 s for each bit of distance by target). Its top speed is 1.9 times its mean (Flash and Hogan
-// 1985). That makes 0.12 of the height in each of the 125 reports a second of a slow mouse. Twice
-// that is no hand's.
+// 1985). A slow mouse, which reports 125 times a second, then moves by 0.12 of the height in a
+// report. Twice that is no hand's.
 constexpr double kLargestStep = 0.25;
 
 static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
@@ -96,6 +96,8 @@ class GlfwWindow {
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
   GLFWwindow* get() const { return window_; }
+  // Size of a pixel of the monitor that the window is on.
+  double pixel_mm() const { return pixel_mm_; }
 
   // Where `monitor` says, or on the primary one: when monitors come or go. GLFW makes a window of
   // what was full screen on a monitor that has gone.
@@ -142,11 +144,20 @@ class GlfwWindow {
         options_.monitor_missing) {
       options_.monitor_missing(missing);
     }
-    return count > 0 ? all[found.value_or(0)] : nullptr;
+    GLFWmonitor* monitor = count > 0 ? all[found.value_or(0)] : nullptr;
+    const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+    if (mode != nullptr) {
+      int width_mm = 0, height_mm = 0;
+      glfwGetMonitorPhysicalSize(monitor, &width_mm, &height_mm);
+      pixel_mm_ = PixelOf_mm(mode->width, mode->height, width_mm, height_mm);
+    }
+    if (options_.pixel_mm > 0) pixel_mm_ = options_.pixel_mm;
+    return monitor;
   }
 
   const ScreenOptions options_;
   std::string missing_;  // as said last
+  double pixel_mm_ = kReferencePixel_mm;
   GLFWwindow* window_ = nullptr;
 };
 
@@ -315,6 +326,7 @@ class Screen::Impl {
   std::bitset<kButtons> held_;
   std::bitset<GLFW_KEY_LAST + 1> keys_;
   int width_ = 0, height_ = 0;
+  double pixel_mm_ = 0;
   Fonts fonts_;
   language::Language language_ = language::Language::kEnglish;
   bool respell_ = false;  // the language or the letters needed have changed
@@ -485,7 +497,7 @@ class Screen::Impl {
            keys_.any() || glfwWindowShouldClose(glfw_.get());
   }
 
-  // Whether this frame has the same triangles, letters and textures as the last one that was drawn.
+  // This frame has the same triangles, letters and textures as the last one that was drawn.
   // A picture below it may have changed.
   bool LooksTheSame() {
     std::vector<char> looks;
@@ -513,17 +525,19 @@ class Screen::Impl {
     int width = 0, height = 0;
     glfwGetFramebufferSize(glfw_.get(), &width, &height);
     if (width == 0 || height == 0) return;  // minimised
-    if (width == width_ && height == height_ && !respell_) return;
+    const double pixel_mm = glfw_.pixel_mm();
+    if (width == width_ && height == height_ && pixel_mm == pixel_mm_ && !respell_) return;
     respell_ = false;
+    pixel_mm_ = pixel_mm;
     exposed_ = true;
     if (width != width_ || height != height_) Place();
     width_ = width;
     height_ = height;
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
                                       GL_NEAREST);
-    fonts_ = MakeFonts(height, language_, needed_);
+    fonts_ = MakeFonts(LettersFor(width, height, pixel_mm), language_, needed_);
     SetStyle(fonts_.scale);
-    // Fonts are pixels of one size: another height needs new ones.
+    // Fonts are pixels of one size: another needs new ones.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }
@@ -558,6 +572,8 @@ void Screen::Speak(language::Language language) {
 void Screen::Need(const std::string& text) {
   constexpr size_t kMostBytes = 16'384;  // some texts of each of a few people
   if (!NeedsMoreLetters(text) || impl_->needed_.find(text) != std::string::npos) return;
+  // The language's own letters are there already.
+  if (HasLetters(impl_->fonts_, text)) return;
   if (impl_->needed_.size() + text.size() > kMostBytes) impl_->needed_.clear();
   impl_->needed_ += text;
   impl_->respell_ = true;

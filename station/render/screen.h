@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -20,9 +21,10 @@ struct ScreenOptions {
   int width_px = 1280, height_px = 800;
   bool full_screen = false;  // width and height are then the monitor's
   std::string monitor;  // to be on: its name, or its number, 0 the first; empty: the primary one
-  // Called with a line for the log while that monitor is not there: at the start, and when it goes. The
-  // window is on the primary one then.
+  // Called with a line for the log when that monitor is missing: at the start, and when it is unplugged.
+  // The window is on the primary one then.
   std::function<void(const std::string&)> monitor_missing;
+  double pixel_mm = 0;  // of the monitor; 0: as it says of itself
   bool visible = true;  // false: drawn off screen, for screenshots and tests
   bool paced = true;    // false, for measuring: frames follow each other, each drawn to its end
 };
@@ -61,8 +63,8 @@ class Screen {
   void CancelClose();
   void Close();
 
-  // Of this frame, in order. What follows a key or click that may choose something comes in a later
-  // frame: a page answers it first.
+  // This frame's events, in order. Events behind a key or click that may choose something come in a
+  // later frame: a page answers it first.
   std::span<const InputEvent> events() const;
   // Acts as if the person had done it. The events of one call come between two frames, those of
   // the next call a frame later.
@@ -93,6 +95,7 @@ class Screen {
 
   int width() const;  // of the picture, px
   int height() const;
+  int shorter_side() const { return std::max(1, std::min(width(), height())); }
   const Fonts& fonts() const;
   bool draws_in_software() const;
   const std::string& renderer() const;  // OpenGL's own name

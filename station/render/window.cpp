@@ -32,7 +32,7 @@ void PressKey(Camera& camera, int key) {
 }
 
 void Drag(const Screen& screen, Camera& camera) {
-  auto share = [&](double d) { return static_cast<float>(d / std::max(screen.height(), 1)); };
+  auto share = [&](double d) { return static_cast<float>(d / screen.shorter_side()); };
   const float dx = share(screen.moved_x()), dy = share(screen.moved_y());
   if (screen.button(GLFW_MOUSE_BUTTON_LEFT)) return camera.Orbit(dx, dy);
   if (screen.button(GLFW_MOUSE_BUTTON_RIGHT) || screen.button(GLFW_MOUSE_BUTTON_MIDDLE)) {
@@ -88,7 +88,7 @@ void SteerMirror(const Screen& screen, ToothView& view, double dt_s) {
   if (right != 0 || up != 0) mirror.Tilt(turn * right, turn * up, camera);
   if (!HoldsMirror(screen, view)) return;
   const double dx = screen.moved_x(), dy = screen.moved_y();
-  auto share = [&](double d) { return static_cast<float>(d / std::max(screen.height(), 1)); };
+  auto share = [&](double d) { return static_cast<float>(d / screen.shorter_side()); };
   if (dx != 0 || dy != 0) mirror.Move(share(dx), share(dy), camera);
   for (const InputEvent& event : screen.events()) {
     if (event.kind != InputEvent::Kind::kWheel) continue;
@@ -123,9 +123,9 @@ void Window::DrawFrame(const Quality& quality) {
     content.force_full_scale_n = options_.view.force_full_scale_n;
     content.time_limit_s = options_.time_limit_s;
     // The camera's radius is half of what fits into the height.
-    content.mm_per_pixel = 2.0 * tooth_.camera().radius_mm() / std::max(screen_.height(), 1);
+    content.mm_per_pixel = 2.0 * tooth_.camera().radius_mm() / screen_.shorter_side();
     content.hint = words_.Say("hint.camera");
-    DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
+    DrawPanel(content, words_, screen_.fonts(), {screen_.width(), screen_.height()});
   }
   screen_.Show(tooth_.result());
   screen_.End();

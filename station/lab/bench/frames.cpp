@@ -218,7 +218,7 @@ class FrameBench {
     content.heading = "Class I, molar";
     content.state = view_.state();
     content.has_state = view_.has_state();
-    render::DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
+    render::DrawPanel(content, words_, screen_.fonts(), {screen_.width(), screen_.height()});
     screen_.Show(view_.result());
     screen_.End();
     times.ms.push_back(1e3 * screen_.drawing_s());

@@ -41,7 +41,8 @@ std::vector<Catalogue::Exercise> Exercises(int count) {
   return all;
 }
 
-// The window's list of exercises, drawn as long as nobody touches it. Errors: kUnavailable without a display.
+// Watches the window's list of exercises while nobody touches it. Errors: kUnavailable without a
+// display.
 Status BenchIdle(const Options& options, Rows& rows) {
   try {
     render::ScreenOptions window;
@@ -105,7 +106,7 @@ Status BenchIdle(const Options& options, Rows& rows) {
 void RegisterIdle(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* idle = app.add_subcommand(
-      "idle", "What the window's list of exercises costs while nobody touches it");
+      "idle", "The processor's share of the list of exercises while nobody touches it");
   idle->add_option("--width", options->width_px, "Of the window, pixels")->capture_default_str();
   idle->add_option("--height", options->height_px, "Of the window, pixels")->capture_default_str();
   idle->add_option("--exercises", options->exercises, "In the list")

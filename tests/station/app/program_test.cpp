@@ -157,7 +157,7 @@ TEST_F(ProgramTest, WrongCommandLineIsExitCodeTwo) {
   EXPECT_EQ(RunProgram("no-such-thing").code, 2);
 }
 
-// As guide and unit write it: a desktop's icon names the folder and no command.
+// Guide and unit write it so: a desktop's icon names the folder and no command.
 TEST_F(ProgramTest, WithoutACommandItTakesTheOptionsOfTheWindow) {
   const std::string settings = (folder_ / "station.toml").string();
   std::ofstream(settings) << "monitor = \"HDMI-1\"\nlanguage = \"de\"\n";

@@ -3,35 +3,47 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <cmath>
 #include <fstream>
 #include <optional>
 #include <thread>
 
 #include "common/scene/builtin/builtin.h"
 #include "station/desk/exercise_words.h"
+#include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
 #include "station/desk/problem_words.h"
 #include "station/desk/stop_sign.h"
 #include "station/render/panel.h"
 #include "station/session/practice_list.h"
+#include "tests/station/desk/played_board.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
-// No page cuts words off or draws them over each other: at the sizes that stations have, in every
-// language, with the longest texts that it shows. Nothing is rasterized.
+// No page cuts words or buttons off or draws words over each other: at the sizes that stations have, in
+// every language, with every kind of device, with the longest texts that it shows. Nothing is
+// rasterized.
 namespace enamel::station::desk {
 namespace {
 
 namespace fs = std::filesystem;
+using testing_support::HidBus;
 using Clock = Workflow::Clock;
 using language::Language;
 
 constexpr int kFrames = 4;  // until a page's sizes have settled
 
+const std::vector<scene::BurSpec> kBurs = {
+    {{}, cutting::BurShape::kCylinder, 500, 4'000},
+    {{}, cutting::BurShape::kInvertedCone, 600, 1'200, 400, 0, 0, "806 314 010 544 012"},
+    {{}, cutting::BurShape::kWheel, 1'500, 1'000}};
+
 struct Size {
   int width_px, height_px;
+  double inches;  // of the screen
+  double pixel_mm() const { return 25.4 * inches / std::hypot(width_px, height_px); }
 };
 
 class LayoutTest : public testing::TestWithParam<Size> {
@@ -40,6 +52,7 @@ class LayoutTest : public testing::TestWithParam<Size> {
     if (!display_.ok()) GTEST_SKIP() << "skipped: Xvfb is not installed";
     screen_.emplace(render::ScreenOptions{.width_px = GetParam().width_px,
                                           .height_px = GetParam().height_px,
+                                          .pixel_mm = GetParam().pixel_mm(),
                                           .visible = false,
                                           .paced = false});
     // With these letters the window can say every language.
@@ -59,8 +72,12 @@ class LayoutTest : public testing::TestWithParam<Size> {
       page();
       ImGui::Render();
     }
-    for (const std::string& fault : LayoutFaults()) ADD_FAILURE() << what << ": " << fault;
+    for (const std::string& fault : LayoutFaults(ui_->choices())) {
+      ADD_FAILURE() << what << ": " << fault;
+    }
   }
+  // The panel of a running attempt, with the most that it can say.
+  render::PanelContent FullPanel(const Words& words, bool by_pointer) const;
 
   void ExpectPanel();
   void ExpectCards();
@@ -83,17 +100,21 @@ class PagesLayoutTest : public LayoutTest {
     credentials.ticket_key = keys.public_key;
     ASSERT_TRUE(SaveCredentials(data(), credentials).ok());
     workplace_ = std::move(*Workplace::Open({.data = data()}));
-    for (int i = 0; i < 2; ++i) {
+    for (const char* profile : {"pointer", "pointer", kForce, kForce}) {
       KeepAttempt(data(), workplace_->spool(), credentials, keys.secret_key, server_->person,
-                  "pointer", kKeptPin);
+                  profile, kKeptPin);
     }
-    flow_.emplace(*workplace_, WorkflowOptions{});
+    HidBus::Get().Reset();
+    board_.emplace(folder_ / "board", kForce);
+    flow_.emplace(*workplace_, kOptions);
     pages_.emplace(*ui_, *flow_, "Simulation clinic, chair 17");
   }
   void TearDown() override {
     pages_.reset();
     flow_.reset();
     workplace_.reset();
+    board_.reset();
+    HidBus::Get().Reset();
   }
 
   fs::path data() const { return folder_ / "data"; }
@@ -105,6 +126,8 @@ class PagesLayoutTest : public LayoutTest {
       flow_->Tick(Clock::now(), true);
       (void)pages_->Draw();
       ImGui::Render();
+      // A loop without it would only take the processor from what it waits for.
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     ASSERT_TRUE(until()) << flow_->problem();
   }
@@ -114,9 +137,36 @@ class PagesLayoutTest : public LayoutTest {
   void ExpectPage(const std::string& what) {
     for (Language language : languages()) {
       flow_->Speak(language);
-      Expect(what + ", " + std::string(NameOf(language)), [&] { (void)pages_->Draw(); });
+      Expect(what + ", " + std::string(NameOf(language)), [&] {
+        if (flow_->cutting()) DrawBelow(language);
+        (void)pages_->Draw();
+      });
     }
   }
+  // Draws what the window draws below the page.
+  void DrawBelow(Language language) {
+    const Words words(language);
+    const render::PanelContent content = FullPanel(words, flow_->attempt()->by_pointer());
+    const render::Canvas canvas =
+        render::DrawPanel(content, words, screen_->fonts(), {screen_->width(), screen_->height()});
+    if (flow_->dialog() == Dialog::kNone) {
+      DrawBurChoice(kBurs, content.state, words, screen_->fonts(), ui_->AbovePage(canvas));
+    }
+    ui_->Over(canvas);
+  }
+  // The kept attempt for this kind of device, opened with it.
+  void OpenKept(const char* profile) {
+    flow_->ToReserved();
+    const auto kept = std::ranges::find_if(flow_->reserved(), [&](const auto& r) {
+      return r.ticket.profile == profile && !r.cut_off;
+    });
+    ASSERT_NE(kept, flow_->reserved().end()) << profile;
+    flow_->AskPin(static_cast<size_t>(kept - flow_->reserved().begin()));
+    flow_->OpenReserved(kKeptPin);
+    Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  }
+  void ExpectForceDevice(bool simulated);
+  void ExpectOperatorPanel(const std::string& name);
   void RunChosen() {
     flow_->Start(false);
     Await([&] { return flow_->place() == Place::kRunning; });
@@ -141,14 +191,18 @@ class PagesLayoutTest : public LayoutTest {
 
   test::TempFolder temp_;
   const fs::path folder_ = temp_.path();
+  static constexpr char kForce[] = "phantom_desktop";
+  static inline const WorkflowOptions kOptions{.simulated = true};
   std::optional<FakeServer> server_;
+  std::optional<PlayedBoard> board_;
   std::unique_ptr<Workplace> workplace_;
   std::optional<Workflow> flow_;
   std::optional<Pages> pages_;
 };
 
-std::vector<scene::Exercise> AllExercises() {
-  std::vector<scene::Exercise> all;
+const std::vector<scene::Exercise>& AllExercises() {
+  static std::vector<scene::Exercise> all;
+  if (!all.empty()) return all;
   for (const std::string& name : scene::BuiltinSceneNames()) {
     auto built = scene::BuildBuiltinScene(name, 500'000);
     ENAMEL_CHECK(built.ok());
@@ -217,9 +271,15 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   Settle();
   ASSERT_FALSE(flow_->problem().empty());
   ExpectPage("pin");
-  flow_->OpenReserved(kKeptPin);
-  Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  flow_->CloseDialog();
+  ExpectForceDevice(false);
+  ExpectForceDevice(true);
+  OpenKept("pointer");
   ExpectPage("exercise kept");
+  flow_->TryDevice();
+  Await([&] { return flow_->place() == Place::kWarmUp && flow_->attempt()->rehearsal(); });
+  ExpectPage("warm-up");
+  flow_->EndWarmUp();
   flow_->Start(false);
   Await([&] { return flow_->place() == Place::kReady && !flow_->busy(); });
   ExpectPage("ready");
@@ -292,13 +352,50 @@ TEST_P(PagesLayoutTest, ShowsAllWords) {
   }
 }
 
+// An attempt with a device whose force is felt, or with a hand that is played.
+void PagesLayoutTest::ExpectForceDevice(bool simulated) {
+  const std::string name = simulated ? "simulated: " : "board: ";
+  OpenKept(kForce);
+  if (simulated) {
+    const auto hand = std::ranges::find_if(
+        flow_->offers(), [](const DeviceOffer& o) { return !o.operator_name.empty(); });
+    ASSERT_NE(hand, flow_->offers().end());
+    flow_->ChooseOffer(static_cast<size_t>(hand - flow_->offers().begin()));
+  }
+  ExpectPage(name + "exercise");
+  if (!simulated) {
+    flow_->TryDevice();
+    Await([&] { return flow_->place() == Place::kWarmUp && flow_->attempt()->rehearsal(); });
+    ExpectPage(name + "warm-up");
+    flow_->AlignHand();
+    ExpectPage(name + "match hand and picture");
+    flow_->EndWarmUp();
+  }
+  flow_->Start(false);
+  Await([&] { return flow_->place() == Place::kReady && !flow_->busy(); });
+  ExpectPage(name + "ready");
+  Await([&] { return flow_->place() == Place::kRunning; });
+  Await([&] { return flow_->attempt()->run()->snapshot().counters.ticks > 10; });
+  ExpectPage(name + "running");
+  ExpectOperatorPanel(name);
+  ExpectDialog(Dialog::kPaused, name + "paused");
+  flow_->EndAttempt();
+  Await([&] { return flow_->place() == Place::kSignIn; });
+}
+
+void PagesLayoutTest::ExpectOperatorPanel(const std::string& name) {
+  StationWatch station(*workplace_);
+  const PictureTimes times;
+  Expect(name + "operator's panel", [&] {
+    (void)pages_->Draw();
+    DrawOperatorPanel(*flow_, station, *screen_, times, render::kQualities[0], 1.0 / 60);
+  });
+}
+
 // A cut that was interrupted is ended by somebody who may continue it for practice.
 void PagesLayoutTest::ExpectPractice() {
   flow_->SignOut();
-  flow_->ToReserved();
-  flow_->AskPin(0);
-  flow_->OpenReserved(kKeptPin);
-  Await([&] { return flow_->place() == Place::kExercise && !flow_->busy(); });
+  OpenKept("pointer");
   RunChosen();
   Await([&] { return flow_->chunks() > 0; });
   flow_->LeaveForNow();
@@ -359,7 +456,7 @@ void PagesLayoutTest::ExpectPracticeWithoutServer() {
   flow_->Back();
 }
 
-void LayoutTest::ExpectPanel() {
+render::PanelContent LayoutTest::FullPanel(const Words& words, bool by_pointer) const {
   render::PanelContent content;
   content.has_state = true;
   content.state.time_s = 3607;
@@ -373,24 +470,27 @@ void LayoutTest::ExpectPanel() {
   content.reach.leeway = render::Reach::Leeway{-1.23, 0.5, "place.mesial_wall"};
   content.reach.pulp_mm = 0.12;
   content.state.bur_waits = true;
-  const std::vector<scene::BurSpec> burs = {
-      {{}, cutting::BurShape::kCylinder, 500, 4'000},
-      {{}, cutting::BurShape::kInvertedCone, 600, 1'200, 400, 0, 0, "806 314 010 544 012"},
-      {{}, cutting::BurShape::kWheel, 1'500, 1'000}};
+  content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");
+  content.several_burs = true;
+  content.hint = words.Say(by_pointer ? "hint.pointer" : "hint.camera") + "   " +
+                 words.Say("hint.outline") + "   " + words.Say("hint.depth") + "   " +
+                 words.Say("hint.bur") + "   " + words.Say("hint.mirror_held");
+  return content;
+}
+
+void LayoutTest::ExpectPanel() {
   for (Language language : languages()) {
     const Words words(language);
-    content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");
-    content.hint = words.Say("hint.pointer") + "   " + words.Say("hint.outline") + "   " +
-                   words.Say("hint.bur") + "   " + words.Say("hint.mirror_held");
+    render::PanelContent content = FullPanel(words, true);
     const std::string name(NameOf(language));
     Stop stop = Stop::kNone;
     auto panel = [&] {
-      render::DrawPanel(content, words, screen_->fonts(), screen_->width(), screen_->height());
+      const render::Canvas canvas = render::DrawPanel(content, words, screen_->fonts(),
+                                                      {screen_->width(), screen_->height()});
       if (stop == Stop::kNone) {
-        DrawBurChoice(burs, content.state, words, screen_->fonts(), screen_->width(),
-                      screen_->height());
+        DrawBurChoice(kBurs, content.state, words, screen_->fonts(), canvas);
       }
-      DrawStop(stop, words.Say("stop.kept"), screen_->fonts(), screen_->width(), screen_->height());
+      DrawStop(stop, words.Say("stop.kept"), screen_->fonts(), canvas);
     };
     for (uint32_t warning = 0; warning < render::kWarningCount; ++warning) {
       content.state.warnings = 1U << warning;
@@ -435,7 +535,9 @@ void LayoutTest::ExpectCards() {
       const auto some = std::span(cards).subspan(from, std::min<size_t>(4, cards.size() - from));
       Expect("cards, " + std::string(NameOf(language)), [&] {
         ui_->Begin("exercises", kWidePage);
+        ui_->BeginList("exercises");
         (void)ui_->Cards(some);
+        ui_->EndList();
         ui_->End();
         ui_->EndFrame();
       });
@@ -502,7 +604,56 @@ TEST_P(LayoutTest, FindsWordsThatCannotBeRead) {
   EXPECT_EQ(tall[0], "longer than its place: page");
 }
 
-constexpr Size kSizes[] = {{900, 600}, {1366, 768}, {1920, 1080}, {3840, 2160}};
+// Boxes: their words may be whole.
+TEST_P(LayoutTest, FindsButtonsThatAreNotSeenWhole) {
+  const auto faults = [&](auto&& draw) {
+    for (int i = 0; i < kFrames; ++i) {
+      (void)screen_->Begin();
+      draw();
+      ui_->EndFrame();
+      ImGui::Render();
+    }
+    std::vector<std::string> found;
+    for (std::string& fault : LayoutFaults(ui_->choices())) {
+      if (fault.find('[') != fault.npos) found.push_back(std::move(fault));
+    }
+    return found;
+  };
+  const auto page = [&](float at_y, auto&& inside) {
+    return [&, at_y] {
+      ui_->Begin("page", {0.1F, at_y, 0.8F, 0.3F, true});
+      inside();
+      ui_->End();
+    };
+  };
+  const auto finish = [&] { (void)ui_->Button("Finish"); };
+  EXPECT_TRUE(faults(page(0.5F, finish)).empty());
+  const auto half_out = faults(page(0.94F, finish));
+  ASSERT_EQ(half_out.size(), 1U);
+  EXPECT_NE(half_out[0].find("not whole: [Finish]"), std::string::npos) << half_out[0];
+
+  // A list of devices, which may scroll; but not the one in use.
+  size_t chosen = 0;
+  const auto devices = [&] {
+    ui_->Begin("exercise", kWidePage);
+    ui_->BeginList("devices");
+    for (size_t i = 0; i < 20; ++i) {
+      (void)ui_->Row("Device " + std::to_string(i), "", "", i == chosen);
+    }
+    ui_->EndList();
+    (void)ui_->Button("Start");
+    ui_->End();
+  };
+  EXPECT_TRUE(faults(devices).empty());
+  chosen = 15;
+  const auto below = faults(devices);
+  ASSERT_EQ(below.size(), 1U);
+  EXPECT_NE(below[0].find("chosen and not seen: [Device 15]"), std::string::npos) << below[0];
+}
+
+// A window on a desktop, as small as a chair's may be; 4:3, 5:4, 3:2, upright; and what most have.
+constexpr Size kSizes[] = {{900, 600, 11.79}, {1024, 768, 15},  {1280, 1024, 19}, {1366, 768, 15.6},
+                           {1080, 1920, 24},  {1920, 1080, 24}, {2160, 1440, 15}, {3840, 2160, 27}};
 std::string SizeName(const testing::TestParamInfo<Size>& size) {
   return std::to_string(size.param.width_px) + "x" + std::to_string(size.param.height_px);
 }

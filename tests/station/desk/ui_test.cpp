@@ -22,7 +22,11 @@ class UiTest : public testing::Test {
  protected:
   void SetUp() override {
     if (!display_.ok()) GTEST_SKIP() << "skipped: no Xvfb";
-    screen_.emplace(render::ScreenOptions{.width_px = 640, .height_px = 360, .visible = false});
+    // As on a screen of 24 inches: letters are in proportion to the window.
+    screen_.emplace(render::ScreenOptions{.width_px = 640,
+                                          .height_px = 360,
+                                          .pixel_mm = 3 * render::kReferencePixel_mm,
+                                          .visible = false});
     ui_.emplace(*screen_);
   }
 
@@ -98,6 +102,7 @@ TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
   std::string longest;
   for (int i = 0; i < 500; ++i) longest += i % 7 == 6 ? " " : "m";
   Play([&] {
+    ui_->Over({640, 360, false, 0.93f * 360});
     ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
     ui_->Remark("Ada says", longest, "R closes this");
     ui_->End();

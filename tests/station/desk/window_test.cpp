@@ -94,7 +94,7 @@ class WindowTest : public testing::Test {
     std::ofstream(options_.script)
         << "page sign-in\nclick " << words.Say("sign_in.offline")
         << "\npage reserved\nkey Enter\npage pin\ntype " << kKeptPin
-        << "\nkey Enter\npage exercise\nsee " << words.Say("exercise.device") << "\n"
+        << "\nkey Enter\npage exercise\nsee " << words.Say("exercise.in_use") << "\n"
         << before << "click " << words.Say("exercise.start") << "\npage running\nframes 20\n"
         << during << "key F\npage finish\nclick " << words.Say("finish.hand_in")
         << "\npage sign-in\nquit\n";

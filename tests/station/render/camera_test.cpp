@@ -35,5 +35,16 @@ TEST(CameraTest, WhereTheBurLeftThePicture) {
   EXPECT_LT(behind->x, -0.99f);
 }
 
+TEST(CameraTest, AnUprightPictureIsAsWideAsAnotherIsHigh) {
+  Camera camera({0, 0, 0}, 8);
+  camera.SetView(View::kOcclusal);
+  for (float aspect : {0.5f, 0.75f, 1.0f}) {
+    EXPECT_FALSE(camera.Away({7.9f, 0, 0}, aspect)) << aspect;
+    EXPECT_TRUE(camera.Away({8.1f, 0, 0}, aspect)) << aspect;
+    EXPECT_FALSE(camera.Away({0, 7.9f / aspect, 0}, aspect)) << aspect;
+    EXPECT_TRUE(camera.Away({0, 8.1f / aspect, 0}, aspect)) << aspect;
+  }
+}
+
 }  // namespace
 }  // namespace enamel::station::render
