@@ -9,7 +9,7 @@ namespace {
 
 struct OpenOptions {
   desk::DeskOptions desk;
-  std::string size, language;
+  std::string size, language, hand = "right";
 };
 
 CLI::IsMember IsOneOf(std::string_view setting) {
@@ -71,12 +71,18 @@ OpenCommand DeclareOpen(CommandGroup group) {
                   "counter-clockwise, seen from above, from facing the person")
       ->check(IsOneOf("hand-turn"))
       ->capture_default_str();
+  cmd->add_option("--hand", options->hand,
+                  "Hand that holds the handpiece, right or left, until somebody chooses the other: "
+                  "panel, buttons and tooth change sides")
+      ->check(CLI::IsMember({"right", "left"}))
+      ->capture_default_str();
   cmd->add_option("--script", o.script,
                   "Play a person's part from this file (station/desk/script.h)");
   // Also returned, because `main` runs it if no subcommand was named.
   auto run = [options, cmd, &place = group.place]() -> Status {
     options->desk.workplace = place.Options();
     options->desk.language = LanguageFor(options->language);
+    options->desk.left_handed = options->hand == "left";
     if (cmd->count("--window") > 0) {
       ENAMEL_RETURN_IF_ERROR(desk::SetWindowSize(options->size, options->desk));
     }

@@ -113,9 +113,9 @@ class Desk {
         governor_(render::GovernorFor(screen)),
         script_(script),
         ui_(screen),
-        flow_(workplace,
-              {options.simulated, options.device, 60 * options.idle_minutes, options.profile,
-               options.cpu, options.mouth, options.hand_turn_deg, options.language}),
+        flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
+                          options.profile, options.cpu, options.mouth, options.hand_turn_deg,
+                          options.left_handed, options.language}),
         pages_(ui_, flow_, workplace.credentials().name),
         station_(workplace) {
     if (options.sound) speaker_.emplace();
@@ -296,7 +296,9 @@ class Desk {
     if (free) {
       content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     }
-    content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
+    const std::string keys = flow_.left_handed() ? "I J K L" : "W A S D";
+    content.hint = attempt.by_pointer() ? words.Say("hint.pointer", {{"keys", keys}})
+                                        : words.Say("hint.camera");
     if (MayShowProgress(prepared)) {
       content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
     }
@@ -305,8 +307,8 @@ class Desk {
     if (content.several_burs) content.hint += "   " + words.Say("hint.bur");
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
-    const render::Canvas canvas =
-        render::DrawPanel(content, words, screen_.fonts(), {screen_.width(), screen_.height()});
+    const render::Canvas canvas = render::DrawPanel(
+        content, words, screen_.fonts(), {screen_.width(), screen_.height(), flow_.left_handed()});
     ui_.Over(canvas);
     if (free) {
       DrawBurChoice(burs, attempt.view().state(), words, screen_.fonts(), ui_.AbovePage(canvas));

@@ -25,6 +25,7 @@ struct DeskOptions {
   // How an attached device stands, seen from above: counter-clockwise from facing the person, in
   // quarters.
   int hand_turn_deg = 0;
+  bool left_handed = false;  // until the person who signs in says otherwise
   bool sound = true;
   bool mouth = true;             // draw it around a tooth
   double idle_minutes = 10;      // sign out after this time without input, outside an attempt

@@ -229,7 +229,9 @@ void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
                     // Metres a pixel: the picture is two radii high, an upright one as wide.
                     2e-3 * camera.radius_mm() / screen.shorter_side());
     mapping.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
-    mapping.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
+    // Two sets of keys, for the hand that does not hold the mouse.
+    mapping.SetTilt(Held(screen, 'D', 'A') + Held(screen, 'L', 'J'),
+                    Held(screen, 'W', 'S') + Held(screen, 'I', 'K'));
     bool pedal = screen.button(render::kMouseLeft) || screen.key(render::kKeySpace);
     mapping.SetPedal(pedal);
     bool steering = screen.button(render::kMouseRight) || render::HoldsMirror(screen, *view_);

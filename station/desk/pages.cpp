@@ -253,6 +253,10 @@ void Pages::Exercise() {
     Busy();
   }
   Devices();
+  ui_.Gap(10);
+  if (bool left = flow_.left_handed(); ui_.Check(Say("exercise.left_handed"), left)) {
+    flow_.HoldInLeft(left);
+  }
   ui_.EndList();
   ChosenDevice();
   if (flow_.instructor() && flow_.way() == Way::kTicket) {

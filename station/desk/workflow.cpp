@@ -32,6 +32,7 @@ Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
     : workplace_(workplace),
       options_(std::move(options)),
       words_(options_.language),
+      left_handed_(options_.left_handed),
       last_(LastDeviceOf(workplace.data())) {
   LookForKept();
 }
@@ -171,6 +172,7 @@ void Workflow::SignOut(const std::string& why) {
   handed_in_.clear();
   result_ = come_back_to_ = {};
   offline_ = as_reference_ = false;
+  left_handed_ = options_.left_handed;
   way_ = Way::kTicket;
   // What one person chose is not there for the next.
   offers_.clear();

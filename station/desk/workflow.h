@@ -70,6 +70,7 @@ struct WorkflowOptions {
   int cpu = -1;              // bind the haptic loop to this processor; -1: to none
   bool mouth = true;         // draw it around a tooth
   int hand_turn_deg = 0;     // of devices whose turn was not measured here
+  bool left_handed = false;  // until the person who signs in says otherwise
   language::Language language = language::Language::kEnglish;  // until somebody chooses another
 };
 
@@ -95,6 +96,11 @@ class Workflow {
   // The window's words in its language. Texts already shown stay in theirs.
   const language::Words& words() const { return words_; }
   void Speak(language::Language language) { words_ = language::Words(language); }
+
+  // The person holds the handpiece in the left hand: panel and buttons change sides at once, the tooth
+  // with the next attempt. Lasts until the person signs out.
+  bool left_handed() const { return left_handed_; }
+  void HoldInLeft(bool left) { left_handed_ = left; }
 
   // --- where ---
   Place place() const { return place_; }
@@ -299,6 +305,7 @@ class Workflow {
   Workplace& workplace_;
   const WorkflowOptions options_;
   language::Words words_;
+  bool left_handed_ = false;
   std::vector<DeviceOffer> offers_;
   Place place_ = Place::kSignIn;
   Dialog dialog_ = Dialog::kNone;

@@ -77,6 +77,7 @@ void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
 
 void Workflow::TakeAttempt(std::unique_ptr<DeskAttempt> attempt) {
   attempt_ = std::move(attempt);
+  if (left_handed_) attempt_->view().camera().MirrorAside();
   attempt_->StandsTurned(HandTurnOf(workplace_.data(), attempt_->device(), options_.hand_turn_deg));
 }
 

@@ -38,6 +38,10 @@ class Camera {
   // picture. `aspect`: its width over its height.
   std::optional<glm::vec2> Away(const glm::vec3& point_mm, float aspect) const;
   float radius_mm() const { return radius_mm_; }
+  // The focus as far to the other side of the picture's middle.
+  void MirrorAside() { aside_ = -aside_; }
+  // 1: the focus is in the picture's middle or right of it, and free is what is at its right; -1: left.
+  float free_side() const { return aside_ < 0 ? -1.0f : 1.0f; }
   float near_mm() const { return distance_mm() * 0.05f; }
   float far_mm() const { return distance_mm() + 60; }
 

@@ -34,8 +34,9 @@ void MouthMirror::Show(bool shown, Camera& camera) {
   shown_ = shown;
   camera.Zoom(shown ? -kRoom : kRoom);
   if (!shown) return;
+  const glm::vec3 beside = camera.free_side() * camera.Right();
   if (crown_aside_) {
-    middle_mm_ = work_mm_ + kBeyondCrown_mm + kBesideCrown_mm * camera.Right();
+    middle_mm_ = work_mm_ + kBeyondCrown_mm + kBesideCrown_mm * beside;
     return Aim(camera);
   }
   // Level, away from the viewer; from right above that is the picture's upward.
@@ -43,8 +44,7 @@ void MouthMirror::Show(bool shown, Camera& camera) {
   away.z = 0;
   const float length = glm::length(away);
   away = length > 0.1f ? away / length : glm::cross(glm::vec3(0, 0, 1), camera.Right());
-  middle_mm_ =
-      work_mm_ + kBeside_mm * camera.Right() + kBehind_mm * away + glm::vec3(0, 0, kAbove_mm);
+  middle_mm_ = work_mm_ + kBeside_mm * beside + kBehind_mm * away + glm::vec3(0, 0, kAbove_mm);
   Aim(camera);
 }
 
@@ -72,8 +72,8 @@ void MouthMirror::Aim(const Camera& camera) {
   const glm::vec3 both = glm::normalize(to_eye) + to_work / std::max(glm::length(to_work), 1e-3f);
   // Between the two there is no such normal: it faces the viewer.
   normal_ = glm::length(both) > 1e-3f ? glm::normalize(both) : glm::normalize(to_eye);
-  // To the right and up in the picture: clear of the panel and of the tooth.
-  hand_ = 0.8f * camera.Right() + 0.6f * UpOf(camera);
+  // To the free side and up in the picture: clear of the panel and of the tooth.
+  hand_ = 0.8f * camera.free_side() * camera.Right() + 0.6f * UpOf(camera);
 }
 
 glm::mat4 MouthMirror::SceneFromMirror() const {

@@ -23,8 +23,8 @@ class MouthMirror {
       : work_mm_(work_mm), crown_aside_(crown_aside) {}
 
   bool shown() const { return shown_; }
-  // Shown, it begins at the right of the place of work, behind it, or beyond a crown that is aside:
-  // nowhere in the gingiva. `camera` draws back meanwhile.
+  // Shown, it begins beside the place of work, on the picture's free side (Camera::free_side), and
+  // behind it, or beyond a crown that is aside: nowhere in the gingiva. `camera` draws back meanwhile.
   void Show(bool shown, Camera& camera);
   // In the picture's plane, as fractions of the picture's height: right, down.
   void Move(float dx, float dy, const Camera& camera);

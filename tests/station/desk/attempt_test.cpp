@@ -3,6 +3,7 @@
 
 #include <boost/json.hpp>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <thread>
@@ -204,14 +205,46 @@ TEST_F(DeskAttemptTest, ADeviceIsTriedOnABlockOfWhichNothingIsRecorded) {
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
 }
 
-// They were shown as of an uncut tooth until the next cut.
-TEST_F(DeskAttemptTest, AResumedCutIsMeasuredBeforeItsFirstPicture) {
+// The block to try a mouse on.
+Result<PreparedAttempt> BlockForAMouse() {
   PreparedAttempt base;
   base.exercise = scene::ClassOneExercise(scene::BuildBuiltinScene("block", 500'000)->scene, {});
   for (const auto& profile : scene::BuiltinProfiles()) {
     if (profile.name == "pointer") base.profile = profile;
   }
-  auto prepared = WarmUpFor(base);
+  return WarmUpFor(base);
+}
+
+TEST_F(DeskAttemptTest, EitherHandTiltsTheBurByKeysOfItsOwn) {
+  std::map<char, QuantisedOrientation> tilted;
+  for (char key : {'W', 'A', 'S', 'D', 'I', 'J', 'K', 'L'}) {
+    auto block = BlockForAMouse();
+    ASSERT_TRUE(block.ok());
+    auto attempt = DeskAttempt::Create(std::move(*block), {}, nullptr, false);
+    ASSERT_TRUE(attempt.ok()) << attempt.status().message();
+    screen_->Inject(render::InputEvent::Key(key, true));
+    (void)screen_->Begin();
+    for (int i = 0; i < 5; ++i) (*attempt)->Point(*screen_, 0.1, false);
+    screen_->End();
+    for (int tick = 0; tick < 500; ++tick) {
+      tilted[key] = (*attempt)->device().ReadSample().orientation;
+    }
+    screen_->Inject(render::InputEvent::Key(key, false));
+    (void)screen_->Begin();
+    screen_->End();
+    EXPECT_NE(tilted[key], kIdentityOrientation) << key;
+  }
+  EXPECT_EQ(tilted['I'], tilted['W']);
+  EXPECT_EQ(tilted['J'], tilted['A']);
+  EXPECT_EQ(tilted['K'], tilted['S']);
+  EXPECT_EQ(tilted['L'], tilted['D']);
+  EXPECT_NE(tilted['W'], tilted['S']);
+  EXPECT_NE(tilted['A'], tilted['D']);
+}
+
+// They were shown as of an uncut tooth until the next cut.
+TEST_F(DeskAttemptTest, AResumedCutIsMeasuredBeforeItsFirstPicture) {
+  auto prepared = BlockForAMouse();
   ASSERT_TRUE(prepared.ok());
   prepared->core = std::make_unique<core::Core>(prepared->header.params, prepared->volume.Packed());
   // Half a second in the air, then down to a millimetre under the top, and a millimetre to the side.

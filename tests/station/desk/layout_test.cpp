@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <thread>
@@ -64,6 +65,10 @@ class LayoutTest : public testing::TestWithParam<Size> {
     std::vector<Language> out = {Language::kEnglish, Language::kGerman};
     if (render::FindChineseFont()) out.push_back(Language::kChinese);
     return out;
+  }
+  // Whether this size shows this language to somebody left-handed.
+  static bool IsLeftIn(Language language) {
+    return (static_cast<int>(language) + GetParam().width_px / 2) % 2 != 0;
   }
   template <typename Page>
   void Expect(const std::string& what, Page&& page) {
@@ -134,21 +139,28 @@ class PagesLayoutTest : public LayoutTest {
   void Settle() {
     Await([&] { return !flow_->busy(); });
   }
+  // In every language. Over a picture each hand meets each size and each language; with ENAMEL_FULL=1
+  // all three together.
   void ExpectPage(const std::string& what) {
     for (Language language : languages()) {
       flow_->Speak(language);
-      Expect(what + ", " + std::string(NameOf(language)), [&] {
-        if (flow_->cutting()) DrawBelow(language);
-        (void)pages_->Draw();
-      });
+      std::vector<bool> hands = {flow_->cutting() && IsLeftIn(language)};
+      if (flow_->cutting() && std::getenv("ENAMEL_FULL") != nullptr) hands = {false, true};
+      for (const bool left : hands) {
+        flow_->HoldInLeft(left);
+        Expect(what + ", " + std::string(NameOf(language)) + (left ? ", left-handed" : ""), [&] {
+          if (flow_->cutting()) DrawBelow(language, left);
+          (void)pages_->Draw();
+        });
+      }
     }
   }
   // Draws what the window draws below the page.
-  void DrawBelow(Language language) {
+  void DrawBelow(Language language, bool left) {
     const Words words(language);
     const render::PanelContent content = FullPanel(words, flow_->attempt()->by_pointer());
-    const render::Canvas canvas =
-        render::DrawPanel(content, words, screen_->fonts(), {screen_->width(), screen_->height()});
+    const render::Canvas canvas = render::DrawPanel(content, words, screen_->fonts(),
+                                                    {screen_->width(), screen_->height(), left});
     if (flow_->dialog() == Dialog::kNone) {
       DrawBurChoice(kBurs, content.state, words, screen_->fonts(), ui_->AbovePage(canvas));
     }
@@ -472,8 +484,9 @@ render::PanelContent LayoutTest::FullPanel(const Words& words, bool by_pointer) 
   content.state.bur_waits = true;
   content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");
   content.several_burs = true;
-  content.hint = words.Say(by_pointer ? "hint.pointer" : "hint.camera") + "   " +
-                 words.Say("hint.outline") + "   " + words.Say("hint.depth") + "   " +
+  content.hint = (by_pointer ? words.Say("hint.pointer", {{"keys", std::string("W A S D")}})
+                             : words.Say("hint.camera")) +
+                 "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth") + "   " +
                  words.Say("hint.bur") + "   " + words.Say("hint.mirror_held");
   return content;
 }
@@ -483,10 +496,11 @@ void LayoutTest::ExpectPanel() {
     const Words words(language);
     render::PanelContent content = FullPanel(words, true);
     const std::string name(NameOf(language));
+    const bool left = IsLeftIn(language);
     Stop stop = Stop::kNone;
     auto panel = [&] {
       const render::Canvas canvas = render::DrawPanel(content, words, screen_->fonts(),
-                                                      {screen_->width(), screen_->height()});
+                                                      {screen_->width(), screen_->height(), left});
       if (stop == Stop::kNone) {
         DrawBurChoice(kBurs, content.state, words, screen_->fonts(), canvas);
       }

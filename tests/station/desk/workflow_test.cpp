@@ -94,6 +94,24 @@ class WorkflowTest : public testing::Test {
   std::optional<Workflow> flow_;
 };
 
+TEST_F(WorkflowTest, TheHandThatSomebodyChoseIsTheirsUntilTheySignOut) {
+  SignIn();
+  EXPECT_FALSE(flow_->left_handed());
+  flow_->HoldInLeft(true);
+  flow_->ToExercises();
+  Settle();
+  EXPECT_TRUE(flow_->left_handed());
+  flow_->SignOut();
+  EXPECT_FALSE(flow_->left_handed());
+  flow_.reset();
+  flow_.emplace(*workplace_, WorkflowOptions{.left_handed = true});
+  EXPECT_TRUE(flow_->left_handed()) << "the chair's";
+  SignIn();
+  flow_->HoldInLeft(false);
+  flow_->SignOut();
+  EXPECT_TRUE(flow_->left_handed());
+}
+
 TEST_F(WorkflowTest, WhatWasNotWrittenIsAskedForWithoutTheServer) {
   flow_->SignIn("", "secret");
   EXPECT_FALSE(flow_->busy());

@@ -60,6 +60,27 @@ TEST(MouthMirrorTest, ShowsThePlaceOfWorkInItsMiddle) {
   }
 }
 
+TEST(MouthMirrorTest, BeginsOnTheSideThatThePanelLeavesFree) {
+  for (bool crown_aside : {false, true}) {
+    glm::vec3 beside[2];
+    for (bool left : {false, true}) {
+      Camera camera(glm::vec3(0), 8, 0.16f);
+      if (left) camera.MirrorAside();
+      camera.SetView(View::kOcclusal);
+      MouthMirror mirror(glm::vec3(0), crown_aside);
+      mirror.Show(true, camera);
+      const glm::vec3 middle(mirror.SceneFromMirror()[3]);
+      beside[left ? 1 : 0] = {glm::dot(middle, camera.Right()), middle.y, middle.z};
+      // The focus, and so the tooth, is on that side of the picture's middle as well.
+      EXPECT_GT((left ? -1 : 1) * camera.ViewFromScene()[3].x, 0);
+    }
+    EXPECT_GT(beside[0].x, 4);
+    EXPECT_NEAR(beside[1].x, -beside[0].x, 1e-3f);
+    EXPECT_NEAR(beside[1].y, beside[0].y, 1e-3f);
+    EXPECT_NEAR(beside[1].z, beside[0].z, 1e-3f);
+  }
+}
+
 TEST(MouthMirrorTest, TiltedItTurnsAndStaysWhereItIs) {
   Camera camera(glm::vec3(0), 8);
   MouthMirror mirror(glm::vec3(0));
