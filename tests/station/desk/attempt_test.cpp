@@ -446,7 +446,7 @@ TEST_F(DeskAttemptTest, PracticeWithoutTheServerIsCutLikeAnyOtherAndNothingOfItI
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
   ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));
-  EXPECT_EQ(LastDeviceOf(folder_ / "data"), LastDevice("Bench arm", "phantom_desktop"));
+  EXPECT_EQ(LastDeviceOf(folder_ / "data"), (LastDevice{"Bench arm", "phantom_desktop"}));
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 50; }));
   board_->buttons = 2;
   ASSERT_TRUE(Reached([&] { return flow_->dialog() == Dialog::kPaused; }));
