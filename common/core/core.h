@@ -24,9 +24,9 @@ namespace enamel::core {
 
 // The report of device and loop about a tick. Recorded, so that a replay gets the same.
 enum InputFlags : uint8_t {
-  kBurOn = 1 << 0,        // pedal down: the bur turns
-  kLateTick = 1 << 1,     // this tick ran late (recorded; the maths does not read the clock)
-  kFaulted = 1 << 2,      // force is held at zero until the operator acts; nothing is cut
+  kBurOn = 1 << 0,     // pedal down: the bur turns
+  kLateTick = 1 << 1,  // this tick ran late (recorded; the maths does not read the clock)
+  kFaulted = 1 << 2,  // force is held at zero until the station ends it in free air; nothing is cut
   kSoftRestart = 1 << 3,  // switch force and cutting off until the bur has been in free air again
   // The gap's ticks passed while the loop was late: the device held the force of the tick before,
   // for less than 5 ms (station/loop/tick_loop.h; what that can leak: haptics/README.md, "Late and

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "station/devices/trouble.h"
 
@@ -26,6 +27,11 @@ int64_t Now_ns() {
 }
 
 int64_t Now_us() { return Now_ns() / 1000; }
+
+bool AreNear(const dvec3& a_m, const dvec3& b_m) {
+  const dvec3 d = a_m - b_m;
+  return Dot(d, d) < PolledDevice::kFar_m * PolledDevice::kFar_m;
+}
 
 // Looking for a device takes the processor for milliseconds, which the tick's priority must not give it.
 void TakeOrdinaryPriority() {
@@ -65,6 +71,7 @@ PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
       driver_(bus_->Driver()),
       unit_(bus_->Unit()),
       answers_(bus_->answers()),
+      counts_from_power_up_(bus_->counts_from_power_up()),
       resolution_m_(resolution_m),
       thread_setup_(std::move(thread_setup)),
       reopen_(std::move(reopen)),
@@ -88,6 +95,9 @@ DeviceSample PolledDevice::ReadSample() noexcept {
   DeviceSample sample = newest.sample;
   sample.fresh = newest.number != seen_ && newest.sample.attached;
   sample.attached = newest.number == 0 || newest.sample.attached;
+  // Also one that was back before this tick.
+  if (newest.absences != seen_absences_) sample.attached = sample.fresh = false;
+  seen_absences_ = newest.absences;
   seen_ = newest.number;
   return sample;
 }
@@ -122,8 +132,10 @@ void PolledDevice::Note(const Status& problem) {
 }
 
 void PolledDevice::Publish(bool attached) {
-  if (published_ == 0) centre_m_ = pose_.tip_m;
+  if (attached && !std::exchange(centred_, true)) centre_m_ = pose_.tip_m;
+  absences_ += !attached;
   Message m;
+  m.absences = absences_;
   for (int i = 0; i < 3; ++i) {
     double counts = (pose_.tip_m[i] - centre_m_[i]) / resolution_m_;
     m.sample.counts[static_cast<size_t>(i)] =
@@ -144,13 +156,10 @@ void PolledDevice::Publish(bool attached) {
 
 // Whether a hand can be there.
 bool PolledDevice::IsReached(const dvec3& tip_m) {
-  const auto near = [&](const dvec3& other_m) {
-    const dvec3 d = tip_m - other_m;
-    return Dot(d, d) < kFar_m * kFar_m;
-  };
-  agreeing_ = near(read_m_) ? agreeing_ + 1 : 0;
+  agreeing_ = AreNear(tip_m, read_m_) ? agreeing_ + 1 : 0;
   read_m_ = tip_m;
-  return !posed_ || near(pose_.tip_m) || agreeing_ >= kAgreeing;
+  const bool is_unforced = Now_us() - posed_us_ > std::chrono::microseconds(kUnforced).count();
+  return !posed_ || AreNear(tip_m, pose_.tip_m) || (agreeing_ >= kAgreeing && is_unforced);
 }
 
 // False: the device no longer answers. Makes `asked_ns` earlier if the answer is to an earlier question.
@@ -223,11 +232,41 @@ void PolledDevice::Wait(std::chrono::milliseconds duration) {
 
 Status PolledDevice::CheckUnit(const PolledBus& bus) const {
   const std::string found = bus.Unit();
-  if (found == unit_) return Status::Ok();
+  if (found == unit_ && bus.Name() == name_) return Status::Ok();
   return Status(Code::kConflict,
                 "expected " + name_ + " (" + unit_ + "), with which this began, found " +
                     bus.Name() + " (" + found + "): connect that one, to the socket where it was",
                 trouble::kOtherUnit);
+}
+
+// Of a device that counts_from_power_up: whether it says to be where it was. Once: a hand that moves would
+// lead a lost arm past that place.
+Status PolledDevice::CheckPlace(PolledBus& bus) {
+  PolledBus::Pose pose;
+  bool heard = false;
+  const int64_t until_us = Now_us() + std::chrono::microseconds(kLongestWait).count();
+  while (!heard && Now_us() < until_us && bus.Send(dvec3(0))) {
+    heard = bus.Read(pose) == PolledBus::Heard::kPose && CanBe(pose);
+  }
+  if (!heard) return Status(Code::kUnavailable, name_ + " does not answer", trouble::kSilent);
+  if (bus.is_calibrated_anew())
+    is_lost_ = false;
+  else
+    is_lost_ = is_lost_ || !AreNear(pose.tip_m, pose_.tip_m);
+  if (!is_lost_) return Status::Ok();
+  return Status(Code::kUnavailable,
+                name_ +
+                    " may have lost its place with its power: calibrate it, and begin again or "
+                    "continue after a new sign-in",
+                trouble::kLost);
+}
+
+Status PolledDevice::CheckReopened(const Result<std::unique_ptr<PolledBus>>& opened) {
+  // An arm that is not near its middle may be lost, and may pass there later.
+  if (counts_from_power_up_ && opened.status().field() == trouble::kMiddle) is_lost_ = true;
+  if (!opened.ok()) return opened.status();
+  ENAMEL_RETURN_IF_ERROR(CheckUnit(**opened));
+  return counts_from_power_up_ ? CheckPlace(**opened) : Status::Ok();
 }
 
 // The bus of the same unit, once it is back; null: this ends.
@@ -237,7 +276,7 @@ std::unique_ptr<PolledBus> PolledDevice::Reopened() {
     Wait(wait);
     if (stop_) break;
     auto opened = reopen_();
-    Status found = opened.ok() ? CheckUnit(**opened) : opened.status();
+    const Status found = CheckReopened(opened);
     Note(found);
     if (!found.ok()) continue;
     if (thread_setup_) thread_setup_();

@@ -40,6 +40,11 @@ class PolledBus {
   virtual std::string Name() const = 0;
   virtual std::string Driver() const = 0;          // as a command line names it: "dhd"
   virtual std::string Unit() const { return {}; }  // as Device::Unit
+  // True: its encoders count from where they were when it was switched on. After a loss of power it is
+  // elsewhere than it says, until somebody has calibrated it.
+  virtual bool counts_from_power_up() const { return false; }
+  // Somebody calibrated it since it was opened, by its own button.
+  virtual bool is_calibrated_anew() const { return false; }
   // True: the device says where it is only in answer to a force, one answer each.
   virtual bool answers() const { return false; }
   // Both may wait, for a few milliseconds at most.
@@ -66,13 +71,15 @@ using ReopenBus = std::function<Result<std::unique_ptr<PolledBus>>()>;
 // values with the tick. A device that only answers has one exchange for each tick in which the loop has
 // seen its last answer, and one each millisecond while the loop is silent. A force that the loop has not
 // renewed falls to 0 (ForceKeeper). What no device can mean (CanBe) is left out and counted as refused. So
-// is a jump of more than kFar, until kAgreeing poses in a row agree on it: noise seldom does. The loop has
-// no force by then.
+// is a jump of more than kFar, until kAgreeing poses in a row agree on it, kUnforced after the last pose:
+// noise seldom does, and the loop has no force by then.
 //
 // A device that is detached, or gives no pose for kSilentFor, is away: `attached` is false and its bus is
 // closed with force 0. With `reopen` the bus is then opened again, after kFirstWait and each time twice as
 // long, up to kLongestWait, until the same unit is back. Its middle stays, so the scene does not move.
-// Until then problem() says why not, "other_unit" included.
+// Until then problem() says why not, "other_unit" included. A device whose encoders count from power-up may
+// have lost its place meanwhile: one that first says it is elsewhere by more than kFar stays away until
+// somebody calibrates it by its button, else for good.
 //
 // Real-time: ReadSample and the Sends are safe. The destructor sends 0. It waits for an exchange, or for a
 // bus that is being opened.
@@ -83,6 +90,7 @@ class PolledDevice final : public MotorDevice {
   // 4 m/s from one pose to another 5 ms later, faster than a hand at a tooth.
   static constexpr double kFar_m = 0.02;
   static constexpr int kAgreeing = 8;
+  static constexpr std::chrono::milliseconds kUnforced{6};  // a tick more than the loop's 5 ms
 
   // `resolution_m`: edge of a count, from the device profile. The first pose read is the centre.
   // `thread_setup` is called when the thread begins, and again with each bus; it may be empty, as may
@@ -105,6 +113,7 @@ class PolledDevice final : public MotorDevice {
   struct Message {
     DeviceSample sample;
     uint64_t number = 0;
+    uint64_t absences = 0;  // times it went away, however briefly
   };
   struct Force {
     dvec3 newtons{0}, newton_metres{0};
@@ -115,7 +124,9 @@ class PolledDevice final : public MotorDevice {
   void Run();
   void Serve();
   std::unique_ptr<PolledBus> Reopened();
+  Status CheckReopened(const Result<std::unique_ptr<PolledBus>>& opened);
   Status CheckUnit(const PolledBus& bus) const;
+  Status CheckPlace(PolledBus& bus);
   void Wait(std::chrono::milliseconds duration);
   void Note(const Status& problem);
   Force AwaitForce();
@@ -125,7 +136,7 @@ class PolledDevice final : public MotorDevice {
 
   std::unique_ptr<PolledBus> bus_;  // the thread's
   const std::string name_, driver_, unit_;
-  const bool answers_;
+  const bool answers_, counts_from_power_up_;
   const double resolution_m_;
   const std::function<void()> thread_setup_;
   const ReopenBus reopen_;
@@ -144,13 +155,16 @@ class PolledDevice final : public MotorDevice {
   dvec3 read_m_{0};       // the newest tip that was read, taken or not
   int agreeing_ = 0;      // poses in a row that were near the one before
   bool posed_ = false;    // since the bus was opened
+  bool centred_ = false;
+  bool is_lost_ = false;  // it may be elsewhere than it says
+  uint64_t absences_ = 0;
   dvec3 centre_m_{0};
   int64_t heard_us_ = 0;  // when the newest exchange ended
   int64_t posed_us_ = 0;  // when the newest pose came
   uint64_t taken_ = 0;    // number of the newest force that was sent or due
   uint64_t published_ = 0;
   // Owned by the tick.
-  uint64_t seen_ = 0, sent_ = 0;
+  uint64_t seen_ = 0, seen_absences_ = 0, sent_ = 0;
   std::thread thread_;  // last: it uses the rest
 };
 

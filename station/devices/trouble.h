@@ -24,6 +24,7 @@ inline constexpr const char* kDamping = "damping";       // which the maker's se
 inline constexpr const char* kFirmware = "firmware";     // missing, or not the right one
 inline constexpr const char* kModel = "model";           // another one than its profile
 inline constexpr const char* kOtherUnit = "other_unit";  // than the one that went away
+inline constexpr const char* kLost = "lost";  // it came back, and may be elsewhere than it says
 // Not calibrated, by what a person does about it.
 inline constexpr const char* kPit = "pit";
 inline constexpr const char* kInkwell = "inkwell";
@@ -32,10 +33,10 @@ inline constexpr const char* kMiddle = "middle";
 // None of these.
 inline constexpr const char* kDevice = "device";
 
-inline constexpr std::array<std::string_view, 20> kAll = {
+inline constexpr std::array<std::string_view, 21> kAll = {
     kPermission, kConfined, kInUse,   kNotAttached, kSilent,  kSlow,     kPower,
     kNoGrip,     kNotReady, kLibrary, kService,     kDamping, kFirmware, kModel,
-    kOtherUnit,  kPit,      kInkwell, kGrip,        kMiddle,  kDevice};
+    kOtherUnit,  kLost,     kPit,     kInkwell,     kGrip,    kMiddle,   kDevice};
 
 constexpr bool IsListed(std::string_view field) {
   return std::ranges::find(kAll, field) != kAll.end();

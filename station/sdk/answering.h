@@ -10,7 +10,7 @@
 
 namespace enamel::station::sdk {
 
-// Two answers may be lost before the loop has missed five ticks and latches a fault.
+// Two answers may be lost before the loop has missed five ticks, which is a fault.
 inline constexpr std::chrono::milliseconds kAnswerPatience{2};
 // Of a device whose answers usually take longer: then none may be lost, and one that takes longer than
 // this is a fault.

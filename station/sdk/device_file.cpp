@@ -2,6 +2,7 @@
 
 #include <sys/file.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 
@@ -37,7 +38,7 @@ std::string Line(const fs::path& file) {
 
 Result<std::unique_ptr<Fd>> OpenAlone(const std::string& path) {
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenNode(path));
-  if (::flock(opened->get(), LOCK_EX | LOCK_NB) != 0) {
+  if (::flock(opened->get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return Status(Code::kUnavailable,
                   path + " is in use: close the other program or window that uses this device",
                   trouble::kInUse);

@@ -216,7 +216,7 @@ class ForceDimension final : public PolledBus {
     pushes_ = force_n != dvec3(0);
     return ToUserward(Limited(force_n, peak_n_));
   }
-  // While the loop pushes, the motors stay off: it sees that they are, and latches its fault.
+  // While the loop pushes, the motors stay off: it sees that they are, as a fault.
   void WatchMotors() {
     status_due_ = Clock::now() + kStatusEvery;
     std::array<int, kMostStatus> status{};

@@ -85,6 +85,8 @@ class PolhemSerial final : public AnsweringBus {
   std::string Name() const override { return "Polhem v3"; }
   std::string Driver() const override { return "polhem_serial"; }
   std::string Unit() const override { return unit_; }
+  bool counts_from_power_up() const override { return true; }
+  bool is_calibrated_anew() const override { return is_calibrated_anew_; }
 
  private:
   // A line may come in pieces. A port that sends without end, and no line, has answered what nobody
@@ -116,6 +118,7 @@ class PolhemSerial final : public AnsweringBus {
   // An arm whose button was pressed before the session gets its counters.
   bool Ask(const dvec3& force_n) override {
     if (!is_ready_ && asks_for_home_) {
+      is_calibrated_anew_ = true;
       return Write({kSerialHome[3], kSerialHome[4], kSerialHome[5], kSetCounters, kSerialHome[0],
                     kSerialHome[1], kSerialHome[2]});
     }
@@ -197,7 +200,7 @@ class PolhemSerial final : public AnsweringBus {
   const std::unique_ptr<Fd> port_;
   std::string text_;  // what has come after the last whole line
   std::optional<Answer> answer_;
-  bool asks_for_home_ = false, is_ready_ = false;
+  bool asks_for_home_ = false, is_ready_ = false, is_calibrated_anew_ = false;
 };
 
 std::string UnitOf(const std::string& path) {

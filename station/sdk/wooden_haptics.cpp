@@ -178,6 +178,8 @@ class WoodenHaptics final : public AnsweringBus {
   std::string Name() const override { return std::string(model_.name); }
   std::string Driver() const override { return std::string(model_.driver); }
   std::string Unit() const override { return unit_; }
+  bool counts_from_power_up() const override { return true; }
+  bool is_calibrated_anew() const override { return is_calibrated_anew_; }
 
  private:
   Got Await(std::chrono::microseconds patience) override {
@@ -197,7 +199,10 @@ class WoodenHaptics final : public AnsweringBus {
   }
   // An arm whose button was pressed before the session gets its counters.
   bool Ask(const dvec3& force_n) override {
-    if (!is_ready_ && arm_.asks_for_home()) return SendHome();
+    if (!is_ready_ && arm_.asks_for_home()) {
+      is_calibrated_anew_ = true;
+      return SendHome();
+    }
     const auto ma = arm_.Currents_ma(ToUserward(force_n));
     return Write({ma[0], ma[1], ma[2], 0, 0, 0, 0});
   }
@@ -239,7 +244,7 @@ class WoodenHaptics final : public AnsweringBus {
   Arm arm_;
   std::array<uint8_t, 64> report_{};
   size_t report_bytes_ = 0;
-  bool is_ready_ = false;
+  bool is_ready_ = false, is_calibrated_anew_ = false;
 };
 
 std::string UnitOf(const Model& model, const hid::HidInfo& info) {

@@ -203,6 +203,52 @@ TEST_P(BlinksTest, CostNothingButForceAndTime) {
               most_back);
 }
 
+class LostPlaceTest : public testing::TestWithParam<const char*> {
+ protected:
+  LostPlaceTest() { testing_support::HidBus::Get().Reset(); }
+};
+
+// Its encoders count from where it was switched on again: elsewhere. A hand then leads it past the place
+// where it says it was.
+TEST_P(LostPlaceTest, AnArmThatWasSwitchedOnElsewhereHasNoForceUntilItIsCalibrated) {
+  const std::string driver = GetParam();
+  auto arm = MakeArm(driver);
+  Cut cut(*arm);
+  ASSERT_LT(cut.Touch(), 3000);
+  arm->SwitchOff();
+  for (int i = 0; i < 200; ++i) cut.Tick();
+  ASSERT_EQ(cut.fault(), Fault::kUnplugged);
+  arm->Lower(700);  // 28 mm
+  arm->SwitchOn();
+  const auto is_refused = [&] {
+    const std::string why = cut.problem().field();
+    return why == trouble::kLost || why == trouble::kMiddle;
+  };
+  AwaitThat(is_refused);
+  for (int i = 0; i < 2000; ++i) {
+    if (i == 300) cut.LiftOut();
+    cut.Tick();
+    ASSERT_EQ(cut.fault(), Fault::kUnplugged);
+    ASSERT_EQ(cut.force(), dvec3(0));
+  }
+  EXPECT_EQ(cut.problem().field(), trouble::kLost) << cut.problem().message();
+  if (auto* serial = dynamic_cast<testing_support::EmulatedSerialArm*>(arm.get())) {
+    serial->PressCalibration();
+  } else if (driver == "polhem") {
+    dynamic_cast<testing_support::EmulatedHidArm&>(*arm).PressCalibration();
+  } else {
+    return;  // it has no button
+  }
+  int back = 0;
+  while ((cut.fault() != Fault::kNone || cut.suspended()) && ++back < 5000) cut.Tick();
+  EXPECT_LT(back, 5000) << cut.problem().message();
+  ASSERT_LT(cut.Touch(), 3000);
+  cut.ExpectWhole();
+}
+
+INSTANTIATE_TEST_SUITE_P(Drivers, LostPlaceTest,
+                         testing::Values("woodenhaptics", "polhem", "polhem_serial"));
+
 std::string NameOf(const testing::TestParamInfo<std::tuple<const char*, Blink>>& param) {
   constexpr const char* kNames[] = {"closed", "unpowered", "silent", "garbled", "other"};
   return std::string(std::get<0>(param.param)) + "_" +
