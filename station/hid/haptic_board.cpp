@@ -174,6 +174,7 @@ bool HapticBoard::OnAttached(const HidInfo& info) {
   if (!feature.ok() || *feature != feature_) return false;
   // After plugging in, its count may start anywhere.
   order_.Forget();
+  must_be_near_ = published_ > 0;
   {
     MutexLock lock(port_mutex_);
     new_port_ = std::move(*port);
@@ -206,7 +207,7 @@ void HapticBoard::OnReport(ByteView bytes) {
       return;
     case ReportOrder::Verdict::kRestarted:
       ++breaks_;
-      new_clock_ = true;
+      new_clock_ = must_be_near_ = true;
       break;
     case ReportOrder::Verdict::kNew:
       break;
@@ -239,7 +240,8 @@ void HapticBoard::TakeReport(const InputReport& report) {
   bool down = (sample_.buttons & kPedal) != 0;
   uint16_t speed = report.bur_speed_krpm != 0 ? report.bur_speed_krpm : kTurbineSpeed_krpm;
   sample_.bur_speed_krpm = down ? speed : uint16_t{0};
-  sample_.attached = (report.status & kNotFit) == 0;
+  JudgePlace(report);
+  sample_.attached = (report.status & kNotFit) == 0 && !misplaced_;
   breaks_ += !sample_.attached;
   sample_.driven = !SwitchedOff(report.status);
   switch_offs_ += !sample_.driven;
@@ -249,6 +251,31 @@ void HapticBoard::TakeReport(const InputReport& report) {
   new_clock_ = false;
   sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
   last_time_us_ = report.time_us;
+}
+
+void HapticBoard::JudgePlace(const InputReport& report) {
+  if ((report.status & kNotFit) != 0) {
+    misplaced_ = must_be_near_ = false;
+    return;
+  }
+  if (must_be_near_) {
+    dvec3 moved_m(0);
+    for (int i = 0; i < 3; ++i) {
+      const auto a = static_cast<size_t>(i);
+      moved_m[i] =
+          (static_cast<double>(report.counts[a]) - trusted_[a]) * feature_.resolution_nm[a] * 1e-9;
+    }
+    misplaced_ = Dot(moved_m, moved_m) > kFar_m * kFar_m;
+    must_be_near_ = false;
+  }
+  if (!misplaced_) trusted_ = report.counts;
+}
+
+Status HapticBoard::problem() const {
+  if (!misplaced_) return Status::Ok();
+  return Status(Code::kUnavailable,
+                name_ + " may have lost its place with its power: home it, and continue",
+                trouble::kLost);
 }
 
 // Applies only after the motors were requested: the board starts with them off, and its watchdog

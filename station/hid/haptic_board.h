@@ -52,12 +52,14 @@ std::string UnitOf(const HidInfo& info);
 //
 // Each thread has its own handle, so a write that blocks delays neither reading nor the tick; the
 // next write sends the newest force. The reader searches for an unplugged board until it returns;
-// the loop's fault stays latched until the operator acts. A board that returns as another device
+// force returns in free air once it is back. A board that returns as another device
 // (another serial number, or a different feature report) is not accepted. It is asked again every
 // HidReader::kRetry, since a newly plugged board may not answer yet.
 //
 // Events that make its poses untrustworthy (unplugged, not fit, restarted: the encoders may have
-// lost their zero) reach the tick at least once as `attached` false, however brief. A board that
+// lost their zero) reach the tick at least once as `attached` false, however brief. A board that restarted
+// or was plugged in again, and first says that it is fit more than kFar_m from where it was last, stays so
+// until it has said that it is not fit, as while it is homed; problem() says why. A board that
 // switches its motors off, or whose watchdog does, reaches it as `driven` false.
 //
 // Thread safety: ReadSample and SendForce by the tick's thread, counters by any. Real-time: those
@@ -85,6 +87,10 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   // so that no keeper repeats it.
   ENAMEL_REALTIME void SendSpring(const SpringCommand& command) noexcept override;
   DeviceCounters counters() const noexcept override;
+  Status problem() const override;
+
+  // As PolledDevice's: about what a hand moves while a cable is out for a moment.
+  static constexpr double kFar_m = 0.02;
 
  private:
   struct Pose {
@@ -108,6 +114,7 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   void PublishPose(bool fresh);
   void TakeReport(const InputReport& report);
   bool SwitchedOff(uint8_t status);
+  void JudgePlace(const InputReport& report);
 
   void Write();
   void Post(const Force& force) noexcept;
@@ -124,6 +131,7 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   TripleBuffer<Pose> poses_;
   TripleBuffer<Force> forces_;
   std::atomic<bool> stop_{false}, attached_{false};
+  std::atomic<bool> misplaced_{false};       // it may be elsewhere than it says
   std::atomic<int64_t> first_driven_us_{0};  // 0: its motors were never requested
   std::atomic<uint32_t> turns_{0};  // how often its motors were requested; odd while they are
   std::atomic<uint64_t> samples_{0}, lost_{0}, duplicated_{0}, refused_{0}, writes_{0},
@@ -137,6 +145,8 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   bool said_fed_ = false;  // since they were first requested: its watchdog is content
   ReportOrder order_;
   bool centred_ = false;
+  bool must_be_near_ = false;         // the next report: it restarted, or was plugged in again
+  std::array<int32_t, 3> trusted_{};  // counts of the newest report that was fit and in its place
   // The board's counts at the scene's middle. Constant from the first report on, which Open awaits: the
   // other threads may read it.
   std::array<int32_t, 3> centre_{};

@@ -4,6 +4,7 @@
 #include <random>
 #include <thread>
 
+#include "station/devices/trouble.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/space_mouse.h"
@@ -336,9 +337,14 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     }
   }
 
-  // Above the block, with a board that answers, until the fault has ended.
+  // Above the block, with a board that answers, until the fault has ended. Homed first: after a restart it
+  // may have said that it was anywhere.
   void Recover() {
     hand_z_ = above_;
+    Bytes homing = Next();
+    homing[2] |= kNotFit;
+    Send(Sealed(std::move(homing)));
+    ASSERT_NO_FATAL_FAILURE(AwaitTaken());
     for (int i = 0; i < 300 && loop_->fault() != Fault::kNone; ++i) {
       Send(Next());
       ASSERT_NO_FATAL_FAILURE(AwaitTaken());
@@ -429,6 +435,46 @@ TEST_P(AnyStreamTest, AfterARestartTheForceStaysAwayUntilTheBoardHasAnsweredForA
     ASSERT_EQ(loop_->fault(), Fault::kUnplugged);
   }
   ASSERT_NO_FATAL_FAILURE(Recover());
+}
+
+// Its encoders began at 0 where it then was.
+TEST_P(AnyStreamTest, ABoardThatRestartsElsewhereHasNoForceUntilItIsHomed) {
+  Open();
+  const bool replugged = dice_.OneIn(2);
+  const int32_t moved = 2400 + static_cast<int32_t>(dice_.Below(10'000));
+  for (const int32_t by : {moved, 1700}) {
+    for (int i = 0; i < 300; ++i) {
+      Send(Next());
+      ASSERT_NO_FATAL_FAILURE(AwaitTaken());
+      ASSERT_NO_FATAL_FAILURE(Tick());
+    }
+    ASSERT_EQ(loop_->fault(), Fault::kNone);
+    ASSERT_TRUE(board_->problem().ok());
+    if (replugged) {
+      bus_.Unplug(kPath);
+      expected_.Unplugged();
+      ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 0; }));
+      bus_.Plug(Plugged(Feature(), L"A1"));
+      ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
+    } else {
+      sequence_ -= 100'000;
+    }
+    above_ += by;
+    hand_z_ = above_;
+    const bool lost = by == moved;
+    for (int i = 0; i < 1000; ++i) {
+      // A lost one passes the place where it was.
+      if (lost) hand_z_ -= moved / 500;
+      Send(Next());
+      ASSERT_NO_FATAL_FAILURE(AwaitTaken());
+      ASSERT_NO_FATAL_FAILURE(Tick());
+      if (lost) ASSERT_EQ(loop_->fault(), Fault::kUnplugged);
+    }
+    EXPECT_EQ(board_->problem().field(), lost ? trouble::kLost : "");
+    above_ -= lost ? by : 0;
+    ASSERT_NO_FATAL_FAILURE(Recover());
+    EXPECT_TRUE(board_->problem().ok());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AnyStreamTest, testing::Range(1u, 9u));
