@@ -25,7 +25,7 @@
 // shortened, which the guard's proof always allows. Faster is only the way to 0: R shrinks along
 // itself at once when the bound or the share falls, and is 0 when spring or motors are off. The added
 // force changes by at most EN_ADDED_N_PER_S T, also to 0 when the host is lost. It yields at once
-// where the spring needs the peak.
+// where the spring needs the peak, and is 0 when spring or motors are off.
 //
 // Thread safety: none; call all of it from the loop, or with interrupts off. Real-time safe: bounded
 // work, some hundred floating-point operations a tick.

@@ -137,7 +137,7 @@ void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
       "  p99           below 200 us late\n"
       "  a period or more late: none in a quiet turn. 21 such ticks within a second, or one late "
       "by\n"
-      "                5 ms, take the force away until the pedal is pressed again\n"
+      "                5 ms, take the force away until the bur is in free air\n"
       "  loop against bare sleep: within 10 us, or within what bare differs from bare. When both "
       "are\n"
       "                bad it is the computer: close other programs, let the station have "

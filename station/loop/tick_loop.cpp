@@ -310,7 +310,7 @@ void TickLoop::AwaitStillness() noexcept {
 
 void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
   if (!await_still_) return;
-  bool still = sample.attached;
+  bool still = DeviceAlive(sample);
   for (size_t i = 0; i < 3; ++i) {
     double moved = (static_cast<double>(sample.counts[i]) - still_at_[i]) *
                    core_.params().resolution_nm[i] * 1e-9;

@@ -34,7 +34,7 @@ struct LoopCounters {
   uint64_t stale_ticks = 0;    // stepped without anything new from the device
   uint64_t put_downs = 0;      // times the handpiece was put into its holder
   // Upper bound of the energy that late and stale ticks may have released, J (see "Leak" below), but
-  // for the last 5 ms before a device went away for good: where the tip went meanwhile is unknown.
+  // for the last 5 ms before a fault: where the tip went meanwhile is unknown.
   double leak_j = 0;
 
   // The attempt's ticks that passed, stepped or declared as a gap.

@@ -13,7 +13,7 @@ namespace enamel::station::render {
 enum Warning : uint32_t {
   kWarnForceBounded = 1u << 0,  // the law's force was cut to the device's limit
   kWarnLate = 1u << 1,          // ticks run late
-  kWarnFault = 1u << 2,         // force is held at zero until the operator acts
+  kWarnFault = 1u << 2,         // force is held at zero (TickLoop)
   kWarnGap = 1u << 3,           // ticks were just lost: not recorded, not stepped
   kWarnOffline = 1u << 4,       // server not reachable: recording continues on the station
   kWarnPulpExposed = 1u << 5,
