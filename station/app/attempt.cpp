@@ -1,10 +1,10 @@
 #include "station/app/attempt.h"
 
+#include <termios.h>
 #include <unistd.h>
 
 #include <boost/json.hpp>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -18,10 +18,12 @@
 #include "station/desk/watch/tick_feed.h"
 #include "station/devices/operators.h"
 #include "station/loop/realtime.h"
+#include "station/render/display_watch.h"
 #include "station/render/window.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/by_name.h"
 #include "station/session/device_delay.h"
+#include "station/session/stop_signals.h"
 
 namespace enamel::station {
 namespace {
@@ -34,10 +36,6 @@ constexpr milliseconds kUploadPatience{8'000};     // with the server gone, at t
 constexpr milliseconds kSameInterrupt{2'000};      // Enter and then Ctrl-C means to finish
 constexpr milliseconds kLeavePatience{2'000};      // for the last chunks of an attempt that is left
 constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
-
-volatile std::sig_atomic_t interrupted = 0;  // how often
-// A handler may do no more than this; the watcher checks the count in every turn.
-void OnSignal(int) { interrupted = interrupted + 1; }
 
 // Id of the interrupted attempt that `text` names.
 Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
@@ -128,7 +126,7 @@ class Progress {
     const std::string why = s.fault != Fault::kNone ? FaultText(s.fault)
                             : s.put_down ? "the handpiece is in its holder: take it out to continue"
                                          : "";
-    // Once for each change: a fault stays for as long as the pedal is down.
+    // Once for each change: a fault lasts for many ticks.
     if (why == told_ || log_only_) return;
     told_ = why;
     End();
@@ -230,7 +228,8 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
       auto opened, sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz));
   out.device = std::move(opened);
   // Before the ticket: the signed header contains the delay, and hence the coupling.
-  ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
+  ENAMEL_RETURN_IF_ERROR(
+      UseDelayOf(job, *out.device, AwaitPace(*out.device), options.workplace.data));
   ENAMEL_RETURN_IF_ERROR(UseHandOf(job, *out.device));
   return out;
 }
@@ -255,7 +254,7 @@ Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen&
 class Watcher {
  public:
   Watcher(const RunOptions& options, RunningAttempt& attempt, const PreparedAttempt& job,
-          const Tool& tool, Screen& screen, Workplace& workplace)
+          Tool& tool, Screen& screen, Workplace& workplace)
       : options_(options),
         attempt_(attempt),
         job_(job),
@@ -267,15 +266,15 @@ class Watcher {
   Result<AttemptResult> Run() {
     Watch();
     // In every case: the recorder has to store the rest before anything returns.
-    const Status recorded = left_ ? attempt_.Leave() : attempt_.Join().status();
+    const Status recorded = attempt_.left() ? attempt_.Leave() : attempt_.Join().status();
     last_ = attempt_.snapshot();
     // Checked last: a recorded attempt is uploaded even if its picture could not be written.
     Status picture = TakePicture();
     ENAMEL_RETURN_IF_ERROR(recorded);
     AttemptResult result;
     result.attempt = attempt_.attempt();
-    result.left = left_;
-    if (left_) {
+    result.left = attempt_.left();
+    if (result.left) {
       SendWhatIsLeft();
     } else {
       SignEnd();
@@ -295,7 +294,7 @@ class Watcher {
   void Watch() {
     auto next = steady_clock::now();
     auto over = [&] {
-      if (interrupted) Leave();
+      if (StopsAsked() > 0) Leave();
       if (options_.finish && options_.finish()) attempt_.End();
       WatchDisk();
       if (steady_clock::now() >= next) {
@@ -307,6 +306,10 @@ class Watcher {
     if (screen_.window) {
       // On this thread, because window systems require their events on the thread that made the
       // window.
+      const render::DisplayWatch display([this] {
+        (void)attempt_.Leave();
+        tool_.device.reset();  // with its last force, 0: the process ends here
+      });
       screen_.window->Run(over);
       Leave();  // unless it has ended: the operator closed the window
     }
@@ -344,9 +347,7 @@ class Watcher {
   }
 
   void Leave() {
-    if (left_ || attempt_.recorded()) return;
-    left_ = attempt_.ticking();
-    (void)attempt_.Leave();
+    if (!attempt_.recorded()) (void)attempt_.Leave();
   }
 
   Status TakePicture() {
@@ -383,9 +384,9 @@ class Watcher {
   }
 
   // Waits until `done`, or the attempt is refused, the server is away for some time, or another
-  // interrupt comes, which returns true.
+  // wish to stop comes, which returns true.
   bool AwaitServer(const std::function<bool(const Uploader::State&)>& done) {
-    auto interrupted_before = interrupted;
+    int asked_before = StopsAsked();
     const auto since = steady_clock::now();
     auto reachable_at = since;
     Uploader::State state = attempt_.upload();
@@ -393,8 +394,8 @@ class Watcher {
       auto now = steady_clock::now();
       if (state.reachable) reachable_at = now;
       // Somebody who has just finished does not mean to end the upload too.
-      if (now - since < kSameInterrupt) interrupted_before = interrupted;
-      return !done(state) && !state.gave_up && interrupted == interrupted_before &&
+      if (now - since < kSameInterrupt) asked_before = StopsAsked();
+      return !done(state) && !state.gave_up && StopsAsked() == asked_before &&
              now - reachable_at < kUploadPatience;
     };
     for (; waits(); state = attempt_.upload()) {
@@ -402,7 +403,7 @@ class Watcher {
       std::this_thread::sleep_for(milliseconds(20));
     }
     Show(last_, 1);
-    return interrupted != interrupted_before;
+    return StopsAsked() != asked_before;
   }
 
   void AwaitUpload(AttemptResult& result) {
@@ -417,12 +418,11 @@ class Watcher {
   const RunOptions& options_;
   RunningAttempt& attempt_;
   const PreparedAttempt& job_;
-  const Tool& tool_;
+  Tool& tool_;
   Screen& screen_;
   Workplace& workplace_;
   Progress progress_;
   Snapshot last_;
-  bool left_ = false;
   std::optional<steady_clock::time_point> disk_fails_since_;
 };
 
@@ -481,7 +481,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto tool, OpenTool(options, job));
   Screen screen;
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, OnSignal);
+  CatchStopSignals();
   // Last of all that can fail: a ticket counts as an attempt once taken.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
@@ -491,6 +491,11 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
     SayResumed(options, job);
   }
   workplace->SignOut();  // uploading needs no sign-in
+  if (StopsAsked() > 0) {
+    return Status(Code::kUnavailable, "stopped before the first tick: no attempt is used up");
+  }
+  // What was typed while the device was opened is no wish to finish.
+  if (options.finish) ::tcflush(STDIN_FILENO, TCIFLUSH);
   // A simulated device's time is the loop's own: lateness harms nobody.
   auto attempt = workplace->Begin(
       job, *tool.device,

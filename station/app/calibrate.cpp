@@ -23,6 +23,7 @@
 #include "station/devices/operators.h"
 #include "station/loop/realtime.h"
 #include "station/session/device_delay.h"
+#include "station/session/stop_signals.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/server_link.h"
 
@@ -78,13 +79,17 @@ Result<std::array<AxisFigures, 3>> Measure(MeasuredDevice& subject,
   }
   std::string shown;
   int64_t due_ns = Now_ns();
-  while (!calibrator.done()) {
+  CatchStopSignals();
+  while (!calibrator.done() && StopsAsked() == 0) {
     if (subject.real) SleepUntil(due_ns += std::nano::den / options.rate_hz);
     ShowProgress(calibrator, shown);
     subject.device->SendForce(calibrator.Step(subject.device->ReadSample()));
   }
   // Otherwise the device would hold the last force until its watchdog ends it.
   subject.device->SendForce(dvec3(0));
+  if (!calibrator.done()) {
+    return Status(Code::kUnavailable, "stopped before the end: nothing was measured");
+  }
   return calibrator.Figures();
 }
 

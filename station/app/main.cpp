@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -64,6 +65,8 @@ std::vector<program::PolicySetting> PolicyIn(const std::filesystem::path& data) 
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Output that nobody reads any more must not end a program that holds a force.
+  std::signal(SIGPIPE, SIG_IGN);
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
   // Before parsing, which does not know the lab's options.

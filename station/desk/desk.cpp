@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <csignal>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -19,6 +18,7 @@
 #include "station/desk/view_hand.h"
 #include "station/render/display_watch.h"
 #include "station/render/panel.h"
+#include "station/session/stop_signals.h"
 #include "station/sound/speaker.h"
 #include "station/words/score_words.h"
 
@@ -28,11 +28,6 @@ namespace {
 using language::Words;
 using render::Quality;
 using Clock = Workflow::Clock;
-
-// A handler of SIGINT, SIGTERM and SIGHUP may do no more; the next frame reads it. What runs then is left
-// (Workflow::LeaveAtOnce), not handed in.
-volatile std::sig_atomic_t interrupted = 0;
-void OnSignal(int) { interrupted = 1; }
 
 uint32_t AttemptWarnings(RunningAttempt& run, double time_s, double limit_s) {
   uint32_t warnings = 0;
@@ -91,7 +86,7 @@ class OpeningDesk {
     screen_.End();
     times_.Add(screen_.drawing_s());
     end |= script_.playing() && script_.Step(screen_, ui_, nullptr);
-    return !end && !interrupted;
+    return !end && StopsAsked() == 0;
   }
 
   const DeskOptions& options_;
@@ -124,6 +119,8 @@ class Desk {
   Status Run() {
     while (Frame()) {
     }
+    // First of all that follows: the sound's thread may hang with its server.
+    flow_.LeaveAtOnce();
     return script_.status();
   }
 
@@ -161,7 +158,7 @@ class Desk {
     screen_.End();
     Measure();
     end |= script_.playing() && script_.Step(screen_, ui_, &flow_);
-    return !end && !interrupted && !Orphaned();
+    return !end && StopsAsked() == 0 && !Orphaned();
   }
 
   const Quality& quality() const { return QualityOf(options_, governor_); }
@@ -291,7 +288,7 @@ class Desk {
     const Stop stop = dialog ? Stop::kNone
                              : StopOf(newest.fault, newest.put_down,
                                       (content.state.warnings & render::kWarnDisk) != 0);
-    // Arrow and burs would be drawn over it.
+    // Arrow, burs and keys would be drawn over it.
     const bool free = stop == Stop::kNone && !dialog;
     if (free) {
       content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
@@ -307,6 +304,7 @@ class Desk {
     if (content.several_burs) content.hint += "   " + words.Say("hint.bur");
     const bool mirror = attempt.view().mirror().shown();
     content.hint += "   " + words.Say(mirror ? "hint.mirror_held" : "hint.mirror");
+    if (dialog) content.hint.clear();
     const render::Canvas canvas = render::DrawPanel(
         content, words, screen_.fonts(), {screen_.width(), screen_.height(), flow_.left_handed()});
     ui_.Over(canvas);
@@ -381,7 +379,7 @@ Status RunDesk(const DeskOptions& options) {
     script = std::move(read);
   }
   Opening opening(options.workplace);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, OnSignal);
+  CatchStopSignals();
   try {
     render::ScreenOptions window;
     window.full_screen = options.full_screen;

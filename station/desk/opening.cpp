@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 
 #include "common/base/file.h"
@@ -93,7 +94,8 @@ Status Opening::Lock() {
   auto file = std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   // No folder, or one that cannot be written: the workplace says so better.
   if (file->get() < 0) return Status::Ok();
-  if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0) {
+  // A file system that knows no locks is no reason to refuse the window.
+  if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     const auto pid = ReadFile(path, 32);
     return Status(Code::kConflict,
                   "process " + (pid.ok() ? std::string(AsText(*pid)) : std::string("?")) +

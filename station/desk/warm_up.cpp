@@ -61,14 +61,16 @@ std::string AlignmentText(const language::Words& words, const HandAlignment& ali
 void Workflow::TryDevice() {
   if (busy() || place_ != Place::kExercise || !preview_ || offer_ >= offers_.size()) return;
   problem_.clear();
-  OpenDevice([this](std::unique_ptr<Device> attached) { ShowWarmUp(std::move(attached)); });
+  OpenDevice([this](std::unique_ptr<Device> attached, const DevicePace& pace) {
+    ShowWarmUp(std::move(attached), pace);
+  });
 }
 
-void Workflow::ShowWarmUp(std::unique_ptr<Device> attached) {
+void Workflow::ShowWarmUp(std::unique_ptr<Device> attached, const DevicePace& pace) {
   auto block = WarmUpFor(*preview_);
   if (!block.ok()) return Fail(block.status());
   if (attached != nullptr) {
-    if (Status used = UseDelayOf(*block, *attached, workplace_.data()); !used.ok())
+    if (Status used = UseDelayOf(*block, *attached, pace, workplace_.data()); !used.ok())
       return Fail(used);
   }
   auto attempt =

@@ -17,6 +17,7 @@
 #include "station/desk/result_losses.h"
 #include "station/desk/result_pictures.h"
 #include "station/desk/watch/stillness.h"
+#include "station/session/device_delay.h"
 #include "station/session/last_device.h"
 
 namespace enamel::station::desk {
@@ -272,9 +273,11 @@ class Workflow {
   void TakeExercises(Result<Catalogue> catalogue, Kept kept);
   void TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way);
   // In a background task, then `show` with what was opened: null for mouse and simulated hands.
-  void OpenDevice(std::function<void(std::unique_ptr<Device>)> show);
-  void ShowAttempt(std::unique_ptr<Device> attached);
-  void ShowWarmUp(std::unique_ptr<Device> attached);
+  using ShowDevice = std::function<void(std::unique_ptr<Device>, const DevicePace&)>;
+  // Opens the offered device and awaits its pace in the background. Null for one that is not attached.
+  void OpenDevice(ShowDevice show);
+  void ShowAttempt(std::unique_ptr<Device> attached, const DevicePace& pace);
+  void ShowWarmUp(std::unique_ptr<Device> attached, const DevicePace& pace);
   void WatchWarmUp(Clock::time_point now);
   void TakeAttempt(std::unique_ptr<DeskAttempt> attempt);
   void TakeTicket();

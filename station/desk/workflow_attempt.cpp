@@ -23,7 +23,9 @@ void Workflow::Start(bool as_reference) {
   problem_.clear();
   as_reference_ = as_reference;
   if (missing_device()) return Open(Dialog::kFallback);
-  OpenDevice([this](std::unique_ptr<Device> attached) { ShowAttempt(std::move(attached)); });
+  OpenDevice([this](std::unique_ptr<Device> attached, const DevicePace& pace) {
+    ShowAttempt(std::move(attached), pace);
+  });
 }
 
 std::optional<MissingDevice> Workflow::missing_device() const {
@@ -53,8 +55,8 @@ void Workflow::StartWithFallback() {
   Start(as_reference_);
 }
 
-void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
-  if (offers_[offer_].device.empty()) return show(nullptr);
+void Workflow::OpenDevice(ShowDevice show) {
+  if (offers_[offer_].device.empty()) return show(nullptr, {});
   hid::DeviceChoice choice = options_.device;
   choice.device = offers_[offer_].device;
   choice.pedal = offers_[offer_].pedal;
@@ -66,11 +68,10 @@ void Workflow::OpenDevice(std::function<void(std::unique_ptr<Device>)> show) {
                tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
                 auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
                     sdk::OpenChosenDevice(choice, profile, tick_s));
-                // Here rather than in ShowAttempt, which the window waits for.
-                if (opened->ok()) (void)AwaitAnswerTime(***opened);
-                return [this, opened, show] {
+                const DevicePace pace = opened->ok() ? AwaitPace(***opened) : DevicePace{};
+                return [this, opened, pace, show] {
                   if (!opened->ok()) return Fail(opened->status());
-                  show(std::move(**opened));
+                  show(std::move(**opened), pace);
                 };
               });
 }
@@ -81,11 +82,11 @@ void Workflow::TakeAttempt(std::unique_ptr<DeskAttempt> attempt) {
   attempt_->StandsTurned(HandTurnOf(workplace_.data(), attempt_->device(), options_.hand_turn_deg));
 }
 
-void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
+void Workflow::ShowAttempt(std::unique_ptr<Device> attached, const DevicePace& pace) {
   std::string softer;
   if (attached != nullptr) {
     // Only the opened device identifies its unit, and so its calibration.
-    if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
+    if (Status used = UseDelayOf(*preview_, *attached, pace, workplace_.data()); !used.ok())
       return Fail(used);
     if (preview_->delay) {
       softer = SofterText(words_, preview_->delay->from, offers_[offer_].title);
@@ -240,6 +241,8 @@ void Workflow::LeaveAtOnce() {
   for (DeskAttempt* attempt : {attempt_.get(), left_.get()}) {
     if (attempt != nullptr) attempt->LeaveAtOnce();
   }
+  // A ticket that was taken for the ready page, which a second person may still have had to sign.
+  workplace_.HandBackUnused();
 }
 
 Uploader::State Workflow::upload() const {

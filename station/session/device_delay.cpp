@@ -154,6 +154,11 @@ std::optional<scene::PosePeriod> AwaitPosePeriod(const Device& device) {
   return watch.period();
 }
 
+DevicePace AwaitPace(const Device& device) {
+  if (!device.has_motors()) return {};
+  return {AwaitAnswerTime(device), AwaitPosePeriod(device)};
+}
+
 std::string AnswersText(const scene::AnswerTime& answers) {
   char text[120];
   std::snprintf(
@@ -193,15 +198,15 @@ std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
          "; 'enamel-station calibrate' measures it";
 }
 
-Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::path& data) {
+Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const DevicePace& pace,
+                  const fs::path& data) {
   // No force, so no delay can make it unstable.
   if (!device.has_motors()) return Status::Ok();
   const std::string name = device.Name();
   const auto calibration = FindCalibration(data, device.Unit());
   const int64_t rate_hz = prepared.header.params.rate_hz;
-  const auto used =
-      scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz,
-                             AwaitAnswerTime(device), AwaitPosePeriod(device));
+  const auto used = scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr,
+                                           rate_hz, pace.answers, pace.poses);
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
   // The chunks of a resumed attempt are chained to its header, and its ticks must replay with it: a

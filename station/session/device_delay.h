@@ -58,6 +58,14 @@ class PoseWatch {
 // it answers instead (answer_time), counts no poses, or sends none. Blocks meanwhile.
 std::optional<scene::PosePeriod> AwaitPosePeriod(const Device& device);
 
+// How an attached device keeps time.
+struct DevicePace {
+  std::optional<scene::AnswerTime> answers;
+  std::optional<scene::PosePeriod> poses;
+};
+// Both of the above. Nothing at all of a device without motors, of which nobody needs them. Blocks meanwhile.
+DevicePace AwaitPace(const Device& device);
+
 // A profile at 1 kHz that says nothing of a delay.
 scene::DeviceProfile SilentProfile();
 // The delay for attempts on this unit with this profile, at 1 kHz.
@@ -71,12 +79,12 @@ std::string AnswersText(const scene::AnswerTime& answers);
 // why, and what to do if nobody measured the delay. If it was measured: its value and source.
 std::string DelayText(const scene::DelayUsed& used, const std::string& device);
 
-// Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`, whose
-// answers or poses it awaits as above, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
+// Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`, which keeps
+// this pace, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
 // are left unchanged. Logged, as a warning if nobody measured. A resumed attempt keeps its original
 // parameters. Errors: WithDelay's; kConflict when a resumed attempt is stiffer than this device
 // allows.
-Status UseDelayOf(PreparedAttempt& prepared, const Device& device,
+Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const DevicePace& pace,
                   const std::filesystem::path& data);
 
 }  // namespace enamel::station

@@ -68,6 +68,8 @@ class RunningAttempt : private TickObserver {
   // Errors: what is stored and what is lost. May be called again, and after End.
   Status Leave();
   bool ticking() const { return !loop_.finished(); }
+  // It was left before its end: it has no seal, and can be resumed.
+  bool left() const { return left_; }
   // The system refused the loop's priority or memory lock (realtime.h), so that other programs can
   // make ticks late. False until the loop has asked.
   bool lacks_realtime() const { return lacks_realtime_; }
@@ -89,7 +91,7 @@ class RunningAttempt : private TickObserver {
   // Waits for the loop's end and the seal. Errors: the recording is incomplete on disk, with what
   // is stored and what to do. May be called again. Requires: not left before its end.
   Result<trace::Seal> Join();
-  // Facts of the loop (loop_facts.h). Requires: Join has returned.
+  // Facts of the loop (loop_facts.h). Requires: Join or Leave has returned.
   boost::json::object facts() const;
   // The tooth in its final state. Requires: Join or Leave has returned.
   const core::Core& core() const { return *core_; }

@@ -4,9 +4,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <boost/json.hpp>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <thread>
@@ -18,6 +16,7 @@
 #include "station/app/first_hour/hour.h"
 #include "station/app/first_hour/simulated_unit.h"
 #include "station/loop/realtime.h"
+#include "station/session/stop_signals.h"
 #include "station/uplink/server_link.h"
 
 namespace enamel::station {
@@ -28,16 +27,6 @@ namespace json = boost::json;
 
 constexpr int kRate_hz = 1000;
 constexpr size_t kLongestScript = 1 << 16;
-
-std::atomic<bool> hour_ends{false};
-void EndTheHour(int) { hour_ends = true; }
-
-// Ctrl-C, a terminal that is closed, and the system's wish to end. The handlers stay for the rest of the
-// program: it ends after this.
-void CatchSignals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, EndTheHour);
-  std::signal(SIGPIPE, SIG_IGN);  // output that nobody reads any more must not leave a force on
-}
 
 std::string ProcessorModel() {
   std::ifstream in("/proc/cpuinfo");
@@ -105,7 +94,7 @@ Result<std::vector<first_hour::ScriptLine>> ReadScript(const fs::path& file) {
 // The hour with whoever answers; writes the document after each step.
 Status Lead(const FirstHourCommand& options, first_hour::HourSetup setup, json::object about) {
   Status kept;
-  setup.stop = &hour_ends;
+  setup.stop = &StopsAsked();
   setup.max_force_n = options.max_force_n;
   setup.tick_s = 1.0 / kRate_hz;
   const auto document_of = [&](const json::object& found) {
@@ -146,7 +135,7 @@ Status RunFirstHour(const FirstHourCommand& options) {
                   "motors push only after somebody has typed yes: run this on a terminal",
                   "device");
   }
-  CatchSignals();
+  CatchStopSignals();
   json::object about{{"enamel_first_hour", 1},
                      {"software", SoftwareName()},
                      {"began_ms", UnixMs()},

@@ -28,6 +28,7 @@ constexpr double kMoved_m = 2e-3, kBegan_m = 1e-3;
 // force rises by 0.05 N. The way up and the way down are late by the same, so their mean is not.
 constexpr double kLiftRise_n_per_s = 0.15, kLifted_m = 3e-3;
 constexpr int kLifts = 2;
+constexpr int kLeast_g = 20;                   // a gram of kitchen scales is 5 % of it
 constexpr double kGravity_m_per_s2 = 9.80665;  // standard gravity, ISO 80000-3
 constexpr double kScaleOff = 0.1;
 // As a calibration is off at most, on simulated devices of all kinds (station/README.md).
@@ -127,20 +128,23 @@ Result<Lifted> LiftAgain(Hour& hour, double most_n, json::object& found) {
 // Grams of a mass that the motors can lift beside the arm's own weight and friction.
 Result<double> AskMass(Hour& hour, Step& step, double most_n) {
   const double most_g = std::floor(0.6 * most_n / kGravity_m_per_s2 * 100) * 10;
+  if (most_g < kLeast_g)
+    return Skipped(N(most_n) + " are too little for a mass of " + std::to_string(kLeast_g) + " g");
   std::string question =
       "Which mass can you hang on the handle with a thread, in grams? Weigh it: kitchen scales "
       "will\n"
-      "do. 20 to " +
-      std::to_string(std::lround(most_g)) + " g; type skip and a reason if you have none.";
+      "do. " +
+      std::to_string(kLeast_g) + " to " + std::to_string(std::lround(most_g)) +
+      " g; type skip and a reason if you have none.";
   while (true) {
     ENAMEL_ASSIGN_OR_RETURN(const std::string answer, hour.Ask(step, "weight.grams", question));
     double grams = 0;
     const auto [end, error] = std::from_chars(answer.data(), answer.data() + answer.size(), grams);
-    if (error == std::errc() && end == answer.data() + answer.size() && grams >= 20 &&
+    if (error == std::errc() && end == answer.data() + answer.size() && grams >= kLeast_g &&
         grams <= most_g)
       return grams;
-    question = "A number from 20 to " + std::to_string(std::lround(most_g)) + ", found '" + answer +
-               "'. How many grams?";
+    question = "A number from " + std::to_string(kLeast_g) + " to " +
+               std::to_string(std::lround(most_g)) + ", found '" + answer + "'. How many grams?";
   }
 }
 

@@ -43,6 +43,7 @@ const char* StateOf(const Status& status) {
 
 }  // namespace
 
+Status Skipped(const std::string& reason) { return Status(Code::kConflict, reason, kSkip); }
 bool IsSkip(const Status& status) { return status.field() == kSkip; }
 bool IsEnd(const Status& status) { return status.field() == kEnd; }
 
@@ -141,7 +142,7 @@ Result<std::string> Hour::Ask(Step& step, const std::string& id, const std::stri
     setup_.person->Ask(why, "Why is this step left out? One line:");
     ENAMEL_ASSIGN_OR_RETURN(reason, Listen(step, why, {}));
   }
-  return Status(Code::kConflict, reason.empty() ? "no reason given" : reason, kSkip);
+  return Skipped(reason.empty() ? "no reason given" : reason);
 }
 
 Status Hour::AskToPush(Step& step, const std::string& id, const std::string& text, double most_n) {
@@ -192,7 +193,6 @@ json::object Hour::Run() {
   for (const Entry& entry : kSteps) {
     Step step(entry.name);
     const double from_s = rig_.now_s();
-    // The last step closes the unit and says so, also when a step before it was the last that was done.
     Status status = over;
     if (over.ok()) {
       Tell("\nStep " + std::to_string(++number) + " of " + std::to_string(kSteps.size()) + ": " +

@@ -20,7 +20,7 @@ struct HourSetup {
   double tick_s = 1e-3;
   double max_force_n = 2;
   // Set by a signal: the run ends, with what was found so far.
-  const std::atomic<bool>* stop = nullptr;
+  const std::atomic<int>* stop = nullptr;
   // Called with the whole document after each step.
   std::function<void(const boost::json::object&)> keep = [](const boost::json::object&) {};
 };
@@ -77,7 +77,8 @@ class Hour {
   boost::json::object document_;
 };
 
-// Skipped by the person; the message is their reason.
+// A step that cannot be done on this unit, or that the person skipped; the message is the reason.
+Status Skipped(const std::string& reason);
 bool IsSkip(const Status& status);
 // The run is over: asked to stop, the input ended, or nobody answered.
 bool IsEnd(const Status& status);

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "station/app/first_hour/hour.h"
+#include "station/devices/polled_device.h"
 
 namespace enamel::station::first_hour {
 namespace {
@@ -15,8 +17,8 @@ namespace json = boost::json;
 
 constexpr double kRest_s = 2;
 constexpr double kPull_s = 60, kPlugged_s = 30;
-// The loop's own limit for a device without a pose.
-constexpr double kSilent_s = 1;
+// From its last pose on, after which PolledDevice has found a silent device away.
+constexpr double kSilent_s = std::chrono::duration<double>(PolledDevice::kSilentFor).count() + 0.5;
 
 // One axis at rest, in counts: standard deviation about a straight line, how far that line goes, and the
 // smallest step.
@@ -131,7 +133,8 @@ Status Unplug(Hour& hour, Step& step) {
   if (!noticed && rig.silent_s() < kSilent_s)
     return Status(Code::kUnavailable, "a minute passed and it was still there");
   if (!noticed) {
-    step.Problem("unplug", "for a second after its last pose it was not reported as unplugged");
+    step.Problem("unplug",
+                 "for one and a half seconds after its last pose it was not reported as unplugged");
   }
   std::optional<double> back_s;
   const auto look = [&] {

@@ -14,7 +14,7 @@ constexpr int64_t kLate_ns = 50'000'000;
 
 }  // namespace
 
-Rig::Rig(double tick_s, bool by_clock, const std::atomic<bool>& stop)
+Rig::Rig(double tick_s, bool by_clock, const std::atomic<int>& stop)
     : tick_s_(tick_s), by_clock_(by_clock), stop_(stop), began_ns_(Now_ns()), due_ns_(began_ns_) {}
 
 Rig::~Rig() { Close(); }
@@ -57,7 +57,7 @@ double Rig::speed_m_per_s() const {
 }
 
 const char* Rig::WhyCut() const {
-  if (stop_) return "the program was asked to stop";
+  if (is_stopped()) return "the program was asked to stop";
   if (!sample_.attached) return "the unit was unplugged";
   if (!sample_.driven) return "the unit switched its motors off";
   if (silent_s() > kNoPose_s) return "the unit sent no pose for 20 ms";

@@ -22,9 +22,9 @@ struct PushLimits {
 // destructor sends 0. Thread safety: none.
 class Rig {
  public:
-  // `by_clock`: a tick takes tick_s; else it takes no time, and the time is the ticks'. `stop` is set by
-  // a signal.
-  Rig(double tick_s, bool by_clock, const std::atomic<bool>& stop);
+  // `by_clock`: a tick takes tick_s; else it takes no time, and the time is the ticks'. `stop`
+  // (StopsAsked) is above 0 once the program has to end.
+  Rig(double tick_s, bool by_clock, const std::atomic<int>& stop);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -39,7 +39,7 @@ class Rig {
   // Seconds since construction.
   double now_s() const;
   double tick_s() const { return tick_s_; }
-  bool is_stopped() const { return stop_; }
+  bool is_stopped() const { return stop_ > 0; }
 
   void BeginPush(const PushLimits& limits);
   void EndPush();
@@ -72,7 +72,7 @@ class Rig {
 
   const double tick_s_;
   const bool by_clock_;
-  const std::atomic<bool>& stop_;
+  const std::atomic<int>& stop_;
   std::optional<MeasuredDevice> unit_;
   int64_t began_ns_, due_ns_, ticks_ = 0;
   std::optional<PushLimits> push_;

@@ -137,6 +137,9 @@ class DeviceDelayTest : public testing::Test {
     fs::create_directories(CalibrationsFolder(folder_));
     ASSERT_TRUE(WriteFileDurably(CalibrationFile(folder_, unit), AsBytes(scene::ToJson(c))).ok());
   }
+  Status UseDelay(const Device& device) {
+    return UseDelayOf(prepared_, device, AwaitPace(device), folder_);
+  }
   int32_t Kc() const { return prepared_.header.params.kc_mn_per_mm; }
 
   test::TempFolder temp_;
@@ -147,7 +150,7 @@ class DeviceDelayTest : public testing::Test {
 // b = 1.75 N s/m, 1 kHz: 2 b f/4 = 875 mN/mm.
 TEST_F(DeviceDelayTest, AnUnmeasuredDeviceIsComputedWithATickAndItIsSaid) {
   LogLines log;
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 875);
   ASSERT_TRUE(prepared_.delay.has_value());
   EXPECT_EQ(*prepared_.delay, (scene::DelayUsed{1, scene::DelayUsed::From::kAssumed, {}}));
@@ -161,44 +164,44 @@ TEST_F(DeviceDelayTest, AnUnmeasuredDeviceIsComputedWithATickAndItIsSaid) {
 }
 
 TEST_F(DeviceDelayTest, WhatHasNoMotorsKeepsItsProfile) {
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(false), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(false)).ok());
   EXPECT_EQ(Kc(), 2500);
   EXPECT_FALSE(prepared_.delay.has_value());
 }
 
 TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
   Keep("hid:1209:0001:SN8", 0);
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 875);
   Keep("hid:1209:0001:SN7", 0);
   LogLines log;
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 2500);
   EXPECT_FALSE(log.Has("warning")) << log.text();
   // A unit without a distinct name never matches a measured one.
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true, ""), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true, "")).ok());
   EXPECT_EQ(Kc(), 875);
   Keep("hid:1209:0001:SN7", 2);
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 388);
 }
 
 TEST_F(DeviceDelayTest, ADeviceThatAnswersLaterThanAnAttemptCanBearIsRefusedByName) {
   Keep("hid:1209:0001:SN7", 16);
-  EXPECT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_TRUE(UseDelay(Attached(true)).ok());
   Keep("hid:1209:0001:SN7", 17);
-  const Status refused = UseDelayOf(prepared_, Attached(true), folder_);
+  const Status refused = UseDelay(Attached(true));
   EXPECT_EQ(refused.field(), "bus_delay_ticks");
   EXPECT_EQ(refused.message().find("arm: 17 ticks of delay"), 0u) << refused.message();
   EXPECT_NE(refused.message().find("connect the device directly"), std::string::npos);
   // Softer than any force that a hand feels, before the core's limit.
   prepared_.profile.damping_mn_s_per_m.value = 100;
-  EXPECT_EQ(UseDelayOf(prepared_, Attached(true), folder_).field(), "bus_delay_ticks");
+  EXPECT_EQ(UseDelay(Attached(true)).field(), "bus_delay_ticks");
 }
 
 TEST_F(DeviceDelayTest, AProfileThatSaysItWasMeasuredIsBelieved) {
   prepared_.profile.delay_measured = true;
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 2500);
 }
 
@@ -213,7 +216,7 @@ TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) 
     auto device = sdk::OpenChosenDevice(choice, prepared_.profile, 1e-3);
     ASSERT_TRUE(device.ok()) << device.status().message();
     LogLines log;
-    ASSERT_TRUE(UseDelayOf(prepared_, **device, folder_).ok());
+    ASSERT_TRUE(UseDelay(**device).ok());
     ASSERT_TRUE(prepared_.delay && prepared_.delay->answers);
     const scene::AnswerTime answers = *prepared_.delay->answers;
     EXPECT_GE(answers.answers, kAnswersToKnow);
@@ -242,7 +245,7 @@ TEST_F(DeviceDelayTest, ADeviceWhosePosesComeSlowlyIsComputedWithThemAndGivesNoE
   for (const auto& [period_ms, ticks, kc] : {std::tuple{4, 3u, 218}, {2, 1u, 875}}) {
     LogLines log;
     const Paced device{std::chrono::milliseconds(period_ms)};
-    ASSERT_TRUE(UseDelayOf(prepared_, device, folder_).ok());
+    ASSERT_TRUE(UseDelay(device).ok());
     EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kPoses);
     EXPECT_EQ(prepared_.header.params.bus_delay_ticks, ticks);
     EXPECT_EQ(Kc(), kc);
@@ -264,7 +267,7 @@ TEST_F(DeviceDelayTest, ADeviceWhosePosesComeSlowlyIsComputedWithThemAndGivesNoE
 TEST_F(DeviceDelayTest, ADeviceAsQuickAsTheLoopHasNothingAdded) {
   prepared_.profile.delay_measured = true;
   for (const int period_us : {1000, 250}) {
-    ASSERT_TRUE(UseDelayOf(prepared_, Paced(std::chrono::microseconds(period_us)), folder_).ok());
+    ASSERT_TRUE(UseDelay(Paced(std::chrono::microseconds(period_us))).ok());
     EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kProfile) << period_us;
     ASSERT_TRUE(prepared_.delay->poses);
     EXPECT_NEAR(static_cast<double>(prepared_.delay->poses->median_us), period_us, 0.1 * period_us);
@@ -310,23 +313,23 @@ TEST_F(DeviceDelayTest, ABrokenMeasurementCountsAsNoneAndIsSaid) {
   fs::create_directories(CalibrationsFolder(folder_));
   std::ofstream(CalibrationFile(folder_, "hid:1209:0001:SN7")) << "{\"enamel_calibration\": 1";
   LogLines log;
-  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 875);
   EXPECT_TRUE(log.Has("counts as not measured")) << log.text();
 }
 
 TEST_F(DeviceDelayTest, AResumedAttemptKeepsItsParametersOrIsRefusedWhereTheyAreTooStiff) {
   prepared_.core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume);
-  Status refused = UseDelayOf(prepared_, Attached(true), folder_);
+  Status refused = UseDelay(Attached(true));
   EXPECT_EQ(refused.code(), Code::kConflict);
   EXPECT_NE(refused.message().find("875"), std::string::npos) << refused.message();
   EXPECT_EQ(Kc(), 2500);
   prepared_.header.params.kc_mn_per_mm = 800;
-  refused = UseDelayOf(prepared_, Attached(true), folder_);
+  refused = UseDelay(Attached(true));
   EXPECT_EQ(refused.code(), Code::kConflict);
   EXPECT_EQ(refused.field(), "bus_delay_ticks");
   prepared_.header.params.bus_delay_ticks = 1;
-  EXPECT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 800);
 }
 
