@@ -258,7 +258,7 @@ class FirstHourTest : public testing::Test {
 
   World world_;
   Helper helper_{world_};
-  std::atomic<bool> stop_{false};
+  std::atomic<int> stop_{0};
   json::object kept_;
 };
 
@@ -594,7 +594,7 @@ TEST(FirstHourOnADriverTest, AnEmulatedInverse3IsReadFeltAndMissed) {
     std::string asked_;
     double since_s_ = -1;
   } person(service);
-  std::atomic<bool> stop{false};
+  std::atomic<int> stop{0};
   HourSetup setup;
   setup.person = &person;
   setup.stop = &stop;

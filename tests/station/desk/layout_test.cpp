@@ -158,7 +158,8 @@ class PagesLayoutTest : public LayoutTest {
   // Draws what the window draws below the page.
   void DrawBelow(Language language, bool left) {
     const Words words(language);
-    const render::PanelContent content = FullPanel(words, flow_->attempt()->by_pointer());
+    render::PanelContent content = FullPanel(words, flow_->attempt()->by_pointer());
+    if (flow_->dialog() != Dialog::kNone) content.hint.clear();
     const render::Canvas canvas = render::DrawPanel(content, words, screen_->fonts(),
                                                     {screen_->width(), screen_->height(), left});
     if (flow_->dialog() == Dialog::kNone) {
