@@ -27,13 +27,15 @@ uint32_t GapWatch::Look(const Snapshot& s) noexcept {
     started_ = true;
     gap_ticks_ = gaps;
     since_ = ticks;
+    off_ = gaps > 0;
   }
   if (gaps == 0) return 0;
+  // A fault has a text of its own, which says the same.
+  off_ = off_ && (s.output_flags & core::kSuspended) != 0 && s.fault == Fault::kNone;
   bool recent = static_cast<double>(ticks - since_) < (resumed_ ? kCalm_s : kShown_s) * rate_hz_;
-  if (!resumed_) return recent ? uint32_t{render::kWarnGap} : 0;
-  if (recent || (s.output_flags & core::kSuspended) != 0) return render::kWarnResumed;
+  if (off_ || (resumed_ && recent)) return render::kWarnResumed;
   resumed_ = false;
-  return 0;
+  return recent ? uint32_t{render::kWarnGap} : 0;
 }
 
 void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {

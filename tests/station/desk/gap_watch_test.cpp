@@ -32,6 +32,27 @@ TEST(GapWatchTest, AGapIsToldForAWhileAndNotForTheRestOfTheAttempt) {
   EXPECT_EQ(watch.Look(At(102 + kShown, 9)), render::kWarnGap);
 }
 
+// A hand that pressed moves on while it feels nothing, and the core then waits for free air.
+TEST(GapWatchTest, AGapThatSwitchedTheForceOffIsToldUntilItIsOnAgain) {
+  GapWatch watch(kRate);
+  for (uint64_t t = 1; t <= 100; ++t) watch.Look(At(t, 0));
+  uint64_t t = 101;
+  for (; t < 101 + 3 * kShown; ++t) {
+    ASSERT_EQ(watch.Look(At(t, 20, true)), render::kWarnResumed) << t;
+  }
+  EXPECT_EQ(watch.Look(At(++t, 20)), 0u);
+  // Switched off later for another reason, as a changed bur's.
+  EXPECT_EQ(watch.Look(At(++t, 20, true)), 0u);
+}
+
+TEST(GapWatchTest, WhatAFaultSaysIsNotSaidTwice) {
+  GapWatch watch(kRate);
+  watch.Look(At(1, 0));
+  Snapshot s = At(2, 20, true);
+  s.fault = Fault::kStalled;
+  EXPECT_EQ(watch.Look(s), render::kWarnGap);
+}
+
 TEST(GapWatchTest, ResumedIsToldCalmlyUntilTheForceIsOn) {
   GapWatch watch(kRate);
   uint64_t t = 60'001;
