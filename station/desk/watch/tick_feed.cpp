@@ -29,11 +29,13 @@ uint32_t GapWatch::Look(const Snapshot& s) noexcept {
     since_ = ticks;
     off_ = gaps > 0;
   }
-  if (gaps == 0) return 0;
-  // A fault has a text of its own, which says the same.
-  off_ = off_ && (s.output_flags & core::kSuspended) != 0 && s.fault == Fault::kNone;
+  const bool faulted = s.fault != Fault::kNone;
+  off_ = (off_ || faulted) && (s.output_flags & core::kSuspended) != 0;
+  // A fault has a text of its own, as long as it lasts. The force may stay off for longer.
+  const bool told = off_ && !faulted;
+  if (gaps == 0) return told ? uint32_t{render::kWarnResumed} : 0;
   bool recent = static_cast<double>(ticks - since_) < (resumed_ ? kCalm_s : kShown_s) * rate_hz_;
-  if (off_ || (resumed_ && recent)) return render::kWarnResumed;
+  if (told || (resumed_ && recent)) return render::kWarnResumed;
   resumed_ = false;
   return recent ? uint32_t{render::kWarnGap} : 0;
 }

@@ -6,9 +6,9 @@
 namespace enamel::station::desk {
 
 // Decides which of an attempt's gaps the screen reports now. A gap while cutting is shown for
-// kShown_s. While the force is off since a gap, and until the bur has been in free air, a calm notice
-// says so in its place. The gap at which an interrupted attempt resumes gets that notice for kCalm_s at
-// least. Pure; real-time.
+// kShown_s. While the force is still off since a gap, or since a fault that has ended, a calm notice
+// says so in its place: until the bur has been in free air. The gap at which an interrupted attempt
+// resumes gets that notice for kCalm_s at least. Pure; real-time.
 class GapWatch {
  public:
   static constexpr double kShown_s = 8, kCalm_s = 4;
@@ -20,7 +20,7 @@ class GapWatch {
  private:
   const double rate_hz_;
   bool started_ = false, resumed_ = false;
-  bool off_ = false;                    // without force since the last gap
+  bool off_ = false;                    // without force since a gap or a fault
   uint64_t gap_ticks_ = 0, since_ = 0;  // stepped ticks at the last gap
 };
 

@@ -45,12 +45,21 @@ TEST(GapWatchTest, AGapThatSwitchedTheForceOffIsToldUntilItIsOnAgain) {
   EXPECT_EQ(watch.Look(At(++t, 20, true)), 0u);
 }
 
-TEST(GapWatchTest, WhatAFaultSaysIsNotSaidTwice) {
-  GapWatch watch(kRate);
-  watch.Look(At(1, 0));
-  Snapshot s = At(2, 20, true);
-  s.fault = Fault::kStalled;
-  EXPECT_EQ(watch.Look(s), render::kWarnGap);
+// The fault ends when the device is back, but the force only in free air.
+TEST(GapWatchTest, AForceThatIsOffAfterAFaultIsToldOnceTheFaultSaysNothing) {
+  for (const uint64_t gaps : {0u, 7u}) {
+    GapWatch watch(kRate);
+    watch.Look(At(1, 0));
+    Snapshot faulted = At(2, gaps, true);
+    faulted.fault = Fault::kUnplugged;
+    EXPECT_NE(watch.Look(faulted), render::kWarnResumed);
+    uint64_t t = 3;
+    for (; t < 3 + 2 * kShown; ++t) {
+      ASSERT_EQ(watch.Look(At(t, gaps, true)), render::kWarnResumed) << t;
+    }
+    EXPECT_EQ(watch.Look(At(t, gaps)), 0u);
+    EXPECT_EQ(watch.Look(At(t + 1, gaps, true)), 0u);
+  }
 }
 
 TEST(GapWatchTest, ResumedIsToldCalmlyUntilTheForceIsOn) {
