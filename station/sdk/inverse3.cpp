@@ -247,7 +247,10 @@ class Inverse3 final : public AnsweringBus {
     if (device == nullptr) {
       return List(message, "inverse3") == nullptr ? Heard::kRefused : Heard::kGone;
     }
-    if (IsFalse(Member(Member(device, "status"), "power_supply"))) return Heard::kGone;
+    const json::value* status = Member(device, "status");
+    // Its positions mean nothing then.
+    if (IsFalse(Member(status, "power_supply")) || IsFalse(Member(status, "calibrated")))
+      return Heard::kGone;
     const json::value* at = Member(Member(device, "state"), "cursor_position");
     if (at == nullptr) return Heard::kRefused;
     const double none = std::nan("");

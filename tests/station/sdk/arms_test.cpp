@@ -805,10 +805,11 @@ TEST(Inverse3Test, ItIsListedWithItsIdAndProfileAndNothingIsStarted) {
   EXPECT_EQ(Open(service).status().code(), Code::kNotFound);
 }
 
-TEST(Inverse3Test, AServiceThatRestartsOrLosesPowerCountsAsUnplugged) {
+TEST(Inverse3Test, AServiceThatRestartsOrADeviceWithoutPowerOrCalibrationCountsAsUnplugged) {
   const std::function<void(EmulatedInverse3&)> kEnds[] = {
       [](EmulatedInverse3& s) { s.Restart(); }, [](EmulatedInverse3& s) { s.Disconnect(); },
-      [](EmulatedInverse3& s) { s.Status("power_supply", false); }};
+      [](EmulatedInverse3& s) { s.Status("power_supply", false); },
+      [](EmulatedInverse3& s) { s.Status("calibrated", false); }};
   for (const auto& end : kEnds) {
     EmulatedInverse3 service;
     auto device = MustOpen(service);
