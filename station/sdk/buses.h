@@ -34,6 +34,8 @@ struct BusChoice {
   std::chrono::milliseconds for_hand{10'000};
   std::string profile;     // the device profile's name; empty: of any model
   bool has_pedal = false;  // so that a device without a button can be used
+  // As PolledBus::Unit, where the driver is told of several at once (inverse3): this one, if it is there.
+  std::string unit;
 };
 
 // Through the maker's library. Address: the library's file, if the system's loader does not find it.

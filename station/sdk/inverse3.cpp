@@ -153,6 +153,7 @@ class Inverse3 final : public AnsweringBus {
       : AnsweringBus(choice.peak_n, "run its service on this computer"),
         profile_(choice.profile),
         has_pedal_(choice.has_pedal),
+        wanted_(choice.unit),
         socket_(std::move(socket)) {}
   // Closed at once, the connection could take the last force with it.
   ~Inverse3() override { (void)Await(patience()); }
@@ -214,9 +215,18 @@ class Inverse3 final : public AnsweringBus {
                       kForms[0] + " or " + kForms[1] + ": update the service",
                   trouble::kService);
   }
+  // The wanted unit, else the first device; null: there is none.
+  const json::value* Wanted(const json::value& message) const {
+    if (const json::array* all = List(message, "inverse3"); all != nullptr) {
+      for (const json::value& device : *all) {
+        if (UnitNamed(Text(Member(&device, "device_id"))) == wanted_) return &device;
+      }
+    }
+    return Listed(message, "inverse3", {});
+  }
   Status TakeInventory() {
     ENAMEL_ASSIGN_OR_RETURN(const json::value message, ReadInventory(*socket_));
-    const json::value* device = Listed(message, "inverse3", {});
+    const json::value* device = Wanted(message);
     if (device == nullptr) {
       return Status(Code::kNotFound,
                     "Haply's service finds no Inverse3: switch it on and connect it",
@@ -280,6 +290,7 @@ class Inverse3 final : public AnsweringBus {
 
   const std::string profile_;
   const bool has_pedal_;
+  const std::string wanted_;  // unit
   const std::unique_ptr<WebSocket> socket_;
   std::string text_, id_, name_, session_;
   bool has_grip_ = false;      // at the beginning

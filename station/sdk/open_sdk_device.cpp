@@ -59,6 +59,8 @@ Result<std::unique_ptr<Device>> Open(const Driver& driver, const hid::DeviceChoi
   ENAMEL_ASSIGN_OR_RETURN(auto bus, driver.open(wanted));
   // Tried again and again, so that no try need wait long.
   wanted.for_hand = kHandAgain;
+  // With two attached the other may be listed first by then.
+  wanted.unit = bus->Unit();
   const double resolution_m = scene::CountNm(profile) * 1e-9;
   // A bus may wait: a thread polls, the tick takes the latest.
   return std::unique_ptr<Device>(

@@ -149,7 +149,12 @@ struct EmulatedInverse3::Service {
           {"filters", {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", damping}}}}}};
     }
     json::object out{{"session_id", session_id}, {"inverse3", json::array{}}};
-    if (connected) out["inverse3"].as_array().push_back(std::move(device));
+    json::array& listed = out["inverse3"].as_array();
+    if (other_first) {
+      listed.push_back(device);
+      listed.back().as_object()["device_id"] = kOtherId;
+    }
+    if (connected) listed.push_back(std::move(device));
     const json::value q{{"x", grip[0]}, {"y", grip[1]}, {"z", grip[2]}, {"w", grip[3]}};
     json::object held{{"orientation", q}};
     if (wireless) {
@@ -174,7 +179,7 @@ struct EmulatedInverse3::Service {
   dvec3 tip_m{0, 0.15, 0.1};
   std::array<double, 4> grip{-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // points down
   bool button = false, wireless = false, truncated = false, connected = true, gripped = true,
-       built = false;
+       built = false, other_first = false;
   Bytes babble;
   std::string type = "inverse3", id = kId, form = "vector", session_id = "1";
   std::map<std::string, bool> status{{"calibrated", true}, {"power_supply", true}, {"ready", true}};
@@ -266,6 +271,11 @@ void EmulatedInverse3::HasBuiltGrip() {
 void EmulatedInverse3::Babble(const Bytes& bytes) {
   std::lock_guard lock(mutex_);
   service_->babble = bytes;
+}
+
+void EmulatedInverse3::ListOtherFirst() {
+  std::lock_guard lock(mutex_);
+  service_->other_first = true;
 }
 
 void EmulatedInverse3::Disconnect() {

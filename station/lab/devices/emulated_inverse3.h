@@ -52,6 +52,8 @@ class EmulatedInverse3 final : public EmulatedArm {
   void Restart();
   // Answers from now on are text that is no JSON.
   void Truncate(bool truncate);
+  // The service lists another Inverse3, which nobody commands, before this one.
+  void ListOtherFirst();
   // No device is connected to the service.
   void Disconnect();
 

@@ -818,6 +818,16 @@ TEST(Inverse3Test, AServiceThatRestartsOrADeviceWithoutPowerOrCalibrationCountsA
   }
 }
 
+TEST(Inverse3Test, ItComesBackAlsoWhereAnotherIsListedFirstByThen) {
+  EmulatedInverse3 service;
+  auto device = MustOpen(service);
+  service.SwitchOff();
+  test::AwaitSample(*device, [](const DeviceSample& s) { return !s.attached; });
+  service.ListOtherFirst();
+  service.SwitchOn();
+  test::AwaitSample(*device, [](const DeviceSample& s) { return s.attached && s.fresh; });
+}
+
 TEST(Inverse3Test, AnswersThatAreNoJsonMoveNothing) {
   EmulatedInverse3 service;
   auto device = MustOpen(service);
