@@ -34,7 +34,7 @@ struct BusChoice {
   std::chrono::milliseconds for_hand{10'000};
   std::string profile;     // the device profile's name; empty: of any model
   bool has_pedal = false;  // so that a device without a button can be used
-  // As PolledBus::Unit, where the driver is told of several at once (inverse3): this one, if it is there.
+  // The unit to open, as PolledBus::Unit; empty or not attached: the first. Only inverse3 reads it.
   std::string unit;
 };
 

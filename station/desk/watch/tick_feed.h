@@ -7,7 +7,7 @@ namespace enamel::station::desk {
 
 // Decides which of an attempt's gaps the screen reports now. A gap while cutting is shown for
 // kShown_s. While the force is still off since a gap, or since a fault that has ended, a calm notice
-// says so in its place: until the bur has been in free air. The gap at which an interrupted attempt
+// replaces it until the bur has been in free air. The gap at which an interrupted attempt
 // resumes gets that notice for kCalm_s at least. Pure; real-time.
 class GapWatch {
  public:
