@@ -200,7 +200,7 @@ void Workflow::PauseWhenPutDown(Dialog dialog) {
 
 void Workflow::WatchRun() {
   PauseWhenPutDown(Dialog::kPaused);
-  if (busy() || attempt_->run()->ticking()) return;
+  if (busy() || attempt_->run()->ticking() || attempt_->run()->left()) return;
   // The hand's finish or a permanent fault has ended the loop; the person is not asked.
   if (!joined_) EndAttempt();
 }

@@ -82,6 +82,7 @@ void TickLoop::Run() noexcept {
   const int64_t start_ns = Now_ns();
   int64_t due_ticks = 0;  // since the start
   while (!stop_.load(std::memory_order_relaxed)) {
+    if ((stopped_itself_ = IsStopOverdue())) break;
     if (options_.lockstep) {
       if (CannotRecord()) {
         SleepUntil(Now_ns() + kBackPressure_ns);
@@ -102,6 +103,13 @@ void TickLoop::Run() noexcept {
   }
   device_.SendForceAndTorque(dvec3(0), dvec3(0));
   finished_.store(true, std::memory_order_release);
+}
+
+bool TickLoop::IsStopOverdue() noexcept {
+  if (options_.stops_asked == nullptr || *options_.stops_asked == 0) return false;
+  const int64_t now_ns = Now_ns();
+  if (stop_asked_ns_ == 0) stop_asked_ns_ = now_ns;
+  return now_ns - stop_asked_ns_ > kStopPatience_ns;
 }
 
 bool TickLoop::Tick(double late_s) noexcept {

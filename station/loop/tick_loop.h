@@ -112,6 +112,10 @@ struct TickLoopOptions {
   // is in free air.
   uint64_t ticks_before = 0;
   uint32_t first_gap_ticks = 0;
+  // How often the program was asked to end. Whoever started the loop then stops it, within a frame. If
+  // they hang, in a call to a window system that no longer answers, Run ends by itself, kStopPatience_ns
+  // after the first time, so that no device keeps its force. Null: nobody asks.
+  const std::atomic<int>* stops_asked = nullptr;
 };
 
 // The haptic loop: device -> core -> device; the result goes to the ring and the snapshot.
@@ -181,6 +185,8 @@ class TickLoop {
   }
   // Run has returned; all samples are in the ring.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+  // Run ended by itself because the program was asked to end. After finished().
+  bool stopped_itself() const noexcept { return stopped_itself_; }
 
   // One tick, `late_s` (not below 0) after it was due. The next one is due a tick after this one
   // was due, plus the whole periods that this one is late by. True when the operator has finished.
@@ -200,6 +206,7 @@ class TickLoop {
   const DurationHistogram& durations() const noexcept { return durations_; }
 
   static constexpr size_t kMaxRecords = 8;
+  static constexpr int64_t kStopPatience_ns = 1'000'000'000;
   static constexpr int kLateTicksPerSecond = 20;
   // Shorter than a person's reaction to a touch, about 0.15 s (Welford, Reaction Times, 1980): the
   // hand does by then what it did before.
@@ -225,6 +232,7 @@ class TickLoop {
   void AwaitStillness() noexcept;
   bool AddLeak(const DeviceSample& sample, double hold_s) noexcept;
   bool DeviceAlive(const DeviceSample& sample) const noexcept;
+  bool IsStopOverdue() noexcept;
   void Latch(Fault fault) noexcept;
   void Remember(const DeviceSample& sample, const core::TickInput& input, const dvec3& sent_n,
                 double late_s) noexcept;
@@ -238,9 +246,11 @@ class TickLoop {
   TripleBuffer<Snapshot> snapshots_;
   std::atomic<bool> stop_{false}, held_{false};
   std::atomic<bool> finished_{false};
+  bool stopped_itself_ = false;
   std::atomic<uint8_t> wanted_bur_;
 
   // Owned by the tick's thread.
+  int64_t stop_asked_ns_ = 0;  // when it was first seen; 0: not yet
   LoopCounters counters_;
   uint32_t gap_ = 0;      // ticks not stepped since the last sample
   bool gap_held_ = true;  // all of them passed while a tick was late

@@ -43,6 +43,7 @@ TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOpti
   }
   out.ticks_before = prepared.place.next_tick;
   out.first_gap_ticks = prepared.gap_ticks;
+  out.stops_asked = options.stops_asked;
   return out;
 }
 
@@ -99,7 +100,7 @@ Status RunningAttempt::Leave() {
   GiveUp();
   AwaitThreads();
   // Its seal, if somebody closes it later, is for no one to sign here.
-  if (left_) uploader_.ReleaseSeal(attempt_);
+  if (left()) uploader_.ReleaseSeal(attempt_);
   return *recorded_;
 }
 
@@ -136,7 +137,7 @@ void RunningAttempt::Record() {
 
 // After the loop's end and the last sample.
 Status RunningAttempt::Close() {
-  if (left_) return recorder_.Flush();
+  if (left()) return recorder_.Flush();
   auto seal = recorder_.Finish();
   if (seal.ok()) seal_ = *seal;
   return seal.status();
@@ -203,7 +204,7 @@ void RunningAttempt::LogEnd(const Status& status) const {
       static_cast<double>(late.max_ns()) * 1e-3, recorder_.chunks());
   if (status.ok()) {
     spdlog::info("attempt {} {}: {}", attempt_.Text(),
-                 left_ ? "is left and can be resumed" : "has ended", how);
+                 left() ? "is left and can be resumed" : "has ended", how);
   } else {
     spdlog::error("attempt {} has ended and is not whole: {}: {}", attempt_.Text(), how,
                   status.message());

@@ -9,6 +9,7 @@
 #include "common/base/mutex.h"
 #include "station/loop/tick_loop.h"
 #include "station/session/prepared_attempt.h"
+#include "station/session/stop_signals.h"
 #include "station/spool/recorder.h"
 #include "station/uplink/uploader.h"
 
@@ -21,6 +22,7 @@ struct AttemptOptions {
   bool faults_when_late = true;
   TickObserver* observer = nullptr;  // outlives the attempt; may be null
   int cpu = -1;                      // bind the loop to this processor; -1: to none
+  const std::atomic<int>* stops_asked = &StopsAsked();  // TickLoopOptions
 };
 
 TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOptions& options);
@@ -38,7 +40,7 @@ TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOpti
 // goes, are logged.
 //
 // Only End, or the device's kFinish, hands an attempt in. Whatever else ends it (Leave, the
-// destructor) stores all ticks and no seal, so that its person can resume it.
+// destructor, a stop that its owner does not see in time: TickLoopOptions) stores all ticks and no seal, so that its person can resume it.
 //
 // Thread safety: one owner's thread, but End, Leave, GiveUp, Join, ticking and the states from any.
 // Real-time: never; only the loop inside is.
@@ -69,7 +71,7 @@ class RunningAttempt : private TickObserver {
   Status Leave();
   bool ticking() const { return !loop_.finished(); }
   // It was left before its end: it has no seal, and can be resumed.
-  bool left() const { return left_; }
+  bool left() const { return left_ || (loop_.finished() && loop_.stopped_itself()); }
   // The system refused the loop's priority or memory lock (realtime.h), so that other programs can
   // make ticks late. False until the loop has asked.
   bool lacks_realtime() const { return lacks_realtime_; }

@@ -80,9 +80,11 @@ class RunningAttemptTest : public testing::Test {
 
   Spool& spool() { return workplace_->spool(); }
   Uuid id() const { return prepared_.attempt(); }
-  std::unique_ptr<RunningAttempt> Begin(Device& device) {
+  std::unique_ptr<RunningAttempt> Begin(Device& device,
+                                        const std::atomic<int>* stops_asked = nullptr) {
     AttemptOptions options;
     options.faults_when_late = false;
+    options.stops_asked = stops_asked;
     auto begun = workplace_->Begin(prepared_, device, options);
     EXPECT_TRUE(begun.ok()) << begun.status().message();
     return std::move(*begun);
@@ -231,6 +233,26 @@ TEST_F(RunningAttemptTest, LeftItHasEachTickAndNoEndAndTheDeviceNoForce) {
     ASSERT_TRUE(sealed.ok()) << sealed.status().message();
     EXPECT_EQ(sealed->ticks, left->ticks);
   }
+}
+
+// As when the window system no longer answers, and its window hangs in a call.
+TEST_F(RunningAttemptTest, ItLeavesByItselfIfItsOwnerDoesNotSeeTheStop) {
+  Plunging device(above_, above_ - 60);
+  std::atomic<int> stops_asked{0};
+  auto attempt = Begin(device, &stops_asked);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1 && device.pushed > 0; }));
+  EXPECT_TRUE(attempt->ticking());
+  stops_asked = 1;
+  ASSERT_TRUE(Await([&] { return attempt->recorded(); }));
+  EXPECT_GT(device.zeros_in_a_row, 0u);
+  EXPECT_TRUE(attempt->left());
+  const auto left = spool().Get(id());
+  ASSERT_TRUE(left.ok());
+  EXPECT_FALSE(left->seal.has_value());
+  // Then it does.
+  EXPECT_TRUE(attempt->Leave().ok());
+  EXPECT_TRUE(attempt->left());
+  EXPECT_EQ(attempt->snapshot().counters.ticks, left->ticks);
 }
 
 // What its person has ended is handed in, whatever stops the program then.
