@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "station/desk/layout.h"
 
@@ -92,6 +93,7 @@ bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
   if (Take(line, screen, ui, flow)) {
     steps_.pop_front();
     waited_ = 0;
+    aimed_at_ = {};
     since_ = std::chrono::steady_clock::now();
   } else if (std::chrono::steady_clock::now() - since_ > kPatience) {
     // By the clock, not by frames: a busy computer draws few.
@@ -163,6 +165,9 @@ bool Script::Click(const std::string& rest, Screen& screen, const Ui& ui) {
       screen.Inject(InputEvent::Wheel(y > 0.5 * screen.height() ? -1 : 1));
       return false;
     }
+    // What came or went beside it may move it in the next picture.
+    const std::pair<double, double> place{x, y};
+    if (std::exchange(aimed_at_, place) != place) return false;
     screen.Inject(InputEvent::Cursor(x, y));
     Hold(screen, "Left", true);
     Hold(screen, "Left", false);

@@ -3,6 +3,7 @@
 #include <deque>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "station/desk/ui.h"
 #include "station/desk/workflow.h"
@@ -17,7 +18,8 @@ namespace enamel::station::desk {
 //                      "trouble" where the station cannot be used)
 //   see WORDS          waits until the page shows these words
 //   click LABEL        the left button on the choice whose label begins so, once it is shown;
-//                      LABEL #2: on the second of them. Turns the wheel until it is in view
+//                      LABEL #2: on the second of them. Turns the wheel until it is in view, and
+//                      waits until two pictures show it at the same place
 //   type TEXT          writes it, letter by letter
 //   key NAME           Tab, Enter, Escape, Space, Up, Down, Left, Right, F1, or a letter; pressed and let go
 //                      within a frame, as a badge reader does
@@ -68,8 +70,9 @@ class Script {
 
   std::deque<Line> steps_;
   Status status_;
-  std::string unreadable_;  // what pictures have shown, a line each
-  int waited_ = 0;          // frames of the step in hand
+  std::string unreadable_;              // what pictures have shown, a line each
+  int waited_ = 0;                      // frames of the step in hand
+  std::pair<double, double> aimed_at_;  // where the last picture showed what is to be clicked
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
 };
 
