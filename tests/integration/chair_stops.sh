@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Everything that ends the window in the middle of an attempt leaves the attempt resumable and uses nothing up: SIGTERM,
-# SIGINT and SIGHUP (a stop, a terminal's or a session's end), the end of the program that started it, of the display,
-# and SIGKILL; while cutting, paused, handing in and with a full disk; an exam with one attempt, and graded work.
+# SIGINT, SIGQUIT, SIGTSTP and SIGHUP (a stop, a terminal's or a session's end), the end of the program that started it,
+# of the display, SIGKILL, and a stop while the display hangs, which SIGKILL ends; while cutting, paused, handing in and with a full disk; an exam with one attempt, and graded work.
 # In ./check three of these; all with ENAMEL_FULL=1.
 . "$(dirname "$0")/support.sh"
 command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
@@ -109,9 +109,18 @@ stop() {
   is_at "$work/there.png"
   [ "$state" != full ] || { dd if=/dev/zero of="$station/filler" bs=64k 2>/dev/null || true; sleep 1; }
   case $way in
-    TERM | INT | HUP | KILL) kill "-$way" "$window" ;;
+    TERM | INT | QUIT | TSTP | HUP | KILL) kill "-$way" "$window" ;;
     parent) kill -KILL "$parent" ;;
     display) kill -KILL "$screen" ;;
+    hung)
+      kill -STOP "$screen"
+      kill -TERM "$window"
+      if [ "$state" != handing-in ]; then
+        for _ in $(seq 600); do grep -q "is left and can be resumed" "$work/window.log" && break; sleep 0.05; done
+        grep -q "is left and can be resumed" "$work/window.log" || { cat "$work/window.log"; fail "$name: it goes on"; }
+      fi
+      kill -KILL "$window"
+      ;;
   esac
   for _ in $(seq 600); do kill -0 "$window" 2>/dev/null || break; sleep 0.05; done
   kill -0 "$window" 2>/dev/null && fail "$name: the window went on for 30 s"
@@ -139,7 +148,7 @@ stop() {
 }
 export WINDOW_PID=$work/window.pid
 
-ways=(TERM INT HUP parent display KILL)
+ways=(TERM INT QUIT TSTP HUP parent display hung KILL)
 states=(cutting paused handing-in)
 [ $may_fill = no ] || states+=(full)
 kinds=(exam graded)
