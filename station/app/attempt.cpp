@@ -494,7 +494,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   if (StopsAsked() > 0) {
     return Status(Code::kUnavailable, "stopped before the first tick: no attempt is used up");
   }
-  // What was typed while the device was opened is no wish to finish.
+  // A line that was typed while the device was opened is no wish to finish.
   if (options.finish) ::tcflush(STDIN_FILENO, TCIFLUSH);
   // A simulated device's time is the loop's own: lateness harms nobody.
   auto attempt = workplace->Begin(

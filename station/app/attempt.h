@@ -49,9 +49,9 @@ struct AttemptResult {
 };
 
 // Runs one attempt from sign-in to the last acknowledgement. Fetches what it needs, runs the tick
-// loop, the recorder and the uplink on their own threads, shows progress, and seals. What asks
-// it to stop (stop_signals.h) leaves the attempt: force 0, everything stored, no seal. While the
-// rest is being sent after the end, it ends the sending.
+// loop, the recorder and the uplink on their own threads, shows progress, and seals. A signal
+// to stop (stop_signals.h) leaves the attempt: force 0, everything stored, no seal. While the rest
+// is being sent after the end, it ends the sending.
 //
 // Errors: anything that fails before the first tick (not enrolled, server not reachable, wrong
 // password, unknown exercise, profile or operator, no display, nowhere to write the facts; the

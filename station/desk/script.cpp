@@ -165,7 +165,7 @@ bool Script::Click(const std::string& rest, Screen& screen, const Ui& ui) {
       screen.Inject(InputEvent::Wheel(y > 0.5 * screen.height() ? -1 : 1));
       return false;
     }
-    // What came or went beside it may move it in the next picture.
+    // A neighbour that has just appeared may move it in the next picture.
     const std::pair<double, double> place{x, y};
     if (std::exchange(aimed_at_, place) != place) return false;
     screen.Inject(InputEvent::Cursor(x, y));

@@ -239,8 +239,8 @@ Status PolledDevice::CheckUnit(const PolledBus& bus) const {
                 trouble::kOtherUnit);
 }
 
-// Of a device that counts_from_power_up: whether it says to be where it was. Once: a hand that moves would
-// lead a lost arm past that place.
+// Whether a device that counts_from_power_up reports the place where it was. Asked once: a hand would lead a
+// lost arm past that place.
 Status PolledDevice::CheckPlace(PolledBus& bus) {
   PolledBus::Pose pose;
   bool heard = false;

@@ -89,7 +89,7 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   DeviceCounters counters() const noexcept override;
   Status problem() const override;
 
-  // As PolledDevice's: about what a hand moves while a cable is out for a moment.
+  // As PolledDevice::kFar_m: about as far as a hand moves while a cable is out for a moment.
   static constexpr double kFar_m = 0.02;
 
  private:

@@ -112,9 +112,9 @@ struct TickLoopOptions {
   // is in free air.
   uint64_t ticks_before = 0;
   uint32_t first_gap_ticks = 0;
-  // How often the program was asked to end. Whoever started the loop then stops it, within a frame. If
-  // they hang, in a call to a window system that no longer answers, Run ends by itself, kStopPatience_ns
-  // after the first time, so that no device keeps its force. Null: nobody asks.
+  // How often the program was asked to end. The loop's owner then stops it, within a frame. An owner
+  // may hang in a call to a window system that no longer answers; Run then ends by itself,
+  // kStopPatience_ns after the first time, so that no device keeps its force. Null: nobody asks.
   const std::atomic<int>* stops_asked = nullptr;
 };
 

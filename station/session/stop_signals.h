@@ -2,9 +2,9 @@
 
 #include <atomic>
 
-// What asks a program to end in good order: Ctrl-C and Ctrl-\, a terminal or a session that ends, a computer
-// that is shut down. Also Ctrl-Z, and output or input of a program in the background, which would stop it
-// with a force on.
+// The signals that ask a program to end in good order: Ctrl-C and Ctrl-\, a terminal or a session that
+// ends, a computer that is shut down. Also Ctrl-Z, and output or input of a program in the background,
+// which would stop it with a force on.
 namespace enamel::station {
 
 // From now on these no longer end or stop the program; the first are counted. A SIGHUP that is ignored

@@ -235,7 +235,7 @@ TEST_F(RunningAttemptTest, LeftItHasEachTickAndNoEndAndTheDeviceNoForce) {
   }
 }
 
-// As when the window system no longer answers, and its window hangs in a call.
+// The window hangs in a call when the window system no longer answers.
 TEST_F(RunningAttemptTest, ItLeavesByItselfIfItsOwnerDoesNotSeeTheStop) {
   Plunging device(above_, above_ - 60);
   std::atomic<int> stops_asked{0};
