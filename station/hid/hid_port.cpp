@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 
 #include "common/base/mutex.h"
 #include "station/devices/device_node.h"
@@ -93,6 +94,14 @@ Result<HidMatch> ParseHidMatch(std::string_view text) {
 }
 
 Result<std::unique_ptr<HidPort>> HidPort::Open(const std::string& path) {
+  // hidapi 0.13 crashes on a node that is there and is no hidraw: it frees what it never set.
+  std::error_code missing;
+  const auto node = std::filesystem::canonical(path, missing);
+  if (!missing && std::filesystem::is_character_file(node) &&
+      !std::filesystem::exists("/sys/class/hidraw" / node.filename())) {
+    return Status(Code::kUnavailable, path + " is no HID device: plug it in again",
+                  trouble::kDevice);
+  }
   MutexLock lock(context);
   hid_device* handle = hid_open_path(path.c_str());
   if (handle == nullptr) {
