@@ -158,7 +158,6 @@ void EmulatedSerialArm::Plug() {
   ENAMEL_CHECK(master_->get() >= 0 && ::grantpt(master_->get()) == 0 &&
                ::unlockpt(master_->get()) == 0);
   const std::string path = ::ptsname(master_->get());
-  std::filesystem::remove(link());
   std::filesystem::create_symlink(path, link());
   // Open as long as the device is plugged in, so that a driver that closes it hangs nothing up.
   slave_ = std::make_unique<Fd>(::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
@@ -169,6 +168,8 @@ void EmulatedSerialArm::Plug() {
 EmulatedSerialArm::~EmulatedSerialArm() { Unplug(); }
 
 void EmulatedSerialArm::Unplug() {
+  // First: the terminal's name may be another program's at once.
+  std::filesystem::remove(link());
   stop_ = true;
   if (thread_.joinable()) thread_.join();
   slave_.reset();
