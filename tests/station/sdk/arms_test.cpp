@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -17,6 +19,7 @@
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/every_arm.h"
 #include "tests/support/await_sample.h"
+#include "tests/support/temp_folder.h"
 
 // Devices of published protocols against emulators of their bytes, and those of makers' libraries against
 // doubles of the libraries.
@@ -752,8 +755,10 @@ TEST(SerialArmTest, APortThatSendsWithoutEndIsRefusedInTime) {
 // Reports of the right size, more than anybody asked for: the next one may be old.
 TEST(HidArmTest, OneThatSendsWithoutEndIsRefusedInTimeAndLeftWithForceZero) {
   HidBus::Get().Reset();
+  const test::TempFolder folder;
   testing_support::ScriptedHid arm;
-  arm.path = "/dev/null";
+  arm.path = (folder.path() / "hidraw").string();
+  std::ofstream(arm.path).put('\n');  // one that may be opened
   arm.vendor = 0x1234;
   arm.product = 0x0006;
   arm.answer = [](ByteView) { return Bytes(8); };
