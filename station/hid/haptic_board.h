@@ -10,6 +10,7 @@
 #include "station/devices/device.h"
 #include "station/devices/force_keeper.h"
 #include "station/devices/force_signal.h"
+#include "station/devices/polled_device.h"
 #include "station/hid/axis_map.h"
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_reader.h"
@@ -89,8 +90,8 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   DeviceCounters counters() const noexcept override;
   Status problem() const override;
 
-  // As PolledDevice::kFar_m: about as far as a hand moves while a cable is out for a moment.
-  static constexpr double kFar_m = 0.02;
+  // About as far as a hand moves while a cable is out for a moment.
+  static constexpr double kFar_m = PolledDevice::kFar_m;
 
  private:
   struct Pose {
