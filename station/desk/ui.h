@@ -134,8 +134,8 @@ class Ui {
   void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
 
   // A message over a see-through page's picture, below the panel: who sends it, its text, and the key
-  // that dismisses it. As wide as the page allows; long texts in smaller letters. In any script that
-  // the station's fonts have.
+  // that dismisses it. The message is as wide as the page allows; a long one has smaller letters. It may
+  // be in any script that the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
   // Pictures at the right of the window, beside a page that leaves room there: after the page's End.

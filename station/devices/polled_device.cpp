@@ -239,7 +239,7 @@ Status PolledDevice::CheckUnit(const PolledBus& bus) const {
                 trouble::kOtherUnit);
 }
 
-// Whether a device that counts_from_power_up reports the place where it was. Asked once: a hand would lead a
+// Asks a device that counts_from_power_up whether it is still where it was. Once only: a hand would lead a
 // lost arm past that place.
 Status PolledDevice::CheckPlace(PolledBus& bus) {
   PolledBus::Pose pose;

@@ -40,7 +40,8 @@ TickLoopOptions LoopOptionsOf(const PreparedAttempt& prepared, const AttemptOpti
 // goes, are logged.
 //
 // Only End, or the device's kFinish, hands an attempt in. Whatever else ends it (Leave, the
-// destructor, a stop that its owner does not see in time: TickLoopOptions) stores all ticks and no seal, so that its person can resume it.
+// destructor, a stop that its owner does not see in time: TickLoopOptions) stores all ticks and no
+// seal, so that its person can resume it.
 //
 // Thread safety: one owner's thread, but End, Leave, GiveUp, Join, ticking and the states from any.
 // Real-time: never; only the loop inside is.

@@ -66,7 +66,7 @@ class LayoutTest : public testing::TestWithParam<Size> {
     if (render::FindChineseFont()) out.push_back(Language::kChinese);
     return out;
   }
-  // Whether this size shows this language to somebody left-handed.
+  // True if this size shows this language to somebody left-handed.
   static bool IsLeftIn(Language language) {
     return (static_cast<int>(language) + GetParam().width_px / 2) % 2 != 0;
   }

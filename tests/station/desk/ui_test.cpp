@@ -22,7 +22,7 @@ class UiTest : public testing::Test {
  protected:
   void SetUp() override {
     if (!display_.ok()) GTEST_SKIP() << "skipped: no Xvfb";
-    // As on a screen of 24 inches: letters are in proportion to the window.
+    // The screen has 24 inches: letters are in proportion to the window.
     screen_.emplace(render::ScreenOptions{.width_px = 640,
                                           .height_px = 360,
                                           .pixel_mm = 3 * render::kReferencePixel_mm,

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSeat_mm = 700;
 
-// Of a height seen from the seat.
+// The angle of a height that is seen from the seat.
 double MinutesOfArc(double height_mm) {
   return 2 * std::atan(height_mm / 2 / kSeat_mm) * 180 / std::numbers::pi * 60;
 }
@@ -23,7 +23,7 @@ struct Monitor {
 
 TEST(LettersTest, TheSmallestAreReadFromTheSeatOnEveryMonitor) {
   const Monitor reference{1920, 1080, 24};
-  // As in proportion to the reference picture.
+  // The letters keep their proportion to the reference picture.
   const double least_mm = 16 * reference.pixel_mm();
   for (const Monitor& m :
        {reference, Monitor{1024, 768, 15}, Monitor{1280, 1024, 17}, Monitor{1280, 1024, 19},
@@ -57,7 +57,7 @@ TEST(LettersTest, SizesAreInProportionAndThoseOfAnUprightScreenToItsWidth) {
   EXPECT_NEAR(sizes.text, 23, 1e-9);
   EXPECT_NEAR(sizes.near, 16, 0.25);
   EXPECT_GE(sizes.far * reference.pixel_mm(), kFarCapital_mm);
-  // The same monitor with four times the pixels.
+  // This is the same monitor with four times the pixels.
   const LetterSizes fine = LettersFor(3840, 2160, reference.pixel_mm() / 2);
   EXPECT_NEAR(fine.text, 2 * sizes.text, 1e-9);
   EXPECT_NEAR(fine.near, 2 * sizes.near, 1e-9);
