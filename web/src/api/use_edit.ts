@@ -16,6 +16,12 @@ export interface Edit<T> {
   readonly keepMine: () => Promise<void>;
 }
 
+// What the server answered, with the members that were edited while the answer was on its way.
+export function withLaterEdits<T extends object>(answered: T, sent: T, now: T): T {
+  const later = Object.entries(now).filter(([name, value]) => value !== sent[name as keyof T]);
+  return { ...answered, ...Object.fromEntries(later) };
+}
+
 // Editing one thing that others may edit too. Begins with `read`; `write` sends the draft with the
 // tag of what was read. When somebody else was faster, nothing is lost: `newer` has theirs, `draft`
 // mine. `onRead` hears of every newer state that becomes known: saved, or taken over from somebody
@@ -30,6 +36,7 @@ export function useEdit<T extends object>(
   const [newer, setNewer] = useState<Tagged<T>>();
   const [saved, setSaved] = useState(false);
   const change = useChange();
+  const changed = JSON.stringify(draft) !== JSON.stringify(base.value);
 
   const send = async (tag: string) => {
     const result = await change.run(() => write(draft, tag));
@@ -38,12 +45,12 @@ export function useEdit<T extends object>(
       setNewer(result.error.current as Tagged<T> | undefined);
       return;
     }
-    adopt(result.value);
+    adopt(result.value, (now) => withLaterEdits(result.value.value, draft, now));
     setSaved(true);
   };
-  const adopt = (tagged: Tagged<T>) => {
+  const adopt = (tagged: Tagged<T>, next: (now: T) => T = () => tagged.value) => {
     setBase(tagged);
-    setDraft(tagged.value);
+    setDraft(next);
     setNewer(undefined);
     onRead(tagged);
   };
@@ -52,8 +59,8 @@ export function useEdit<T extends object>(
     draft,
     busy: change.busy,
     newer: newer?.value,
-    saved,
-    changed: JSON.stringify(draft) !== JSON.stringify(base.value),
+    saved: saved && !changed,
+    changed,
     error: newer === undefined ? change.error : undefined,
     set: (part) => {
       setSaved(false);
