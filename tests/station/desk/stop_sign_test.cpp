@@ -42,6 +42,7 @@ int OneSided(const Rect& at) {
 // Where two of its places were within a rounding error of each other, a spike stood out.
 TEST(StopSignTest, TheDiskIsTheSameOnBothSides) {
   ImGuiContext* context = ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // else it leaves a file where the test was started
   ImGui::GetIO().DisplaySize = {1920, 1080};
   ImGui::GetIO().Fonts->Build();
   for (int i = 0; i < 200; ++i) {
