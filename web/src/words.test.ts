@@ -225,3 +225,20 @@ test("no source of the page has words of its own", () => {
 
 // What draws a report of the lab, whose texts are English: schemas/words.md.
 const kEnglish = new Set(["src/api/lab_report.ts", "src/app/report.tsx"]);
+
+function serverSources(folder: string): string[] {
+  return readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
+    const path = join(folder, entry.name);
+    if (entry.isDirectory()) return serverSources(path);
+    return entry.name.endsWith(".cpp") ? [readFileSync(path, "utf8")] : [];
+  });
+}
+
+test("whatever the server writes into the audit trail is told in a sentence", () => {
+  const written = serverSources("../server").flatMap((text) =>
+    [...text.matchAll(/WriteAudit\([^;]*?"([a-z_]+\.[a-z_]+)"/g)].map(([, action = ""]) => action),
+  );
+  assert.ok(new Set(written).size > 40, `${written.length} places write`);
+  const untold = written.filter((action) => !keys.includes(`audit_action.${action.replace(".", "_")}`));
+  assert.deepEqual(untold, []);
+});
