@@ -1,0 +1,65 @@
+// Holds schemas/api/openapi.yaml to OpenAPI 3.1, and to what OpenAPI does not ask for: lint_contract.mjs [FILE].
+import { readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { createConfig, lintFromString } from "@redocly/openapi-core";
+import yaml from "js-yaml";
+
+const kContract = fileURLToPath(new URL("../../schemas/api/openapi.yaml", import.meta.url));
+// Of a flow mapping, a comma in a description that nobody quoted makes a member of its own: `struct` finds it.
+const kRules = [
+  "struct",
+  "no-unresolved-refs",
+  "no-unused-components",
+  "no-identical-paths",
+  "no-ambiguous-paths",
+  "no-enum-type-mismatch",
+  "no-required-schema-properties-undefined",
+  "no-invalid-media-type-examples",
+  "no-invalid-schema-examples",
+  "no-invalid-parameter-examples",
+  "operation-operationId",
+  "operation-operationId-unique",
+  "operation-parameters-unique",
+  "operation-summary",
+  "path-parameters-defined",
+  "path-not-include-query",
+  "security-defined",
+];
+const kErrors = "#/components/responses/Error";
+
+async function againstOpenApi(text, name) {
+  const config = await createConfig({ rules: Object.fromEntries(kRules.map((rule) => [rule, "error"])) });
+  const found = await lintFromString({ source: text, absoluteRef: name, config });
+  return found.map(({ ruleId, message, location }) => `${location[0]?.pointer ?? "#/"}: ${message} (${ruleId})`);
+}
+
+// What every operation says about refusals, and about the header that guards a change.
+function ofOperation(place, { security, parameters = [], responses }, method) {
+  const out = [];
+  const open = security?.length === 0;
+  if (!open && responses.default?.$ref !== kErrors)
+    out.push(`${place}: expected the response "default" to be ${kErrors}: every operation can be refused`);
+  const guarded = parameters.some(({ $ref }) => $ref === "#/components/parameters/Csrf");
+  const changes = method !== "get";
+  if (changes && !open && !guarded) out.push(`${place}: expected the parameter Csrf of a change`);
+  if (!changes && guarded) out.push(`${place}: expected no parameter Csrf of what only reads`);
+  return out;
+}
+
+// What is wrong, one line each.
+export async function problemsOf(text, name = kContract) {
+  const contract = yaml.load(text);
+  const operations = Object.entries(contract.paths).flatMap(([path, methods]) =>
+    Object.entries(methods).flatMap(([method, operation]) =>
+      ofOperation(`${method.toUpperCase()} ${path}`, operation, method),
+    ),
+  );
+  return [...(await againstOpenApi(text, name)), ...operations];
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const file = process.argv[2] ?? kContract;
+  const problems = await problemsOf(readFileSync(file, "utf8"), file);
+  for (const problem of problems) console.error(`${file}: ${problem}`);
+  process.exit(problems.length > 0 ? 1 : 0);
+}
