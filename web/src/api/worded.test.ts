@@ -2,13 +2,13 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { afterEach, test } from "node:test";
 import { speak } from "../base/language";
-import type { Score } from "./types";
+import type { MetricName, ReasonCode, Score, Unit } from "./types";
 import { directionsOf, explanation, measuredText, reasonText } from "./worded";
 
 afterEach(() => speak("en"));
 
 const spaced = (text: string) => text.replaceAll(/[\u00a0\u202f]/g, " ");
-const told = (name: string, unit: string, code: string, ...values: number[]) =>
+const told = (name: MetricName, unit: Unit, code: ReasonCode, ...values: number[]) =>
   spaced(
     reasonText({
       name,
@@ -77,7 +77,7 @@ test("reasons read as the server's do: schemas/score.md", () => {
   );
   assert.equal(told("pulp_exposed_mm2", "mm2", "at_most", 0.3, 0), "It: 0.30 mm² (full marks at 0.00 mm²).");
   assert.equal(told("pulp_exposed_mm2", "mm2", "not_in_task"), "It: not judged, because the reference has none of it.");
-  assert.equal(told("pulp_exposed_mm2", "mm2", "something_new", 1), "as the server says");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "something_new" as ReasonCode, 1), "as the server says");
 });
 
 // The station's test reads the same file (tests/station/desk/score_words_test.cpp), in all
@@ -86,7 +86,7 @@ test("the page and the station's window make the same sentences", () => {
   type Told = Score["criteria"][number];
   const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as {
     readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment" | "under"> & {
-      readonly metric: string;
+      readonly metric: MetricName;
       readonly said: { readonly en: string };
     })[];
   };
@@ -99,7 +99,7 @@ test("the page and the station's window make the same sentences", () => {
 });
 
 test("beside a table that has title and value, a reason says neither", () => {
-  const explained = (code: string, ...values: number[]) =>
+  const explained = (code: ReasonCode, ...values: number[]) =>
     spaced(
       explanation({
         name: "wall_mesial_mm",
@@ -110,8 +110,8 @@ test("beside a table that has title and value, a reason says neither", () => {
         max_points: 2,
         reason: "as the server says",
         reasons: [
-          { code, values, units: values.map(() => "mm") },
-          { code: "stop_earlier", values: [21.4, 7], units: ["s", ""] },
+          { code, values, units: values.map(() => "mm" as const) },
+          { code: "stop_earlier", values: [21.4, 7], units: ["s", "count"] },
         ],
         comment: "Look at it.",
       }),
@@ -119,7 +119,7 @@ test("beside a table that has title and value, a reason says neither", () => {
   const rest = "It began at 0:21.4, and stroke 7 removed most of it. Stop earlier there. Look at it.";
   assert.equal(explained("within", 0.12, 0.03, 0.25), `Full marks within 0.03 mm, none beyond 0.25 mm. ${rest}`);
   assert.equal(explained("any", 0.12), rest);
-  assert.equal(explained("something_new", 1), "as the server says");
+  assert.equal(explained("something_new" as ReasonCode, 1), "as the server says");
 });
 
 test("a value that misses its limit does not read like it, and a limit is not rounded", () => {

@@ -5,7 +5,7 @@ import { csvText } from "../../base/csv";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 
 const tenths: AssignmentInsight["summary"]["score_tenths"] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
-const criterion = {
+const criterion: AssignmentInsight["criteria"][number] = {
   name: "wall_mesial_mm",
   title: "Mesial wall",
   unit: "mm",
@@ -102,20 +102,16 @@ test("the file has a row for each student and no cell that a spreadsheet compute
 
 test("the time of all attempts and that of the counted attempt have different names, and equal times appear once", () => {
   const spread = (median: number) => ({ count: 8, least: 60, lower: 84, median, upper: 110, most: 200 });
-  const time = { ...criterion, name: "time_s", title: "Time", unit: "s", values: spread(95) };
-  const outliers = [
-    ["1", 189, 97, "time_all_attempts_s"],
-    ["1", 160, 95, "time_s"],
-    ["2", 200, 97, "time_all_attempts_s"],
-    ["2", 200, 95, "time_s"],
-    ["3", 160, 95, "time_s"],
-  ].map(([person, value, median, what]) => ({
-    person_id: String(person),
-    what: String(what),
-    value: Number(value),
-    median: Number(median),
-    z: 5,
-  }));
+  const time: typeof criterion = { ...criterion, name: "time_s", title: "Time", unit: "s", values: spread(95) };
+  const outliers = (
+    [
+      ["1", 189, 97, "time_all_attempts_s"],
+      ["1", 160, 95, "time_s"],
+      ["2", 200, 97, "time_all_attempts_s"],
+      ["2", 200, 95, "time_s"],
+      ["3", 160, 95, "time_s"],
+    ] as const
+  ).map(([person_id, value, median, what]) => ({ person_id, what, value, median, z: 5 }));
   const [first, second] = insight.students;
   const told = {
     ...insight,

@@ -13,7 +13,7 @@ import {
 } from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion => ({
-  name: title,
+  name: "wall_waviness_mm",
   title,
   value: 0.3,
   unit: "mm",
@@ -53,9 +53,18 @@ test("criteria are listed with the most points lost first, full marks last", () 
 });
 
 test("what fails an attempt is an error of the list, or a criterion beyond its own limit", () => {
-  const pulp = { error: "pulp_exposed", name: "pulp_exposed_mm2", value: 0.1, unit: "mm2", limit: 0, above: true };
-  const critical = [{ ...pulp, reason: "The pulp is exposed." }];
-  const beyond = {
+  const critical: Score["critical"] = [
+    {
+      error: "pulp_exposed",
+      name: "pulp_exposed_mm2",
+      value: 0.1,
+      unit: "mm2",
+      limit: 0,
+      above: true,
+      reason: "The pulp is exposed.",
+    },
+  ];
+  const beyond: Criterion = {
     ...criterion("Mesial wall", 0),
     reason: "0.36 mm.",
     reasons: [{ code: "fails_above", values: [0.36, 0.2], units: ["mm", "mm"] }],
@@ -83,11 +92,18 @@ test("full marks and a critical fail are named", () => {
 });
 
 test("work that was stopped early is said before anything else", () => {
-  const gate = { name: "task_done_percent", title: "Task done", value: 43, unit: "%", share: 0.45, reason: "" };
+  const gate: NonNullable<Score["gates"]>[number] = {
+    name: "task_done_percent",
+    title: "Task done",
+    value: 43,
+    unit: "%",
+    share: 0.45,
+    reason: "",
+  };
   assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. Only 43 % of the task was done/);
   assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
   assert.equal(stoppedEarly({ gates: [gate] }), 43);
-  const caries = { ...gate, name: "caries_left_percent", value: 30 };
+  const caries = { ...gate, name: "caries_left_percent" as const, value: 30 };
   assert.equal(stoppedEarly({ gates: [caries] }), undefined, "ended, and left it");
   assert.match(summarySentence(score({ score: 31, gates: [caries] })), /^31\.0 of 100\. 30 % of the caries was left/);
   assert.equal(stoppedEarly({ gates: [{ ...gate, name: "damage_percent" }] }), undefined);

@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { MetricName } from "../../api/types";
 import { toleranceMm } from "./tolerance";
 
-const criterion = (metric: string, points: readonly (readonly [number, number])[]) => ({
+const criterion = (metric: MetricName, points: readonly (readonly [number, number])[]) => ({
   metric,
   title: metric,
-  unit: "mm",
+  unit: "mm" as const,
   points: 10,
   comment: "",
   fails_above: null,

@@ -1,9 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Marking, MarkingResults } from "../../api/types";
 import { complete, draftFrom, filled, kNoMark, missing, nextOf, totalOf } from "./mark";
 import { formatCoefficient, lineWithin, marksTable, ratedPoints } from "./results";
 
-const kCriteria = [
+const kCriteria: Marking["criteria"] = [
   { name: "floor_mm", title: "Floor", max_points: 20 },
   { name: "time_s", title: "Time", max_points: 5 },
 ];
@@ -49,8 +50,11 @@ test("the next work is the first one after this that waits, from the beginning a
   assert.equal(nextOf([{ id: "a", marked: false }], "a"), undefined);
 });
 
-const kMark = { total: 70, criteria: [{ name: "floor_mm", title: "Floor", points: 14, max_points: 20, comment: "" }] };
-const kWorks = [
+const kMark = {
+  total: 70,
+  criteria: [{ name: "floor_mm" as const, title: "Floor", points: 14, max_points: 20, comment: "" }],
+};
+const kWorks: MarkingResults["works"] = [
   {
     id: "1",
     attempt_id: "attempt",

@@ -7,7 +7,7 @@ import { kShares, kTissues, stiffestGrip } from "./feel";
 
 // Up to which grip cutting feels right on this device, by tissue.
 export function FeelCard({ profile }: { readonly profile: Profile }) {
-  const coupling = (profile.numbers.find(({ name }) => name === "coupling_mn_per_mm")?.value ?? 0) / 1000;
+  const coupling = (profile.numbers.find(({ name }) => name === "coupling")?.value ?? 0) / 1000;
   if (profile.name === "pointer" || coupling <= 0)
     return (
       <Card title={say("feel.title")}>
