@@ -33,6 +33,7 @@ const kFaults = {
     "        - {$ref: '#/components/parameters/Id'}\n        - {$ref: '#/components/parameters/Csrf'}\n",
     "        - {$ref: '#/components/parameters/Id'}\n",
   ],
+  "names of numbers that may be any": ["{$ref: '#/components/schemas/ReasonCode'}", "{type: string}"],
   "a name twice": ["operationId: alive", "operationId: ready"],
 };
 for (const [name, [from, to]] of Object.entries(kFaults))

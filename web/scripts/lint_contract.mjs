@@ -46,6 +46,35 @@ function ofOperation(place, { security, parameters = [], responses }, method) {
   return out;
 }
 
+// A list of numbers is looked through by their names. What names them is therefore enumerated, so that a page cannot look
+// for another.
+const kNames = ["name", "metric", "criterion", "code", "error", "unit", "what", "why"];
+// Criteria of marks that people wrote, by the titles that they gave them.
+const kFree = [
+  "#/components/schemas/Marking/properties/results/properties/agreement",
+  "#/components/schemas/StandardSetting/properties/angoff/properties/criteria",
+];
+const isNumber = ([name, { type }]) =>
+  type === "number" || type?.includes?.("number") || (/^values?$/.test(name) && type !== "string");
+function ofLists(place, schema, schemas) {
+  if (schema === null || typeof schema !== "object") return [];
+  const out = Object.entries(schema).flatMap(([name, of]) => ofLists(`${place}/${name}`, of, schemas));
+  const { $ref, ...own } = schema.items ?? {};
+  const { properties } = $ref === undefined ? own : schemas[$ref.split("/").at(-1)];
+  if (
+    kFree.includes(place) ||
+    properties === undefined ||
+    properties.id !== undefined ||
+    !Object.entries(properties).some(isNumber)
+  )
+    return out;
+  const open = kNames.filter((name) => properties[name]?.type === "string" && properties[name].enum === undefined);
+  return [
+    ...out,
+    ...open.map((name) => `${place}: expected the values of "${name}" to be enumerated: it names numbers`),
+  ];
+}
+
 // What is wrong, one line each.
 export async function problemsOf(text, name = kContract) {
   const contract = yaml.load(text);
@@ -54,7 +83,7 @@ export async function problemsOf(text, name = kContract) {
       ofOperation(`${method.toUpperCase()} ${path}`, operation, method),
     ),
   );
-  return [...(await againstOpenApi(text, name)), ...operations];
+  return [...(await againstOpenApi(text, name)), ...operations, ...ofLists("#", contract, contract.components.schemas)];
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

@@ -1,0 +1,354 @@
+// One successful call of each operation about exercises, assignments and attempts: see run.mjs.
+import assert from "node:assert/strict";
+import { until } from "./client.mjs";
+
+const kDay_ms = 86_400_000;
+const later = () => Date.now() + kDay_ms;
+const scored = (w, id, run = 1) =>
+  until(
+    `attempt ${id} is scored`,
+    () => w.admin.ask("GET", `/api/v1/attempts/${id}/results`),
+    ({ json }) => json?.results?.length >= run,
+  );
+const settled = (w, id) =>
+  until(
+    `attempt ${id} has no run waiting`,
+    () => w.admin.ask("GET", `/api/v1/attempts/${id}`),
+    ({ json }) => json.state === "scored",
+  );
+const made = (w, id) =>
+  until(
+    `the playback of ${id} is made`,
+    () => w.admin.ask("HEAD", `/api/v1/attempts/${id}/timeline`),
+    ({ status }) => status === 200,
+  );
+const draft = async (w, name) => {
+  const body = { ...w.document, name, title: name };
+  return (await w.ben.need("POST", "/api/v1/exercises", { body })).json;
+};
+// Published, and assigned to nobody.
+const bens = { mine: ["ben"], unassigned: true, at: (w) => w.mine };
+
+export const exercises = [
+  { of: "listExercises", by: "sam" },
+  { of: "listExercises", by: "ben", hidden: true, query: "?state=published" },
+  {
+    of: "exerciseDocument",
+    by: "ben",
+    at: (w) => w.exercise,
+    shared: true,
+    after: (w, { json }) => {
+      w.document = json;
+    },
+  },
+  {
+    of: "addDraft",
+    by: "ben",
+    query: "?dry_run=true",
+    body: (w) => ({ ...w.document, name: "private", title: "Private" }),
+  },
+  {
+    of: "addDraft",
+    by: "ben",
+    body: (w) => ({ ...w.document, name: "private", title: "Private" }),
+    after: (w, { json }) => {
+      w.mine = json.id;
+    },
+  },
+  { of: "replaceDraft", by: "ben", ...bens, body: (w) => ({ ...w.document, name: "private", title: "Still private" }) },
+  { of: "getExercise", by: "ben", ...bens },
+  { of: "publishDraft", by: "ben", ...bens },
+  { of: "exerciseVersions", by: "ben", ...bens },
+  { of: "exerciseVersions", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "getExercise", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "initialSurface", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "retireExercise", by: "ben", ...bens, body: () => ({ reason: "A better one is there" }) },
+  { of: "offerExerciseAgain", by: "ben", ...bens },
+  { of: "shareExercise", by: "ben", ...bens, body: (w) => ({ shared: false, owner_id: w.ben.id }) },
+  {
+    of: "deleteDraft",
+    by: "ben",
+    mine: ["ben"],
+    before: async (w) => {
+      w.draft = (await draft(w, "thrown-away")).id;
+    },
+    at: (w) => w.draft,
+  },
+  {
+    of: "scoringMetrics",
+    by: "ben",
+    after: (w, { json }) => assert.deepEqual(json.metrics.map(({ name }) => name).sort(), [...w.metrics].sort()),
+  },
+  {
+    of: "listRubrics",
+    by: "ben",
+    ...bens,
+    after: (w, { json }) => {
+      w.rubric = json.rubrics[0].document;
+    },
+  },
+  { of: "previewRubric", by: "ben", ...bens, body: (w) => w.rubric },
+  {
+    of: "publishRubric",
+    by: "ben",
+    mine: ["ben"],
+    at: (w) => w.mine,
+    body: (w) => {
+      const rubric = structuredClone(w.rubric);
+      rubric.criteria[0].points += 1;
+      rubric.criteria[1].points -= 1;
+      return { reason: "The first matters more", rubric, anyway: "Asked for" };
+    },
+  },
+  {
+    of: "beginExerciseTrial",
+    by: "ben",
+    body: (w) => ({ ...w.document, name: "private" }),
+    after: (w, { json }) => (w.trial = json.id),
+  },
+  {
+    of: "exerciseTrial",
+    by: "ben",
+    mine: ["ben"],
+    before: (w) =>
+      until(
+        "the trial is over",
+        () => w.ben.ask("GET", `/api/v1/exercise-trials/${w.trial}`),
+        ({ json }) => ["done", "failed"].includes(json.state),
+      ),
+    at: (w) => w.trial,
+  },
+  { of: "giveUpExerciseTrial", by: "ben", mine: ["ben"], at: (w) => w.trial },
+  { of: "exerciseReferences", by: "ben", shared: true, at: (w) => w.exercise },
+];
+
+export const assignments = [
+  { of: "listAssignments", by: "sam" },
+  { of: "listAssignments", by: "ben" },
+  {
+    of: "addAssignment",
+    by: "ben",
+    body: (w) => ({
+      exercise: w.document.name,
+      cohort_id: w.demo,
+      opens_ms: 0,
+      due_ms: later(),
+      attempt_limit: 3,
+      exam: true,
+      late_allowed: true,
+      sign_off: false,
+      hands: "any",
+      counting: "best",
+      station_ids: [w.station],
+    }),
+    after: (w, { json }) => {
+      w.extra = json.id;
+    },
+  },
+  { of: "getAssignment", by: "sam", at: (w) => w.extra },
+  {
+    of: "replaceAssignment",
+    by: "ben",
+    at: (w) => w.extra,
+    body: (w) => ({ exercise: w.document.name, cohort_id: w.demo, due_ms: later(), counting: "mean" }),
+  },
+  {
+    of: "moveAssignment",
+    by: "ben",
+    at: (w) => w.extra,
+    body: (w) => ({ exercise_id: w.exercise }),
+    query: "?dry_run=true",
+  },
+  { of: "moveAssignment", by: "ben", at: (w) => w.extra, tagged: true, body: (w) => ({ exercise_id: w.exercise }) },
+  { of: "deleteAssignment", by: "ben", at: (w) => w.extra },
+  { of: "assignmentInsight", by: "ben", at: (w) => w.assignment },
+  { of: "cohortGrades", by: "ben", at: (w) => w.demo },
+  {
+    of: "findStandard",
+    by: "ben",
+    at: (w) => w.assignment,
+    type: "text/csv",
+    body: (w) =>
+      `work,criterion,marker,mark\n${w.scored},rating,A,2\n${w.scored},rating,B,3\nborderline,floor_mm,A,4\nborderline,floor_mm,B,5\n`,
+  },
+];
+
+// While somebody works at the chair.
+export const live = [
+  { of: "watchAttempt", by: "ben", at: (w) => w.recording },
+  { of: "liveCut", by: "ben", at: (w) => w.recording },
+  { of: "sendLiveRemark", by: "ben", at: (w) => w.recording, body: () => ({ text: "Stop, the wall is thin." }) },
+  { of: "liveRemarks", by: "ben", at: (w) => w.recording },
+];
+
+const read = (of, more) => ({ of, by: "ben", mine: ["sam"], at: (w) => w.scored, ...more });
+
+export const marking = [
+  { of: "listAttempts", by: "ben" },
+  { of: "listAttempts", by: "sam", query: "?state=scored&limit=1" },
+  read("getAttempt"),
+  read("getScore", { hidden: true }),
+  {
+    of: "beginMarking",
+    by: "ben",
+    at: (w) => w.assignment,
+    body: (w) => ({ marker_ids: [w.ben.id, w.bea.id] }),
+    after: (w, { json }) => {
+      w.marking = json.id;
+    },
+  },
+  { of: "listMarkings", by: "ben", at: (w) => w.assignment },
+  {
+    of: "getMarking",
+    by: "ben",
+    at: (w) => w.marking,
+    after: (w, { json }) => {
+      w.works = json.mine.map(({ id }) => id);
+      w.points = Object.fromEntries(json.criteria.map(({ name }) => [name, { points: 0, comment: "Not yet" }]));
+    },
+  },
+  {
+    of: "getMarkingTimeline",
+    by: "ben",
+    mine: ["ben", "bea"],
+    before: (w) => made(w, w.scored),
+    at: (w) => w.works[0],
+  },
+  {
+    of: "addMark",
+    by: "ben",
+    mine: ["ben", "bea"],
+    at: (w) => w.works[0],
+    body: (w) => ({ rating: 3, criteria: w.points }),
+  },
+  {
+    of: "getMarking",
+    by: "ben",
+    before: async (w) => {
+      const mark = (who, id) =>
+        who.need("POST", `/api/v1/marking-works/${id}/marks`, { body: { rating: 2, criteria: w.points } });
+      for (const id of w.works.slice(1)) await mark(w.ben, id);
+      for (const id of w.works) await mark(w.bea, id);
+    },
+    at: (w) => w.marking,
+  },
+  {
+    of: "endMarking",
+    by: "ben",
+    before: async (w) => {
+      const body = { marker_ids: [w.ben.id, w.bea.id] };
+      w.marking = (await w.ben.need("POST", `/api/v1/assignments/${w.assignment}/markings`, { body })).json.id;
+    },
+    at: (w) => w.marking,
+  },
+];
+
+export const attempts = [
+  { of: "releaseAssignment", by: "ben", at: (w) => w.assignment },
+  { of: "listAssignments", by: "sam" },
+  read("getAttempt"),
+  read("getScore"),
+  read("getSignedResult"),
+  read("getSurface"),
+  {
+    ...read("getTimeline"),
+    after: (w, { bytes }) => {
+      w.startTooth = Buffer.from(bytes.subarray(48, 80)).toString("hex"); // schemas/surface_timeline.md
+    },
+  },
+  read("getTimeline", { headers: { range: "bytes=0-63" }, status: 206 }),
+  read("getDeviation"),
+  { of: "getStartTooth", by: "sam", at: (w) => w.startTooth },
+  read("getSeries"),
+  read("getTicks"),
+  read("listResults"),
+  read("overrideScore", { body: () => ({ score: 77, reason: "Seen at the chair" }) }),
+  read("getAttempt"),
+  read("removeOverride"),
+  read("addAnnotation", {
+    body: () => ({ tick: 10, point_um: [0, 0, 0], text: "Look here" }),
+    after: (w, { json, headers }) => {
+      w.annotation = json.id;
+      w.annotationTag = headers.get("etag");
+    },
+  }),
+  {
+    of: "replaceAnnotation",
+    by: "ben",
+    mine: ["ben"],
+    at: (w) => w.annotation,
+    tag: (w) => w.annotationTag,
+    body: () => ({ tick: 12, point_um: null, text: "Look there" }),
+    after: (w, { headers }) => {
+      w.annotationTag = headers.get("etag");
+    },
+  },
+  read("releaseAttempt"),
+  read("listAnnotations"),
+  { of: "deleteAnnotation", by: "ben", mine: ["ben"], at: (w) => w.annotation, tag: (w) => w.annotationTag },
+  {
+    of: "fileAppeal",
+    by: "sam",
+    mine: ["sam"],
+    at: (w) => w.scored,
+    body: () => ({ text: "The wall was there before" }),
+  },
+  read("answerAppeal", { body: () => ({ outcome: "reject", answer: "It was not" }) }),
+  read("excuseAttempt", { body: () => ({ reason: "The power failed" }) }),
+  read("takeExcuseBack"),
+  read("rescore"),
+  read("restoreResult", {
+    before: async (w) => {
+      await scored(w, w.scored, 2);
+      await settled(w, w.scored);
+    },
+    body: () => ({ run: 1 }),
+  }),
+  read("releaseAttempt"),
+  read("withdrawRelease"),
+  {
+    of: "rescoreCohort",
+    by: "ben",
+    at: (w) => w.demo,
+    body: (w) => ({ exercise_id: w.exercise }),
+    after: (w, { json }) => {
+      w.batch = json.id;
+    },
+  },
+  { of: "listBatches", by: "ben" },
+  { of: "getBatch", by: "ben", at: (w) => w.batch },
+  {
+    of: "listJobs",
+    by: "admin",
+    query: "?state=queued",
+    after: (w, { json }) => {
+      w.job = json.jobs[0].id;
+    },
+  },
+  { of: "cancelJob", by: "admin", at: (w) => w.job },
+  { of: "cancelBatch", by: "ben", at: (w) => w.batch },
+  { of: "listJobs", by: "admin" },
+  read("makeReference", {
+    before: (w) => settled(w, w.scored),
+    body: () => ({ dentist: "Dr. Vega", consent: true, anyway: "Shown as what not to do" }),
+    after: (w, { json }) => {
+      w.reference = json.id;
+    },
+  }),
+  { of: "exerciseReferences", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "previewRubric", by: "admin", alone: true, at: (w) => w.exercise, body: (w) => w.rubric },
+  // Compared with two references, what was cut before is scored again.
+  {
+    of: "getScore",
+    by: "ben",
+    mine: ["sue"],
+    before: async (w) => {
+      await w.ben.need("POST", `/api/v1/attempts/${w.sues}/rescore`);
+      await scored(w, w.sues, 2);
+      await settled(w, w.sues);
+      await w.ben.ask("POST", `/api/v1/assignments/${w.assignment}/release`);
+    },
+    at: (w) => w.sues,
+  },
+  { of: "withdrawReference", by: "ben", at: (w) => w.reference },
+];
