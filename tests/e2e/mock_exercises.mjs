@@ -35,7 +35,7 @@ const kRubric = [
     "The mesial wall was cut 0.301 mm too far; full marks up to 0.1 mm, none from 0.4 mm.",
   ],
   [
-    "target_removed_percent",
+    "in_task_percent",
     "Target removed",
     "%",
     20,
@@ -48,7 +48,7 @@ const kRubric = [
     "99.1 % of the target was removed; full marks from 98 %.",
   ],
   [
-    "container_removed_mm3",
+    "outside_removed_mm3",
     "Sound tissue preserved",
     "mm3",
     20,
@@ -74,7 +74,7 @@ const kRubric = [
     "95 % of the sent force stays below 1.31 N; full marks up to 1.5 N.",
   ],
   [
-    "duration_s",
+    "time_s",
     "Time",
     "s",
     10,
@@ -98,7 +98,7 @@ export function makeExercises() {
       title,
       unit,
       points,
-      fails_above: metric === "container_removed_mm3" ? 8 : null,
+      fails_above: metric === "outside_removed_mm3" ? 8 : null,
       map: map.map(([value, share]) => ({ value, share })),
     })),
     critical: [
@@ -301,7 +301,7 @@ export function scoreOf(row) {
               percentile: 100,
             },
             {
-              name: "duration_s",
+              name: "time_s",
               unit: "s",
               least: 38.2,
               median: 61,
@@ -334,7 +334,10 @@ export function makeProfiles() {
     };
     const numbers = Object.entries(document)
       .filter(([, each]) => each.source !== undefined)
-      .map(([member, each]) => ({ name: member, ...each }));
+      .map(([member, each]) => ({
+        name: member.replace(/_(mn_s_per_m|mn_per_mm|nm|mn|g|hz|ticks|um)$/, "").replace(/^cell$/, "cell_support"),
+        ...each,
+      }));
     const versions = [2, 1].map((version) => ({ version, title, content: "ab".repeat(32), created_ms: kStartMs }));
     return {
       name,
