@@ -47,27 +47,28 @@ async function freePort() {
   return port;
 }
 
-async function startServer(folder, name, more = []) {
+async function startServer(folder, name, shown, more = []) {
   const stations = `127.0.0.1:${await freePort()}`;
   const server = new Running("enamel-server", [
     ...["serve", "--data", join(folder, name), "--http", "127.0.0.1:0", "--stations", stations],
-    ...["--web", join(folder, "page"), "--min-free-mib", "0", ...more],
+    ...["--web", shown, "--min-free-mib", "0", ...more],
   ]);
   const [, url] = await server.saying(/^ready: page (\S+),/m);
   return { server, url, stations };
 }
 
 // A server that has no admin yet, and its token.
-async function startNewServer(folder) {
+async function startNewServer(folder, shown) {
   await run(program("enamel-server"), ["init", "--data", join(folder, "new")]);
-  const { server, url } = await startServer(folder, "new");
+  const { server, url } = await startServer(folder, "new", shown);
   const [, token] = await server.saying(/\/first#(\S+) /);
   return { server, newcomer: new Person(url, "newcomer"), token };
 }
 
 const kDemo = { admin: "admin", ben: "instructor", sam: "student1", sue: "student2" };
 
-export async function startSchool() {
+// `page`: the folder of the built page; without it the server shows one line.
+export async function startSchool({ page } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "enamel-contract-"));
   const running = [];
   const close = async () => {
@@ -77,12 +78,16 @@ export async function startSchool() {
   try {
     for (const name of ["page", "backups"]) mkdirSync(join(folder, name));
     writeFileSync(join(folder, "page", "index.html"), "<!doctype html><title>Enamel</title>\n");
+    const shown = page ?? join(folder, "page");
     const data = ["--data", join(folder, "school")];
     const seed = join(folder, "seed.json");
-    const fresh = startNewServer(folder);
+    const fresh = startNewServer(folder, shown);
     await run(program("enamel-server"), ["seed-demo", ...data, "--voxel-um", "150", "--json", seed]);
     const { exercise_id: exercise } = JSON.parse(readFileSync(seed, "utf8"));
-    const { server, url, stations } = await startServer(folder, "school", ["--backups", join(folder, "backups")]);
+    const { server, url, stations } = await startServer(folder, "school", shown, [
+      "--backups",
+      join(folder, "backups"),
+    ]);
     running.push(server);
     const { server: other, newcomer, token } = await fresh;
     running.push(other);
