@@ -35,7 +35,7 @@ const kRubric = [
     "The mesial wall was cut 0.301 mm too far; full marks up to 0.1 mm, none from 0.4 mm.",
   ],
   [
-    "in_task_percent",
+    "target_removed_percent",
     "Target removed",
     "%",
     20,
@@ -48,7 +48,7 @@ const kRubric = [
     "99.1 % of the target was removed; full marks from 98 %.",
   ],
   [
-    "outside_removed_mm3",
+    "container_removed_mm3",
     "Sound tissue preserved",
     "mm3",
     20,
@@ -74,7 +74,7 @@ const kRubric = [
     "95 % of the sent force stays below 1.31 N; full marks up to 1.5 N.",
   ],
   [
-    "time_s",
+    "duration_s",
     "Time",
     "s",
     10,
@@ -98,7 +98,7 @@ export function makeExercises() {
       title,
       unit,
       points,
-      fails_above: metric === "outside_removed_mm3" ? 8 : null,
+      fails_above: metric === "container_removed_mm3" ? 8 : null,
       map: map.map(([value, share]) => ({ value, share })),
     })),
     critical: [
@@ -301,7 +301,7 @@ export function scoreOf(row) {
               percentile: 100,
             },
             {
-              name: "time_s",
+              name: "duration_s",
               unit: "s",
               least: 38.2,
               median: 61,
@@ -324,6 +324,13 @@ export function scoreOf(row) {
   };
 }
 
+// A member of the document as the server's list of numbers has it.
+function numberOf(member) {
+  const [, name, unit] = /^(.*?)(?:_(mn_per_mm|mn_s_per_m|nm|um|mn|g|hz|ticks))?$/.exec(member);
+  if (unit === undefined) return { name, unit: "" };
+  return { name, unit: unit.replace("_per_", "/").replace("_s/", " s/").replace("mn", "mN").replace("hz", "Hz") };
+}
+
 export function makeProfiles() {
   const profile = (name, title, coupling, calibrations = []) => {
     const document = {
@@ -334,10 +341,7 @@ export function makeProfiles() {
     };
     const numbers = Object.entries(document)
       .filter(([, each]) => each.source !== undefined)
-      .map(([member, each]) => ({
-        name: member.replace(/_(mn_s_per_m|mn_per_mm|nm|mn|g|hz|ticks|um)$/, "").replace(/^cell$/, "cell_support"),
-        ...each,
-      }));
+      .map(([member, each]) => ({ ...numberOf(member), ...each }));
     const versions = [2, 1].map((version) => ({ version, title, content: "ab".repeat(32), created_ms: kStartMs }));
     return {
       name,

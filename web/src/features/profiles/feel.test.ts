@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { closedFormError, kShares, stiffestGrip } from "./feel";
+import { closedFormError, couplingOf, kShares, stiffestGrip } from "./feel";
 
 test("the error is kh/(kh + K) where tissue is hard and the hand is soft", () => {
   assert.ok(Math.abs(closedFormError(1, 10, 1000) - 1 / 11) < 1e-3);
@@ -15,4 +16,14 @@ test("the stiffest grip is where the error is the share", () => {
 test("not even a loose grip, and any grip", () => {
   assert.equal(stiffestGrip(1, 8.7, 0.07), 0);
   assert.equal(stiffestGrip(1000, 0.3, 0.19), Number.POSITIVE_INFINITY);
+});
+
+test("every device has motors except the pointer", () => {
+  // The server writes a number's name without its unit.
+  const answered = readFileSync("../server/http/handlers/profile_handlers.cpp", "utf8");
+  const name = /\{"(\w+)", "mN\/mm", profile\.coupling_mn_per_mm\}/.exec(answered)?.[1];
+  assert.ok(name !== undefined, "no coupling in server/http/handlers/profile_handlers.cpp");
+  const numbers = [{ name, value: 1250, unit: "mN/mm", source: "measured" }];
+  assert.equal(couplingOf({ name: "omega7", numbers }), 1.25);
+  assert.equal(couplingOf({ name: "pointer", numbers }), undefined);
 });

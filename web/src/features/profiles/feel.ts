@@ -1,3 +1,5 @@
+import type { Profile } from "../../api/types";
+
 // Up to which stiffness of its grip a hand feels F = B v of a device: the closed form of
 // common/fidelity/felt.h, for a plain spring of the coupling's stiffness, without friction.
 
@@ -15,6 +17,12 @@ export const kTissues = [
   { name: "caries", damping: 1 },
   { name: "pulp", damping: 0.3 },
 ] as const;
+
+// The coupling's stiffness in N/mm, undefined for a device without motors: its force is computed and shown, not felt.
+export function couplingOf({ name, numbers }: Pick<Profile, "name" | "numbers">): number | undefined {
+  const coupling = numbers.find((number) => number.name === "coupling")?.value ?? 0; // mN/mm
+  return name === "pointer" || coupling <= 0 ? undefined : coupling / 1000;
+}
 
 // |H/H_ideal - 1| of H = kt s/(s + kt/B), kt = kh K/(kh + K), against kh s/(s + kh/B). N/mm and N s/mm.
 export function closedFormError(grip: number, spring: number, damping: number): number {

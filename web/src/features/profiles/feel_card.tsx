@@ -3,12 +3,12 @@ import { formatNumber, formatQuantity } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, Empty } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { kShares, kTissues, stiffestGrip } from "./feel";
+import { couplingOf, kShares, kTissues, stiffestGrip } from "./feel";
 
 // Up to which grip cutting feels right on this device, by tissue.
 export function FeelCard({ profile }: { readonly profile: Profile }) {
-  const coupling = (profile.numbers.find(({ name }) => name === "coupling")?.value ?? 0) / 1000;
-  if (profile.name === "pointer" || coupling <= 0)
+  const coupling = couplingOf(profile);
+  if (coupling === undefined)
     return (
       <Card title={say("feel.title")}>
         <Empty>{say("feel.no_motors")}</Empty>
