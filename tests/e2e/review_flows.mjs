@@ -17,6 +17,7 @@ export const reviewFlows = [
   },
   { name: "a score that is being computed shows progress and then appears", run: scoringProgress },
   { name: "an instructor releases a graded score and the student then sees it", run: release },
+  { name: "long names of criteria are readable, and their card stays beside the tooth", run: longNames },
   { name: "a lost point leads to its moment", run: lostPointLeadsToItsMoment },
   { name: "a pointer over the plot leaves the moment where it is, a press sets it", run: plotPointer },
   { name: "slider, plot and remarks share one axis of time", run: oneTimeAxis },
@@ -86,6 +87,44 @@ async function lostPointLeadsToItsMoment(world) {
   await page.getByText(/The closest cut is by Dentist One/).waitFor();
   await accessible(page, "an attempt among dentists");
   await world.picture(page, "lost_point", { fullPage: true });
+}
+
+// Names and values as a school may write them, and two places for each.
+async function longNames(world) {
+  const kNames = ["Approximalflächenbeschädigung", "Convergence of the walls, as a mean around the whole outline"];
+  const page = await signedIn(world, "instructor", "/");
+  await page.route(/\/attempts\/[^/]+\/score$/, async (route) => {
+    const response = await route.fetch({ maxRetries: 3 });
+    const score = await response.json();
+    const [place] = score.deductions;
+    score.deductions = score.criteria.flatMap(({ name }) =>
+      [true, false].map((left) => ({ ...place, criterion: name, left })),
+    );
+    for (const [i, each] of score.criteria.entries())
+      Object.assign(each, { title: kNames[i % 2], points: 0.3 * each.max_points });
+    await route.fulfill({ response, json: score });
+  });
+  await page.goto(`/attempts/${id(105)}`);
+  await page.locator(".criteria tbody th").first().waitFor();
+  for (const width of [1440, 1024, 390]) {
+    await page.setViewportSize({ width, height: 800 });
+    const { names, card, tooth, whole } = await page.evaluate(() => {
+      const box = (element) => element.getBoundingClientRect();
+      const isCut = ({ scrollWidth, clientWidth }) => scrollWidth > clientWidth;
+      return {
+        names: [...document.querySelectorAll(".criteria tbody th")].map((name) => ({
+          width: box(name).width,
+          cut: [name, ...name.children].some(isCut),
+        })),
+        card: box(document.querySelector(".score-card")),
+        tooth: box(document.querySelector(".review-tooth")),
+        whole: document.documentElement.scrollWidth,
+      };
+    });
+    for (const name of names) assert.ok(name.width > 100 && !name.cut, `${width} px: ${JSON.stringify(name)}`);
+    assert.ok(card.right <= tooth.left || card.top >= tooth.bottom, `${width} px: the score is under the tooth`);
+    assert.ok(whole <= width, `${width} px: the page scrolls sideways`);
+  }
 }
 
 async function plotPointer(world) {

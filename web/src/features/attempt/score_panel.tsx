@@ -188,7 +188,7 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
           criterion.title
         ) : (
           <details>
-            <summary title={criterion.title}>{criterion.title}</summary>
+            <summary>{criterion.title}</summary>
             <p class="reason">{criterion.reason}</p>
             {places.map((deduction) => (
               <p class="reason" key={deduction.left ? "left" : "over"}>
