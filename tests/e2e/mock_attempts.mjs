@@ -178,14 +178,16 @@ function ticksOf({ query: { from, to } }) {
   };
 }
 
-// Each look at an attempt that is being scored finds it further on.
+// Each look at an attempt that waits for its run, or is being scored, finds it further on.
 function looked({ row }) {
+  if (row.queued > 0 && --row.queued === 0) return Object.assign(row, { state: "scoring", progress: 0 });
   if (row.state !== "scoring") return row;
   row.progress = Math.min(1, row.progress + 0.25);
   return row.progress < 1
     ? row
     : Object.assign(row, {
         state: "scored",
+        runs: row.score === null ? row.runs : row.runs + 1,
         score: row.override?.score ?? 80,
         computed_score: 80,
         critical_fail: false,
@@ -229,7 +231,8 @@ function runs({ row }) {
   };
 }
 
-const rescored = ({ runs: before }) => ({ state: "scoring", progress: 0, runs: before + 1 });
+// A run waits in the queue first; until it begins the attempt keeps its state.
+const rescored = () => ({ queued: 3 });
 
 // Server-sent events of a hand that circles in the tooth.
 function live({ row, world }) {

@@ -209,6 +209,7 @@ function makeAttempts({ nowMs, people: all, exercises, stations, profiles: [prof
     trace_bytes: 173_214,
     revision: 1,
     runs: 1,
+    queued: 0,
     ...changes,
   });
   const unscored = { score: null, computed_score: null, critical_fail: null, progress: 0 };

@@ -19,6 +19,8 @@ export const teachingFlows = [
   { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
   { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
+  { name: "a score that two people set at once shows both, and one of them counts", run: overrideConflict },
+  { name: "a rescored attempt shows that it waits, and then that it is done", run: rescoreToItsEnd },
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early shows how far it came", run: stoppedEarly },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
@@ -305,6 +307,40 @@ async function override(world) {
   await page.getByRole("button", { name: "Remove override", exact: true }).click();
   await page.getByText("The computed score counts again.").first().waitFor();
   await page.getByTestId("score").filter({ hasText: "71.4" }).waitFor();
+}
+
+async function overrideConflict(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
+  await page.getByRole("button", { name: "Override score…" }).click();
+  await page.getByLabel("New score, 0 to 100").fill("88.5");
+  await page.getByLabel("Reason").fill("The lesion reached the mesial wall.");
+  const other = await world.open();
+  const { login, password } = world.logins.admin;
+  const session = await (await other.context().request.post("/api/v1/session", { data: { login, password } })).json();
+  const path = `/api/v1/attempts/${id(120)}`;
+  const tag = (await other.context().request.get(path)).headers().etag;
+  const set = await other.context().request.put(`${path}/override`, {
+    headers: { "If-Match": tag, "X-Enamel-Csrf": session.csrf },
+    data: { score: 60, reason: "The bur was worn." },
+  });
+  assert.equal(set.status(), 200, await set.text());
+  await page.getByRole("button", { name: "Set this score" }).click();
+  const both = page.getByRole("table", { name: "Differences" });
+  await both.getByRole("row", { name: /60\.0.*88\.5/ }).waitFor();
+  await both.getByRole("row", { name: /The bur was worn.*The lesion reached/ }).waitFor();
+  await accessible(page, "two set scores");
+  await page.getByRole("button", { name: "Save my version" }).click();
+  await page.getByText("Set by Instructor One: 88.5 instead of 71.4").waitFor();
+}
+
+async function rescoreToItsEnd(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
+  await page.getByRole("button", { name: "Rescore…" }).click();
+  await page.getByRole("button", { name: "Rescore", exact: true }).click();
+  await page.getByText("Waiting to be rescored.").waitFor();
+  await page.getByText("The attempt was rescored.").waitFor();
+  assert.equal(await page.getByText("Waiting to be rescored.").count(), 0);
+  await page.getByTestId("score").filter({ hasText: "80.0" }).waitFor();
 }
 
 async function appeal(world) {

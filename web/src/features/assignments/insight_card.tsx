@@ -12,6 +12,8 @@ import { DataTable } from "../../widgets/table";
 import { Tenths } from "../../widgets/tenths";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 
+const kMostSetAside = 200;
+
 interface Props {
   readonly client: Client;
   readonly id: string;
@@ -24,6 +26,11 @@ export function InsightCard({ client, id, title }: Props) {
     const insight = await client.teaching.insight(id, signal);
     return insight.ok ? ok(wordedInsight(insight.value)) : insight;
   });
+  // The figures count them among what is not scored yet, which they are not before an instructor decides.
+  const quarantined = useRequest(`set aside ${id}`, (signal) =>
+    client.attempts({ assignment: id, state: "quarantined", limit: kMostSetAside }, signal),
+  );
+  const setAside = quarantined.loaded.state === "ready" ? quarantined.loaded.value.items.length : 0;
   const save = (insight: AssignmentInsight) => {
     const { header, rows } = insightTable(insight);
     downloadFile(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
@@ -39,6 +46,14 @@ export function InsightCard({ client, id, title }: Props) {
       {loaded.state === "loading" && <Loading what={say("loading.insight")} />}
       {loaded.state === "failed" && (
         <ErrorNotice title={say("insight.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {setAside > 0 && (
+        <Notice tone="warning">
+          <p>
+            {say("insight.set_aside", { count: setAside })}{" "}
+            <a href={`/attempts?assignment=${id}&state=quarantined`}>{say("insight.show_set_aside")}</a>
+          </p>
+        </Notice>
       )}
       {loaded.state === "ready" && <Insight insight={loaded.value} />}
     </Card>

@@ -9,6 +9,7 @@ import { Badge, Card, ErrorNotice } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { LongTextField } from "../../widgets/form";
 import { useDraft } from "../../widgets/use_draft";
+import type { Rescore } from "./use_rescore";
 
 const kMaxText = 4000;
 
@@ -18,8 +19,12 @@ interface Props {
   readonly onChanged: () => void;
 }
 
+interface AnswerProps extends Props {
+  readonly rescore: Rescore;
+}
+
 // A student's one appeal against a released score, and its answer.
-export function AppealPanel({ client, attempt, onChanged }: Props) {
+export function AppealPanel({ client, attempt, rescore, onChanged }: AnswerProps) {
   const { appeal } = attempt;
   if (appeal === null)
     return !attempt.may.includes("appeal") ? null : (
@@ -39,7 +44,7 @@ export function AppealPanel({ client, attempt, onChanged }: Props) {
       )}
       {appeal.state === "open" &&
         (attempt.may.includes("answer_appeal") ? (
-          <AnswerAppeal client={client} attempt={attempt} onChanged={onChanged} />
+          <AnswerAppeal client={client} attempt={attempt} rescore={rescore} onChanged={onChanged} />
         ) : (
           <p>{say("appeal.will_answer")}</p>
         ))}
@@ -103,11 +108,12 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
   );
 }
 
-function AnswerAppeal({ client, attempt, onChanged }: Props) {
+function AnswerAppeal({ client, attempt, rescore, onChanged }: AnswerProps) {
   const [text, setText, forget] = useDraft(`answer ${attempt.id}`);
   const change = useChange();
   const answer = async (outcome: "regrade" | "reject") => {
-    const result = await change.run(() => client.teaching.answerAppeal(attempt.id, outcome, text.trim()));
+    const send = () => client.teaching.answerAppeal(attempt.id, outcome, text.trim());
+    const result = await change.run(() => (outcome === "regrade" ? rescore.ask(send) : send()));
     if (result?.ok !== true) return;
     forget();
     onChanged();

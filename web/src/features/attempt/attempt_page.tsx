@@ -29,6 +29,7 @@ import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
 import { Closer } from "./tooth_tools";
 import { playbackKeys } from "./use_playback";
+import { type Rescore, useRescore } from "./use_rescore";
 import { type Review, type Reviewed, useReview } from "./use_review";
 
 export { beginPlayback } from "./playback";
@@ -60,6 +61,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const [done, setDone] = useState<number>(); // of the work, where it was stopped early; the score says it
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
+  const rescore = useRescore(client, attempt, reload);
 
   const teacher = person.role !== "student";
   const place = useMemo(() => (teacher ? placeInQueue(id) : undefined), [id, teacher]);
@@ -158,6 +160,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
             attempt={attempt}
             graded={graded}
             onChanged={reload}
+            rescore={rescore}
             releaseNext={release}
             onNext={
               place === undefined ? undefined : () => (place.next === undefined ? onOpen(place.back) : to(place.next))
@@ -172,6 +175,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
           reviewed={{ client, attempt, personId: person.id, teacher, anatomy, toleranceMm: tolerance }}
           handle={review}
           onChanged={reload}
+          rescore={rescore}
           onDone={setDone}
         />
       ) : (
@@ -185,10 +189,11 @@ interface ScoredProps {
   readonly reviewed: Reviewed;
   readonly handle: { current: Review | undefined };
   readonly onChanged: () => void;
+  readonly rescore: Rescore;
   readonly onDone: (percent: number | undefined) => void;
 }
 
-function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
+function ScoredAttempt({ reviewed, handle, onChanged, rescore, onDone }: ScoredProps) {
   const review = useReview(reviewed);
   const { attempt, scored, done } = review;
   handle.current = review;
@@ -198,7 +203,7 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
   return (
     <>
       <div class="attempt-grid">
-        <Judgement review={review} onChanged={onChanged} soon={step < 1} />
+        <Judgement review={review} onChanged={onChanged} rescore={rescore} soon={step < 1} />
         {review.removed ? (
           <RemovedRecording removedMs={attempt.recording_removed_ms} />
         ) : (
@@ -245,11 +250,12 @@ function Details({ review }: { readonly review: Review }) {
 interface JudgementProps {
   readonly review: Review;
   readonly onChanged: () => void;
+  readonly rescore: Rescore;
   readonly soon: boolean; // there is no time for it yet
 }
 
 // Score, appeal and remarks.
-function Judgement({ review, onChanged, soon }: JudgementProps) {
+function Judgement({ review, onChanged, rescore, soon }: JudgementProps) {
   const { client, attempt, score, scored, recorded } = review;
   const { reference } = attempt;
   return (
@@ -259,7 +265,14 @@ function Judgement({ review, onChanged, soon }: JudgementProps) {
           <Loading what={say("loading.score")} />
         </Card>
       )}
-      {score.loaded.state === "failed" && (
+      {score.loaded.state === "failed" && score.loaded.error.code === "forbidden" && (
+        <Card title={say("score.title")}>
+          <Notice tone="neutral" title={say("attempt.marked_blind")}>
+            <p>{say("attempt.marked_blind_text")}</p>
+          </Notice>
+        </Card>
+      )}
+      {score.loaded.state === "failed" && score.loaded.error.code !== "forbidden" && (
         <Card title={say("score.title")}>
           <ErrorNotice
             title={say("attempt.score_failed")}
@@ -281,7 +294,7 @@ function Judgement({ review, onChanged, soon }: JudgementProps) {
           onPlace={review.removed ? undefined : review.showPlace}
         />
       )}
-      <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
+      <AppealPanel client={client} attempt={attempt} rescore={rescore} onChanged={onChanged} />
       {recorded !== undefined &&
         review.remarks.loaded.state === "ready" &&
         (review.annotates || review.marks.length > 0) && <AnnotationsPanel review={review} series={recorded} />}
@@ -401,17 +414,24 @@ function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
 
 function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
   const missing = error.code === "not_found";
+  const blind = error.code === "forbidden"; // the caller marks it and is not done
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
         <a href="/attempts">{say("nav.attempts")}</a>
       </nav>
       <PageTitle document={say("attempt.one")}>{say("attempt.one")}</PageTitle>
-      <ErrorNotice
-        title={missing ? say("attempt.none_for_you") : say("attempt.failed")}
-        message={missing ? say("attempt.none_for_you_text") : error.message}
-        onRetry={missing ? undefined : onRetry}
-      />
+      {blind ? (
+        <Notice tone="neutral" title={say("attempt.marked_blind")}>
+          <p>{say("attempt.marked_blind_page")}</p>
+        </Notice>
+      ) : (
+        <ErrorNotice
+          title={missing ? say("attempt.none_for_you") : say("attempt.failed")}
+          message={missing ? say("attempt.none_for_you_text") : error.message}
+          onRetry={missing ? undefined : onRetry}
+        />
+      )}
     </>
   );
 }

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { ApiError, ApiResult } from "../../api/http";
+import type { ApiError, ApiResult, Tagged } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { keepDraft } from "../../base/drafts";
@@ -8,18 +8,21 @@ import { formatScore, kScoreStep, scoreForField } from "../../base/format";
 import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { awaitsRelease } from "../../widgets/attempt_state";
-import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
+import { Badge, ErrorNotice, Loading, Notice } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
+import { Conflict, type Difference } from "../../widgets/conflict";
 import { Confirm } from "../../widgets/dialog";
 import { releaseMade } from "../../widgets/release_undo";
 import { CheckField, LongTextField, NumberField, TextField } from "../../widgets/form";
 import { useDraft } from "../../widgets/use_draft";
+import type { Rescore } from "./use_rescore";
 
 interface Props {
   readonly client: Client;
   readonly attempt: AttemptDetail;
   readonly graded: boolean;
   readonly onChanged: () => void;
+  readonly rescore: Rescore;
   readonly onNext: (() => void) | undefined; // to the next one of a list that is gone through
   readonly releaseNext: { current: (() => void) | undefined }; // set to what releases and goes on, while that may be done
 }
@@ -28,7 +31,7 @@ type Open = "excuse" | "reference" | "override" | "withdraw" | "dropOverride" | 
 
 // What an instructor can do with an attempt: release its score or take that back, set another
 // score, score it again, excuse it, make it the reference.
-export function TeacherActions({ client, attempt, graded, onChanged, onNext, releaseNext }: Props) {
+export function TeacherActions({ client, attempt, graded, onChanged, rescore, onNext, releaseNext }: Props) {
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();
   const change = useChange();
@@ -39,27 +42,37 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
     if (open === "excuse" || open === "override") keepDraft(`${open} ${attempt.id}`, { text: "" });
     setOpen(undefined);
   };
-  const finish = (text: string) => {
+  const finish = (text: string | undefined) => {
     close();
     setDone(text);
     onChanged();
   };
-  const confirm = async (ask: Promise<ApiResult<unknown>>, text: string) => {
+  // What somebody else did meanwhile is shown, and the next try is about that.
+  const refused = ({ current, message }: ApiError) => {
+    if (current !== undefined) onChanged();
+    return message;
+  };
+  const confirm = async (ask: Promise<ApiResult<unknown>>, text: string | undefined) => {
     const result = await ask;
-    if (!result.ok) return result.error.message;
+    if (!result.ok) return refused(result.error);
     finish(text);
     return undefined;
   };
   const act = async (ask: () => Promise<ApiResult<unknown>>, text: string) => {
     const result = await change.run(ask);
     if (result?.ok === true) finish(text);
+    else if (result !== undefined && open !== "override") refused(result.error);
   };
+  const override = (about: Pick<AttemptDetail, "id" | "revision">, score: number, reason: string) =>
+    void act(() => teaching.override(about, score, reason), say("judge.score_counts", { score: formatScore(score) }));
+  const newer = open === "override" ? (change.error?.current as Tagged<AttemptDetail> | undefined)?.value : undefined;
   const student = attempt.person.display_name;
   const may = (action: AttemptDetail["may"][number]) => attempt.may.includes(action);
 
   const releasable = may("release") && awaitsRelease(attempt, graded);
   const releaseAndNext = async () => {
     const result = await change.run(() => teaching.release(attempt));
+    if (result?.ok === false) refused(result.error);
     if (result?.ok !== true) return;
     releaseMade(attempt);
     onNext?.();
@@ -103,13 +116,14 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
               <OverrideForm
                 attempt={attempt}
                 busy={change.busy}
+                newer={newer}
                 onCancel={close}
-                onScore={(score, reason) =>
-                  void act(
-                    () => teaching.override(attempt, score, reason),
-                    say("judge.score_counts", { score: formatScore(score) }),
-                  )
-                }
+                onScore={override}
+                onTakeTheirs={() => {
+                  change.clear();
+                  close();
+                  onChanged();
+                }}
               />
             )}
           </span>
@@ -210,13 +224,26 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
           action={say("judge.rescore")}
           tone="neutral"
           onClose={() => setOpen(undefined)}
-          onConfirm={() => confirm(teaching.rescore(attempt.id), say("judge.rescore_done"))}
+          onConfirm={() =>
+            confirm(
+              rescore.ask(() => teaching.rescore(attempt.id)),
+              undefined,
+            )
+          }
         >
           <p>{say("judge.rescore_text")}</p>
         </Confirm>
       )}
       <div aria-live="polite">
-        {change.error !== undefined && <ErrorNotice title={say("common.not_done")} message={change.error.message} />}
+        {change.error !== undefined && newer === undefined && (
+          <ErrorNotice title={say("common.not_done")} message={change.error.message} />
+        )}
+        {rescore.state === "waiting" && <Loading what={say("judge.rescore_waits")} />}
+        {rescore.state === "done" && done === undefined && (
+          <Notice tone="good" title={say("judge.done")}>
+            <p>{say("judge.rescored")}</p>
+          </Notice>
+        )}
         {done !== undefined && change.error === undefined && (
           <Notice tone="good" title={say("judge.done")}>
             <p>{done}</p>
@@ -307,21 +334,36 @@ function ExcuseForm({
 
 function OverrideForm({
   attempt,
+  newer,
   busy,
   onScore,
   onCancel,
+  onTakeTheirs,
 }: {
   readonly attempt: AttemptDetail;
+  readonly newer: AttemptDetail | undefined; // somebody else changed the attempt to this meanwhile
   readonly busy: boolean;
-  readonly onScore: (score: number, reason: string) => void;
+  readonly onScore: (about: AttemptDetail, score: number, reason: string) => void;
   readonly onCancel: () => void;
+  readonly onTakeTheirs: () => void;
 }) {
   const [score, setScore] = useState(scoreForField(attempt.override?.score ?? attempt.score ?? Number.NaN));
   const [reason, setReason] = useDraft(`override ${attempt.id}`, attempt.override?.reason ?? "");
   const submit = (event: Event) => {
     event.preventDefault();
-    if (Number.isFinite(score) && reason.trim() !== "") onScore(score, reason.trim());
+    if (Number.isFinite(score) && reason.trim() !== "") onScore(attempt, score, reason.trim());
   };
+  if (newer !== undefined)
+    return (
+      <div class="inline-form">
+        <Conflict
+          differences={overrideDifferences(newer, score, reason.trim())}
+          busy={busy}
+          onTakeTheirs={onTakeTheirs}
+          onKeepMine={() => onScore(newer, score, reason.trim())}
+        />
+      </div>
+    );
   return (
     <form class="inline-form" onSubmit={submit}>
       <NumberField
@@ -354,4 +396,15 @@ function OverrideForm({
       </div>
     </form>
   );
+}
+
+function overrideDifferences({ override, score }: AttemptDetail, mine: number, reason: string): readonly Difference[] {
+  return [
+    {
+      title: say("common.score"),
+      theirs: score === null ? "" : formatScore(override?.score ?? score),
+      mine: formatScore(mine),
+    },
+    { title: say("common.reason"), theirs: override?.reason ?? "", mine: reason },
+  ].filter(({ theirs, mine: own }) => theirs !== own);
 }

@@ -1,6 +1,7 @@
 import type { AttemptDetail } from "../../api/types";
 import { unreachable } from "../../base/assert";
 import { say, sayIf } from "../../base/words";
+import { attemptStateText, waitsForReference } from "../../widgets/attempt_state";
 import { Notice, Progress } from "../../widgets/basics";
 
 interface Props {
@@ -24,7 +25,11 @@ export function Unscored({ attempt }: Props) {
     case "scoring":
       return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
     case "failed":
-      return (
+      return waitsForReference(attempt) ? (
+        <Notice tone="neutral" title={attemptStateText(attempt).title}>
+          <Problem attempt={attempt} />
+        </Notice>
+      ) : (
         <Notice tone="bad" title={say("attempt.not_scored")}>
           <Problem attempt={attempt} />
         </Notice>

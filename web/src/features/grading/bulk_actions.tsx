@@ -119,7 +119,7 @@ export function BulkActions({ client, chosen, onDone }: Props) {
             blocked={releasable.length === 0 ? say("bulk.none_waits") : undefined}
             onClick={() => void release()}
           >
-            {say("bulk.release", { count: releasable.length })}
+            {releasable.length === 0 ? say("judge.release") : say("bulk.release", { count: releasable.length })}
           </Button>
           <button type="button" class="button" disabled={busy} onClick={() => setAsking("rescore")}>
             {say("judge.rescore_ask")}
