@@ -108,23 +108,28 @@ async function longNames(world) {
   await page.locator(".criteria tbody th").first().waitFor();
   for (const width of [1440, 1024, 390]) {
     await page.setViewportSize({ width, height: 800 });
-    const { names, card, tooth, whole } = await page.evaluate(() => {
-      const box = (element) => element.getBoundingClientRect();
-      const isCut = ({ scrollWidth, clientWidth }) => scrollWidth > clientWidth;
-      return {
-        names: [...document.querySelectorAll(".criteria tbody th")].map((name) => ({
-          width: box(name).width,
-          cut: [name, ...name.children].some(isCut),
-        })),
-        card: box(document.querySelector(".score-card")),
-        tooth: box(document.querySelector(".review-tooth")),
-        whole: document.documentElement.scrollWidth,
-      };
-    });
-    for (const name of names) assert.ok(name.width > 100 && !name.cut, `${width} px: ${JSON.stringify(name)}`);
-    assert.ok(card.right <= tooth.left || card.top >= tooth.bottom, `${width} px: the score is under the tooth`);
-    assert.ok(whole <= width, `${width} px: the page scrolls sideways`);
+    await eventually(async () => readableCriteria(await page.evaluate(criteriaBoxes), width));
   }
+}
+
+function criteriaBoxes() {
+  const box = (element) => element.getBoundingClientRect();
+  const isCut = ({ scrollWidth, clientWidth }) => scrollWidth > clientWidth;
+  return {
+    names: [...document.querySelectorAll(".criteria tbody th")].map((name) => ({
+      width: box(name).width,
+      cut: [name, ...name.children].some(isCut),
+    })),
+    card: box(document.querySelector(".score-card")),
+    tooth: box(document.querySelector(".review-tooth")),
+    whole: document.documentElement.scrollWidth,
+  };
+}
+
+function readableCriteria({ names, card, tooth, whole }, width) {
+  for (const name of names) assert.ok(name.width > 100 && !name.cut, `${width} px: ${JSON.stringify(name)}`);
+  assert.ok(card.right <= tooth.left || card.top >= tooth.bottom, `${width} px: the score is under the tooth`);
+  assert.ok(whole <= width, `${width} px: the page scrolls sideways`);
 }
 
 async function plotPointer(world) {
@@ -413,7 +418,7 @@ async function oneViewport(world) {
     assert.ok(picture.height >= Math.max(360, height / 2), `a picture ${picture.height} px high of ${height}`);
     assert.ok(picture.width >= 0.6 * card.width);
     for (const row of await page.locator(".criteria tbody tr:visible").all())
-      assert.ok((await row.boundingBox()).height < 36, `${await row.innerText()} is one line`);
+      assert.ok((await row.boundingBox()).height < 52, `${await row.innerText()} is two lines at most`);
     // What is said of them scrolls by; they stay.
     await page.mouse.move(200, height / 2);
     await page.mouse.wheel(0, 250);
