@@ -57,6 +57,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
     chosen,
     plots,
     choose,
+    control,
     setCursor: onCursor,
     setTimeS: onTime,
   } = review;
@@ -143,10 +144,15 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
           max={view === undefined ? last : stepAt(series, toS)}
           step={1}
           value={at}
-          aria-valuetext={lines.reduce(
-            (text, line) => `${text}, ${line.label} ${readText(line, at)}`,
-            `${formatMoment(series.t_s[at] ?? 0)}`,
-          )}
+          // A screen reader says the moment once it stays.
+          aria-valuetext={
+            control?.playing === true
+              ? say("playback.playing")
+              : lines.reduce(
+                  (text, line) => `${text}, ${line.label} ${readText(line, at)}`,
+                  `${formatMoment(series.t_s[at] ?? 0)}`,
+                )
+          }
           onInput={(event) => onCursor(Number(event.currentTarget.value))}
         />
       </div>

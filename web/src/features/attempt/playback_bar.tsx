@@ -65,7 +65,12 @@ export function PlaybackBar({ control }: { readonly control: PlaybackControl }) 
           step={1}
           value={playback.position}
           aria-label={say("playback.position")}
-          aria-valuetext={say("count.of", { part: time(playback.position), whole: time(playback.frames) })}
+          // A screen reader says the moment once it stays.
+          aria-valuetext={
+            playing
+              ? say("playback.playing")
+              : say("count.of", { part: time(playback.position), whole: time(playback.frames) })
+          }
           onInput={(event) => control.show(Number(event.currentTarget.value))}
         />
         {gaps.map((gap) => (
