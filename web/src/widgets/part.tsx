@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useState } from "preact/hooks";
+import { keepTrying } from "../base/keep_trying";
 import { loadWords, say } from "../base/words";
 import { ErrorNotice, Loading } from "./basics";
 
@@ -31,14 +32,14 @@ export function part<Part>(name: Parameters<typeof loadWords>[0], load: () => Pr
   function LoadedPart({ show }: Props<Part>) {
     const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">(there ?? "loading");
     useLayoutEffect(() => {
+      const shown = new AbortController();
       // Another language may be spoken than when it was loaded.
-      Promise.all([begin(), loadWords(name)]).then(
-        ([part]) => {
-          there ??= { part };
-          setLoaded(there);
-        },
-        () => setLoaded("failed"),
-      );
+      const both = () => Promise.all([begin(), loadWords(name)]);
+      void keepTrying(both, shown.signal, () => setLoaded("failed")).then(([part]) => {
+        there ??= { part };
+        setLoaded(there);
+      });
+      return () => shown.abort();
     }, []);
     if (loaded === "loading") return <Loading what={say("loading.page")} />;
     if (loaded === "failed")
