@@ -1,6 +1,7 @@
 // What a person does with the page, as checks. Every flow runs against the mock server; those
 // marked `anywhere` also against a real one whose newest scored attempt, not itself the reference,
 // deviates from its reference by about 0.3 mm somewhere, as the demonstration's does.
+import { accessFlows } from "./access_flows.mjs";
 import { adminFlows } from "./admin_flows.mjs";
 import { compareFlows } from "./compare_flows.mjs";
 import { generalFlows } from "./general_flows.mjs";
@@ -14,6 +15,7 @@ import { teachingFlows } from "./teaching_flows.mjs";
 
 export const flows = [
   ...generalFlows,
+  ...accessFlows,
   ...reviewFlows,
   ...compareFlows,
   ...playbackFlows,

@@ -33,7 +33,7 @@ const header = (call: Call | undefined, name: string) =>
 test("a wrong password is an error with the server's sentence and no lost session", async () => {
   const { client, lost } = clientThatGets([refusal(401, "unauthenticated")]);
   const result = await client.signIn("a", "b");
-  assert.equal(!result.ok && result.error.message, "says unauthenticated");
+  assert.equal(!result.ok && result.error.message, "Says unauthenticated.");
   assert.equal(lost(), 0);
 });
 

@@ -1,4 +1,5 @@
 import { fail, ok, type Result } from "../base/result";
+import { sentence } from "../base/format";
 import { say, sayIf } from "../base/words";
 import { spokenLanguage } from "../base/language";
 import { Ahead } from "./ahead";
@@ -140,7 +141,7 @@ export class Http {
         this.send(apiAddress(path), requestInit(method, options, this.csrf)));
       if (response.ok) return ok(response);
       if (response.status === 401 && options.signingIn !== true) this.sessionLost();
-      const error = await refusal(response);
+      const error = await refusal(response, method);
       if (error.code !== "confirm_password" || confirmed || !(await this.confirmPassword())) return fail(error);
       return await this.request(method, path, options, true);
     } catch {
@@ -188,10 +189,15 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
 // The server's messages are English. Other languages show a sentence for the code instead, followed
 // by the message where the code alone says too little.
 function errorText(code: string | undefined, said: string): string {
-  return spokenLanguage() === "en" ? said : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
+  return spokenLanguage() === "en" ? sentence(said) : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
 }
 
-async function refusal(response: Response): Promise<ApiError> {
+// Something was read that is not there, or by what is no id at all: the page's address is wrong.
+function isAddress({ code, field }: { readonly code?: string; readonly field?: string }, method: Method): boolean {
+  return method === "GET" && (code === "not_found" || (code === "invalid_input" && field === "id"));
+}
+
+async function refusal(response: Response, method: Method): Promise<ApiError> {
   const kFallback = say("error.status", { status: String(response.status) });
   try {
     const answer = (await response.json()) as {
@@ -202,7 +208,12 @@ async function refusal(response: Response): Promise<ApiError> {
     return {
       code: error?.code ?? "internal",
       status: response.status,
-      message: error === undefined ? kFallback : errorText(error.code, error.message ?? kFallback),
+      message:
+        error === undefined
+          ? kFallback
+          : isAddress(error, method)
+            ? say("error.no_such")
+            : errorText(error.code, error.message ?? kFallback),
       field: error?.field ?? "",
       answer,
       ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }),

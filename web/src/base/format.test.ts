@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
+  sentence,
   formatBytes,
   formatDate,
   formatDateTime,
@@ -108,4 +109,11 @@ test("the format of a date is made once in each language", () => {
     Intl.DateTimeFormat = real;
     speak("en");
   }
+});
+
+test("what the server says reads as a sentence", () => {
+  assert.equal(sentence("only instructors can do this"), "Only instructors can do this.");
+  assert.equal(sentence("Send If-Match."), "Send If-Match.");
+  assert.equal(sentence("target.depth_um: expected 100 to 8000"), "target.depth_um: expected 100 to 8000");
+  assert.equal(sentence("m"), "m");
 });

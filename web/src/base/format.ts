@@ -163,3 +163,11 @@ export function formatBytes(bytes: number): string {
 export function micrometresAsMm(um: number): string {
   return `${formatNumber(um / 1000, 3)}\u00a0mm`;
 }
+
+// What a program says as a log line, for people: "the attempt is scored; wait" is "The attempt is scored; wait." What
+// begins with a name of its own, such as target.depth_um, stays.
+export function sentence(said: string): string {
+  if (!/^[a-z]+[ ,]/.test(said)) return said;
+  const begun = said.charAt(0).toUpperCase() + said.slice(1);
+  return /[.!?:…)]$/.test(begun) ? begun : `${begun}.`;
+}

@@ -1,5 +1,6 @@
 import type { AttemptDetail } from "../../api/types";
 import { unreachable } from "../../base/assert";
+import { sentence } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { attemptStateText, waitsForReference } from "../../widgets/attempt_state";
 import { Notice, Progress } from "../../widgets/basics";
@@ -10,7 +11,7 @@ interface Props {
 
 // Why the server could not score it.
 export function Problem({ attempt }: Props) {
-  return <p>{sayIf(`refusal.${attempt.problem_field}`) ?? attempt.problem}</p>;
+  return <p>{sayIf(`refusal.${attempt.problem_field}`) ?? sentence(attempt.problem)}</p>;
 }
 
 // What has no score, or not yet.
