@@ -1,5 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
+import { formatNumber } from "../base/format";
+import { say } from "../base/words";
 import { fromLocalInput, toLocalInput } from "../base/local_time";
 
 // Fields of a form: a label, a hint, and the problem that the server found.
@@ -90,6 +92,18 @@ function sendOrLeave(event: KeyboardEvent & { readonly currentTarget: HTMLTextAr
   } else if (event.key === "Escape" && text.closest("dialog") === null) text.blur();
 }
 
+const kNearlyFull = 0.9; // of the characters; from then on the rest is counted
+
+// The browser cuts off what does not fit, also of pasted text, and says nothing.
+function RoomLeft({ length, most }: { readonly length: number; readonly most: number }) {
+  if (length < kNearlyFull * most) return null;
+  return (
+    <p class="hint" role="status">
+      {length < most ? say("form.left", { count: most - length }) : say("form.cut", { most: formatNumber(most, 0) })}
+    </p>
+  );
+}
+
 export function LongTextField({
   label,
   hint,
@@ -109,15 +123,18 @@ export function LongTextField({
   return (
     <Field label={label} hint={hint} problem={problem}>
       {(attributes) => (
-        <textarea
-          rows={rows}
-          value={value}
-          required={required}
-          maxLength={maxLength}
-          onInput={(event) => onValue(event.currentTarget.value)}
-          onKeyDown={sendOrLeave}
-          {...attributes}
-        />
+        <>
+          <textarea
+            rows={rows}
+            value={value}
+            required={required}
+            maxLength={maxLength}
+            onInput={(event) => onValue(event.currentTarget.value)}
+            onKeyDown={sendOrLeave}
+            {...attributes}
+          />
+          <RoomLeft length={value.length} most={maxLength} />
+        </>
       )}
     </Field>
   );
