@@ -231,7 +231,7 @@ export function FlagIcons(props: FlagsProps) {
   const text = flags.map(({ title }) => title).join(", ");
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: the focus shows the words
-    <span class="flag-icons" role="img" tabIndex={0} aria-label={text} data-text={text}>
+    <span class="flag-icons" role="img" tabIndex={0} aria-label={text} title={text} data-text={text}>
       {flags.map(({ title, tone, icon }) => (
         <span key={title} class={`badge ${tone}`}>
           {icon}
