@@ -91,6 +91,7 @@ export async function accessibilityViolations(page) {
   return page.evaluate(async (rules) => {
     const { violations } = await globalThis.axe.run(document, {
       runOnly: rules,
+      rules: { "label-content-name-mismatch": { enabled: true } }, // WCAG 2.5.3
       resultTypes: ["violations"],
       preload: false,
     });

@@ -206,13 +206,18 @@ export function Segmented<T extends string>({
   );
 }
 
-// `shown` is enough for people who see its place; a screen reader reads `full`, which holds
-// `shown`.
+// `shown` is enough for people who see its place; a screen reader reads `full`. Voice control is told what is shown, so
+// the name begins with it (WCAG 2.5.3).
 export function Brief({ shown, full }: { readonly shown: string; readonly full: string }) {
   return (
     <>
-      <span aria-hidden="true">{shown}</span>
-      <span class="hidden">{full}</span>
+      {shown}
+      {full !== shown && <span class="hidden">{rest(shown, full)}</span>}
     </>
   );
+}
+
+function rest(shown: string, full: string): string {
+  const begun = [shown, shown.replace(/ ?…$/, "")].find((text) => full.startsWith(text));
+  return begun === undefined ? `, ${full}` : full.slice(begun.length);
 }
