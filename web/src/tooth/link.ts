@@ -181,6 +181,12 @@ export class ScreenLink {
   near(pointMm: PointMm): void {
     this.wish({ ask: "near", pointMm });
   }
+  middle(pointMm: PointMm): void {
+    this.wish({ ask: "middle", pointMm });
+  }
+  reset(): void {
+    this.wish({ ask: "reset" });
+  }
   look(look: Look): void {
     this.wish({ ask: "look", look });
   }

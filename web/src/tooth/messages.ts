@@ -27,6 +27,7 @@ export type Axis = 0 | 1 | 2;
 export interface Plane {
   readonly right: Axis;
   readonly up: Axis;
+  readonly against?: readonly [boolean, boolean]; // the scene's other way along each
 }
 
 // A tooth seen straight along an axis of its scene (tooth_plan.ts).
@@ -121,6 +122,8 @@ export type ScreenWish =
   | { readonly ask: "resize"; readonly width: number; readonly height: number; readonly ratio: number } // CSS pixels
   | { readonly ask: "view"; readonly preset: CameraPreset }
   | { readonly ask: "near"; readonly pointMm: PointMm }
+  | { readonly ask: "middle"; readonly pointMm: PointMm } // turned and as near as now
+  | { readonly ask: "reset" } // as it began
   | { readonly ask: "look"; readonly look: Look }
   | { readonly ask: "rotate"; readonly azimuthRad: number; readonly polarRad: number; readonly more: boolean } // more: motion follows
   | { readonly ask: "zoom"; readonly factor: number }

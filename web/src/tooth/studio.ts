@@ -131,6 +131,10 @@ class Screen {
         return scene.sight.view(asked.preset);
       case "near":
         return scene.sight.near(asked.pointMm);
+      case "middle":
+        return scene.sight.follow(asked.pointMm);
+      case "reset":
+        return scene.sight.reset();
       case "look":
         return scene.look(asked.look);
       case "rotate":

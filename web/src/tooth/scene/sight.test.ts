@@ -156,3 +156,14 @@ test("a section begins in the middle of the cavity and reaches both ends of the 
   assert.ok(Math.abs(radiusMm - (10 + aside)) < 1e-9, String(radiusMm));
   assert.deepEqual(sight(kLowerRight).cutOpen, { centreMm: [1, -2, 3], radiusMm: 10 }, "where no cavity is known");
 });
+
+test("a view that was turned, moved and brought near is reset to what it began with", () => {
+  const seen = sight(kLowerRight, { ...kAngled, cavity: kCavity });
+  const begun = seen.look();
+  seen.rotate(0.4, 0.2);
+  seen.zoom(0.5);
+  seen.follow([3, 1, 2]);
+  assert.deepEqual(seen.target, [3, 1, 2], "a place that is looked at is in the middle");
+  seen.reset();
+  assert.ok(sameLook(seen.look(), begun), JSON.stringify(seen.look()));
+});

@@ -132,6 +132,11 @@ export class Sight {
     this.untouched = true;
   }
 
+  reset(): void {
+    this.untouched = true;
+    this.begin();
+  }
+
   resize(width: number, height: number): void {
     const before = this.fitDistance();
     this.aspect = width / height;

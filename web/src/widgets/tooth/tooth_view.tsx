@@ -66,6 +66,7 @@ interface Props {
   readonly led?: boolean; // from where to look is chosen elsewhere
   readonly follow?: boolean; // the camera stays at the bur
   readonly children?: ComponentChildren; // more to choose, beside where to look from
+  readonly instead?: ComponentChildren; // shown where the browser draws no picture
   readonly busy?: boolean; // more of it comes soon
   readonly pins?: readonly ToothPin[];
   readonly points?: readonly ToothPoint[];
@@ -112,7 +113,7 @@ export function prepareTooth(): void {
   }
 }
 
-// A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
+// A tooth to turn: by mouse, fingers (turning.ts), keys, and the preset buttons.
 export function ToothView({
   film,
   anatomy,
@@ -127,6 +128,7 @@ export function ToothView({
   led = false,
   follow = false,
   children,
+  instead,
   tool,
   path = kNoPath,
   forceN,
@@ -230,6 +232,7 @@ export function ToothView({
   const pressed = useRef<readonly [number, number]>([0, 0]);
   const pick = (event: MouseEvent) => {
     const [x, y] = pressed.current;
+    if (event.detail > 1) return; // the second click looks at the place
     if (onPick === undefined || Math.hypot(event.clientX - x, event.clientY - y) > kClickMovesPx) return;
     if (!(event.target instanceof HTMLCanvasElement)) return;
     const box = event.target.getBoundingClientRect();
@@ -299,7 +302,12 @@ export function ToothView({
             <Loading what={say("loading.picture")} />
           </div>
         )}
-        {problem !== "" && <p class="tooth-problem">{problem}</p>}
+        {problem !== "" && (
+          <div class="tooth-problem">
+            <p>{problem}</p>
+            {instead}
+          </div>
+        )}
         {felt !== undefined && (
           <p class="tooth-force" title={say("tooth.force_arrow")}>
             <span class="swatch force" />
@@ -321,11 +329,13 @@ export function ToothView({
                 <Button
                   key={preset}
                   kind="small"
-                  busy={!ready}
+                  busy={!ready && problem === ""}
                   blocked={
-                    anatomy === undefined && (preset === "mesial" || preset === "distal")
-                      ? say("view.no_anatomy")
-                      : undefined
+                    problem !== ""
+                      ? problem
+                      : anatomy === undefined && (preset === "mesial" || preset === "distal")
+                        ? say("view.no_anatomy")
+                        : undefined
                   }
                   tip={title}
                   onClick={() => screen?.view(preset)}
@@ -335,9 +345,25 @@ export function ToothView({
                 </Button>
               );
             })}
+            <Button
+              kind="small"
+              busy={!ready && problem === ""}
+              blocked={problem === "" ? undefined : problem}
+              tip={say("view.reset")}
+              onClick={() => screen?.reset()}
+            >
+              <span aria-hidden="true">⟲</span>
+              <span class="hidden">{say("view.reset")}</span>
+            </Button>
           </div>
         )}
-        {children}
+        {problem === "" ? (
+          children
+        ) : (
+          <fieldset class="tooth-off" disabled title={problem}>
+            {children}
+          </fieldset>
+        )}
         <p class="hint" id={keys}>
           {onPick === undefined ? say("tooth.drag") : say("tooth.drag_and_enter")}
         </p>
@@ -383,7 +409,12 @@ function openScreen(
       canvas,
       {
         turn: (azimuthRad, polarRad) => screen.rotate(azimuthRad, polarRad, true),
+        pan: (right, up) => screen.pan(right, up),
         zoom: (factor) => screen.zoom(factor),
+        lookAt: (x, y) =>
+          void screen.pick(x, y).then((point) => {
+            if (point !== undefined) screen.middle(point.planeMm ?? point.pointMm);
+          }),
       },
       // Wheel zoom takes over the page's own scrolling, so only while the view has the focus.
       () => document.activeElement === element,
@@ -419,6 +450,9 @@ function handleKey(event: KeyboardEvent, screen: ScreenLink | undefined): void {
       break;
     case "-":
       screen.zoom(kKeyZoom);
+      break;
+    case "0":
+      screen.reset();
       break;
     default:
       return;
