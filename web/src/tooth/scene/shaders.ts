@@ -154,6 +154,10 @@ ${kDiscard}
   if (!gl_FrontFacing) { pixel = vec4(onCut(), 1.0); return; }
 #endif
   vec3 color = ownColor();
+#ifdef HEAT
+  // A colour of the scale is a value: light would make another value of it.
+  if (vDeviation.y >= 0.5) { pixel = vec4(shown(color), 1.0); return; }
+#endif
   vec3 n = normalize(vNormal), eye = normalize(-vPlace);
   vec3 bend = max(abs(dFdx(n)), abs(dFdy(n)));
   float rough = min(1.0, roughness + ${glsl(kMatt)} * vMatt + max(max(bend.x, bend.y), bend.z));
@@ -209,7 +213,7 @@ ${kCutFragment}
 #ifdef HEAT
 ${kScale}
 in float vLight;
-vec3 ownColor() { return vLight * (vDeviation.y < 0.5 ? untouched : onScale(vDeviation.x / vDeviation.y)); }
+vec3 ownColor() { return vDeviation.y < 0.5 ? vLight * untouched : onScale(vDeviation.x / vDeviation.y); }
 #else
 in vec3 vColor;
 vec3 ownColor() { return vColor; }
