@@ -42,6 +42,7 @@ export function usePlayback(
   made: string,
   timeS: number | undefined,
   setTime: (timeS: number) => void,
+  heldS: number | undefined, // at this moment the tooth stays as it is at its end
 ): PlaybackControl | undefined {
   const [changes, redraw] = useState(0);
   const playback = useMemo(
@@ -96,8 +97,8 @@ export function usePlayback(
       return;
     ownTime.current = timeS;
     stop();
-    playback.show(clock.framesAt(timeS));
-  }, [playback, ready, clock, timeS, stop]);
+    playback.show(timeS === heldS ? playback.frames : clock.framesAt(timeS));
+  }, [playback, ready, clock, timeS, heldS, stop]);
 
   const tell = useMemo(
     () => (frames: number) => {

@@ -80,8 +80,8 @@ export function useReview(reviewed: Reviewed) {
     [recorded, clock, scored],
   );
   // Shows the time or place of an item that was clicked anywhere on the page.
-  const go = (step: number | undefined) => {
-    if (step !== undefined) setCursor(step);
+  const go = (step: number | undefined, held = false) => {
+    if (step !== undefined) setCursor(step, held);
     picture.current?.scrollIntoView({ block: "nearest" });
   };
   const place = useRef<(deduction: Deduction) => void>(undefined);
@@ -92,7 +92,12 @@ export function useReview(reviewed: Reviewed) {
       setPoint([x, y, z]);
       moment.look.near?.([x, y, z]);
     }
-    go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
+    // The deviation is of the finished tooth: it stays in view, and the tool is marked where it was.
+    const compared = control?.playback.deviation.state === "ready" && control.playback.deviation.compared !== undefined;
+    go(
+      recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined,
+      compared,
+    );
   };
   const showPlace = useMemo(() => (deduction: Deduction) => place.current?.(deduction), []);
   return {
@@ -162,7 +167,8 @@ function useMoment(
     };
     return { begin: asked.look, now: undefined, drawn };
   }, [asked]);
-  const control = usePlayback(client, id, key, timeS, setTimeS);
+  const [heldS, setHeldS] = useState<number>(); // the tooth stays at its end there
+  const control = usePlayback(client, id, key, timeS, setTimeS, heldS);
   seen.current = () => control?.playback.seen();
   const { state } = control?.playback.state ?? { state: "loading" };
   // Some megabytes more, and nothing moves.
@@ -188,8 +194,11 @@ function useMoment(
     setTimeS,
     moved: timeS !== undefined,
     cursor: recorded === undefined ? 0 : stepAt(recorded, momentS), // the step that the moment lies in
-    setCursor: (step: number) => {
-      if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
+    setCursor: (step: number, held = false) => {
+      if (recorded === undefined) return;
+      const at = step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step];
+      setHeldS(held ? at : undefined);
+      setTimeS(at);
     },
     // A to B, seconds
     range:
