@@ -48,3 +48,19 @@ test("from the side, the crown is shown as far down as the tooth is wide", () =>
   assert.ok(shadeAt(plan, 4, 9) > 0);
   assert.equal(shadeAt(plan, -1, 9) > 0, true);
 });
+
+test("from behind, right and left change sides, and what was hidden is in front", () => {
+  const { normal, ...others } = squares();
+  const both = { ...others, normal: normal.map((part) => -part) };
+  const plan = toothPlan(both, { ...kFromAbove, against: [true, false] });
+  assert.deepEqual(plan.lowMm, [-6, -2]);
+  assert.ok(shadeAt(plan, -4, 0) > 0 && shadeAt(plan, 1, 0) > 0);
+  const cell = (x: number) => {
+    const row = plan.height - 1 - Math.floor((0 - plan.lowMm[1]) / plan.cellMm);
+    return plan.frontMm[row * plan.width + Math.floor((x - plan.lowMm[0]) / plan.cellMm)];
+  };
+  assert.deepEqual(
+    [cell(1), cell(-4)].map((mm = Number.NaN) => Math.abs(Math.round(mm))),
+    [0, 3],
+  );
+});

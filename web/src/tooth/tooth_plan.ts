@@ -12,16 +12,20 @@ const kLight = [-0.37, 0.46, 0.81] as const;
 
 type Triple = readonly [number, number, number];
 
-export function toothPlan({ positionMm, normal, triangle }: Surface, { right, up }: Plane): ToothPlan {
+export function toothPlan(
+  { positionMm, normal, triangle }: Surface,
+  { right, up, against = [false, false] }: Plane,
+): ToothPlan {
   const eye = (3 - right - up) as Axis;
   // Right, up and towards the eye are right-handed.
   const towards = (up - right + 3) % 3 === 1 ? 1 : -1;
+  const [alongRight, alongUp] = [against[0] ? -1 : 1, against[1] ? -1 : 1];
   const axes: Triple = [right, up, eye];
-  const signs: Triple = [1, 1, towards];
+  const signs: Triple = [alongRight, alongUp, alongRight * alongUp * towards];
   const at = (vertex: number): Triple => [
-    positionMm[3 * vertex + right]!,
-    positionMm[3 * vertex + up]!,
-    towards * positionMm[3 * vertex + eye]!,
+    signs[0] * positionMm[3 * vertex + right]!,
+    signs[1] * positionMm[3 * vertex + up]!,
+    signs[2] * positionMm[3 * vertex + eye]!,
   ];
   const { low, high } = extentOf(at, positionMm.length / 3);
   const [wide, tall] = [high[0] - low[0], Math.min(high[1] - low[1], kTallest * (high[0] - low[0]))];

@@ -233,6 +233,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           target={body}
           ghost={ghost}
           follow={choices.follow}
+          instead={<Instead review={review} />}
         >
           <ToothTools
             choices={choices}
@@ -320,6 +321,13 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
       )}
     </>
   );
+}
+
+// Five still views, once it is known that this browser draws no picture.
+function Instead({ review: { client, attempt, anatomy } }: { readonly review: Review }) {
+  const { loaded } = useRequest(`still ${attempt.id}`, (signal) => client.surface(attempt.id, signal));
+  if (loaded.state !== "ready" || anatomy === undefined) return null;
+  return <Closer show={({ StillViews }) => <StillViews bytes={loaded.value} anatomy={anatomy} />} />;
 }
 
 // Whichever of two pictures is turned, the other one follows.
