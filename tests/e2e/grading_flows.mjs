@@ -117,7 +117,7 @@ async function bulkUndo(world) {
   assert.equal(excused(), before);
   const scored = () =>
     world.mock.attempts
-      .filter((row) => row.state === "scored")
+      .filter((row) => row.state === "scored" && row.queued === 0)
       .map((row) => row.id)
       .sort();
   const settled = scored();

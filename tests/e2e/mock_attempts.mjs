@@ -216,7 +216,7 @@ function makeReference({ world, row, body }) {
 
 function restore({ row, body: { run } }) {
   if (run > row.runs) return refused(404, "not_found", `There is no scoring run ${run}.`);
-  return Object.assign(row, { state: "scored", progress: 1, runs: run === row.runs ? run : row.runs + 1 });
+  return Object.assign(row, { state: "scored", queued: 0, progress: 1, runs: run === row.runs ? run : row.runs + 1 });
 }
 
 function runs({ row }) {
