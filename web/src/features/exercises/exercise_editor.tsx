@@ -28,6 +28,7 @@ import { placeTitle, placeWords, rubricProblems } from "./editor_text";
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
 import { RubricPreviewCard } from "./rubric_preview";
+import { mendedText, staleLengths } from "./stale_text";
 import { TargetPreview } from "./target_preview";
 import { TrialCard } from "./trial_card";
 
@@ -158,7 +159,7 @@ function Editor({
         ))}
       <div class="editor">
         <div class="stack">
-          <General form={form} />
+          <General form={form} read={read.document} />
           <Tool form={form} />
           <Target form={form} />
           <Card title={say("exercise_page.scored")}>
@@ -250,12 +251,27 @@ export function Problem({
   );
 }
 
-function General({ form }: { readonly form: DocumentForm }) {
+function General({ form, read }: { readonly form: DocumentForm; readonly read: Json }) {
+  const stale = staleLengths(read, form.edit.now);
   return (
     <Card title={say("editor.what")}>
       <div class="form">
         <DocumentText form={form} path={["title"]} label={say("editor.title_field")} maxLength={200} />
         <DocumentText form={form} path={["instructions"]} label={say("editor.instructions")} maxLength={4000} long />
+        {stale.length > 0 && (
+          <Notice tone="warning">
+            {stale.map(({ said, now }) => (
+              <p key={said}>{say("editor.stale_text", { said, now })}</p>
+            ))}
+            <button
+              type="button"
+              class="button small"
+              onClick={() => form.edit.set(["instructions"], mendedText(String(form.edit.at(["instructions"])), stale))}
+            >
+              {say("editor.mend_text")}
+            </button>
+          </Notice>
+        )}
         <div class="form-grid">
           <DocumentNumber
             form={form}
