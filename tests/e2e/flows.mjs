@@ -1,6 +1,6 @@
-// What a person does with the page, as checks. Every flow runs against the mock server; those
-// marked `anywhere` also against a real one whose newest scored attempt, not itself the reference,
-// deviates from its reference by about 0.3 mm somewhere, as the demonstration's does.
+// What a person does with the page, as checks. Those marked `anywhere` also run against any real server whose newest
+// scored attempt, not itself the reference, deviates from its reference by about 0.3 mm somewhere, as the
+// demonstration's does.
 import { accessFlows } from "./access_flows.mjs";
 import { adminFlows } from "./admin_flows.mjs";
 import { compareFlows } from "./compare_flows.mjs";

@@ -1,23 +1,23 @@
-// Browser tests of the page: one server and one browser for all flows, each with a world of its
-// own.
-//   node tests/e2e/run.mjs [--dist DIR] [--pictures DIR] [--only TEXT]
+// Browser tests of the page: one browser for all flows.
+//   node tests/e2e/run.mjs [--dist DIR] [--school DIR] [--pictures DIR] [--only TEXT] [--from N]
+// --school: what school/make.mjs made; default: build/release/school. Flows run on a real server with a copy of it, behind
+// proxy.mjs; after a flow that changed something the next one gets a new copy.
 // --pictures: keeps pictures of each flow; without it only failed flows leave one, in
 // web/build/pictures. With ENAMEL_FULL every screen is shown in each language, theme and width.
-// Without BASE_URL: against the mock server. With BASE_URL (and STUDENT_LOGIN, STUDENT_PASSWORD,
+// With BASE_URL (and STUDENT_LOGIN, STUDENT_PASSWORD,
 // INSTRUCTOR_LOGIN, INSTRUCTOR_PASSWORD, ADMIN_LOGIN, ADMIN_PASSWORD; FOREIGN_ATTEMPT, the id of an
-// attempt that is not the student's): against that server. Ends with 0 when all pass, 1 when one
-// fails, 77 when there is no Chromium.
+// attempt that is not the student's): those flows that are marked `anywhere`, against that server. Ends with 0 when all
+// pass, 1 when one fails, 77 when there is no Chromium.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { begin, chromiumIsThere, launch, leave, newPage } from "./browser.mjs";
 import { flows } from "./flows.mjs";
-import { startMockServer } from "./mock_server.mjs";
-import { people } from "./mock_world.mjs";
+import { kSchool, openSchool } from "./school/open.mjs";
+import { signedInAt } from "./school/person.mjs";
 
 const kSkipped = 77;
-const kMockForeignAttempt = "00000000-0000-7000-8000-000000000104";
 const kFailed = fileURLToPath(new URL("../../web/build/pictures", import.meta.url));
 const kRoles = ["student", "instructor", "admin"];
 
@@ -41,9 +41,9 @@ function loginsFromEnvironment() {
 // Runs one flow: `open` returns a page for each of its persons. The next flow uses the same pages,
 // emptied: that saves starting processes and loading scripts. Fails if the page logged an error or
 // broke its policy.
-async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) {
+async function runFlow(flow, { pages, newPage, ...world }, failedPicture) {
   const opened = [];
-  mock?.reset();
+  await world.opened?.fresh();
   const open = async (options) => {
     pages[opened.length] ??= await newPage();
     const page = pages[opened.length];
@@ -51,20 +51,18 @@ async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) 
     return page;
   };
   try {
-    await flow.run({ open, mock: mock?.world, broken: mock?.broken, ...world });
+    await flow.run({ open, ...world });
     assert.deepEqual(
       opened.flatMap(({ errors }) => errors),
       [],
       "errors in the browser's console",
     );
-    assert.deepEqual(mock?.broken ?? [], [], "answers of the mock server that break schemas/api/openapi.yaml");
   } catch (error) {
     await Promise.all(
       opened.map(({ page }, i) => page.screenshot({ path: failedPicture(i), fullPage: true }).catch(() => {})),
     );
     throw error;
   } finally {
-    mock?.broken.splice(0);
     await Promise.all(opened.map(({ page }) => leave(page)));
   }
 }
@@ -78,7 +76,9 @@ async function runAll(selected, world, pictures) {
       if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options });
     };
     try {
-      await runFlow(flow, { ...world, picture }, (i) => pathOf(kFailed, `failed_${i}`));
+      await runFlow(flow, { ...world, newPage: () => newPage(browser, world.baseUrl), picture }, (i) =>
+        pathOf(kFailed, `failed_${i}`),
+      );
       console.log(`ok ${index + 1} - ${flow.name} (${((performance.now() - begun) / 1000).toFixed(1)} s)`);
     } catch (error) {
       ++failed;
@@ -95,33 +95,65 @@ if (!chromiumIsThere()) {
 
 const real = process.env.BASE_URL;
 const dist = option("--dist") ?? fileURLToPath(new URL("../../web/dist", import.meta.url));
+const folder = option("--school") ?? kSchool;
 const pictures = option("--pictures");
 mkdirSync(kFailed, { recursive: true });
 if (pictures !== undefined) mkdirSync(pictures, { recursive: true });
-const mock = real === undefined ? await startMockServer({ dist }) : undefined;
-const server =
-  mock === undefined
-    ? {
-        baseUrl: real,
-        logins: loginsFromEnvironment(),
-        foreignAttempt: process.env.FOREIGN_ATTEMPT ?? kMockForeignAttempt,
-      }
-    : {
-        baseUrl: mock.url,
-        logins: Object.fromEntries(kRoles.map((role) => [role, people.find((person) => person.role === role)])),
-        foreignAttempt: kMockForeignAttempt,
-        mock,
-      };
 const only = option("--only") ?? "";
-const selected = flows.filter((flow) => (real === undefined || flow.anywhere) && flow.name.includes(only));
+const from = Number(option("--from") ?? 1);
+const selected = flows
+  .slice(from - 1)
+  .filter((flow) => (real === undefined || flow.anywhere) && flow.name.includes(only));
+
+function anywhere() {
+  return {
+    baseUrl: real,
+    logins: loginsFromEnvironment(),
+    foreignAttempt: process.env.FOREIGN_ATTEMPT,
+    close: () => {},
+  };
+}
+
+// The addresses of things that the school has names for.
+const addresses = (idOf) => ({
+  attempt: (name, rest = "") => `/attempts/${idOf("attempt", name)}${rest}`,
+  assignment: (name) => `/assignments/${idOf("assignment", name)}`,
+  grading: (name) => `/grading?assignment=${idOf("assignment", name)}`,
+  exercise: (name) => `/exercises/${idOf("exercise", name)}`,
+  cohort: (name) => `/cohorts/${idOf("cohort", name)}`,
+});
+
+function momentOf(ms) {
+  const tenths = Math.floor(ms / 100);
+  const seconds = ((tenths / 10) % 60).toFixed(1).padStart(4, "0");
+  return { frames: Math.ceil(ms / 100), text: `${Math.floor(tenths / 600)}:${seconds}` };
+}
+
+async function onSchool() {
+  const opened = await openSchool({ folder, dist });
+  const { school } = opened;
+  return {
+    baseUrl: opened.url,
+    logins: school.people,
+    foreignAttempt: school.attempts.class3,
+    opened,
+    school,
+    ...addresses((kind, name) => school[`${kind}s`][name]),
+    // Of the attempt "shown", as the playback counts it.
+    end: momentOf(school.shown_ms),
+    as: (login) => signedInAt(opened.url, school.people[login]),
+    close: opened.close,
+  };
+}
 
 const browser = await launch();
+const world = { ...(await (real === undefined ? onSchool() : anywhere())), pages: [] };
 let failed = 1;
 try {
-  failed = await runAll(selected, { ...server, pages: [], newPage: () => newPage(browser, server.baseUrl) }, pictures);
+  failed = await runAll(selected, world, pictures);
 } finally {
   await browser.close();
-  await mock?.close();
+  await world.close();
 }
 console.log(
   `${selected.length - failed} of ${selected.length} flows passed${failed > 0 ? `; pictures in ${kFailed}` : ""}`,

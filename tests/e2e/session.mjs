@@ -3,6 +3,10 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
 
+// Of schemas/golden.
+export const golden = (name) =>
+  JSON.parse(readFileSync(new URL(`../../schemas/golden/${name}.json`, import.meta.url), "utf8"));
+
 export async function signIn(page, { login, password }) {
   await page.getByLabel("Login").fill(login);
   await page.getByLabel("Password").fill(password);

@@ -1,5 +1,5 @@
 // What the page costs who grades with it.
-//   node scripts/budget.mjs [--dist DIR]               bytes of scripts and style, and clicks, on the mock server
+//   node scripts/budget.mjs [--dist DIR] [--school DIR]   bytes of scripts and style, and clicks, on the school
 //   node scripts/budget.mjs --json FILE [--dist DIR]   real teeth on a real server, in a slowed Chromium (some minutes)
 // The first ends with 1 where more bytes or clicks are needed than allowed. The second writes the figures and never
 // fails by them: they depend on the machine. Of three teeth it takes the worst. Ends with 77 where there is no Chromium.
@@ -7,8 +7,7 @@ import { writeFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { fileURLToPath } from "node:url";
 import { begin, chromiumIsThere, launch, newPage } from "../../tests/e2e/browser.mjs";
-import { people } from "../../tests/e2e/mock_world.mjs";
-import { startMockServer } from "../../tests/e2e/mock_server.mjs";
+import { kSchool, openSchool } from "../../tests/e2e/school/open.mjs";
 import { axeViolations, clicksToGradeAWall, keysToGrade } from "./grading_figures.mjs";
 import { openAttempt, workersOf } from "./opening.mjs";
 import { instructor, startSchool } from "./real_school.mjs";
@@ -119,9 +118,9 @@ async function listBytes(browser, { baseUrl, login, password }) {
 }
 
 async function quick(dist) {
-  const server = await startMockServer({ dist });
-  const { login, password } = people.find((person) => person.role === "instructor");
-  const where = { baseUrl: server.url, login, password, most: kMostLost };
+  const opened = await openSchool({ folder: option("--school") ?? kSchool, dist });
+  const { login, password } = opened.school.people.instructor;
+  const where = { baseUrl: opened.url, login, password, most: kMostLost };
   const browser = await launch();
   try {
     const list = await listBytes(browser, where);
@@ -129,7 +128,7 @@ async function quick(dist) {
     return { ...found, list_bytes: list, attempt_bytes: bytes.assets, clicks };
   } finally {
     await browser.close();
-    await server.close();
+    await opened.close();
   }
 }
 
