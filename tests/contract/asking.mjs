@@ -19,6 +19,7 @@ const kNoId = "00000000-0000-7000-8000-000000000000";
 const kCallers = ["nobody", "sam", "sue", "tom", "ben", "ivo", "admin"];
 const kDemo = ["sam", "sue", "ben", "bea"];
 const kReads = ["GET", "HEAD"];
+const kMethods = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"];
 // Of the connection, and of no answer in particular.
 const kOfHttp = ["connection", "content-encoding", "content-length", "date", "keep-alive", "vary"];
 
@@ -208,12 +209,38 @@ export class Asking {
     if (operation.method === "GET") {
       const answer = await this.#ask(person, step, operation);
       this.#expect(operation, answer, [200, 206], `as ${name}`);
+      this.#keepsToItself(name, step, operation, answer);
     } else if (body !== undefined && step.type === undefined && !Array.isArray(body)) {
       const answer = await this.#ask(person, step, operation, { headers, body: { ...body, nonsense: 1 } });
       this.#expect(operation, answer, [400, 201], `as ${name} with an unknown member`);
     } else if (operation.ifMatch) {
       const answer = await this.#ask(person, step, operation, { body });
       this.#expect(operation, answer, [428], `as ${name} without If-Match`);
+    }
+  }
+
+  // A list names nothing of a cohort to those outside it.
+  #keepsToItself(name, step, operation, { text }) {
+    const scope = operation.may[this.w[name].role];
+    if (step.at !== undefined || scope === "all" || kDemo.includes(name)) return;
+    for (const [what, id] of Object.entries(this.w.ofDemo()))
+      if (id !== undefined && text.includes(id))
+        this.#note(operation, `as ${name}: the answer names the ${what} of another cohort`);
+  }
+
+  // Each path with the methods that it does not have, and a path that is none.
+  async methods() {
+    for (const path of new Set(this.contract.operations.map((of) => of.path))) {
+      const operations = this.contract.operations.filter((of) => of.path === path);
+      const has = operations.flatMap(({ method }) => (method === "GET" ? ["GET", "HEAD"] : [method]));
+      for (const method of kMethods.filter((one) => !has.includes(one))) {
+        const answer = await this.w.admin.ask(method, path.replace(/\{\w+\}/, kNoId));
+        ++this.answers;
+        const allow = (answer.headers.get("allow") ?? "").split(", ").sort().join();
+        const refused = method === "HEAD" || answer.json?.error?.code === "method_not_allowed";
+        if (answer.status !== 405 || allow !== [...has].sort().join() || !refused)
+          this.#note(operations[0], `${method}: expected 405 and Allow: ${has}, found ${answer.status} and ${allow}`);
+      }
     }
   }
 

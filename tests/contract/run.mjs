@@ -25,6 +25,7 @@ try {
   await asking.steps(of_people.devices);
   await asking.steps(of_people.server);
   await asking.steps(of_people.last);
+  await asking.methods();
 } finally {
   await close();
 }

@@ -137,6 +137,11 @@ export async function startSchool({ page } = {}) {
     w.demo = (await w.admin.need("GET", "/api/v1/cohorts")).json.cohorts[0].id;
     w.assignment = (await w.ben.need("GET", "/api/v1/assignments")).json.assignments[0].id;
     w.station = (await w.ben.need("GET", "/api/v1/stations")).json.stations[0].id;
+    // What only the demo's cohort knows of.
+    w.ofDemo = () => ({
+      ...{ cohort: w.demo, assignment: w.assignment, attempt: w.scored, "other attempt": w.sues },
+      ...{ recording: w.recording, marking: w.marking, batch: w.batch, exercise: w.mine },
+    });
     // Runs at the clock's pace until `leave`.
     w.work = async () => {
       const attempt = chair(w.sam, "student", []);
