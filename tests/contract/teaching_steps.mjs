@@ -16,6 +16,16 @@ const settled = (w, id) =>
     () => w.admin.ask("GET", `/api/v1/attempts/${id}`),
     ({ json }) => json.state === "scored",
   );
+// Has the whole cohort scored again.
+const again = async (w) => {
+  for (const id of [w.scored, w.sues]) await settled(w, id);
+  await until(
+    "no run waits",
+    () => w.ben.need("GET", "/api/v1/batches"),
+    ({ json }) => json.batches.every(({ over }) => over),
+  );
+  return w.ben.need("POST", `/api/v1/cohorts/${w.demo}/rescore`, { body: {} });
+};
 const made = (w, id) =>
   until(
     `the playback of ${id} is made`,
@@ -317,16 +327,24 @@ export const attempts = [
   },
   { of: "listBatches", by: "ben" },
   { of: "getBatch", by: "ben", at: (w) => w.batch },
+  // Each right after its runs were asked for: a run takes longer than the few requests of a step.
   {
-    of: "listJobs",
+    of: "cancelJob",
     by: "admin",
-    query: "?state=queued",
-    after: (w, { json }) => {
-      w.job = json.jobs[0].id;
+    before: async (w) => {
+      await again(w);
+      w.job = (await w.admin.need("GET", "/api/v1/jobs?state=queued")).json.jobs[0].id;
     },
+    at: (w) => w.job,
   },
-  { of: "cancelJob", by: "admin", at: (w) => w.job },
-  { of: "cancelBatch", by: "ben", at: (w) => w.batch },
+  {
+    of: "cancelBatch",
+    by: "ben",
+    before: async (w) => {
+      w.batch = (await again(w)).json.id;
+    },
+    at: (w) => w.batch,
+  },
   { of: "listJobs", by: "admin" },
   read("makeReference", {
     before: (w) => settled(w, w.scored),
@@ -343,9 +361,10 @@ export const attempts = [
     by: "ben",
     mine: ["sue"],
     before: async (w) => {
-      await w.ben.need("POST", `/api/v1/attempts/${w.sues}/rescore`);
-      await scored(w, w.sues, 2);
       await settled(w, w.sues);
+      const { json } = await w.ben.need("GET", `/api/v1/attempts/${w.sues}/results`);
+      await w.ben.need("POST", `/api/v1/attempts/${w.sues}/rescore`);
+      await scored(w, w.sues, json.results.length + 1);
       await w.ben.ask("POST", `/api/v1/assignments/${w.assignment}/release`);
     },
     at: (w) => w.sues,
