@@ -34,6 +34,10 @@ const kFaults = {
     "        - {$ref: '#/components/parameters/Id'}\n",
   ],
   "names of numbers that may be any": ["{$ref: '#/components/schemas/ReasonCode'}", "{type: string}"],
+  "a member without a word": [
+    "        csrf: {type: string}",
+    "        csrf: {type: string}\n        unsaid: {type: integer}",
+  ],
   "a name twice": ["operationId: alive", "operationId: ready"],
 };
 for (const [name, [from, to]] of Object.entries(kFaults))

@@ -75,6 +75,21 @@ function ofLists(place, schema, schemas) {
   ];
 }
 
+// A member says what it is: itself, by what it refers to, by its values, or by its parts; else by its name, which then
+// means the same everywhere (x-members).
+const kSays = ["description", "$ref", "allOf", "oneOf", "enum", "properties", "items", "additionalProperties"];
+function ofMembers(place, schema, known, used) {
+  if (schema === null || typeof schema !== "object") return [];
+  const out = Object.entries(schema).flatMap(([name, of]) => ofMembers(`${place}/${name}`, of, known, used));
+  if (typeof schema.properties !== "object") return out;
+  const bare = Object.entries(schema.properties)
+    .filter(([, of]) => !kSays.some((keyword) => of?.[keyword] !== undefined) && of?.type !== "boolean")
+    .map(([name]) => name);
+  for (const name of bare) used.add(name);
+  const unsaid = bare.filter((name) => known[name] === undefined);
+  return [...out, ...unsaid.map((name) => `${place}/${name}: expected a description, or one of the name in x-members`)];
+}
+
 // What is wrong, one line each.
 export async function problemsOf(text, name = kContract) {
   const contract = yaml.load(text);
@@ -83,7 +98,17 @@ export async function problemsOf(text, name = kContract) {
       ofOperation(`${method.toUpperCase()} ${path}`, operation, method),
     ),
   );
-  return [...(await againstOpenApi(text, name)), ...operations, ...ofLists("#", contract, contract.components.schemas)];
+  const names = contract["x-members"] ?? {};
+  const used = new Set();
+  const members = ofMembers("#", { paths: contract.paths, components: contract.components }, names, used);
+  const idle = Object.keys(names).filter((each) => !used.has(each));
+  return [
+    ...(await againstOpenApi(text, name)),
+    ...operations,
+    ...ofLists("#", contract, contract.components.schemas),
+    ...members,
+    ...idle.map((each) => `#/x-members/${each}: no member needs it`),
+  ];
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
