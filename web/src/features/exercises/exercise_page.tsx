@@ -29,7 +29,7 @@ import {
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { ProgressCard } from "./progress_card";
-import { marksTexts, restorationText } from "./restoration_text";
+import { marksTexts, restorationText, sourceText } from "./restoration_text";
 import { StaffActions } from "./staff_actions";
 import { outlinePaths, outlineViewBox } from "../../widgets/target_outline";
 
@@ -220,7 +220,7 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
       />
       {restoration !== null && (
         <p class="hint">
-          {restorationText(restoration)} {say("restoration.source", { source: restoration.source })}
+          {restorationText(restoration)} {say("restoration.source", { source: sourceText(restoration) })}
         </p>
       )}
       {critical.length > 0 && (

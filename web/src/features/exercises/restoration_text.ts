@@ -1,10 +1,20 @@
+import { nameOf } from "../../api/builtin_words";
 import type { Exercise } from "../../api/types";
-import { say } from "../../base/words";
+import { say, sayIf } from "../../base/words";
 import { fullMarksText, type MarkMap, noMarksText } from "./exercise_text";
 
 // What a restorative material changes in a rubric, in words.
 
+const kTellingWords = 3;
+
 type Restoration = NonNullable<Exercise["rubric"]["restoration"]>;
+
+// Where the limits come from: the server's sentence, which is English, or a school's own. The material and the last
+// words tell the built-in ones apart.
+export function sourceText({ name, source }: Pick<Restoration, "name" | "source">): string {
+  const end = nameOf(source).split("_").slice(-kTellingWords).join("_");
+  return sayIf(`restoration_source.${name}_${end}`) ?? source;
+}
 
 // Metrics whose limits are degrees beyond the range that a material allows the walls.
 const kBeyondRange: ReadonlySet<string> = new Set(["undercut_deg", "wall_tilt_deg"]);
