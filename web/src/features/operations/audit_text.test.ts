@@ -67,3 +67,14 @@ test("each person whose name is needed is listed once", () => {
     [id(3), id(7), id(8)],
   );
 });
+
+test("codes and answers of the server are told in words", () => {
+  const told = (after: object) =>
+    detailsOf({ before: "", after: JSON.stringify(after) }).map(({ name, after: text }) => [name, text]);
+  assert.deepEqual(told({ state: "scored", role: "student", cause: "appeal", archived: "yes" }), [
+    ["State", "Scored"],
+    ["Role", "student"],
+    ["Cause", "After an appeal"],
+    ["Archived", "yes"],
+  ]);
+});

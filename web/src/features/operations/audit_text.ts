@@ -95,9 +95,23 @@ function nameText(key: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+// Members whose values are codes, and where their words are.
+const kCodes: Readonly<Record<string, readonly string[]>> = {
+  cause: ["run_cause"],
+  counting: ["counting"],
+  flags: ["attempt_flag"],
+  hands: ["hands"],
+  role: ["role"],
+  state: ["attempt_state", "appeal", "exercise_state"],
+};
+
 function valueText(key: string, value: unknown, nameOf: (id: string) => string): string {
   if (value === undefined || value === null || value === "" || (key.endsWith("_ms") && Number(value) === 0)) return "";
   if (key.endsWith("_ms") && Number.isFinite(Number(value))) return formatDateTime(Number(value));
+  if (value === "yes" || value === "no") return say(`common.${value}`);
+  const code =
+    typeof value === "string" ? kCodes[key]?.map((area) => sayIf(`${area}.${value}`)).find(Boolean) : undefined;
+  if (code !== undefined) return code;
   if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
   if (typeof value === "string" && /^-?\d+\.\d+$/.test(value)) return formatNumber(Number(value), 3);
   if (typeof value === "string") return personOf(value) === value ? nameOf(value) : shortId(value);
