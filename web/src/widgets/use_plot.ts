@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 import type uPlot from "uplot";
 import { Disposables } from "../base/disposables";
+import { keepTrying } from "../base/keep_trying";
 import { numberText } from "../base/language";
 
 export interface PlotInput {
@@ -33,12 +34,10 @@ export function usePlot(
     const element = frame.current;
     if (element === null) return undefined;
     const cleanup = new Disposables();
-    let abandoned = false;
-    cleanup.add(() => {
-      abandoned = true;
-    });
-    void import("uplot").then(({ default: UPlot }) => {
-      if (abandoned) return;
+    const shown = new AbortController();
+    cleanup.add(() => shown.abort());
+    void keepTrying(() => import("uplot"), shown.signal).then(({ default: UPlot }) => {
+      if (shown.signal.aborted) return;
       const { options, data } = latest.current.describe(element);
       const made = new UPlot(options, data, element);
       plot.current = made;

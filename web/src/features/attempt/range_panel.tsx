@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
+import { keepTrying } from "../../base/keep_trying";
 import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { Folded, Loading, TableFrame } from "../../widgets/basics";
@@ -38,7 +39,9 @@ function RangeFigures({
 }) {
   const [made, setMade] = useState<typeof import("./range")>();
   useEffect(() => {
-    import("./range").then(setMade, () => undefined);
+    const shown = new AbortController();
+    void keepTrying(() => import("./range"), shown.signal).then(setMade);
+    return () => shown.abort();
   }, []);
   if (made === undefined) return <Loading what={say("loading.page")} />;
   const speed = speeds(series);

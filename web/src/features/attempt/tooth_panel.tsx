@@ -2,6 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { type Look, sameLook } from "../../base/moment_link";
+import { keepTrying } from "../../base/keep_trying";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Folded, Loading } from "../../widgets/basics";
@@ -155,7 +156,10 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   );
   const [draw, setDraw] = useState<typeof import("../../widgets/target_lines")>();
   useEffect(() => {
-    if (aims) import("../../widgets/target_lines").then(setDraw, () => undefined);
+    if (!aims) return undefined;
+    const shown = new AbortController();
+    void keepTrying(() => import("../../widgets/target_lines"), shown.signal).then(setDraw);
+    return () => shown.abort();
   }, [aims]);
   const wanted = exercise.state === "ready" ? exercise.value.value.target : undefined;
   const lines = useMemo(
