@@ -93,7 +93,9 @@ export function useReview(reviewed: Reviewed) {
       moment.look.near?.([x, y, z]);
     }
     // The deviation is of the finished tooth: it stays in view, and the tool is marked where it was.
-    const compared = control?.playback.deviation.state === "ready" && control.playback.deviation.compared !== undefined;
+    const deviation = control?.playback.deviation;
+    const compared =
+      deviation?.state === "loading" || (deviation?.state === "ready" && deviation.compared !== undefined);
     go(
       recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined,
       compared,

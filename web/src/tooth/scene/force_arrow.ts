@@ -5,25 +5,26 @@ import { add, placed, scaled, turnBetween, unit, type Vec, lengthOf } from "./ve
 
 const kColor = "#c2410c";
 const kArrowMmPerN = 1.5; // as the words say (tooth.force_arrow)
-const kMostMm = 12;
-const kShaftMm = 0.09;
-const kHeadMm = 0.55;
+const kMostMm = 6; // more would cover the cavity
+// Of half the picture's height: as slim from near as from far.
+const kShaft = 0.008;
+const kHead = 0.06;
 
 // The force on the hand as an arrow from the bur's tip, over the tooth.
 export class ForceArrow {
-  // A shaft of 1 mm that is drawn out along z, and a head for its end.
+  // A shaft that is drawn out along z, and a head for its end.
   private readonly shaft;
   private readonly head;
   private force: Vec | undefined;
 
   constructor(private readonly gl: Gl) {
     this.shaft = revolved(gl, [
-      [0, kShaftMm],
-      [1, kShaftMm],
+      [0, kShaft],
+      [1, kShaft],
     ]);
     this.head = revolved(gl, [
-      [0, 3 * kShaftMm],
-      [kHeadMm, 0],
+      [0, 3 * kShaft],
+      [kHead, 0],
     ]);
   }
 
@@ -32,17 +33,18 @@ export class ForceArrow {
     this.force = forceN;
   }
 
-  // `tip`: where it begins; undefined: no tool is drawn. `plain`: in use, with the picture's matrices.
-  draw(plain: Program, tip: Vec | undefined): void {
+  // `tip`: where it begins; undefined: no tool is drawn. `plain`: in use, with the picture's matrices. `halfHighMm`: half
+  // the picture's height.
+  draw(plain: Program, tip: Vec | undefined, halfHighMm: number): void {
     if (tip === undefined || this.force === undefined) return;
     const lengthMm = Math.min(kMostMm, lengthOf(this.force) * kArrowMmPerN);
     const way = unit(this.force);
     const turn = turnBetween([0, 0, 1], way);
     drawOver(this.gl, { depth: false });
     plain.set("tint", [...screenColor(kColor), 1]);
-    plain.set("model", placed(turn, tip, [1, 1, lengthMm]));
+    plain.set("model", placed(turn, tip, [halfHighMm, halfHighMm, lengthMm]));
     this.shaft.draw();
-    plain.set("model", placed(turn, add(tip, scaled(way, lengthMm))));
+    plain.set("model", placed(turn, add(tip, scaled(way, lengthMm)), [halfHighMm, halfHighMm, halfHighMm]));
     this.head.draw();
   }
 

@@ -27,6 +27,7 @@ const kMarks = [
   { color: "#ffffff", radiusMm: 0.29 },
   { color: "#0b7a4b", radiusMm: 0.2 },
 ] as const;
+const kMarkShare = 0.33; // of half the picture's height, per mm: a mark does not cover a place that is seen from near
 const kNowhere = [0, 0, 0, 0, 0, 0, 0, 0, 0];
 const kTrailTint = [...screenColor("#101418"), 0.55];
 
@@ -341,7 +342,7 @@ export class ToothScene implements FilmScreen {
   }
   // What is seen through the tooth.
   private drawOnTop(plain: Program, projection: Matrix): void {
-    const { gl, tool } = this;
+    const { gl, tool, sight } = this;
     drawOver(gl, { depth: false, mixed: true });
     plain.set("tint", kTrailTint);
     this.trail?.draw();
@@ -349,13 +350,14 @@ export class ToothScene implements FilmScreen {
     drawOver(gl, { depth: false });
     for (const { color, radiusMm } of tool === undefined ? [] : kMarks) {
       plain.set("tint", [...screenColor(color), 1]);
-      plain.set("model", placed(kUnturned, tool!, [radiusMm, radiusMm, radiusMm]));
+      const size = radiusMm * Math.min(1, kMarkShare * sight.halfHighMm);
+      plain.set("model", placed(kUnturned, tool!, [size, size, size]));
       this.mark.draw();
     }
     plain.set("model", kUnmoved);
     for (const cut of [this.ghost?.drawn.section, this.targetCut, this.section]) cut?.draw(plain, projection);
     // At the bur or, where none is shown, at the tool's mark.
-    this.arrow.draw(plain, this.bur === undefined ? tool : (this.pose?.tipMm ?? tool));
+    this.arrow.draw(plain, this.bur === undefined ? tool : (this.pose?.tipMm ?? tool), this.sight.halfHighMm);
   }
 
   look(look: Look): void {

@@ -78,6 +78,10 @@ export class Sight {
   get away(): Vec {
     return sub(this.eye, this.target);
   }
+  // Of the picture, at what is looked at.
+  get halfHighMm(): number {
+    return lengthOf(this.away) * kHalfHigh;
+  }
   // From the scene to the camera, and on to −1 … 1.
   get fromScene(): Matrix {
     return viewFrom(this.eye, this.target, this.up);
@@ -215,7 +219,7 @@ export class Sight {
   // Looks at what lies aside, `right` and `up` of half the picture's height from the middle.
   pan(right: number, up: number): void {
     const [x, y] = this.axes();
-    const size = lengthOf(this.away) * kHalfHigh;
+    const size = this.halfHighMm;
     this.untouched = false;
     const aside = add(scaled(x, right * size), scaled(y, up * size));
     this.eye = add(this.eye, aside);
