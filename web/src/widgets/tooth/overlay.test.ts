@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { PerspectiveCamera, Vector3 } from "three";
-import { pxPerMm } from "./overlay";
+import type { Anatomy } from "../../api/tooth_number";
+import type { PointMm } from "../../tooth/messages";
+import { axisEnds, pxPerMm } from "./overlay";
 
 test("the scale is what a camera makes of a millimetre across the picture, also aside of its middle", () => {
   const camera = new PerspectiveCamera(28, 1.5, 0.1, 500);
@@ -19,4 +21,15 @@ test("the scale is what a camera makes of a millimetre across the picture, also 
     // Aside of the middle a point may also come nearer while it goes across.
     assert.ok(Math.abs(found / expected - 1) < (at.x === 1 ? 1e-3 : 0.05), `${found} and ${expected}`);
   }
+});
+
+test("the axes in the corner point as the tooth lies", () => {
+  // Straight from above: to the right is +x, up is +y.
+  const fromAbove = ([x, y, z]: PointMm): PointMm => [100 + 10 * x, 100 - 10 * y, z];
+  const ends = (anatomy: Anatomy) => axisEnds(anatomy, fromAbove, [0, 0, 0]).map((end) => end.map((part) => part + 0));
+  assert.deepEqual(ends({ mesial: -1, up: "occlusal" }), [
+    [-1, 0],
+    [0, -1],
+    [0, 0],
+  ]);
 });

@@ -19,6 +19,8 @@ const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
 const kWidePx = 560;
 const kBesideTooth = 1.05; // of the radius of the ball around it
 const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
+const kAxisMm = 0.5; // short, so that perspective does not bend the axes
+const kNameAt = 1.35; // of an axis
 const kScaleMostPx = 96;
 const kScaleMm = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20] as const;
 
@@ -42,6 +44,7 @@ export function place(
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
   placeLabels(labels, [width, height], anatomy, project, extent.centreMm, extent.radiusMm);
   placePins(element, project);
+  placeAxes(element, anatomy, project, extent.centreMm);
   placeScale(element, pxPerMm(projection, middle, width));
   element.dataset["tooth"] = detail;
 }
@@ -74,6 +77,49 @@ function placeLabels(
     label.style.visibility = visible ? "visible" : "hidden";
     if (visible)
       label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
+  });
+}
+
+// Which way mesial, buccal and occlusal point in the picture, in a corner of it.
+export const kAxes: ReadonlyArray<readonly ["mesial" | "buccal" | "occlusal", PointMm]> = [
+  ["mesial", [1, 0, 0]],
+  ["buccal", [0, 1, 0]],
+  ["occlusal", [0, 0, 1]],
+];
+
+// Ends of the axes, to the right and down; the longest has the length 1.
+export function axisEnds(
+  anatomy: Anatomy,
+  project: (point: PointMm) => PointMm,
+  centre: PointMm,
+): ReadonlyArray<readonly [number, number]> {
+  const [cx, cy] = project(centre);
+  const ends = kAxes.map(([, direction]) => {
+    const [x, y, z] = toScene(anatomy, direction);
+    const at = project([centre[0] + x * kAxisMm, centre[1] + y * kAxisMm, centre[2] + z * kAxisMm]);
+    return [at[0] - cx, at[1] - cy] as const;
+  });
+  const longest = Math.max(...ends.map(([x, y]) => Math.hypot(x, y))) || 1;
+  return ends.map(([x, y]) => [x / longest, y / longest]);
+}
+
+function placeAxes(
+  frame: HTMLElement,
+  anatomy: Anatomy | undefined,
+  project: (point: PointMm) => PointMm,
+  centre: PointMm,
+): void {
+  const axes = frame.querySelector<SVGElement>(".tooth-axes");
+  if (axes === null) return;
+  axes.style.visibility = anatomy === undefined ? "hidden" : "visible";
+  if (anatomy === undefined) return;
+  const lines = axes.querySelectorAll("line");
+  const names = axes.querySelectorAll("text");
+  axisEnds(anatomy, project, centre).forEach(([x, y], i) => {
+    lines[i]?.setAttribute("x2", x.toFixed(3));
+    lines[i]?.setAttribute("y2", y.toFixed(3));
+    names[i]?.setAttribute("x", (kNameAt * x).toFixed(3));
+    names[i]?.setAttribute("y", (kNameAt * y).toFixed(3));
   });
 }
 

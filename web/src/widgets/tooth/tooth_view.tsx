@@ -21,7 +21,7 @@ import type {
 } from "../../tooth/messages";
 import { Loading } from "../basics";
 import { Button } from "../button";
-import { type Drawn, kDirections, place } from "./overlay";
+import { type Drawn, kAxes, kDirections, place } from "./overlay";
 import { tissueTitle } from "./tissue";
 import { turnedBy } from "./turning";
 
@@ -296,6 +296,14 @@ export function ToothView({
           </button>
         ))}
         <p class="tooth-scale" aria-hidden="true" />
+        <svg class="tooth-axes" viewBox="-1.7 -1.7 3.4 3.4" aria-hidden="true">
+          {kAxes.map(([name]) => (
+            <g key={name}>
+              <line x2="0" y2="0" />
+              <text>{say(`view.${name}`).slice(0, 1)}</text>
+            </g>
+          ))}
+        </svg>
         {name !== undefined && <p class="tooth-name">{name}</p>}
         {!drawn && problem === "" && (
           <div class="tooth-problem">
