@@ -16,7 +16,7 @@ const kSkipped = 77;
 const kMostLost = "Mesial wall";
 
 // Of scripts and style as they travel (compressed), and of clicks; raised only on purpose.
-const kBudget = { sign_in_bytes: 48_700, list_bytes: 78_700, attempt_bytes: 157_700, clicks: 12 };
+const kBudget = { sign_in_bytes: 50_200, list_bytes: 81_200, attempt_bytes: 161_500, clicks: 12 };
 
 function option(name) {
   const at = process.argv.indexOf(name);
