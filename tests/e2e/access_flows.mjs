@@ -1,13 +1,14 @@
 // What people with other eyes, other hands or a poor network meet.
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
-import { signedIn } from "./session.mjs";
+import { accessible, signedIn } from "./session.mjs";
 
 export const accessFlows = [
   { name: "a contrast theme keeps every mark that carries a meaning", run: contrastTheme },
   { name: "sliders are silent while an attempt is played, and say the moment when it stops", run: silentSliders },
   { name: "going back returns to the place in a list", run: backToThePlace },
   { name: "a part of the page that could not be loaded comes by itself", run: partComesBack },
+  { name: "without WebGL five still views show the tooth, and the tools say why they are off", run: withoutWebGl },
   { name: "a wrong address is told in a sentence", run: wrongAddress },
 ];
 
@@ -80,6 +81,31 @@ async function partComesBack(world) {
   await page.getByText("This part of the page could not be loaded").waitFor();
   await page.unroute("**/assets/account_page-*");
   await page.getByRole("heading", { level: 2 }).first().waitFor();
+}
+
+async function withoutWebGl(world) {
+  const page = await signedIn(world, "instructor", "/account");
+  await page.route("**/assets/worker-*", async (route) => {
+    const response = await route.fetch({ maxRetries: 3 });
+    const body = `OffscreenCanvas.prototype.getContext = () => null;\n${await response.text()}`;
+    const { "content-encoding": _packed, "content-length": _bytes, ...headers } = response.headers();
+    await route.fulfill({ headers, body });
+  });
+  await page.goto(world.attempt("shown"));
+  await page.locator(".still-views canvas").nth(4).waitFor();
+  assert.deepEqual(await page.locator(".still-views figcaption").allInnerTexts(), [
+    "Occlusal",
+    "Buccal",
+    "Lingual",
+    "Mesial",
+    "Distal",
+  ]);
+  const view = page.getByRole("button", { name: "Occlusal", exact: true });
+  assert.equal(await view.getAttribute("aria-disabled"), "true");
+  assert.match(await view.getAttribute("title"), /needs WebGL 2/);
+  assert.equal(await page.getByLabel("Section", { exact: true }).isDisabled(), true);
+  await accessible(page, "an attempt without WebGL");
+  await world.picture(page, "without_webgl");
 }
 
 async function wrongAddress(world) {
