@@ -14,10 +14,12 @@ namespace {
 // Somebody mends a roster from the top; the count beside it says how many there are.
 constexpr size_t kMaxListed = 200;
 
-// A password for everybody who might be new: only the transaction knows who is.
+// A password for everybody who might be new: only the transaction knows who is. The first row makes
+// a person, so it has the verifier; the further rows have none.
 Result<std::map<std::string, std::string>> MakePasswords(std::vector<RosterRow>& rows) {
   std::map<std::string, std::string> out;
   for (RosterRow& row : rows) {
+    if (out.contains(row.login)) continue;
     auth::OneTimePassword password = auth::MakeOneTimePassword();
     if (password.verifier.empty()) {
       return Status(Code::kUnavailable, "no memory for hashing passwords; try again later");

@@ -21,8 +21,9 @@ struct RosterRow {
   std::string login;
   std::string display_name;  // empty: not told; a new person is then called by the login
   Role role = Role::kStudent;
-  std::string cohort;    // empty: none
-  std::string verifier;  // of the one-time password, should the person be new
+  std::string cohort;  // empty: none
+  // Of the one-time password, should the person be new; only in the first row of the person.
+  std::string verifier;
 };
 
 // Something that keeps the whole roster from being imported.

@@ -232,6 +232,24 @@ TEST_F(PeopleTest, RosterOverTheApiIsTriedRefusedAndImported) {
   EXPECT_EQ(post("?unknown_columns=ignore", "login,mail\nkim,k@x.example\n").status, 200);
 }
 
+TEST_F(PeopleTest, EveryPasswordOfARosterSignsInAlsoOfSomebodyInTwoCohorts) {
+  const RawResponse done = Send(root_, "POST", "/api/v1/roster",
+                                "login,role,cohort\nzoe,,Section 1\nyan,,Section 1\n"
+                                "zoe,,Section 2\nzoe,,Section 3\n",
+                                "", "text/csv");
+  ASSERT_EQ(done.status, 200) << done.body;
+  const json::value made = Parsed(done);
+  ASSERT_EQ(made.at("passwords").as_array().size(), 2u);
+  for (const json::value& each : made.at("passwords").as_array()) {
+    Visitor visitor(server_.port());
+    EXPECT_EQ(SignIn(visitor, each.at("login").as_string().c_str(),
+                     each.at("password").as_string().c_str())
+                  .status,
+              200)
+        << each;
+  }
+}
+
 TEST_F(PeopleTest, CohortIsMadeRenamedFilledAndArchived) {
   RawResponse made = Send(root_, "POST", "/api/v1/cohorts", R"({"name":"Year 3"})");
   ASSERT_EQ(made.status, 201) << made.body;

@@ -28,6 +28,13 @@ class ImportTest : public ::testing::Test {
     EXPECT_TRUE(result.ok()) << result.status().message();
     return std::move(result).value();
   }
+  void ExpectAllSignIn(const std::vector<NewPassword>& passwords) {
+    for (const NewPassword& made : passwords) {
+      const Uuid id = store_->people.PersonByLogin(made.login)->id;
+      EXPECT_TRUE(auth::VerifyPassword(made.password, *store_->people.PasswordVerifier(id)))
+          << made.login;
+    }
+  }
 
   TempFolder folder_;
   std::unique_ptr<Store> store_ = OpenStore(folder_.path());
@@ -38,11 +45,8 @@ TEST_F(ImportTest, EverybodyNewGetsAPasswordThatWorksAndIsDifferent) {
   EXPECT_TRUE(result.done);
   ASSERT_EQ(result.passwords.size(), 2u);
   EXPECT_NE(result.passwords[0].password, result.passwords[1].password);
-  for (const NewPassword& made : result.passwords) {
-    Uuid id = store_->people.PersonByLogin(made.login)->id;
-    EXPECT_TRUE(auth::VerifyPassword(made.password, *store_->people.PasswordVerifier(id)));
-    EXPECT_EQ(made.password.size(), 19u);
-  }
+  ExpectAllSignIn(result.passwords);
+  for (const NewPassword& made : result.passwords) EXPECT_EQ(made.password.size(), 19u);
   CsvTable table = ReadCsv(PasswordsCsv(result.passwords));
   ASSERT_EQ(table.rows.size(), 3u);
   EXPECT_EQ(table.rows[2].cells[0], "bob");
@@ -86,6 +90,7 @@ TEST_F(ImportTest, SomebodyInTwoCohortsHasARowForEach) {
   ASSERT_TRUE(result.done);
   EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
   EXPECT_EQ(result.passwords.size(), 2u) << "one password for one person";
+  ExpectAllSignIn(result.passwords);
   const Uuid ada = store_->people.PersonByLogin("ada")->id;
   const auto cohorts = store_->cohorts.Cohorts();
   ASSERT_EQ(cohorts->size(), 2u);
