@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace enamel::server {
@@ -10,6 +11,8 @@ namespace {
 constexpr size_t kFewest = 8;  // of fewer, one that stands out moves the median
 constexpr double kFarZ = 3.5;
 constexpr double kNormalMad = 0.6745;  // MAD of the standard normal distribution
+// Its standard deviation over its mean absolute deviation: the square root of pi / 2.
+constexpr double kPerMeanDeviation = 1.2533;
 
 // A number of somebody's.
 struct Of {
@@ -27,15 +30,22 @@ void CountTenth(double percent, Tenths& tenths) {
   ++tenths[static_cast<size_t>(std::clamp(std::floor(percent / 10), 0.0, 9.0))];
 }
 
+// Stands for the standard deviation; 0 where all values are equal.
+double ScaleOf(const std::vector<double>& away) {
+  if (const double mad = SpreadOf(away)->median; mad > 0) return mad / kNormalMad;
+  const double sum = std::accumulate(away.begin(), away.end(), 0.0);
+  return kPerMeanDeviation * sum / static_cast<double>(away.size());
+}
+
 void FindOutliers(const std::string& what, const std::vector<Of>& all, std::vector<Outlier>& out) {
   if (all.size() < kFewest) return;
   const double median = SpreadOf(ValuesOf(all))->median;
   std::vector<double> away;
   for (const Of& each : all) away.push_back(std::abs(each.value - median));
-  const double mad = SpreadOf(std::move(away))->median;
-  if (mad == 0) return;
+  const double scale = ScaleOf(away);
+  if (scale == 0) return;
   for (const Of& each : all) {
-    const double z = kNormalMad * (each.value - median) / mad;
+    const double z = (each.value - median) / scale;
     if (std::abs(z) > kFarZ) out.push_back({each.student, what, each.value, median, z});
   }
 }

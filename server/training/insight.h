@@ -95,8 +95,10 @@ struct Insight {
 
 // A value is an outlier if |z| > 3.5 with z = 0.6745 (x - median) / MAD, MAD the median of |x -
 // median| (Iglewicz and Hoaglin, "How to Detect and Handle Outliers", 1993): outliers move neither
-// median nor MAD. With fewer than 8 values, or a MAD of 0, there are none. Times are of students
-// who began. Of equally common errors the one that cost more points is listed.
+// median nor MAD. More than half of a class may share a value, which makes the MAD 0. Then z = (x -
+// median) / (1.2533 MeanAD), MeanAD the mean of |x - median| (IBM, Cognos Analytics, "Modified z
+// score"). With fewer than 8 values there are no outliers. Times are of students who began. Of
+// equally common errors the one that cost more points is listed.
 Insight InsightOf(const std::vector<StudentWork>& students);
 
 }  // namespace enamel::server

@@ -105,14 +105,26 @@ TEST(InsightTest, OnlyWhatIsFarFromTheClassStandsOut) {
   EXPECT_TRUE(InsightOf(work).outliers.empty()) << "seven are too few";
 }
 
-TEST(InsightTest, EqualValuesHaveNoOutliersAndGatesAreCounted) {
+// Eight of nine have 70 and one has 10: the MAD is 0, the mean of |x - 70| is 60 / 9, and
+// z = -60 / (1.2533 · 60 / 9) = -7.18.
+TEST(InsightTest, WhoIsFarFromAValueThatMostShareStandsOut) {
+  std::vector<StudentWork> work(9, Work(70, 60));
+  EXPECT_TRUE(InsightOf(work).outliers.empty()) << "all are equal";
+  work[0].score = 10;
+  const Insight insight = InsightOf(work);
+  ASSERT_EQ(insight.outliers.size(), 1u);
+  EXPECT_EQ(insight.outliers[0].student, 0u);
+  EXPECT_EQ(insight.outliers[0].what, "score");
+  EXPECT_NEAR(insight.outliers[0].z, -7.18, 0.01);
+  for (int i = 1; i < 4; ++i) work[static_cast<size_t>(i)].score = 10;
+  EXPECT_TRUE(InsightOf(work).outliers.empty()) << "four of nine are a second group";
+}
+
+TEST(InsightTest, GatesAreCountedThatTookPoints) {
   std::vector<StudentWork> work(9, Work(70, 60));
   work[3].gates = {{"task_done_percent", "Task done", 0.4}};
   work[4].gates = {{"task_done_percent", "Task done", 1}};
-  work[0].score = 10;
   const Insight insight = InsightOf(work);
-  EXPECT_TRUE(insight.outliers.empty())
-      << "more than half are equal: there is no spread to judge by";
   ASSERT_EQ(insight.gates.size(), 1u);
   EXPECT_EQ(insight.gates[0].taken, 1u);
 }
