@@ -1,5 +1,6 @@
 #include "common/base/csv.h"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -15,8 +16,8 @@ constexpr std::string_view kComputed = "=+-@\t\r";
 // One pass over the text, character by character.
 class Reader {
  public:
-  Reader(const CsvLimits& limits, char separator, CsvTable& table)
-      : limits_(limits), separator_(separator), table_(table) {}
+  Reader(const CsvLimits& limits, char separator, uint32_t first_row, CsvTable& table)
+      : limits_(limits), separator_(separator), table_(table), current_{first_row, {}} {}
 
   void Read(std::string_view text) {
     for (size_t i = 0; i < text.size() && !failed(); ++i) {
@@ -99,16 +100,45 @@ class Reader {
   CsvTable& table_;
   Place place_ = Place::kBegin;
   std::string cell_;
-  CsvRow current_{1, {}};
+  CsvRow current_;
   bool has_text_ = false;
 };
 
-// Spreadsheets in countries with a decimal comma separate cells by semicolons. The first line names
-// the columns: it has the one or the other.
+// Spreadsheets in countries with a decimal comma separate cells by semicolons, and by tabs what they
+// call text. The first line names the columns and has the separator most often; a name in quotes may
+// have others in it.
 char SeparatorOf(std::string_view text) {
-  const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
-  const bool commas = first.find(',') != std::string_view::npos;
-  return !commas && first.find(';') != std::string_view::npos ? ';' : ',';
+  constexpr std::string_view kSeparators = ",;\t|";
+  size_t counts[kSeparators.size()] = {};
+  bool quoted = false;
+  for (char c : text) {
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '\n' || c == '\r') break;
+    if (const size_t at = kSeparators.find(c); at != std::string_view::npos) ++counts[at];
+  }
+  return kSeparators[static_cast<size_t>(std::ranges::max_element(counts) - counts)];
+}
+
+// Excel's line above the table that says what separates its cells: "sep=;".
+struct Told {
+  char separator = 0;  // none: there is no such line
+  size_t size = 0;     // of the line, with its end
+};
+
+Told ToldSeparator(std::string_view text) {
+  std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  const std::string_view rest = text.substr(line.size());
+  const size_t end = rest.starts_with("\r\n") ? 2 : std::min<size_t>(rest.size(), 1);
+  const size_t size = line.size() + end;
+  if (line.size() > 2 && line.front() == '"' && line.back() == '"') {
+    line = line.substr(1, line.size() - 2);
+  }
+  constexpr std::string_view kTells = "sep=";
+  const bool tells = line.size() == kTells.size() + 1 &&
+                     std::ranges::equal(line.substr(0, kTells.size()), kTells,
+                                        [](char a, char b) { return (a | 0x20) == (b | 0x20); });
+  return tells ? Told{line.back(), size} : Told{};
 }
 
 bool IsNumber(std::string_view text) {
@@ -133,7 +163,10 @@ std::string Cell(std::string_view text) {
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   CsvTable table;
-  Reader(limits, SeparatorOf(text), table).Read(text);
+  const Told told = ToldSeparator(text);
+  const std::string_view rows = text.substr(told.size);
+  const char separator = told.separator != 0 ? told.separator : SeparatorOf(rows);
+  Reader(limits, separator, told.size > 0 ? 2 : 1, table).Read(rows);
   return table;
 }
 

@@ -9,7 +9,8 @@
 
 #include "common/base/result.h"
 
-// Comma-separated values (RFC 4180), bounded. Semicolons are read as well. Pure functions, any thread.
+// Comma-separated values (RFC 4180), bounded. Semicolons, tabs and bars are read as well. Pure
+// functions, any thread.
 //
 // Why not libcsv: its strict mode refuses a quote inside a bare cell (37.8"N), which spreadsheets
 // write and everybody reads. Its other mode accepts text after a closing quote and quotes that are
@@ -38,7 +39,8 @@ struct CsvTable {
 };
 
 // Line ends LF, CR LF or CR; quoted cells may have them inside. A byte order mark is skipped. Cells
-// are separated by semicolons where the first line has semicolons and no comma.
+// are separated by what a first line "sep=;" says, and without one by what the first line has most
+// often: a comma, semicolon, tab or bar.
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
 
 // One line with its end, CR LF. A cell that a spreadsheet would compute, because it begins with

@@ -6,6 +6,7 @@
 
 #include "common/base/csv.h"
 #include "common/base/utf8.h"
+#include "server/roster/text_reading.h"
 #include "server/training/names.h"
 
 namespace enamel::server::roster {
@@ -15,6 +16,8 @@ constexpr std::array<std::string_view, 4> kColumns = {"login", "display_name", "
 constexpr std::string_view kHeader =
     "a first row with the names of the columns: login, "
     "display_name, role, cohort";
+
+constexpr std::string_view kReplacement = "\xef\xbf\xbd";  // U+FFFD
 
 std::string Lower(std::string_view text) {
   std::string out;
@@ -49,13 +52,6 @@ std::string Shown(std::string_view text) {
   return '"' + out + (text.size() > kMost ? "…\"" : "\"");
 }
 
-// Its size when there is none.
-size_t FirstBadByte(std::string_view text) {
-  std::string_view rest = text;
-  while (!rest.empty() && NextCodePoint(rest)) continue;
-  return text.size() - rest.size();
-}
-
 // The row a byte is in, lines ending in LF, CR LF or CR.
 uint32_t RowOf(std::string_view text, size_t at) {
   uint32_t row = 1;
@@ -76,19 +72,32 @@ class Reader {
   Reader(const RosterOptions& options, RosterFile& out) : options_(options), out_(out) {}
 
   bool ReadHeader(const CsvRow& header) {
-    // It would otherwise be one column with a strange name.
-    if (MeansAnotherSeparator(header)) return false;
     for (size_t i = 0; i < header.cells.size(); ++i) TakeColumn(header, i);
     if (Place("login")) return out_.problems.empty();
     Refuse(header.row, "login", "no such column", std::string(kHeader));
     return false;
   }
 
+  // Spreadsheets put totals and notes below a list: one text, and no login.
+  bool IsFooter(const CsvRow& row) const {
+    if (named_ < 2) return false;
+    const auto texts = std::ranges::count_if(
+        row.cells, [](const std::string& cell) { return !Trimmed(cell).empty(); });
+    return texts == 1 && Text(row).find(' ') != std::string::npos;
+  }
+  void LeaveOut(const CsvRow& row) { out_.left_out.push_back({row.row, Text(row)}); }
+
   void ReadRow(const CsvRow& row) {
-    if (row.cells.size() != columns_.size()) {
+    if (row.cells.size() < named_) {
       return Refuse(row.row, "", std::to_string(row.cells.size()) + " cells",
-                    std::to_string(columns_.size()) +
+                    std::to_string(named_) +
                         " as in the first row; is a comma inside a name without quotes around it?");
+    }
+    for (size_t i = 0; i < row.cells.size(); ++i) {
+      if ((i < columns_.size() && !columns_[i].empty()) || Trimmed(row.cells[i]).empty()) continue;
+      return Refuse(row.row, "", Shown(row.cells[i]) + " in a column without a name",
+                    "nothing there, or a name of the column in the first row; is a comma inside a "
+                    "name without quotes around it?");
     }
     // A row with a problem in any cell is left out of the plan, which compares only readable rows.
     size_t before = out_.problems.size();
@@ -110,21 +119,19 @@ class Reader {
     out_.problems.push_back({row, std::move(column), std::move(found), std::move(expected)});
   }
 
-  bool MeansAnotherSeparator(const CsvRow& header) {
-    if (header.cells.size() != 1) return false;
-    for (const auto& [separator, name] : {std::pair{'\t', "tabs"}, {'|', "bars"}}) {
-      if (header.cells[0].find(separator) == std::string::npos) continue;
-      Refuse(header.row, "", std::string("cells separated by ") + name,
-             "cells separated by commas; in the spreadsheet, save as \"CSV UTF-8 (comma)\" or set "
-             "the list separator to a comma");
-      return true;
+  static std::string Text(const CsvRow& row) {
+    for (const std::string& cell : row.cells) {
+      if (std::string text = Trimmed(cell); !text.empty()) return text;
     }
-    return false;
+    return {};
   }
 
   void TakeColumn(const CsvRow& header, size_t i) {
     std::string name = ColumnName(header.cells[i]);
     columns_.push_back(name);
+    // Spreadsheets write empty columns beside a table.
+    if (name.empty()) return;
+    named_ = i + 1;
     if (std::count(columns_.begin(), columns_.end(), name) > 1 && IsKnown(name)) {
       return Refuse(header.row, name, "the column twice", "each column once");
     }
@@ -146,7 +153,7 @@ class Reader {
   // Without the spaces around it; empty when there is no such column.
   std::string Cell(const CsvRow& row, std::string_view column) const {
     std::optional<size_t> place = Place(column);
-    return place ? Trimmed(row.cells[*place]) : std::string();
+    return place ? Trimmed(row.cells.at(*place)) : std::string();
   }
 
   template <typename Check>
@@ -157,7 +164,8 @@ class Reader {
     // "expected E, found F": the two stand apart in the answer.
     std::string message = checked.status().message();
     constexpr std::string_view kExpected = "expected ", kFound = ", found ";
-    size_t found = message.rfind(kFound);
+    // The first one: what was found may have these words in it, and our own texts have not.
+    size_t found = message.find(kFound);
     Refuse(row.row, column,
            found == std::string::npos ? Shown(text) : message.substr(found + kFound.size()),
            message.substr(kExpected.size(), found == std::string::npos ? std::string::npos
@@ -186,25 +194,24 @@ class Reader {
 
   const RosterOptions& options_;
   RosterFile& out_;
-  std::vector<std::string> columns_;  // of the file, in its order
+  std::vector<std::string> columns_;  // of the file, in its order; empty: one without a name
+  size_t named_ = 0;                  // behind the last that has one
 };
 
 }  // namespace
 
-RosterFile ReadRoster(std::string_view text, const RosterOptions& options) {
+RosterFile ReadRoster(std::string_view bytes, const RosterOptions& options) {
   RosterFile out;
-  if (text.size() > kMaxRosterBytes) {
+  out.reading = options.reading.empty() ? ReadingOf(bytes) : options.reading;
+  if (bytes.size() > kMaxRosterBytes) {
     out.problems.push_back(
-        {1, "", std::to_string(text.size()) + " bytes", "at most 1 MiB; split the file"});
+        {1, "", std::to_string(bytes.size()) + " bytes", "at most 1 MiB; split the file"});
     return out;
   }
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    out.problems.push_back({1, "", "text in UTF-16", "text in UTF-8; save as \"CSV UTF-8\""});
-    return out;
-  }
-  if (size_t bad = FirstBadByte(text); bad != text.size()) {
-    out.problems.push_back({RowOf(text, bad), "", "bytes that are no text in UTF-8",
-                            "text in UTF-8; in the spreadsheet, save as \"CSV UTF-8\""});
+  const std::string text = Composed(TextOf(bytes, out.reading));
+  if (const size_t lost = text.find(kReplacement); lost != std::string::npos) {
+    out.problems.push_back({RowOf(text, lost), "", "bytes that are no text in " + out.reading,
+                            "another reading of the file; or save it as \"CSV UTF-8\""});
     return out;
   }
   // One row more than people for the header; 32 columns and 1000 bytes a cell are far more than a
@@ -216,7 +223,10 @@ RosterFile ReadRoster(std::string_view text, const RosterOptions& options) {
     return out;
   }
   if (!table.rows.empty() && reader.ReadHeader(table.rows.front())) {
-    for (size_t i = 1; i < table.rows.size(); ++i) reader.ReadRow(table.rows[i]);
+    size_t end = table.rows.size();
+    while (end > 2 && reader.IsFooter(table.rows[end - 1])) --end;
+    for (size_t i = 1; i < end; ++i) reader.ReadRow(table.rows[i]);
+    for (size_t i = end; i < table.rows.size(); ++i) reader.LeaveOut(table.rows[i]);
   }
   if (table.problem_row != 0) {
     out.problems.push_back({table.problem_row, "", table.found, table.expected});

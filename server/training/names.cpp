@@ -1,9 +1,13 @@
 #include "server/training/names.h"
 
+#include <unicode/bytestream.h>
+#include <unicode/normalizer2.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <optional>
 
+#include "common/base/check.h"
 #include "common/base/utf8.h"
 
 namespace enamel::server {
@@ -62,8 +66,29 @@ Result<std::string> CheckedLogin(std::string_view text) {
   return login;
 }
 
+std::string Composed(std::string_view text) {
+  const bool ascii = std::ranges::all_of(text, [](char c) { return (c & 0x80) == 0; });
+  if (ascii || !IsUtf8(text)) return std::string(text);
+  UErrorCode error = U_ZERO_ERROR;
+  const icu::Normalizer2* composing = icu::Normalizer2::getNFCInstance(error);
+  std::string composed, out;
+  icu::StringByteSink<std::string> sink(&composed);
+  composing->normalizeUTF8(0, {text.data(), static_cast<int32_t>(text.size())}, sink, nullptr,
+                           error);
+  ENAMEL_CHECK(U_SUCCESS(error));
+  for (std::string_view rest = composed; !rest.empty();) {
+    const std::string_view before = rest;
+    const uint32_t code = *NextCodePoint(rest);
+    // No-break, figure and narrow no-break space.
+    const bool space = code == 0xa0 || code == 0x2007 || code == 0x202f;
+    out += space ? std::string_view(" ") : before.substr(0, before.size() - rest.size());
+  }
+  return out;
+}
+
 Result<std::string> CheckedName(std::string_view text, std::string_view field) {
-  std::string_view name = Trim(text);
+  const std::string composed = Composed(text);
+  std::string_view name = Trim(composed);
   if (name.empty() || name.size() > kMaxNameBytes) {
     return Refused(field, "a name of 1 to 200 bytes", std::to_string(name.size()) + " bytes");
   }

@@ -17,7 +17,12 @@ inline constexpr size_t kMaxReasonBytes = 1000;
 // first a letter or digit. Field "login".
 Result<std::string> CheckedLogin(std::string_view text);
 
-// A name as people read it, without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
+// The same for everybody who reads it: composed (NFC), and with plain spaces in the place of
+// no-break ones. Two such texts that look the same are the same. Text that is no UTF-8 stays as it
+// is.
+std::string Composed(std::string_view text);
+
+// A name as people read it, composed and without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
 // characters, no character that changes the writing direction, at least one visible character. It
 // may not begin with = + - @, which a spreadsheet that opens our tables would take for a formula
 // (OWASP, "CSV Injection"). `field`: as named in the error.

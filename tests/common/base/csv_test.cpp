@@ -42,6 +42,21 @@ TEST(CsvTest, SemicolonsSeparateWhereTheFirstLineHasNoComma) {
             (std::vector<Cells>{{"login", "note"}, {"a", "b;c"}}));
 }
 
+TEST(CsvTest, TheSeparatorIsToldOrWhatTheFirstLineHasMostOften) {
+  const std::vector<Cells> rows{{"a", "b"}, {"1", "2,5"}};
+  for (const std::string first : {"sep=;\r\n", "\xef\xbb\xbfSEP=;\n", "\"sep=;\"\r"}) {
+    const CsvTable table = ReadCsv(first + "a;b\r\n1;2,5\r\n");
+    EXPECT_EQ(CellsOf(table), rows) << first;
+    EXPECT_EQ(table.rows[0].row, 2u) << "its line is counted";
+  }
+  EXPECT_EQ(CellsOf(ReadCsv("a\tb\n1\t2,5\n")), rows);
+  EXPECT_EQ(CellsOf(ReadCsv("a|b\n1|2,5\n")), rows);
+  EXPECT_EQ(CellsOf(ReadCsv("\"x,y,z\";b\n1;2,5\n")),
+            (std::vector<Cells>{{"x,y,z", "b"}, {"1", "2,5"}}));
+  EXPECT_EQ(CellsOf(ReadCsv("sep=;;a\n")).front().front(), "sep=");
+  EXPECT_TRUE(CellsOf(ReadCsv("sep=,")).empty());
+}
+
 TEST(CsvTest, ByteOrderMarkIsSkipped) {
   EXPECT_EQ(CellsOf(ReadCsv("\xef\xbb\xbf"
                             "a,b")),

@@ -72,5 +72,11 @@ TEST(NamesTest, KeysOfNamesThatPeopleTakeForOneAreEqual) {
   EXPECT_NE(NameKey("Year 3"), NameKey("Year3"));
 }
 
+TEST(NamesTest, NamesThatLookTheSameAreTheSame) {
+  EXPECT_EQ(*CheckedName("U\u0308bung\u00a0A", "name"), "\u00dcbung A");
+  EXPECT_EQ(*CheckedName("\u202fZo\u00eb\u2007", "name"), "Zo\u00eb");
+  EXPECT_EQ(Composed("no \xff text"), "no \xff text");
+}
+
 }  // namespace
 }  // namespace enamel::server
