@@ -7,6 +7,24 @@
 
 namespace enamel::server::http {
 namespace json = boost::json;
+namespace {
+
+// A proxy that compresses an answer changes its tag: nginx and HAProxy make it weak (W/"7"), Apache
+// and Caddy name the coding in it ("7-gzip"). The revision is the same: it counts changes of the
+// thing and not of its bytes. RFC 9110, 13.1.1, has weak tags match nothing, which would keep
+// everybody behind such a proxy from editing.
+std::string_view RevisionIn(std::string_view tag) {
+  constexpr std::string_view kWeak = "W/";
+  if (tag.starts_with(kWeak)) tag.remove_prefix(kWeak.size());
+  if (tag.size() < 3 || tag.front() != '"' || tag.back() != '"') return {};
+  tag = tag.substr(1, tag.size() - 2);
+  for (std::string_view coding : {"-gzip", "-deflate", "-br", "-zstd"}) {
+    if (tag.ends_with(coding)) return tag.substr(0, tag.size() - coding.size());
+  }
+  return tag;
+}
+
+}  // namespace
 
 std::string ETagOf(int32_t revision) { return '"' + std::to_string(revision) + '"'; }
 
@@ -23,14 +41,13 @@ Result<int32_t> IfMatch(const Request& request) {
                   "if-match"};
   }
   int32_t revision = 0;
-  // Strict, one strong tag: a list or `*` would match a revision that the caller never saw, which
-  // is what the header is here to rule out.
-  bool quoted = text.size() >= 3 && text.front() == '"' && text.back() == '"';
-  std::string_view digits = quoted ? text.substr(1, text.size() - 2) : std::string_view();
+  // One tag: a list or `*` would match a revision that the caller never saw, which is what the
+  // header is here to rule out.
+  const std::string_view digits = RevisionIn(text);
   auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), revision);
   bool whole = error == std::errc() && end == digits.data() + digits.size();
   // One spelling for each revision, so that "07" does not match an issued "7".
-  if (quoted && whole && revision > 0 && digits.front() != '0') return revision;
+  if (whole && revision > 0 && digits.front() != '0') return revision;
   return Status{
       Code::kInvalidInput,
       "expected one ETag in If-Match as it was given, such as \"7\" with its quotes, found " +

@@ -20,7 +20,7 @@ namespace enamel::server::http {
 std::string ETagOf(int32_t revision);
 Response WithETag(Response response, int32_t revision);
 
-// The revision the caller has seen. Errors: kInvalidInput with field "if-match" (HTTP 428) when the
+// The revision the caller has seen, also from a tag that a compressing proxy changed. Errors: kInvalidInput with field "if-match" (HTTP 428) when the
 // header is missing, or is no ETag of ours.
 Result<int32_t> IfMatch(const Request& request);
 

@@ -27,9 +27,19 @@ TEST(ETagTest, WhatWasGivenComesBackAsTheRevision) {
   }
 }
 
+TEST(ETagTest, AProxyThatCompressesLeavesTheRevision) {
+  for (const char* tag :
+       {"W/\"7\"", "\"7-gzip\"", "\"7-br\"", "\"7-zstd\"", "\"7-deflate\"", "W/\"7-gzip\""}) {
+    const auto revision = IfMatch(With(tag));
+    ASSERT_TRUE(revision.ok()) << tag << ": " << revision.status().message();
+    EXPECT_EQ(*revision, 7) << tag;
+  }
+}
+
 TEST(ETagTest, WhatIsNoETagOfOursIsRefusedWithWhatWasFound) {
-  for (const char* text : {"*", "7", "\"\"", "\"x\"", "\"07\"", "\"-1\"", "W/\"7\"",
-                           "\"2147483648\"", "\"7\", \"8\"", "\"0\""}) {
+  for (const char* text :
+       {"*", "7", "\"\"", "\"x\"", "\"07\"", "\"-1\"", "W/7", "w/\"7\"", "\"7-\"", "\"7-x\"",
+        "\"-gzip\"", "\"2147483648\"", "\"7\", \"8\"", "\"0\""}) {
     Status refused = IfMatch(With(text)).status();
     EXPECT_EQ(ErrorResponse(refused).status, 428) << text;
     EXPECT_NE(refused.message().find(std::string("found ") + text), std::string::npos) << text;
