@@ -56,6 +56,14 @@ std::string_view Trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
+// What a proxy may compress on its way. Recordings, archives and pictures are compared and read in
+// parts by their bytes, and an event that waits for others to be compressed with comes late.
+bool MayBeTransformed(const Response& response) {
+  const std::string_view type = response.content_type;
+  return !response.events && (type.empty() || type.starts_with("text/") ||
+                              type == "application/json" || type == "image/svg+xml");
+}
+
 }  // namespace
 
 std::string HostNameOf(std::string_view host_header) { return ToLower(HostName(host_header)); }
@@ -148,10 +156,14 @@ void AddCommonHeaders(Response& response, bool tls) {
   response.headers.emplace_back("Date", HttpDate(std::time(nullptr)));
   for (const auto& [name, value] : kSecurityHeaders) response.headers.emplace_back(name, value);
   if (tls) response.headers.emplace_back("Strict-Transport-Security", kHsts);
-  bool has_caching =
-      std::any_of(response.headers.begin(), response.headers.end(),
-                  [](const auto& header) { return header.first == "Cache-Control"; });
-  if (!has_caching) response.headers.emplace_back("Cache-Control", "no-store");
+  auto caching = std::ranges::find(response.headers, "Cache-Control",
+                                   &std::pair<std::string, std::string>::first);
+  if (caching == response.headers.end()) {
+    caching = response.headers.insert(caching, {"Cache-Control", "no-store"});
+  }
+  if (!MayBeTransformed(response)) caching->second += ", no-transform";
+  // nginx otherwise collects an answer, and shows the first event of a live view seconds late.
+  if (response.events) response.headers.emplace_back("X-Accel-Buffering", "no");
 }
 
 std::string HttpDate(std::time_t when) {

@@ -40,7 +40,8 @@ std::string SetSessionCookie(const std::string& token_hex, bool tls);
 
 // Adds what every answer carries: the date; content security policy, with no policy that could make
 // markup of text; isolation, no sniffing, no referrer; HSTS over TLS; `Cache-Control: no-store`
-// unless the answer has a Cache-Control of its own.
+// unless the answer has a Cache-Control of its own, and `no-transform` where bytes or time matter;
+// of events, that no proxy holds them back.
 void AddCommonHeaders(Response& response, bool tls);
 
 // As RFC 9110, 5.6.7, wants it: "Sun, 06 Nov 1994 08:49:37 GMT".

@@ -339,7 +339,7 @@ TEST_F(AccessTest, SurfaceIsMadeOfToothAndDeviation) {
 TEST_F(AccessTest, DeviationIsServedAsTheScoreLeftIt) {
   RawResponse found = By("ada").Get(Scored("/deviation"));
   ASSERT_EQ(found.status, 200) << found.body;
-  EXPECT_EQ(found.headers["cache-control"], "private, no-cache");
+  EXPECT_EQ(found.headers["cache-control"], "private, no-cache, no-transform");
   EXPECT_EQ(
       By("ada")
           .Send("GET", Scored("/deviation"), "If-None-Match: " + found.headers["etag"] + "\r\n")
@@ -364,7 +364,7 @@ TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
   EXPECT_EQ(all.status, 200);
   EXPECT_EQ(all.body, "ENTT and more");
   // Kept by the browser, and asked for each time: whoever has it gets nothing but that it is so.
-  EXPECT_EQ(all.headers["cache-control"], "private, no-cache");
+  EXPECT_EQ(all.headers["cache-control"], "private, no-cache, no-transform");
   const std::string same = "If-None-Match: " + all.headers["etag"] + "\r\n";
   RawResponse again = By("ada").Send("GET", Scored("/timeline"), same);
   EXPECT_EQ(again.status, 304);
@@ -403,7 +403,7 @@ TEST_F(AccessTest, AStartToothIsKeptForEverAndNoOtherBlobIsOne) {
   ASSERT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
   RawResponse found = By("sam").Get("/api/v1/start-teeth/" + tooth.Hex());
   EXPECT_EQ(found.body, "ENTS");
-  EXPECT_EQ(found.headers["cache-control"], "private, max-age=31536000, immutable");
+  EXPECT_EQ(found.headers["cache-control"], "private, max-age=31536000, immutable, no-transform");
   RawResponse again = By("sam").Send("GET", "/api/v1/start-teeth/" + tooth.Hex(),
                                      "If-None-Match: " + found.headers["etag"] + "\r\n");
   EXPECT_EQ(again.status, 304);

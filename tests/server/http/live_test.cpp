@@ -72,7 +72,8 @@ TEST_F(LiveTest, ViewerGetsTheNewestAndTheEnd) {
   std::string text = stream.ReadUntilClosed();
   EXPECT_TRUE(text.starts_with("HTTP/1.1 200")) << text;
   EXPECT_NE(text.find("Content-Type: text/event-stream"), std::string::npos) << text;
-  EXPECT_NE(text.find("Cache-Control: no-store"), std::string::npos) << text;
+  EXPECT_NE(text.find("Cache-Control: no-store, no-transform"), std::string::npos) << text;
+  EXPECT_NE(text.find("X-Accel-Buffering: no"), std::string::npos) << text;
   EXPECT_NE(text.find("event: ticks\ndata: {\"tick\":500,"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("event: end\ndata: {}\n\n")) << text;
   EXPECT_FALSE(board_.Watched(school_.sams_recording));
