@@ -38,14 +38,19 @@ json::object VersionJson(const scene::Rubric& rubric, const std::string& reason,
           {"document", json::parse(scene::ToJson(rubric))}};
 }
 
+Result<json::object> VersionJson(StoredBlobs& blobs, const RubricRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(auto rubric, scene::RubricFromJson(AsText(text)));
+  return VersionJson(rubric, row.reason, row.published_ms);
+}
+
 // Newest first, the exercise's own last.
 Result<json::array> Versions(StoredBlobs& blobs, RubricRows& rubrics, const ExerciseRow& exercise) {
   ENAMEL_ASSIGN_OR_RETURN(auto rows, rubrics.Rubrics(exercise.id));
   json::array out;
   for (const RubricRow& row : rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
-    ENAMEL_ASSIGN_OR_RETURN(auto rubric, scene::RubricFromJson(AsText(text)));
-    out.push_back(VersionJson(rubric, row.reason, row.published_ms));
+    ENAMEL_ASSIGN_OR_RETURN(auto version, VersionJson(blobs, row));
+    out.push_back(std::move(version));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto document, DocumentOf(blobs, exercise));
   out.push_back(VersionJson(document.rubric, "", exercise.published_ms));
@@ -192,13 +197,17 @@ Response PublishRubric(const Call& call, Store& store) {
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<RubricRow> published =
       PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, anyway, ActorOf(call));
+  if (published.ok()) {
+    // Its own row and not the newest: somebody may have corrected it again already.
+    Result<json::object> version = VersionJson(store.blobs, *published);
+    if (!version.ok()) return ErrorResponse({Code::kInternal, version.status().message()});
+    return WithETag(JsonResponse(*version, 201), published->version);
+  }
+  if (published.status().field() != kStale) return ErrorResponse(published.status());
   Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
   if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
   const json::object newest = versions->front().as_object();
-  const auto version = static_cast<int32_t>(newest.at("version").as_int64());
-  if (published.ok()) return WithETag(JsonResponse(newest, 201), version);
-  if (published.status().field() == kStale) return Stale(published.status(), newest, version);
-  return ErrorResponse(published.status());
+  return Stale(published.status(), newest, static_cast<int32_t>(newest.at("version").as_int64()));
 }
 
 Response RescoreCohort(const Call& call, Store& store) {

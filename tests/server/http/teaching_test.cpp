@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <future>
 #include <map>
 #include <set>
@@ -824,6 +825,30 @@ TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
   RawResponse unknown = Post("ada", path, body, "\"" + std::to_string(own + 1) + "\"");
   EXPECT_EQ(unknown.status, 400);
   EXPECT_NE(unknown.body.find("no_such_metric"), std::string::npos) << unknown.body;
+}
+
+// The answer is made from what was published, not from a list of versions, whose newest may be
+// somebody else's by then. So it does not need the others.
+TEST_F(TeachingTest, APublishedRubricIsAnsweredWithItselfAlone) {
+  const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
+  json::object first = Parsed(By("root").Get(path)).at("rubrics").at(0).as_object();
+  json::object rubric = first.at("document").as_object();
+  auto publish = [&](double points, int64_t seen) {
+    rubric.at("criteria").at(0).at("points") = points;
+    return Post("root", path, json::object{{"reason", std::to_string(points)}, {"rubric", rubric}},
+                "\"" + std::to_string(seen) + "\"");
+  };
+  const int64_t own = first.at("version").as_int64();
+  ASSERT_EQ(publish(77, own).status, 201);
+  ASSERT_EQ(publish(78, own + 1).status, 201);
+  const std::string earlier =
+      school_.store->rubrics.Rubrics(school_.exercise)->back().content.Hex();
+  ASSERT_TRUE(std::filesystem::remove(school_.folder.path() / "data" / "blobs" /
+                                      earlier.substr(0, 2) / earlier));
+  const RawResponse published = publish(79, own + 2);
+  ASSERT_EQ(published.status, 201) << published.body;
+  EXPECT_EQ(Parsed(published).at("version"), own + 3);
+  EXPECT_EQ(published.headers.at("etag"), "\"" + std::to_string(own + 3) + "\"");
 }
 
 TEST_F(TeachingTest, APreviewShowsOwnCohortsAlone) {
