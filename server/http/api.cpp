@@ -43,9 +43,9 @@ Status CheckRole(Need need, const Person& person) {
   bool allowed = need == Need::kPerson || person.role == Role::kAdmin ||
                  (need == Need::kInstructor && person.role == Role::kInstructor);
   if (allowed) return {};
-  return {Code::kForbidden, std::string("expected an ") +
-                                (need == Need::kAdmin ? "admin" : "instructor or admin") +
-                                ", signed in is a " + RoleName(person.role)};
+  return {Code::kForbidden, std::string("only ") +
+                                (need == Need::kAdmin ? "admins" : "instructors and admins") +
+                                " can do this; your role is " + RoleName(person.role)};
 }
 
 Status CheckCsrf(const Request& request, const auth::Identity& caller) {

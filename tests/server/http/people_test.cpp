@@ -232,6 +232,14 @@ TEST_F(PeopleTest, RosterOverTheApiIsTriedRefusedAndImported) {
   EXPECT_EQ(post("?unknown_columns=ignore", "login,mail\nkim,k@x.example\n").status, 200);
 }
 
+TEST_F(PeopleTest, WhoMayNotIsToldTheirRole) {
+  const RawResponse refused = Visitor(server_.port(), "ada").Get("/api/v1/people");
+  EXPECT_EQ(refused.status, 403);
+  EXPECT_NE(refused.body.find("only admins can do this; your role is instructor"),
+            std::string::npos)
+      << refused.body;
+}
+
 TEST_F(PeopleTest, EveryPasswordOfARosterSignsInAlsoOfSomebodyInTwoCohorts) {
   const RawResponse done = Send(root_, "POST", "/api/v1/roster",
                                 "login,role,cohort\nzoe,,Section 1\nyan,,Section 1\n"
