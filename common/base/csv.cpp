@@ -152,7 +152,8 @@ std::string Cell(std::string_view text) {
   if (!text.empty() && kComputed.find(text.front()) != std::string_view::npos && !IsNumber(text))
     out = "'";
   out += text;
-  if (out.find_first_of(",\"\r\n") == std::string::npos) return out;
+  // Also what separates cells elsewhere: a first line with more of those than commas is read so.
+  if (out.find_first_of(",;\t|\"\r\n") == std::string::npos) return out;
   std::string quoted = "\"";
   for (char c : out) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';

@@ -75,6 +75,8 @@ TEST(CsvTest, WhatIsNoCsvIsToldWithItsRow) {
 }
 
 TEST(CsvTest, WhatIsWrittenReadsBackAndIsNotComputed) {
+  EXPECT_EQ(CellsOf(ReadCsv(CsvLine({"a;b;c", "d|e|f\tg"}))),
+            (std::vector<Cells>{{"a;b;c", "d|e|f\tg"}}));
   std::string text = CsvLine({"plain", "with, comma", "with \"quote\"", "two\nlines", ""}) +
                      CsvLine({"=1+1", "@SUM(A1)", "-2+3", "+SUM(A1)", "\tx"}) +
                      CsvLine({"-0.1154", "-2", "1e-3"});
