@@ -15,6 +15,7 @@
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
 #include "server/roster/import.h"
+#include "server/roster/text_reading.h"
 #include "server/training/names.h"
 
 namespace enamel::server::app {
@@ -80,8 +81,14 @@ void ShowProblems(const std::vector<RosterProblem>& problems) {
   }
 }
 
-void ShowOutcome(const roster::ImportResult& result) {
+void ShowOutcome(const roster::ImportResult& result, bool moves) {
   const RosterPlan& plan = result.plan;
+  if (result.reading != "utf-8") {
+    Say("read as {}; if names are wrong, name another with --reading\n", result.reading);
+  }
+  for (const roster::LeftOutRow& row : result.left_out) {
+    Say("row {} is no person: \"{}\"\n", row.row, row.text);
+  }
   for (const std::string& column : result.ignored_columns) {
     Say("column \"{}\" is not used\n", column);
   }
@@ -91,6 +98,10 @@ void ShowOutcome(const roster::ImportResult& result) {
   for (const RosterStep& step : plan.steps) {
     if (!step.note.empty()) {
       Say("row {}: {} {}\n", step.row.row, step.row.login, step.note);
+    }
+    for (const std::string& other : step.others) {
+      Say("row {}: {} {} \"{}\"{}\n", step.row.row, step.row.login, moves ? "leaves" : "stays in",
+          other, moves ? "" : "; with --move they leave it");
     }
   }
   Say("{}: {} new, {} changed, {} as they were\n", result.done ? "imported" : "would be",
@@ -111,7 +122,7 @@ Status Refusal(const roster::ImportResult& result) {
 }
 
 // New people's passwords go into a file that was created before.
-Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand& command,
+Status Import(RosterRows& roster_rows, std::string_view bytes, const RosterCommand& command,
               roster::ImportOptions options, size_t fresh) {
   std::optional<PasswordFile> file;
   // Nobody new, nothing to write down: a repeated import leaves no empty file behind.
@@ -131,7 +142,7 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
   // Somebody may have changed people since the dry run. The import plans again, and may find
   // problems that the dry run did not.
   ENAMEL_ASSIGN_OR_RETURN(auto result,
-                          roster::ImportRoster(roster_rows, csv, options, kCommandLine));
+                          roster::ImportRoster(roster_rows, bytes, options, kCommandLine));
   if (!result.plan.problems.empty()) {
     ShowProblems(result.plan.problems);
     return Refusal(result);
@@ -141,7 +152,7 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
     // Nearly always the same content: it differs only if somebody else added people meanwhile.
     ENAMEL_RETURN_IF_ERROR(file->Write(result.passwords));
   }
-  ShowOutcome(result);
+  ShowOutcome(result, command.move);
   if (file) {
     Say("one-time passwords of {} in {} (shown only there; hand them out, then remove it)\n",
         Counted(result.passwords.size(), "person", "people"), command.passwords.string());
@@ -159,7 +170,9 @@ Status ImportRoster(const RosterCommand& command) {
   // Always first as a dry run: it says how many are new, hence whether a file for passwords is
   // needed, before argon2id is spent on any of them.
   options.dry_run = true;
+  options.move = command.move;
   options.file.ignore_unknown_columns = command.ignore_unknown_columns;
+  options.file.reading = command.reading;
   if (!command.cohort.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto cohort, CheckedName(command.cohort, "cohort"));
     options.file.cohort = cohort;
@@ -169,7 +182,7 @@ Status ImportRoster(const RosterCommand& command) {
                           roster::ImportRoster(store->roster, AsText(csv), options, kCommandLine));
   if (!tried.plan.problems.empty() || command.dry_run) {
     ShowProblems(tried.plan.problems);
-    if (tried.plan.problems.empty()) ShowOutcome(tried);
+    if (tried.plan.problems.empty()) ShowOutcome(tried, command.move);
     ENAMEL_RETURN_IF_ERROR(WriteOutcome(command.json, tried));
     return tried.plan.problems.empty() ? Status::Ok() : Refusal(tried);
   }
@@ -254,11 +267,18 @@ void DeclareRoster(CommandGroup admin) {
                      "New file (mode 0600) for the one-time passwords of new people");
   roster->add_flag("--ignore-unknown-columns", r.ignore_unknown_columns,
                    "Leave out columns of other names instead of refusing them");
+  roster->add_option("--reading", r.reading, "Encoding of the file, where it is not recognised")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(roster::kReadings.begin(), roster::kReadings.end())));
+  roster->add_flag(
+      "--move", r.move,
+      "Students who join a cohort leave the others that the file does not name for them");
   roster->add_option("--json", r.json, "Write the outcome to this file, without passwords");
   roster->footer(
       "All or nothing: with a problem in any row nothing is changed, and all problems are listed.\n"
       "People who already exist keep role and password; they take the name in the file and\n"
-      "join the cohort. Nobody is removed. Importing the same file again changes nothing.\n\n"
+      "join the cohort. Nobody is removed; with --move, students leave the cohorts they were in.\n"
+      "Importing the same file again changes nothing.\n\n"
       "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --dry-run\n"
       "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --passwords "
       "year3-new.csv");

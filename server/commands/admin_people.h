@@ -17,6 +17,8 @@ struct RosterCommand {
   std::string cohort;               // of rows without one
   std::filesystem::path passwords;  // made, mode 0600; needed when anybody is new
   std::filesystem::path json;       // the outcome (schemas/roster.md), without passwords
+  std::string reading{};            // of roster::kReadings; empty: recognised
+  bool move = false;                // students who join a cohort leave their other ones
 };
 // All or nothing. Problems with the roster are printed, all of them, and make it kInvalidInput.
 Status ImportRoster(const RosterCommand& command);

@@ -30,14 +30,19 @@ Result<std::map<std::string, std::string>> MakePasswords(std::vector<RosterRow>&
   return out;
 }
 
+// As the person will be called.
+std::string NameOf(const RosterStep& step) {
+  if (!step.row.display_name.empty()) return step.row.display_name;
+  return step.before ? step.before->display_name : step.row.login;
+}
+
 std::vector<NewPassword> PasswordsOf(const RosterPlan& plan,
                                      const std::map<std::string, std::string>& passwords) {
   std::vector<NewPassword> out;
   for (const RosterStep& step : plan.steps) {
     if (step.change != RosterStep::Change::kCreate) continue;
     const RosterRow& row = step.row;
-    out.push_back({row.login, row.display_name.empty() ? row.login : row.display_name, row.cohort,
-                   passwords.at(row.login)});
+    out.push_back({row.login, NameOf(step), row.cohort, passwords.at(row.login)});
   }
   return out;
 }
@@ -45,6 +50,10 @@ std::vector<NewPassword> PasswordsOf(const RosterPlan& plan,
 json::object StepJson(const RosterStep& step) {
   return {{"row", step.row.row},
           {"login", step.row.login},
+          {"display_name", NameOf(step)},
+          {"role", RoleName(step.row.role)},
+          {"cohort", step.row.cohort},
+          {"others", json::value_from(step.others)},
           {"change", RosterChangeName(step.change)},
           {"renames", step.renames},
           {"joins", step.joins},
@@ -53,9 +62,9 @@ json::object StepJson(const RosterStep& step) {
 
 }  // namespace
 
-Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
+Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view bytes,
                                   const ImportOptions& options, const Actor& by) {
-  RosterFile file = ReadRoster(csv, options.file);
+  RosterFile file = ReadRoster(bytes, options.file);
   // With a bad row nothing is written. The readable rows are still compared with the existing
   // people, to report all problems at once.
   bool dry_run = options.dry_run || !file.problems.empty();
@@ -66,15 +75,18 @@ Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
     passwords = std::move(made);
   }
   if (!dry_run && options.keep) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto planned, roster.ImportRoster(file.rows, true, by));
+    ENAMEL_ASSIGN_OR_RETURN(const auto planned,
+                            roster.ImportRoster(file.rows, {.dry_run = true}, by));
     if (planned.problems.empty())
       ENAMEL_RETURN_IF_ERROR(options.keep(PasswordsOf(planned, passwords)));
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto plan, roster.ImportRoster(file.rows, dry_run, by));
+  ENAMEL_ASSIGN_OR_RETURN(auto plan, roster.ImportRoster(file.rows, {dry_run, options.move}, by));
   ImportResult out;
   out.plan = std::move(plan);
   out.done = !dry_run && out.plan.problems.empty();
+  out.reading = std::move(file.reading);
   out.ignored_columns = std::move(file.ignored_columns);
+  out.left_out = std::move(file.left_out);
   out.plan.problems.insert(out.plan.problems.end(), file.problems.begin(), file.problems.end());
   // Those of the file and those of the store in one list, in the order in which they are mended.
   std::ranges::stable_sort(out.plan.problems, {}, &RosterProblem::row);
@@ -84,7 +96,7 @@ Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
 
 json::object ImportJson(const ImportResult& result) {
   const RosterPlan& plan = result.plan;
-  json::array problems, steps, passwords, columns, cohorts;
+  json::array problems, steps, passwords, left_out;
   for (const RosterProblem& problem : plan.problems) {
     if (problems.size() == kMaxListed) break;
     problems.push_back({{"row", problem.row},
@@ -99,14 +111,17 @@ json::object ImportJson(const ImportResult& result) {
                          {"cohort", made.cohort},
                          {"password", made.password}});
   }
-  for (const std::string& column : result.ignored_columns) columns.push_back(json::value(column));
-  for (const std::string& cohort : plan.new_cohorts) cohorts.push_back(json::value(cohort));
+  for (const LeftOutRow& row : result.left_out) {
+    left_out.push_back({{"row", row.row}, {"text", row.text}});
+  }
   return {{"done", result.done},
           {"created", plan.Count(RosterStep::Change::kCreate)},
           {"updated", plan.Count(RosterStep::Change::kUpdate)},
           {"unchanged", plan.Count(RosterStep::Change::kUnchanged)},
-          {"new_cohorts", std::move(cohorts)},
-          {"ignored_columns", std::move(columns)},
+          {"reading", result.reading},
+          {"new_cohorts", json::value_from(plan.new_cohorts)},
+          {"ignored_columns", json::value_from(result.ignored_columns)},
+          {"left_out", std::move(left_out)},
           {"problem_count", plan.problems.size()},
           {"problems", std::move(problems)},
           {"people", std::move(steps)},

@@ -1,6 +1,7 @@
 #include "server/training/roster.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "server/training/names.h"
 
@@ -110,11 +111,44 @@ RosterStep StepFor(const RosterRow& row, const RosterFacts& facts, bool again) {
   return step;
 }
 
+using CohortsByPerson = std::map<Uuid, std::vector<std::string>>;  // in use
+
+CohortsByPerson CohortsOfPeople(const RosterFacts& facts) {
+  std::map<Uuid, std::string> names;
+  for (const auto& [name, cohort] : facts.cohorts) {
+    if (cohort.archived_ms == 0) names[cohort.id] = name;
+  }
+  CohortsByPerson out;
+  for (const auto& [cohort, person] : facts.members) {
+    if (auto name = names.find(cohort); name != names.end()) out[person].push_back(name->second);
+  }
+  return out;
+}
+
+// The cohorts of somebody that none of their rows names.
+std::vector<std::string> Others(const Uuid& person, const std::vector<const RosterRow*>& rows,
+                                const CohortsByPerson& in) {
+  const auto all = in.find(person);
+  if (all == in.end()) return {};
+  std::vector<std::string> out;
+  for (const std::string& name : all->second) {
+    if (std::ranges::find(rows, name, &RosterRow::cohort) == rows.end()) out.push_back(name);
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
 }  // namespace
 
 size_t RosterPlan::Count(RosterStep::Change change) const {
-  return static_cast<size_t>(
-      std::ranges::count_if(steps, [&](const RosterStep& step) { return step.change == change; }));
+  std::map<std::string_view, RosterStep::Change> people;
+  for (const RosterStep& step : steps) {
+    const auto at = people.try_emplace(step.row.login, step.change).first;
+    // In the order of the enumeration: a creation outweighs an update.
+    at->second = std::min(at->second, step.change);
+  }
+  return static_cast<size_t>(std::ranges::count(
+      people, change, &std::pair<const std::string_view, RosterStep::Change>::second));
 }
 
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts) {
@@ -122,13 +156,18 @@ RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& fac
   RowsByLogin by_login;
   for (const RosterRow& row : rows) by_login[row.login].push_back(&row);
   const Spellings spellings = SpellingsOf(rows, facts);
-  std::set<std::string> made;
+  const CohortsByPerson in = CohortsOfPeople(facts);
+  std::set<std::string> made, asked;
   for (const RosterRow& row : rows) {
     auto problems = ProblemsOf(row, facts, by_login, spellings);
     plan.problems.insert(plan.problems.end(), problems.begin(), problems.end());
     // Also for a row with a problem: the plan is shown whole, and carried out only when there is
     // none.
-    plan.steps.push_back(StepFor(row, facts, by_login.at(row.login).front() != &row));
+    RosterStep step = StepFor(row, facts, by_login.at(row.login).front() != &row);
+    if (step.joins && step.before && row.role == Role::kStudent && asked.insert(row.login).second) {
+      step.others = Others(step.before->id, by_login.at(row.login), in);
+    }
+    plan.steps.push_back(std::move(step));
     bool is_new = !row.cohort.empty() && !facts.cohorts.contains(row.cohort);
     if (is_new && made.insert(row.cohort).second) plan.new_cohorts.push_back(row.cohort);
   }

@@ -47,6 +47,9 @@ struct RosterStep {
   std::optional<Person> before;  // none: a new person
   bool again = false;  // a row before has the same person: this one names a further cohort
   bool renames = false, joins = false;
+  // Of a student who joins this row's cohort and was here before: the other cohorts in use that
+  // they are in and that no row names for them. In the first such row.
+  std::vector<std::string> others;
   std::string note;  // worth knowing, and no obstacle
 };
 
@@ -56,11 +59,13 @@ struct RosterPlan {
   std::vector<std::string> new_cohorts;
   std::vector<RosterProblem> problems;
 
+  // People, not rows. Whose rows differ is created or updated.
   size_t Count(RosterStep::Change change) const;
 };
 
 // Creates new people. Existing people keep role and password, take the roster's name if it has one
-// and join the roster's cohort beside their present ones. Nobody is removed. Somebody in several
+// and join the roster's cohort. Whether a student then leaves `others` is asked. Nobody else is
+// removed. Somebody in several
 // cohorts has a row for each: the first makes the person. Problems: another role, an archived
 // cohort, a person twice in one cohort, and rows of one person that differ in name or role.
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts);

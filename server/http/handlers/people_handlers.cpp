@@ -11,6 +11,7 @@
 #include "server/http/query.h"
 #include "server/http/views/person_view.h"
 #include "server/roster/import.h"
+#include "server/roster/text_reading.h"
 #include "server/training/names.h"
 #include "server/training/revision.h"
 
@@ -19,6 +20,16 @@ namespace json = boost::json;
 namespace {
 
 constexpr size_t kMaxText = 200;
+
+// Whether the parameter is `one` and not `other`, which it is when absent.
+Result<bool> QueryChoice(const Request& request, const std::string& name, std::string_view one,
+                         std::string_view other) {
+  const auto found = request.query.find(name);
+  if (found == request.query.end() || found->second == other) return false;
+  if (found->second == one) return true;
+  return Status{Code::kInvalidInput, "expected " + std::string(one) + " or " + std::string(other),
+                name};
+}
 
 Result<Role> RoleNamed(const std::string& text) {
   if (std::optional<Role> role = RoleFromName(text)) return *role;
@@ -238,9 +249,12 @@ Response EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessio
 }
 
 Response ImportRoster(const Call& call, RosterRows& roster_rows) {
+  // What a type says of the encoding is a guess of the sender's: the bytes are looked at.
   std::string_view type = call.request.Header("content-type");
-  if (type.substr(0, type.find(';')) != "text/csv") {
-    return ErrorResponse(415, "unsupported_media_type", "expected Content-Type: text/csv",
+  type = type.substr(0, type.find(';'));
+  if (type != "text/csv" && type != "application/octet-stream") {
+    return ErrorResponse(415, "unsupported_media_type",
+                         "expected Content-Type: text/csv or application/octet-stream",
                          "content-type");
   }
   roster::ImportOptions options;
@@ -248,10 +262,17 @@ Response ImportRoster(const Call& call, RosterRows& roster_rows) {
   if (!dry_run.ok()) return ErrorResponse(dry_run.status());
   options.dry_run = dry_run->value_or(false);
   const auto& query = call.request.query;
-  if (auto unknown = query.find("unknown_columns"); unknown != query.end()) {
-    options.file.ignore_unknown_columns = unknown->second == "ignore";
-    if (unknown->second != "ignore" && unknown->second != "refuse") {
-      return ErrorResponse({Code::kInvalidInput, "expected ignore or refuse", "unknown_columns"});
+  Result<bool> ignore = QueryChoice(call.request, "unknown_columns", "ignore", "refuse");
+  if (!ignore.ok()) return ErrorResponse(ignore.status());
+  options.file.ignore_unknown_columns = *ignore;
+  Result<bool> leave = QueryChoice(call.request, "other_cohorts", "leave", "keep");
+  if (!leave.ok()) return ErrorResponse(leave.status());
+  options.move = *leave;
+  if (auto reading = query.find("reading"); reading != query.end()) {
+    options.file.reading = reading->second;
+    if (!roster::IsReading(reading->second)) {
+      return ErrorResponse(
+          {Code::kInvalidInput, "expected an encoding such as utf-8 or windows-1252", "reading"});
     }
   }
   if (auto cohort = query.find("cohort"); cohort != query.end()) {

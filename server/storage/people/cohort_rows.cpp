@@ -48,15 +48,6 @@ std::string MemberSubject(const Uuid& cohort, const Uuid& person) {
   return SubjectOf("member", cohort.Text() + " " + person.Text());
 }
 
-// Removing somebody who is no member leaves no audit row: nothing was done.
-Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
-  Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
-  if (db.Changes() == 0) return Status::Ok();
-  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.remove", cohort.Text(),
-                         JsonOf({{"person", person.Text()}}), "{}");
-}
-
 }  // namespace
 
 Cohort CohortOf(const Query& q) {
@@ -71,6 +62,14 @@ Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(
       WriteAudit(db, by, "cohort.create", id.Text(), "{}", JsonOf({{"name", name}})));
   return id;
+}
+
+Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
+  Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
+  if (db.Changes() == 0) return Status::Ok();
+  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.remove", cohort.Text(),
+                         JsonOf({{"person", person.Text()}}), "{}");
 }
 
 Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {

@@ -44,5 +44,7 @@ Cohort CohortOf(const Query& q);
 // Each leaves its audit row.
 Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by);
 Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by);
+// Removing somebody who is no member leaves no audit row: nothing was done.
+Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by);
 
 }  // namespace enamel::server

@@ -53,7 +53,7 @@ Person NewPerson(const RosterRow& row) {
 
 // `made`: who was new, by login; a person's further rows find the one that their first row made.
 Status CarryOut(Db& db, const RosterStep& step, const std::map<std::string, Uuid>& cohorts,
-                std::map<std::string, Uuid>& made, const Actor& by) {
+                bool move, std::map<std::string, Uuid>& made, const Actor& by) {
   Uuid person;
   if (step.before) {
     person = step.before->id;
@@ -69,10 +69,14 @@ Status CarryOut(Db& db, const RosterStep& step, const std::map<std::string, Uuid
     ENAMEL_RETURN_IF_ERROR(InsertPerson(db, added, step.row.verifier, by));
   }
   if (!step.joins) return Status::Ok();
+  for (const std::string& other : step.others) {
+    if (move) ENAMEL_RETURN_IF_ERROR(DeleteMember(db, cohorts.at(other), person, by));
+  }
   return InsertMember(db, cohorts.at(step.row.cohort), person, by);
 }
 
-Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const Actor& by) {
+Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, bool move,
+                const Actor& by) {
   std::map<std::string, Uuid> cohorts;
   for (const auto& [name, cohort] : facts.cohorts) cohorts[name] = cohort.id;
   for (const std::string& name : plan.new_cohorts) {
@@ -81,20 +85,22 @@ Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const 
   }
   std::map<std::string, Uuid> made;
   for (const RosterStep& step : plan.steps) {
-    ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, made, by));
+    ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, move, made, by));
   }
   // An import that changed nothing is no event.
-  size_t unchanged = plan.Count(RosterStep::Change::kUnchanged);
-  if (unchanged == plan.steps.size() && plan.new_cohorts.empty()) return Status::Ok();
-  return WriteAudit(db, by, "roster.import", "", "{}",
-                    JsonOf({{"created", std::to_string(plan.Count(RosterStep::Change::kCreate))},
-                            {"updated", std::to_string(plan.Count(RosterStep::Change::kUpdate))},
-                            {"unchanged", std::to_string(unchanged)}}));
+  const size_t created = plan.Count(RosterStep::Change::kCreate),
+               updated = plan.Count(RosterStep::Change::kUpdate);
+  if (created + updated == 0) return Status::Ok();
+  return WriteAudit(
+      db, by, "roster.import", "", "{}",
+      JsonOf({{"created", std::to_string(created)},
+              {"updated", std::to_string(updated)},
+              {"unchanged", std::to_string(plan.Count(RosterStep::Change::kUnchanged))}}));
 }
 
 }  // namespace
 
-Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, bool dry_run,
+Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, Import how,
                                             const Actor& by) {
   RosterPlan plan;
   auto make = [&](Db& db) -> Result<RosterFacts> {
@@ -102,7 +108,7 @@ Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, 
     if (facts.ok()) plan = PlanRoster(rows, *facts);
     return facts;
   };
-  if (dry_run) {
+  if (how.dry_run) {
     auto facts = rows_.Read(make);
     if (!facts.ok()) return facts.status();
     return plan;
@@ -112,7 +118,7 @@ Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, 
     // Plans again from the stored rows: the earlier dry run may be out of date. A plan with
     // problems changes nothing and is returned.
     if (!facts.ok() || !plan.problems.empty()) return facts.status();
-    return CarryOut(db, plan, *facts, by);
+    return CarryOut(db, plan, *facts, how.move, by);
   });
   if (!status.ok()) return status;
   return plan;

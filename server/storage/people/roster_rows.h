@@ -14,10 +14,13 @@ class RosterRows {
  public:
   explicit RosterRows(Transactions& rows) : rows_(rows) {}
 
+  struct Import {
+    bool dry_run = false;
+    bool move = false;  // students leave RosterStep::others
+  };
   // Carries out what PlanRoster says, all or nothing, and returns it; with `dry_run`, or with
   // problems in the plan, changes nothing.
-  Result<RosterPlan> ImportRoster(const std::vector<RosterRow>& rows, bool dry_run,
-                                  const Actor& by);
+  Result<RosterPlan> ImportRoster(const std::vector<RosterRow>& rows, Import how, const Actor& by);
 
  private:
   Transactions& rows_;

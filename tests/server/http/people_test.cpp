@@ -258,6 +258,21 @@ TEST_F(PeopleTest, EveryPasswordOfARosterSignsInAlsoOfSomebodyInTwoCohorts) {
   }
 }
 
+TEST_F(PeopleTest, ARosterIsItsBytesAndMayBeReadOtherwise) {
+  auto post = [&](const std::string& query) {
+    return Send(root_, "POST", "/api/v1/roster?dry_run=true" + query,
+                "login,display_name\nmue,M\xfcller\n", "", "application/octet-stream");
+  };
+  const json::value latin = Parsed(post(""));
+  EXPECT_EQ(latin.at("reading"), "windows-1252");
+  EXPECT_EQ(latin.at("people").at(0).at("display_name"), "Müller");
+  EXPECT_EQ(Parsed(post("&reading=windows-1251")).at("people").at(0).at("display_name"), "Mьller");
+  EXPECT_EQ(post("&reading=utf-8").status, 400);
+  EXPECT_EQ(post("&reading=ebcdic").status, 400);
+  EXPECT_EQ(post("&other_cohorts=leave").status, 200);
+  EXPECT_EQ(post("&other_cohorts=what").status, 400);
+}
+
 TEST_F(PeopleTest, CohortIsMadeRenamedFilledAndArchived) {
   RawResponse made = Send(root_, "POST", "/api/v1/cohorts", R"({"name":"Year 3"})");
   ASSERT_EQ(made.status, 201) << made.body;

@@ -100,7 +100,46 @@ TEST_F(ImportTest, SomebodyInTwoCohortsHasARowForEach) {
         << cohort.name;
   }
   EXPECT_EQ(store_->people.PersonByLogin("ada")->display_name, "Ada");
-  EXPECT_EQ(Import(rows).plan.Count(RosterStep::Change::kUnchanged), 3u) << "again changes nothing";
+  EXPECT_EQ(Import(rows).plan.Count(RosterStep::Change::kUnchanged), 2u)
+      << "again changes nothing, and people are counted";
+}
+
+TEST_F(ImportTest, AStudentOfAnotherSectionIsAskedAboutAndMoved) {
+  const std::string now = "login,role,cohort\nbob,,Section 2\nada,instructor,Section 2\n";
+  ASSERT_TRUE(Import("login,role,cohort\nbob,,Section 1\nada,instructor,Section 1\n"
+                     "bob,,Elective\nzoe,,Section 1\n")
+                  .done);
+  const ImportResult tried = Import(now, true);
+  EXPECT_EQ(tried.plan.steps[0].others, (std::vector<std::string>{"Elective", "Section 1"}));
+  EXPECT_TRUE(tried.plan.steps[1].others.empty()) << "an instructor has several";
+  const auto cohorts_of = [&](const char* login) {
+    std::vector<std::string> out;
+    const Uuid person = store_->people.PersonByLogin(login)->id;
+    const auto cohorts = store_->cohorts.CohortsOf(person);
+    for (const Cohort& cohort : *cohorts) out.push_back(cohort.name);
+    std::ranges::sort(out);
+    return out;
+  };
+  ImportOptions options;
+  options.move = true;
+  const std::string both = now + "bob,,Elective\n";
+  ASSERT_TRUE(ImportRoster(store_->roster, both, options, kSystem)->done);
+  EXPECT_EQ(cohorts_of("bob"), (std::vector<std::string>{"Elective", "Section 2"}));
+  EXPECT_EQ(cohorts_of("ada"), (std::vector<std::string>{"Section 1", "Section 2"}));
+  EXPECT_EQ(cohorts_of("zoe"), std::vector<std::string>{"Section 1"});
+  EXPECT_TRUE(Import(both, true).plan.steps[0].others.empty()) << "nothing to ask";
+}
+
+TEST_F(ImportTest, TheOutcomeShowsEveryPersonAsTheyWillBe) {
+  ASSERT_TRUE(Import(kRoster).done);
+  const auto outcome = ImportJson(Import("login,cohort\nbob,Year 4\nkim,\n", true));
+  EXPECT_EQ(outcome.at("reading"), "utf-8");
+  const auto& bob = outcome.at("people").at(0);
+  EXPECT_EQ(bob.at("display_name"), "Bob");
+  EXPECT_EQ(bob.at("role"), "student");
+  EXPECT_EQ(bob.at("cohort"), "Year 4");
+  EXPECT_EQ(bob.at("others").at(0), "Year 3");
+  EXPECT_EQ(outcome.at("people").at(1).at("display_name"), "kim");
 }
 
 TEST_F(ImportTest, RowsOfOnePersonMustAgree) {

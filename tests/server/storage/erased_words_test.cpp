@@ -43,7 +43,7 @@ class ErasedWordsTest : public ::testing::Test {
     row.login = "quixote";
     row.display_name = "Alonso Quijano";
     row.cohort = "year 3";
-    EXPECT_TRUE(store_->roster.ImportRoster({row}, false, kSystem).ok());
+    EXPECT_TRUE(store_->roster.ImportRoster({row}, {}, kSystem).ok());
   }
 
   Uuid Scored(const Uuid& person) {

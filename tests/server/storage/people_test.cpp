@@ -220,12 +220,12 @@ std::vector<RosterRow> Roster() {
 }
 
 TEST_P(PeopleStoreTest, RosterIsImportedOnceAndAgainChangesNothing) {
-  auto dry = store_->roster.ImportRoster(Roster(), true, kSystem);
+  auto dry = store_->roster.ImportRoster(Roster(), {.dry_run = true}, kSystem);
   ASSERT_TRUE(dry.ok()) << dry.status().message();
   EXPECT_EQ(dry->Count(RosterStep::Change::kCreate), 3u);
   EXPECT_TRUE(store_->people.People()->empty()) << "only tried";
 
-  auto done = store_->roster.ImportRoster(Roster(), false, kSystem);
+  auto done = store_->roster.ImportRoster(Roster(), {}, kSystem);
   ASSERT_TRUE(done.ok()) << done.status().message();
   EXPECT_EQ(done->new_cohorts, (std::vector<std::string>{"year 1", "year 2"}));
   Person bob = *store_->people.PersonByLogin("bob");
@@ -235,30 +235,29 @@ TEST_P(PeopleStoreTest, RosterIsImportedOnceAndAgainChangesNothing) {
   EXPECT_FALSE(*store_->cohorts.ShareCohort(bob.id, store_->people.PersonByLogin("cleo")->id));
 
   size_t audited = store_->audit.Audit(1000)->size();
-  auto again = store_->roster.ImportRoster(Roster(), false, kSystem);
+  auto again = store_->roster.ImportRoster(Roster(), {}, kSystem);
   EXPECT_EQ(again->Count(RosterStep::Change::kUnchanged), 3u);
   EXPECT_EQ(store_->audit.Audit(1000)->size(), audited);
   EXPECT_EQ(*store_->people.PasswordVerifier(bob.id), "v3") << "who is there keeps the password";
 }
 
 TEST_P(PeopleStoreTest, RosterRenamesAndAddsAndTakesNobodyAway) {
-  ASSERT_TRUE(store_->roster.ImportRoster(Roster(), false, kSystem).ok());
+  ASSERT_TRUE(store_->roster.ImportRoster(Roster(), {}, kSystem).ok());
   Uuid bob = store_->people.PersonByLogin("bob")->id;
-  ASSERT_TRUE(
-      store_->roster
-          .ImportRoster({{2, "bob", "Bob B.", Role::kStudent, "year 2", "x"}}, false, kSystem)
-          .ok());
+  ASSERT_TRUE(store_->roster
+                  .ImportRoster({{2, "bob", "Bob B.", Role::kStudent, "year 2", "x"}}, {}, kSystem)
+                  .ok());
   EXPECT_EQ(store_->people.PersonById(bob)->display_name, "Bob B.");
   EXPECT_EQ(store_->cohorts.CohortsOf(bob)->size(), 2u);
   EXPECT_EQ(store_->people.People()->size(), 3u);
   ASSERT_TRUE(
-      store_->roster.ImportRoster({{2, "bob", "", Role::kStudent, "", "x"}}, false, kSystem).ok());
+      store_->roster.ImportRoster({{2, "bob", "", Role::kStudent, "", "x"}}, {}, kSystem).ok());
   EXPECT_EQ(store_->people.PersonById(bob)->display_name, "Bob B.") << "an empty name is none";
 }
 
 TEST_P(PeopleStoreTest, RosterWithAProblemChangesNothingAtAll) {
   AddPerson(*store_, "ada", Role::kStudent);
-  auto refused = store_->roster.ImportRoster(Roster(), false, kSystem);
+  auto refused = store_->roster.ImportRoster(Roster(), {}, kSystem);
   ASSERT_TRUE(refused.ok()) << refused.status().message();
   ASSERT_EQ(refused->problems.size(), 1u);
   EXPECT_EQ(refused->problems[0].row, 2u);

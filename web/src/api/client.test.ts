@@ -256,7 +256,8 @@ test("a roster with problems is a report, not an error; any other refusal is one
     ),
     refusal(415, "unsupported_media_type"),
   ]);
-  const report = await client.people.importRoster("login\n", true, "");
+  const how = { cohort: "", reading: undefined, ignoreUnknown: false, move: false };
+  const report = await client.people.importRoster(new ArrayBuffer(1), how, true);
   assert.ok(report.ok && report.value.problem_count === 1);
-  assert.ok(!(await client.people.importRoster("x", true, "")).ok);
+  assert.ok(!(await client.people.importRoster(new ArrayBuffer(1), how, true)).ok);
 });

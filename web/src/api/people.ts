@@ -11,6 +11,13 @@ import type {
   SessionEntry,
 } from "./types";
 
+export interface RosterImport {
+  readonly cohort: string; // of rows without one; empty: none
+  readonly reading: RosterOutcome["reading"] | undefined; // of the bytes; undefined: the server recognises it
+  readonly ignoreUnknown: boolean; // columns
+  readonly move: boolean; // students who join a cohort leave their other ones
+}
+
 export interface PeopleQuery {
   readonly text?: string | undefined;
   readonly role?: string | undefined;
@@ -67,10 +74,17 @@ export class PeopleApi {
   }
   // With `trial` nothing is changed: the answer says what would be. A roster with problems is
   // refused as a whole; the report then says what they are.
-  async importRoster(text: string, trial: boolean, cohort: string): Promise<ApiResult<RosterOutcome>> {
-    const result = await this.http.json<RosterOutcome>("POST", `/roster${queryText({ dry_run: trial, cohort })}`, {
-      body: text,
-      type: "text/csv",
+  async importRoster(bytes: ArrayBuffer, how: RosterImport, trial: boolean): Promise<ApiResult<RosterOutcome>> {
+    const query = queryText({
+      dry_run: trial,
+      cohort: how.cohort,
+      reading: how.reading,
+      unknown_columns: how.ignoreUnknown ? "ignore" : undefined,
+      other_cohorts: how.move ? "leave" : undefined,
+    });
+    const result = await this.http.json<RosterOutcome>("POST", `/roster${query}`, {
+      body: bytes,
+      type: "application/octet-stream",
     });
     if (!result.ok && Array.isArray(result.error.answer?.["problems"]))
       return ok(result.error.answer as unknown as RosterOutcome);

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { RosterImport } from "../../api/people";
 import type { RosterOutcome } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
@@ -9,35 +10,35 @@ import { formatNumber } from "../../base/format";
 import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
-import { FileField, SelectField } from "../../widgets/form";
+import { CheckField, FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { PrintSlips } from "./password_slips";
+import { asksAboutOthers, detailText, leftOutText, type Others, readings } from "./roster";
 
 const kMaxBytes = 1 << 20; // of a request's body
 const kShownRows = 500;
 const kExample = "login,display_name,role,cohort\r\nstudent.one,Student One,student,Preclinic A\r\n";
 
-interface Chosen {
-  readonly name: string;
-  readonly text: string;
-}
+const kAsFound: RosterImport = { cohort: "", reading: undefined, ignoreUnknown: false, move: false };
 
 // A roster from the registrar's office: first what would happen, then, on confirmation, the import.
 export function RosterPage({ client }: { readonly client: Client }) {
-  const [file, setFile] = useState<Chosen>();
+  const [file, setFile] = useState<ArrayBuffer>();
   const [problem, setProblem] = useState<string>();
-  const [cohort, setCohort] = useState("");
+  const [how, setHow] = useState(kAsFound);
+  const [others, setOthers] = useState<Others>("");
   const [trial, setTrial] = useState<RosterOutcome>();
   const [done, setDone] = useState<RosterOutcome>();
   const change = useChange();
   const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value.map((item) => item.name) : [];
 
-  const check = async (chosen: Chosen | undefined, into: string) => {
-    setTrial(undefined);
-    if (chosen === undefined) return;
-    const result = await change.run(() => client.people.importRoster(chosen.text, true, into));
-    if (result?.ok === true) setTrial(result.value);
+  // The last trial stays until the next is there: the focus is in one of its fields.
+  const check = async (bytes: ArrayBuffer | undefined, next: RosterImport) => {
+    setHow(next);
+    if (bytes === undefined) return setTrial(undefined);
+    const result = await change.run(() => client.people.importRoster(bytes, next, true));
+    setTrial(result?.ok === true ? result.value : undefined);
   };
   const choose = async (chosen: File | undefined) => {
     const tooLarge = chosen !== undefined && chosen.size > kMaxBytes;
@@ -46,13 +47,16 @@ export function RosterPage({ client }: { readonly client: Client }) {
         ? say("roster.too_large", { found: formatNumber(chosen.size, 0), most: formatNumber(kMaxBytes, 0) })
         : undefined,
     );
-    const next = chosen === undefined || tooLarge ? undefined : { name: chosen.name, text: await chosen.text() };
-    setFile(next);
-    await check(next, cohort);
+    const bytes = chosen === undefined || tooLarge ? undefined : await chosen.arrayBuffer();
+    setFile(bytes);
+    setTrial(undefined);
+    setOthers("");
+    await check(bytes, { ...how, reading: undefined });
   };
   const carryOut = async () => {
     if (file === undefined) return;
-    const result = await change.run(() => client.people.importRoster(file.text, false, cohort));
+    const move = others === "leave";
+    const result = await change.run(() => client.people.importRoster(file, { ...how, move }, false));
     if (result?.ok === true) setDone(result.value);
   };
 
@@ -78,23 +82,25 @@ export function RosterPage({ client }: { readonly client: Client }) {
             <div class="form-grid">
               <FileField
                 label={say("roster.csv")}
-                accept=".csv,text/csv"
+                accept=".csv,.txt,text/csv,text/plain"
                 onFile={(chosen) => void choose(chosen)}
                 problem={problem}
               />
               <SelectField
                 label={say("roster.cohort")}
-                value={cohort}
-                onValue={(name) => {
-                  setCohort(name);
-                  void check(file, name);
-                }}
+                value={how.cohort}
+                onValue={(cohort) => void check(file, { ...how, cohort })}
                 options={[
                   { value: "", title: say("common.none") },
                   ...names.map((name) => ({ value: name, title: name })),
                 ]}
               />
             </div>
+            <CheckField
+              label={say("roster.ignore_unknown")}
+              value={how.ignoreUnknown}
+              onValue={(ignoreUnknown) => void check(file, { ...how, ignoreUnknown })}
+            />
             <p>
               <button
                 type="button"
@@ -106,22 +112,41 @@ export function RosterPage({ client }: { readonly client: Client }) {
             </p>
           </Card>
           {change.error !== undefined && <ErrorNotice title={say("roster.not_read")} message={change.error.message} />}
-          {trial !== undefined && <Trial report={trial} busy={change.busy} onImport={() => void carryOut()} />}
+          {trial !== undefined && (
+            <Trial
+              report={trial}
+              busy={change.busy}
+              others={others}
+              onOthers={setOthers}
+              onReading={(reading) => void check(file, { ...how, reading })}
+              onImport={() => void carryOut()}
+            />
+          )}
         </>
       )}
     </>
   );
 }
 
-function Trial({
-  report,
-  busy,
-  onImport,
-}: {
+interface TrialProps {
   readonly report: RosterOutcome;
   readonly busy: boolean;
+  readonly others: Others;
+  readonly onOthers: (others: Others) => void;
+  readonly onReading: (reading: RosterOutcome["reading"]) => void;
   readonly onImport: () => void;
-}) {
+}
+
+function Trial({ report, busy, others, onOthers, onReading, onImport }: TrialProps) {
+  const reading = (
+    <SelectField
+      label={say("roster.reading")}
+      hint={say("roster.reading_hint")}
+      value={report.reading}
+      onValue={onReading}
+      options={readings()}
+    />
+  );
   const { problems } = report;
   if (problems.length > 0) {
     return (
@@ -129,6 +154,7 @@ function Trial({
         <Notice tone="bad" title={say("roster.problems", { count: report.problem_count })}>
           <p>{say("roster.correct")}</p>
         </Notice>
+        {reading}
         <DataTable
           label={say("roster.problems_table")}
           items={problems}
@@ -144,6 +170,8 @@ function Trial({
     );
   }
   const nothing = report.created === 0 && report.updated === 0;
+  const asks = asksAboutOthers(report);
+  const blocked = nothing ? say("roster.nothing") : asks && others === "" ? say("roster.others_first") : undefined;
   return (
     <Card title={say("roster.would")}>
       <Notice tone={nothing ? "neutral" : "good"} title={countText(report)}>
@@ -151,10 +179,26 @@ function Trial({
         {report.ignored_columns.length > 0 && (
           <p>{say("roster.ignored", { names: report.ignored_columns.join(", ") })}</p>
         )}
+        {report.left_out.length > 0 && <p>{leftOutText(report)}</p>}
       </Notice>
-      <Rows report={report} />
+      <div class="form-grid">
+        {reading}
+        {asks && (
+          <SelectField
+            label={say("roster.others")}
+            value={others}
+            onValue={onOthers}
+            options={[
+              { value: "", title: say("roster.others_choose") },
+              { value: "keep", title: say("roster.others_keep") },
+              { value: "leave", title: say("roster.others_leave") },
+            ]}
+          />
+        )}
+      </div>
+      <Rows report={report} others={others} />
       <div class="button-row">
-        <Button busy={busy} blocked={nothing ? say("roster.nothing") : undefined} onClick={onImport}>
+        <Button busy={busy} blocked={blocked} onClick={onImport}>
           {busy ? say("roster.importing") : say("roster.import", { count: report.created + report.updated })}
         </Button>
       </div>
@@ -175,7 +219,7 @@ const kTitles: Readonly<Record<string, string>> = {
   },
 };
 
-function Rows({ report }: { readonly report: RosterOutcome }) {
+function Rows({ report, others }: { readonly report: RosterOutcome; readonly others: Others }) {
   const shown = report.people.slice(0, kShownRows);
   return (
     <>
@@ -185,28 +229,23 @@ function Rows({ report }: { readonly report: RosterOutcome }) {
         dense
         columns={[
           { title: say("roster.row"), number: true, cell: (item) => item.row },
+          { title: say("account.name"), cell: (item) => item.display_name },
           { title: say("account.login"), cell: (item) => <code>{item.login}</code> },
+          { title: say("account.role"), cell: (item) => say(`role.${item.role}`) },
+          { title: say("common.cohort"), cell: (item) => item.cohort || "–" },
           {
             title: say("roster.happens"),
             cell: (item) => (
               <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge>
             ),
           },
-          { title: say("roster.detail"), cell: (item) => detailText(item) },
+          { title: say("roster.detail"), cell: (item) => detailText(item, others) },
         ]}
       />
       {report.people.length > shown.length && (
         <p class="hint">{say("roster.first_rows", { shown: shown.length, count: report.people.length })}</p>
       )}
     </>
-  );
-}
-
-function detailText({ renames, joins, note }: RosterOutcome["people"][number]): string {
-  return (
-    [renames ? say("roster.renames") : "", joins ? say("roster.joins") : "", note]
-      .filter((part) => part !== "")
-      .join("; ") || "–"
   );
 }
 
