@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
-# A server behind the HAProxy that server/ops/haproxy.cfg describes: the page is reached over HTTPS and a station makes an
-# attempt over the link, whose TLS ends at the server; the log names who asked and not the proxy; a server that is asked
-# to stop is given no more before it does. Skips where HAProxy, curl or openssl is not installed.
+# A server behind the HAProxy that server/ops/haproxy.cfg describes, and behind the nginx of server/ops/nginx.conf: the page
+# is reached over HTTPS and a station makes an attempt over HAProxy's link, whose TLS ends at the server; the log names who
+# asked and not the proxy; what a proxy packs can be edited, and live events come as they are made; a server that is asked
+# to stop is given no more before it does. Skips where HAProxy, nginx, curl or openssl is not installed.
 . "$(dirname "$0")/../integration/support.sh"
-for program in haproxy curl openssl; do
+for program in haproxy nginx curl openssl; do
   command -v $program >/dev/null || { echo "skipped: $program is not installed"; exit 77; }
 done
 data=$work/server station=$work/station
 port=$(free_ports)
 page=$(free_ports)
+shown=$page packing=$(free_ports) nginx=$(free_ports)
 export ENAMEL_PASSWORD="a quite unlikely password 7"
 server_cli() { "$bin/enamel-server" "$@"; }
 
@@ -73,6 +75,52 @@ wait_for_log "$work/server.log" '127\.0\.0\.4'
 server_cli report --data "$data" --attempt "$(json_of "$work/cut.json" attempt_id)" --wait 600 --json "$work/report.json" >/dev/null
 [ "$(json_of "$work/report.json" ticks)" = "$(json_of "$work/cut.json" ticks)" ] || fail "not every tick came through the proxy"
 echo "ok: an attempt of $(json_of "$work/cut.json" ticks) ticks over the link"
+
+# Both proxies again, as somebody sets them up who has them pack all they may.
+export ENAMEL_PAGE_ADDRESS=127.0.0.1:$packing ENAMEL_STATIONS_ADDRESS=127.0.0.1:$((packing + 1))
+sed '/^backend page_servers/a\  compression algo gzip\n  compression type application/json text/event-stream' \
+  "$root/server/ops/haproxy.cfg" >"$work/packing.cfg"
+haproxy -f "$work/packing.cfg" >"$work/packing.log" 2>&1 &
+pids+=($!)
+wait_for_log "$work/packing.log" 'page_servers/two is DOWN'
+
+# start_nginx PORT FOLDER SED: the site with this machine's names, changed by SED; in the foreground, its files in FOLDER.
+start_nginx() {
+  local port_here=$1 folder=$2
+  mkdir -p "$folder"
+  sed -e "s|listen 443|listen 127.0.0.1:$port_here|; /listen \[::\]/d; s|enamel.example.edu|enamel.test|; s|127.0.0.1:8080|127.0.0.1:$port|" \
+    -e "s|/etc/nginx/enamel|$work/page|; $3" "$root/server/ops/nginx.conf" >"$folder/site.conf"
+  cat >"$folder/nginx.conf" <<EOF
+worker_processes 1; pid $folder/nginx.pid; error_log $folder/error.log notice; daemon off; master_process off;
+events {}
+http {
+  access_log off;
+  client_body_temp_path $folder/a; proxy_temp_path $folder/b; fastcgi_temp_path $folder/c; uwsgi_temp_path $folder/d; scgi_temp_path $folder/e;
+  gzip_types application/json; gzip_proxied any;
+  include $folder/site.conf;
+}
+EOF
+  nginx -p "$folder" -c "$folder/nginx.conf" -e "$folder/error.log" >"$folder/log" 2>&1 &
+  pids+=($!)
+  wait_for_log "$folder/error.log" 'event method'
+}
+start_nginx "$nginx" "$work/nginx" ""
+start_nginx "$((nginx + 1))" "$work/nginx-packing" "s|gzip off|gzip on|"
+page=$nginx
+[ "$(ask /readyz)" = 200 ] || fail "the server is not asked by nginx: $(cat "$work/answer")"
+ask /api/v1/session --interface 127.0.0.5 -D "$work/head" -H 'X-Forwarded-For: 192.0.2.99' -H 'Content-Type: application/json' \
+  -H "Origin: https://enamel.test:$page" -d '{"login": "student1", "password": "wrong"}' >"$work/status"
+[ "$(cat "$work/status")" = 401 ] || fail "a wrong password was answered $(cat "$work/status"): $(cat "$work/answer")"
+grep -q '127\.0\.0\.5' "$work/server.log" || { cat "$work/server.log"; fail "the log does not name who asked nginx"; }
+! grep -q '192\.0\.2\.99' "$work/server.log" || fail "a claimed address was believed behind nginx"
+
+"$bin/enamel-station" run --data "$station" --profile phantom_desktop --quiet --exercise "$exercise" --user student1 --operator student >"$work/run.log" 2>&1 &
+run=$!
+pids+=("$run")
+node "$root/tests/cluster/through_proxies.mjs" "$port" "$work/page.crt" "HAProxy=$packing" "nginx=$((nginx + 1))" || { cat "$work/run.log"; fail "not through a proxy"; }
+kill -KILL "$run"
+wait "$run" 2>/dev/null || true
+page=$shown
 
 kill -TERM "$server"
 wait_for_log "$work/haproxy.log" 'page_servers/one is stopping'
