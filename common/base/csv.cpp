@@ -7,11 +7,12 @@
 namespace enamel {
 namespace {
 
-// Excel begins a UTF-8 file with this mark; it would be part of the first column's name.
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 // A cell that begins with one of these is a formula to a spreadsheet: a quote in front keeps a
 // person's name from being computed on whoever opens the list (OWASP, "CSV Injection").
-constexpr std::string_view kComputed = "=+-@\t\r";
+constexpr std::string_view kComputed = "=+-@\t\r\n";
+// Full width: = + - @, which some spreadsheets accept as well.
+constexpr std::string_view kComputedWide[] = {"\xef\xbc\x9d", "\xef\xbc\x8b", "\xef\xbc\x8d",
+                                              "\xef\xbc\xa0"};
 
 // One pass over the text, character by character.
 class Reader {
@@ -147,10 +148,15 @@ bool IsNumber(std::string_view text) {
   return error == std::errc() && rest == text.data() + text.size();
 }
 
+bool IsComputed(std::string_view text) {
+  if (text.empty() || IsNumber(text)) return false;
+  return kComputed.find(text.front()) != std::string_view::npos ||
+         std::ranges::any_of(kComputedWide, [&](auto sign) { return text.starts_with(sign); });
+}
+
 std::string Cell(std::string_view text) {
   std::string out;
-  if (!text.empty() && kComputed.find(text.front()) != std::string_view::npos && !IsNumber(text))
-    out = "'";
+  if (IsComputed(text)) out = "'";
   out += text;
   // Also what separates cells elsewhere: a first line with more of those than commas is read so.
   if (out.find_first_of(",;\t|\"\r\n") == std::string::npos) return out;
@@ -162,7 +168,7 @@ std::string Cell(std::string_view text) {
 }  // namespace
 
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (text.starts_with(kCsvByteOrderMark)) text.remove_prefix(kCsvByteOrderMark.size());
   CsvTable table;
   const Told told = ToldSeparator(text);
   const std::string_view rows = text.substr(told.size);
@@ -177,7 +183,9 @@ Status CsvTable::status() const {
   return Status(Code::kInvalidInput, "CSV " + row + ": " + found + ": expected " + expected, row);
 }
 
-std::string CsvLine(std::initializer_list<std::string_view> cells) {
+namespace {
+template <typename Cells>
+std::string LineOf(const Cells& cells) {
   std::string out;
   const char* separator = "";
   for (std::string_view cell : cells) {
@@ -185,5 +193,9 @@ std::string CsvLine(std::initializer_list<std::string_view> cells) {
   }
   return out + "\r\n";
 }
+}  // namespace
+
+std::string CsvLine(std::initializer_list<std::string_view> cells) { return LineOf(cells); }
+std::string CsvLine(const std::vector<std::string>& cells) { return LineOf(cells); }
 
 }  // namespace enamel

@@ -17,6 +17,9 @@
 // never closed: a name could then swallow the rows behind it.
 namespace enamel {
 
+// Excel begins a UTF-8 file with this mark, and reads a file without it in the local code page.
+inline constexpr std::string_view kCsvByteOrderMark = "\xef\xbb\xbf";
+
 struct CsvRow {
   uint32_t row = 0;  // as a spreadsheet counts: 1 is the first, also when it is empty
   std::vector<std::string> cells;
@@ -44,8 +47,10 @@ struct CsvTable {
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
 
 // One line with its end, CR LF. A cell that a spreadsheet would compute, because it begins with
-// = + - @, tab or CR, gets an apostrophe in front (OWASP, "CSV Injection"). A number such as -0.5
+// = + - @ (also of full width), tab, CR or LF, gets an apostrophe in front (OWASP, "CSV
+// Injection"). A number such as -0.5
 // stays a number.
 std::string CsvLine(std::initializer_list<std::string_view> cells);
+std::string CsvLine(const std::vector<std::string>& cells);
 
 }  // namespace enamel

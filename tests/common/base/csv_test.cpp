@@ -78,7 +78,9 @@ TEST(CsvTest, WhatIsWrittenReadsBackAndIsNotComputed) {
   EXPECT_EQ(CellsOf(ReadCsv(CsvLine({"a;b;c", "d|e|f\tg"}))),
             (std::vector<Cells>{{"a;b;c", "d|e|f\tg"}}));
   std::string text = CsvLine({"plain", "with, comma", "with \"quote\"", "two\nlines", ""}) +
-                     CsvLine({"=1+1", "@SUM(A1)", "-2+3", "+SUM(A1)", "\tx"}) +
+                     CsvLine({"=1+1", "@SUM(A1)", "-2+3", "+SUM(A1)", "\tx",
+                              "\xef\xbc\x9d"
+                              "1+1"}) +
                      CsvLine({"-0.1154", "-2", "1e-3"});
   CsvTable table = ReadCsv(text);
   ASSERT_EQ(table.rows.size(), 3u);
