@@ -85,7 +85,9 @@ Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
 Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
   Uuid newest;
   if (subject.empty()) return newest;
-  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 AND subject = ?2 ORDER BY id DESC LIMIT 1");
+  static const std::string kSql =
+      std::string("SELECT id FROM audit WHERE ") + kAboutSubject + " ORDER BY id DESC LIMIT 1";
+  Query q(db, kSql);
   if (q.Bind(subject).Next()) newest = q.Id(0);
   if (!q.status().ok()) return q.status();
   return newest;

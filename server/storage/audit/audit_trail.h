@@ -16,6 +16,10 @@
 // about it in the same transaction. The connection is the writer's, which has the signer with it.
 namespace enamel::server {
 
+// Rows about the subject that is bound as ?2. Without its second half, which a parameter does not
+// prove, SQLite does not use the partial index and reads the whole trail with every change.
+inline constexpr char kAboutSubject[] = "tenant = ?1 AND subject = ?2 AND subject <> ''";
+
 // {"name":value,…} of text values.
 std::string JsonOf(std::initializer_list<std::pair<const char*, std::string>> members);
 // Adds a signed row with the present state of the action's subject (decisions.h): call it after the

@@ -274,9 +274,9 @@ class AuditCheck {
   }
 
   Status CheckState(const std::string& subject) {
-    Query q(db_,
-            "SELECT action, at_ms, object, state FROM audit WHERE tenant = ?1 AND subject = ?2 "
-            "ORDER BY id DESC LIMIT 1");
+    static const std::string kSql = std::string("SELECT action, at_ms, object, state FROM audit ") +
+                                    "WHERE " + kAboutSubject + " ORDER BY id DESC LIMIT 1";
+    Query q(db_, kSql);
     if (!q.Bind(subject).Next()) return q.status();
     const std::string object = q.Text(2), state = q.Text(3);
     const std::string row = q.Text(0) + " of " + TimeText(q.Int(1));

@@ -1,3 +1,5 @@
+#include "server/storage/audit/audit_trail.h"
+
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -48,6 +50,23 @@ TEST_F(AuditTrailTest, RowsAreNeitherChangedNorDeleted) {
         << change;
   }
   EXPECT_EQ(store_->audit.Audit(10)->size(), 1u);
+}
+
+// With every change the newest row about its subject is looked up: a roster of 5000 people read
+// 10 000 rows for each of them.
+TEST_F(AuditTrailTest, RowsAboutASubjectAreFoundByTheirIndex) {
+  std::string plan;
+  const std::string sql = std::string("EXPLAIN QUERY PLAN SELECT id FROM audit WHERE ") +
+                          kAboutSubject + " ORDER BY id DESC LIMIT 1";
+  sqlite3_exec(
+      db_, sql.c_str(),
+      [](void* out, int columns, char** values, char**) {
+        *static_cast<std::string*>(out) += values[columns - 1];
+        return 0;
+      },
+      &plan, nullptr);
+  EXPECT_NE(plan.find("audit_by_subject"), std::string::npos) << plan;
+  EXPECT_EQ(plan.find("TEMP B-TREE"), std::string::npos) << plan;
 }
 
 TEST_F(AuditTrailTest, OnlyWhatIsToldOfAPersonWhoIsGoneIsOverwritten) {
