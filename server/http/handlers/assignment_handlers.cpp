@@ -75,6 +75,7 @@ class AssignmentView {
               {"title", std::move(title)},
               {"version", row.version},
               {"retired", row.retired},
+              {"graded", row.graded},
               {"newest_id", std::move(newest_id)},
               {"newest_version", std::move(newest_version)}}},
             {"cohort", std::move(cohort)},

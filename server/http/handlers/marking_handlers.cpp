@@ -336,7 +336,8 @@ Response GetMarking(const Call& call, Store& store) {
   }
   Result<ExerciseRow> exercise = store.exercises.ExerciseById(seen->assignment.version_id);
   if (!exercise.ok()) return ErrorResponse(exercise.status());
-  (*out)["exercise"] = {{"id", exercise->id.Text()}, {"title", exercise->title}};
+  (*out)["exercise"] = {
+      {"id", exercise->id.Text()}, {"title", exercise->title}, {"graded", exercise->graded}};
   (*out)["criteria"] = std::move(criteria);
   (*out)["mine"] = std::move(mine);
   (*out)["comments"] = std::move(comments);

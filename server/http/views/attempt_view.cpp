@@ -137,7 +137,10 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
   for (const char* name : AttemptFlagNames(row.flags & ~hidden)) flags.emplace_back(name);
   return json::object{{"id", row.id.Text()},
                       {"person", PersonJson(row)},
-                      {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
+                      {"exercise",
+                       {{"id", row.exercise.Text()},
+                        {"title", row.exercise_title},
+                        {"graded", (*exercise)->graded}}},
                       {"station", {{"id", row.station.Text()}, {"name", *station}}},
                       {"profile", {{"name", profile->first}, {"title", profile->second}}},
                       {"state", AttemptStateName(row.state)},

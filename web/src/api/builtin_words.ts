@@ -1,5 +1,5 @@
 import { numberText, spokenLanguage } from "../base/language";
-import { sayIf } from "../base/words";
+import { say, sayIf } from "../base/words";
 
 // What the built-in exercises, criteria and teeth say, in the language of the page. The server
 // gives it in English, and the text itself names its message: without its numbers, which are the
@@ -11,6 +11,20 @@ const kNumber = /\d+(?:\.\d+)?/g;
 // "Class I occlusal cavity", "Walls upright".
 export function wordedTitle(title: string): string {
   return sayIf(`builtin_title.${nameOf(title)}`, numbersOf(title)) ?? title;
+}
+
+// What an exercise is called in lists: a practice exercise may have the title of the one that counts.
+export function exerciseTitle({
+  title,
+  name = "",
+  graded,
+}: {
+  readonly title: string | null;
+  readonly name?: string;
+  readonly graded: boolean;
+}): string {
+  const worded = wordedTitle(title ?? "") || name;
+  return graded ? worded : say("exercise_list.practice_title", { title: worded });
 }
 
 // Instructions, or the comment of a criterion: sentence by sentence. Where one of them is not built

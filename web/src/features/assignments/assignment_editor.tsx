@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Assignment, ExerciseSummary } from "../../api/types";
 import { useChange } from "../../api/use_change";
@@ -56,7 +57,8 @@ export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
 
 // Graded work without a reference is refused by the server, with what to do.
 function assignable({ name, title, graded, has_reference }: ExerciseSummary) {
-  return { value: name, title: graded && !has_reference ? say("assign.no_reference", { title }) : title };
+  const shown = exerciseTitle({ title, graded });
+  return { value: name, title: graded && !has_reference ? say("assign.no_reference", { title: shown }) : shown };
 }
 
 interface FieldsProps extends Props {

@@ -1,4 +1,4 @@
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle as titleOf } from "../../api/builtin_words";
 import type { Assignment, Counting, Grade, HandsAllowed } from "../../api/types";
 import { formatDateTime, formatScore } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
@@ -36,7 +36,7 @@ export function limitText({ attempt_limit: limit }: Pick<Assignment, "attempt_li
 }
 
 export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): string {
-  const title = wordedTitle(exercise.title ?? "") || exercise.name;
+  const title = titleOf(exercise);
   return exercise.retired || exercise.title === null ? say("assignments.retired", { name: title }) : title;
 }
 

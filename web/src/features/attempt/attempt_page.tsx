@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import { anatomyOf } from "../../api/tooth_number";
@@ -137,7 +137,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         )}
         <KeysHelp keys={keys} />
         <div class="attempt-title">
-          <PageTitle document={wordedTitle(attempt.exercise.title)}>{wordedTitle(attempt.exercise.title)}</PageTitle>
+          <PageTitle document={exerciseTitle(attempt.exercise)}>{exerciseTitle(attempt.exercise)}</PageTitle>
           <p class="byline">
             {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)}
             {restoration !== undefined && `, ${say("restoration.named", { material: say(`material.${restoration}`) })}`}{" "}

@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { downloadFile, fileName } from "../../base/download";
@@ -296,7 +296,7 @@ function MomentLinkButton({ link, review }: { readonly link: () => string; reado
   const [shown, setShown] = useState<string>();
   const { control, attempt } = review;
   const { film } = control?.playback ?? {};
-  const names = [wordedTitle(attempt.exercise.title), attempt.person.display_name] as const;
+  const names = [exerciseTitle(attempt.exercise), attempt.person.display_name] as const;
   const save = async (from: FilmLink, as: ModelFormat) => {
     const name = fileName(...names, formatMoment(review.momentS).replace(":", "m"));
     downloadFile(`${name}.${as}`, kModelTypes[as], await from.model(as));

@@ -1,5 +1,5 @@
 import { useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { placedMessage } from "../../api/placed";
 import type { Exercise } from "../../api/types";
@@ -49,7 +49,7 @@ export function CopyForm({ client, from, onDone, onCancel }: Props) {
           label={say("copy_exercise.from")}
           hint={say("copy_exercise.from_hint")}
           value={source ?? ""}
-          options={loaded.value.map((exercise) => ({ value: exercise.id, title: wordedTitle(exercise.title) }))}
+          options={loaded.value.map((exercise) => ({ value: exercise.id, title: exerciseTitle(exercise) }))}
           onValue={setChosen}
         />
       )}

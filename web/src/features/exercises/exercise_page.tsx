@@ -1,4 +1,4 @@
-import { wordedText, wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle, wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -64,7 +64,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       <div class="attempt-head">
         <div>
           <div class="title-row">
-            <PageTitle document={wordedTitle(exercise.title)}>{wordedTitle(exercise.title)}</PageTitle>
+            <PageTitle document={exerciseTitle(exercise)}>{exerciseTitle(exercise)}</PageTitle>
             {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
             <Badge tone="neutral">
               {exercise.graded ? say("exercise_page.graded_text") : say("exercise_page.practice_text")}

@@ -1,5 +1,5 @@
 import { useState } from "preact/hooks";
-import { wordedText, wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle, wordedText } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ExerciseState, ExerciseSummary } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -44,7 +44,7 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
     <article class="card exercise">
       <div class="card-head">
         <h2>
-          <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>
+          <a href={`/exercises/${exercise.id}`}>{exerciseTitle(exercise)}</a>
         </h2>
         <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")}</Badge>
       </div>
@@ -143,7 +143,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
               columns={[
                 {
                   title: say("common.exercise"),
-                  cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>,
+                  cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exerciseTitle(exercise)}</a>,
                 },
                 {
                   title: say("account.name"),

@@ -1,5 +1,5 @@
 import { useMemo } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
 import type { Attempt, Exercise } from "../../api/types";
@@ -123,7 +123,7 @@ function CardNow({ attempt, exercise, plan, track, cut }: CardProps) {
       </div>
       <p>
         {attempt.person.display_name}
-        <span class="hint"> · {wordedTitle(attempt.exercise.title)}</span>
+        <span class="hint"> · {exerciseTitle(attempt.exercise)}</span>
       </p>
       {exercise !== undefined && (
         <div class="live-time">

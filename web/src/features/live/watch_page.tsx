@@ -1,4 +1,4 @@
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -36,7 +36,7 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
       {attempt !== undefined && (
         <>
           <p class="byline">
-            {attempt.person.display_name} · {wordedTitle(attempt.exercise.title)}
+            {attempt.person.display_name} · {exerciseTitle(attempt.exercise)}
           </p>
           {recording ? (
             <Watched client={client} attempt={attempt} onEnd={reload} />

@@ -1,5 +1,5 @@
 import { useMemo, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Rating } from "../../api/marking";
 import { anatomyOf } from "../../api/tooth_number";
@@ -28,11 +28,11 @@ export function MarkingPage({ client, id }: { readonly client: Client; readonly 
       </>
     );
   const marking = loaded.value;
-  const title = say("marking.of", { exercise: wordedTitle(marking.exercise.title) });
+  const title = say("marking.of", { exercise: exerciseTitle(marking.exercise) });
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
-        <a href={`/assignments/${marking.assignment_id}`}>{wordedTitle(marking.exercise.title)}</a>
+        <a href={`/assignments/${marking.assignment_id}`}>{exerciseTitle(marking.exercise)}</a>
       </nav>
       <PageTitle document={title}>{title}</PageTitle>
       <p class="byline">

@@ -1,4 +1,4 @@
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
 import type { AgreementFigure, Marking, MarkingResults } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
@@ -18,7 +18,7 @@ interface Props {
 export function MarkingResultsView({ marking, results }: Props) {
   const save = () => {
     const { header, rows } = marksTable(marking, results);
-    downloadFile(`${fileName(wordedTitle(marking.exercise.title), "marks")}.csv`, "text/csv", csvText(header, rows));
+    downloadFile(`${fileName(exerciseTitle(marking.exercise), "marks")}.csv`, "text/csv", csvText(header, rows));
   };
   return (
     <>

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import type { Attempt, PersonDetail } from "../../api/types";
@@ -78,7 +78,7 @@ export function SearchPage({ client, query, onQuery }: Props) {
               made.map(({ id, exercise, person, ticketed_ms: when, score }) => ({
                 key: id,
                 path: `/attempts/${id}`,
-                title: `${person.display_name}, ${wordedTitle(exercise.title)}`,
+                title: `${person.display_name}, ${exerciseTitle(exercise)}`,
                 more: `${formatDateTime(when)}${score === null ? "" : `, ${formatScore(score)}`}`,
               }))
             }
@@ -88,10 +88,10 @@ export function SearchPage({ client, query, onQuery }: Props) {
             asking={exercises}
             found={(all) =>
               all
-                .map(({ id, title, name }) => ({
+                .map(({ id, title, name, graded }) => ({
                   key: id,
                   path: `/exercises/${id}`,
-                  title: wordedTitle(title),
+                  title: exerciseTitle({ title, graded }),
                   more: name,
                 }))
                 .filter(({ title, more }) => nameHas(title, asked) || nameHas(more, asked))
