@@ -16,6 +16,7 @@ CREATE TABLE people (
   id                   BLOB NOT NULL CHECK (length(id) = 16),
   login                TEXT NOT NULL,
   display_name         TEXT NOT NULL,
+  search_name          TEXT NOT NULL,  -- of the display name: without case and accents
   role                 INTEGER NOT NULL CHECK (role BETWEEN 1 AND 3),  -- 1 student, 2 instructor, 3 admin
   disabled             INTEGER NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1)),
   created_ms           INTEGER NOT NULL,

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/base/check.h"
+#include "common/base/folded.h"
 #include "common/base/utf8.h"
 
 namespace enamel::server {
@@ -134,6 +135,27 @@ Result<std::string> CheckedReason(std::string_view text, std::string_view field)
   }
   ENAMEL_RETURN_IF_ERROR(CheckOneLine(reason, field));
   return std::string(reason);
+}
+
+std::vector<std::string> SearchWords(std::string_view text) {
+  constexpr size_t kMostWords = 8;
+  std::vector<std::string> out;
+  const std::string folded = Folded(text);
+  for (std::string_view rest = Trim(folded); !rest.empty() && out.size() < kMostWords;
+       rest = Trim(rest)) {
+    const size_t end = std::min(rest.find(' '), rest.size());
+    out.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(end);
+  }
+  return out;
+}
+
+std::string SearchName(std::string_view display_name) {
+  std::string out;
+  for (char c : Folded(Trim(display_name))) {
+    if (c != ' ' || !out.ends_with(' ')) out += c;
+  }
+  return out;
 }
 
 std::string NameKey(std::string_view name) {

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.h"
 
@@ -35,6 +36,13 @@ Result<std::string> CheckedReason(std::string_view text, std::string_view field)
 // No control character, line break or mark that changes the writing direction: a terminal or table
 // shows such text unchanged. Errors: kInvalidInput with `field`.
 Status CheckOneLine(std::string_view text, std::string_view field);
+
+// How a display name is searched and sorted: without case and accents (common/base/folded.h), one
+// space between words.
+std::string SearchName(std::string_view display_name);
+
+// What somebody typed, in words of that form; at most 8.
+std::vector<std::string> SearchWords(std::string_view text);
 
 // Equal for names that people take for one: case (of ASCII) and the number of spaces do not count.
 std::string NameKey(std::string_view name);

@@ -42,7 +42,7 @@ struct PeopleFilter {
   std::optional<Role> role{};
   std::optional<Uuid> cohort{};
   std::optional<bool> disabled{};
-  std::string text{};         // part of login or display name; case counts beyond ASCII only
+  std::string text{};         // each of its words is part of login or display name (SearchWords)
   std::string after_login{};  // page: logins beyond this (they are sorted by it)
   uint32_t limit = 50;        // at most 1000
 };

@@ -14,6 +14,7 @@ CREATE TABLE people (
   id                   BYTEA NOT NULL CHECK (length(id) = 16),
   login                TEXT COLLATE "C" NOT NULL,
   display_name         TEXT COLLATE "C" NOT NULL,
+  search_name          TEXT COLLATE "C" NOT NULL,
   role                 BIGINT NOT NULL CHECK (role BETWEEN 1 AND 3),
   disabled             BIGINT NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1)),
   created_ms           BIGINT NOT NULL,

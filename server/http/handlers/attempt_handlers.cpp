@@ -39,6 +39,23 @@ Status NarrowByWords(const Call& call, AttemptFilter& filter) {
     if (!flag) return {Code::kInvalidInput, "expected the name of a flag", "flag"};
     filter.flags = *flag;
   }
+  if (auto word = query.find("order"); word != query.end()) {
+    using enum AttemptFilter::Order;
+    const std::map<std::string, AttemptFilter::Order> orders{
+        {"newest", kNewest}, {"name", kName}, {"lowest_score", kLowestScore}};
+    const auto known = orders.find(word->second);
+    if (known == orders.end()) {
+      return {Code::kInvalidInput, "expected newest, name or lowest_score", "order"};
+    }
+    filter.order = known->second;
+  }
+  if (auto text = query.find("name"); text != query.end()) {
+    if (text->second.size() > kMaxNameBytes) {
+      return {Code::kInvalidInput, "expected at most " + std::to_string(kMaxNameBytes) + " bytes",
+              "name"};
+    }
+    filter.name = text->second;
+  }
   if (auto word = query.find("appeal"); word != query.end()) {
     if (word->second != "open") return {Code::kInvalidInput, "expected open", "appeal"};
     filter.open_appeal = true;
@@ -75,6 +92,8 @@ Result<AttemptFilter> FilterFor(const Call& call) {
                     "flag"};
     }
     filter.person = viewer.id;
+    // An order by scores would tell something of those that are not released.
+    filter.order = AttemptFilter::Order::kNewest;
     // Their own attempts need no cohort, and one that they are not in would show them none.
     filter.cohort.reset();
   } else if (viewer.role == Role::kInstructor && filter.person != viewer.id) {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "server/storage/engine/query.h"
+#include "server/storage/people/people_rows.h"
+#include "server/training/names.h"
 
 // Attempts as rows.
 namespace enamel::server {
@@ -65,6 +67,25 @@ AttemptRow AttemptOf(const Query& q) {
   return out;
 }
 
+// An order of the list, and the condition for what comes after an attempt whose id is between both.
+struct Ordering {
+  const char *by, *before, *after;
+};
+#define ENAMEL_COUNTING_SCORE(a) "coalesce(" a ".override_score, " a ".score, 1000.0)"
+constexpr Ordering kOrderings[] = {
+    {"a.id DESC", "a.id < ", ""},
+    {"p.search_name, a.id DESC",
+     "EXISTS (SELECT 1 FROM attempts b JOIN people bp ON bp.tenant = b.tenant AND bp.id = b.person "
+     "WHERE b.tenant = a.tenant AND (p.search_name > bp.search_name OR p.search_name = "
+     "bp.search_name AND a.id < b.id) AND b.id = ",
+     ")"},
+    {ENAMEL_COUNTING_SCORE("a") ", a.id DESC",
+     "EXISTS (SELECT 1 FROM attempts b WHERE b.tenant = a.tenant AND "
+     "(" ENAMEL_COUNTING_SCORE("a") " > " ENAMEL_COUNTING_SCORE("b") " OR " ENAMEL_COUNTING_SCORE(
+         "a") " = " ENAMEL_COUNTING_SCORE("b") " AND a.id < b.id) AND b.id = ",
+     ")"}};
+#undef ENAMEL_COUNTING_SCORE
+
 }  // namespace
 
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
@@ -114,8 +135,9 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
         ")");
   where(filter.exercise, "a.exercise = ", "");
   where(filter.assignment, "a.assignment = ", "");
-  // Ids rise with time: a list continues where the last page ended, whatever came in meanwhile.
-  where(filter.before, "a.id < ", "");
+  // A list continues where the last page ended, whatever came in meanwhile: ids rise with time.
+  const Ordering& ordering = kOrderings[static_cast<size_t>(filter.order)];
+  where(filter.before, ordering.before, ordering.after);
   if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
   if (filter.flags != 0) {
     std::string bits = number(filter.flags);
@@ -126,12 +148,18 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
         " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
         "o.state = 'open')";
   }
-  // The bound is ours, not the asker's.
-  sql += " ORDER BY a.id DESC LIMIT " + number(std::clamp<uint32_t>(filter.limit, 1, 200));
+  const std::vector<std::string> words = SearchWords(filter.name);
+  const size_t first_word = ids.size() + numbers.size() + 2;
+  for (size_t i = 0; i < words.size(); ++i) {
+    sql += " AND " + NameHas("?" + std::to_string(first_word + 1 + i));
+  }
+  sql += std::string(" ORDER BY ") + ordering.by + " LIMIT " +
+         number(std::clamp<uint32_t>(filter.limit, 1, AttemptFilter::kMostAtOnce));
   return rows_.Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
     Query q(db, sql.c_str());
     for (const Uuid& id : ids) q.Bind(id);
     for (int64_t value : numbers) q.Bind(value);
+    for (const std::string& word : words) q.Bind(word);
     std::vector<AttemptRow> out;
     while (q.Next()) out.push_back(AttemptOf(q));
     if (!q.status().ok()) return q.status();

@@ -24,8 +24,13 @@ struct AttemptFilter {
   std::optional<AttemptState> state{};
   uint32_t flags = 0;            // with all of these bits of AttemptFlag
   bool open_appeal = false;      // only those with an appeal that nobody has answered
-  std::optional<Uuid> before{};  // page: ids lower than this (newest first)
-  uint32_t limit = 50;           // at most 200
+  std::string name{};            // each of its words is part of the person's login or name
+  enum class Order : uint8_t { kNewest, kName, kLowestScore };  // without a score: last
+  Order order = Order::kNewest;
+  std::optional<Uuid> before{};  // page: what comes after this attempt
+  // A row has about 1 kB. Lists that a browser asks for are in pages of at most 200 (paging.h).
+  static constexpr uint32_t kMostAtOnce = 20'000;
+  uint32_t limit = 50;
 };
 
 // Reads attempts. Their recordings: RecordingRows; their scores: ResultRows.

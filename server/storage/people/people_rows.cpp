@@ -10,6 +10,7 @@
 #include "server/storage/engine/sql_names.h"
 #include "server/storage/people/cohort_rows.h"
 #include "server/storage/people/session_rows.h"
+#include "server/training/names.h"
 
 // People.
 namespace enamel::server {
@@ -51,10 +52,11 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
   ++after.revision;
   {
     Query q(db,
-            "UPDATE people SET display_name = ?3, role = ?4, disabled = ?5, revision = ?6 "
-            "WHERE tenant = ?1 AND id = ?2");
+            "UPDATE people SET display_name = ?3, role = ?4, disabled = ?5, revision = ?6, "
+            "search_name = ?7 WHERE tenant = ?1 AND id = ?2");
     q.Bind(after.id).Bind(after.display_name).Bind(static_cast<int64_t>(after.role));
     q.Bind(static_cast<int64_t>(after.disabled)).Bind(int64_t{after.revision});
+    q.Bind(SearchName(after.display_name));
     ENAMEL_RETURN_IF_ERROR(q.Run());
   }
   if (ends_sessions) ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, after.id));
@@ -77,6 +79,14 @@ Person PersonOf(const Query& q) {
   out.password_ms = q.Int(8);
   out.language = q.Text(9);
   return out;
+}
+
+std::string NameHas(const std::string& word) {
+  // What shrinks when the word is taken out holds it: databases have no function for this in common.
+  const auto has = [&](const std::string& column) {
+    return "replace(" + column + ", " + word + ", '') <> " + column;
+  };
+  return "(" + has("p.login") + " OR " + has("p.search_name") + ")";
 }
 
 Result<std::vector<Person>> PeopleIn(Query& q) {
@@ -109,12 +119,13 @@ Status InsertPerson(Db& db, const Person& person, const std::string& verifier, c
   Query q(
       db,
       "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
-      "verifier, must_change_password, password_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
-      "?10)");
+      "verifier, must_change_password, password_ms, search_name) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+      "?7, ?8, ?9, ?10, ?11)");
   q.Bind(person.id).Bind(person.login).Bind(person.display_name);
   q.Bind(static_cast<int64_t>(person.role)).Bind(static_cast<int64_t>(person.disabled));
   q.Bind(person.created_ms != 0 ? person.created_ms : NowMs()).Bind(verifier);
   q.Bind(static_cast<int64_t>(person.must_change_password)).Bind(NowMs());
+  q.Bind(SearchName(person.display_name));
   ENAMEL_RETURN_IF_ERROR(
       Explain(q.Run(), "there is already a person with the login \"" + person.login + "\""));
   return WriteAudit(db, by, "person.create", person.id.Text(), "{}",
@@ -255,29 +266,25 @@ Result<std::vector<Person>> PeopleRows::People() {
 }
 
 Result<std::vector<Person>> PeopleRows::FindPeople(const PeopleFilter& filter) {
-  // Only ASCII, like lower() of SQLite; other letters are compared unchanged.
-  std::string text = filter.text;
-  std::ranges::transform(text, text.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  // What shrinks when the text is taken out holds it: there is no one function of all databases.
-  std::string sql = std::string("SELECT ") + kPersonColumns +
-                    " FROM people p WHERE tenant = ?1 AND login > ?2 AND (?3 = '' OR "
-                    "replace(login, ?3, '') <> login OR replace(lower(display_name), ?3, '') <> "
-                    "lower(display_name))";
+  std::string sql =
+      std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND login > ?2";
+  const std::vector<std::string> words = SearchWords(filter.text);
+  int at = 4;
+  for (size_t i = 0; i < words.size(); ++i) sql += " AND " + NameHas("?" + std::to_string(at++));
   if (filter.role) sql += " AND role = " + Sql(*filter.role);
   if (filter.disabled) sql += *filter.disabled ? " AND disabled = 1" : " AND disabled = 0";
   if (filter.cohort) {
     sql +=
         " AND EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = p.tenant AND m.person = p.id "
-        "AND m.cohort = ?5)";
+        "AND m.cohort = ?" +
+        std::to_string(at) + ")";
   }
   // By login and from the last one on: a page stays the same when people come and go before it.
-  sql += " ORDER BY login LIMIT ?4";
+  sql += " ORDER BY login LIMIT ?3";
   return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
     Query q(db, sql.c_str());
-    q.Bind(filter.after_login).Bind(text);
-    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 1000)});
+    q.Bind(filter.after_login).Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 1000)});
+    for (const std::string& word : words) q.Bind(word);
     if (filter.cohort) q.Bind(*filter.cohort);
     return PeopleIn(q);
   });

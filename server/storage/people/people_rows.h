@@ -58,6 +58,8 @@ class PeopleRows {
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
     "p.revision, p.password_ms, p.language";
+// A condition: the login or the name has the word (SearchWords) that is bound as `word`, "?4".
+std::string NameHas(const std::string& word);
 Person PersonOf(const Query& q);
 Result<std::vector<Person>> PeopleIn(Query& q);
 Result<Person> FindPerson(Db& db, const Uuid& id);

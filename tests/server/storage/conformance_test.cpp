@@ -147,6 +147,42 @@ TEST_P(StoreTest, AttemptFiltersNarrowAndPage) {
   EXPECT_EQ(count({.before = newest.id}), 1u);
 }
 
+TEST_P(StoreTest, AttemptsAreFoundByNameAndComeInOrderPageByPage) {
+  World world(*store_);
+  std::vector<Uuid> people;
+  for (const char* name : {"Émile", "Dora", "emil", "Álvaro"}) {
+    people.push_back(AddPerson(*store_, "p" + std::to_string(people.size()), Role::kStudent));
+    ASSERT_TRUE(store_->people.EditPerson(people.back(), {.display_name = name}, 1, kSystem).ok());
+    world.NewAttemptOf(people.back());
+  }
+  world.NewAttemptOf(people[0]);
+  const Uuid low = world.ScoredAttempt(20), high = world.ScoredAttempt(90);
+  const auto walked = [&](AttemptFilter filter) {
+    std::vector<AttemptRow> out;
+    filter.limit = 2;
+    for (size_t page = 0; page < 10; ++page) {
+      const auto rows = store_->attempts.Attempts(filter);
+      EXPECT_TRUE(rows.ok()) << rows.status().message();
+      out.insert(out.end(), rows->begin(), rows->end());
+      if (rows->size() < filter.limit) break;
+      filter.before = rows->back().id;
+    }
+    return out;
+  };
+  std::string names;
+  for (const AttemptRow& row : walked({.name = "P", .order = AttemptFilter::Order::kName})) {
+    names += row.person_name + " ";
+  }
+  EXPECT_EQ(names, "Álvaro Dora emil Émile Émile ");
+  EXPECT_EQ(walked({.name = "EMIL"}).size(), 3u);
+  EXPECT_EQ(walked({.name = "emile p0"}).size(), 2u);
+  const auto scored = walked({.order = AttemptFilter::Order::kLowestScore});
+  ASSERT_EQ(scored.size(), 7u);
+  EXPECT_EQ(scored[0].id, low);
+  EXPECT_EQ(scored[1].id, high);
+  EXPECT_FALSE(scored[2].score.has_value());
+}
+
 TEST_P(StoreTest, OnlyAScoredAttemptIsReleased) {
   World world(*store_);
   Uuid open = world.OpenedAttempt();

@@ -50,6 +50,18 @@ TEST_P(PeopleStoreTest, EditCountsTheRevisionAndAStaleOneChangesNothing) {
             Code::kNotFound);
 }
 
+TEST_P(PeopleStoreTest, NamesAreFoundWhateverTheirCaseAndAccents) {
+  const Uuid id = AddPerson(*store_, "zn1", Role::kStudent);
+  AddPerson(*store_, "other", Role::kStudent);
+  ASSERT_TRUE(store_->people.EditPerson(id, {.display_name = "Zoë  ÑANDÚ-Groß"}, 1, kSystem).ok());
+  Reopen();
+  for (const char* text : {"zoe", "ñandu", "GROSS zoë", "zoe  nandu", " ZN1 gros "}) {
+    EXPECT_EQ(Logins({.text = text}), std::vector<std::string>{"zn1"}) << text;
+  }
+  EXPECT_EQ(Logins({.text = "zoe name"}), std::vector<std::string>{}) << "each of the words";
+  EXPECT_EQ(Logins({.text = " "}).size(), 2u);
+}
+
 TEST_P(PeopleStoreTest, AnotherRoleAndDisablingEndTheSessionsAnotherNameDoesNot) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   auto sessions_after = [&](const PersonEdit& edit) {

@@ -319,9 +319,9 @@ TEST_F(VerifyDecisionsTest, PersonWhoMayMoreThanWasDecidedIsFound) {
                      {"role = 3", "disabled = 1", "login = 'x'", "verifier = 'known to me'",
                       "pin = 'known to me'"});
   ExpectEditFound("people",
-                  "INSERT INTO people (tenant, id, login, display_name, role, created_ms, "
-                  "verifier) VALUES (1, x'" +
-                      std::string(32, '7') + "', 'me', 'Me', 3, 1, 'known to me')",
+                  "INSERT INTO people (tenant, id, login, display_name, search_name, role, "
+                  "created_ms, verifier) VALUES (1, x'" +
+                      std::string(32, '7') + "', 'me', 'Me', 'me', 3, 1, 'known to me')",
                   "decision", "77777777-7777-7777-7777-777777777777", "this person");
 }
 

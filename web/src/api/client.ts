@@ -27,6 +27,8 @@ export interface AttemptQuery {
   readonly state?: AttemptState | undefined;
   readonly flag?: AttemptFlag | undefined;
   readonly appeal?: "open" | undefined;
+  readonly name?: string | undefined;
+  readonly order?: "name" | "lowest_score" | undefined;
   readonly cursor?: string | undefined;
   readonly limit?: number | undefined;
 }

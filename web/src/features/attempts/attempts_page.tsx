@@ -1,27 +1,24 @@
 import { useMemo } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { AttemptQuery, Client } from "../../api/client";
-import type { ApiResult, Page } from "../../api/http";
 import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
+import { useSettled } from "../../api/use_settled";
 import { formatDateTime, formatScore } from "../../base/format";
-import { compareNames, nameHas } from "../../base/names";
-import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
-import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
-const kSearchPage = 200;
-const kSearchPages = 5;
 const kMostAppeals = 200; // that are told of at once
 const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
+const kTypingMs = 250; // after which somebody has finished typing
 const kStates: readonly AttemptState[] = [
   "ticketed",
   "recording",
@@ -149,7 +146,7 @@ function Filters({
         onValue={(exercise) => onQuery({ ...filter, exercise })}
         options={[
           { value: "", title: say("common.all") },
-          ...exercises.map((exercise) => ({ value: exercise.id, title: wordedTitle(exercise.title) })),
+          ...exercises.map((exercise) => ({ value: exercise.id, title: exerciseTitle(exercise) })),
         ]}
       />
       <SelectField
@@ -186,12 +183,13 @@ function Filters({
   );
 }
 
-function queryOf({ cohort, exercise, state, special, assignment, person }: Filter): AttemptQuery {
+function queryOf({ cohort, exercise, state, special, assignment, person, by }: Filter): AttemptQuery {
   return {
     cohort,
     exercise,
     assignment,
     person,
+    ...(by === "name" ? { order: "name" } : by === "lowest" ? { order: "lowest_score" } : {}),
     ...(state === "" ? {} : { state: state as AttemptState }),
     ...(special === "appeal" ? { appeal: "open" } : special === "" ? {} : { flag: special as AttemptFlag }),
   };
@@ -205,15 +203,10 @@ function AttemptList({
   named,
   appealed = kNobody,
 }: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
-  // The server lists the newest first and knows no names: what is searched or sorted is read in larger parts.
-  const { name, by } = filter;
-  const larger = name !== "" || by !== "";
-  const pages = usePages(JSON.stringify([queryOf(filter), larger]), (cursor, signal) =>
-    larger
-      ? readPart((from) => client.attempts({ ...queryOf(filter), cursor: from, limit: kSearchPage }, signal), cursor)
-      : client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal),
+  const name = useSettled(filter.name, kTypingMs);
+  const pages = usePages(JSON.stringify([queryOf(filter), name]), (cursor, signal) =>
+    client.attempts({ ...queryOf(filter), name, cursor, limit: kPageSize }, signal),
   );
-  const found = useMemo(() => sorted(pages.items, name, by), [pages.items, name, by]);
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
   useRefresh(polling, kPollMs, pages.reload);
@@ -222,12 +215,12 @@ function AttemptList({
     ...(named
       ? [
           { title: say("common.student"), cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
-          { title: say("common.exercise"), cell: (attempt: Attempt) => wordedTitle(attempt.exercise.title) },
+          { title: say("common.exercise"), cell: (attempt: Attempt) => exerciseTitle(attempt.exercise) },
         ]
       : [
           {
             title: say("common.exercise"),
-            cell: (attempt: Attempt) => open(attempt, wordedTitle(attempt.exercise.title)),
+            cell: (attempt: Attempt) => open(attempt, exerciseTitle(attempt.exercise)),
           },
         ]),
     { title: say("common.when"), cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
@@ -246,44 +239,18 @@ function AttemptList({
     },
   ];
   return (
-    <PagedList pages={pages} list="attempts" empty={say("attempts.none")}>
-      {() => (
-        <>
-          {larger && pages.hasMore && <p class="hint">{say("attempts.searched", { count: pages.items.length })}</p>}
-          {found.length === 0 ? (
-            <Empty>{say("common.nobody_named")}</Empty>
-          ) : (
-            <div class="card flush">
-              <DataTable label={say("nav.attempts")} items={found} rowKey={({ id }) => id} columns={columns} />
-            </div>
-          )}
-        </>
+    <PagedList
+      pages={pages}
+      list="attempts"
+      empty={filter.name === "" ? say("attempts.none") : say("common.nobody_named")}
+    >
+      {(attempts) => (
+        <div class="card flush">
+          <DataTable label={say("nav.attempts")} items={attempts} rowKey={({ id }) => id} columns={columns} />
+        </div>
       )}
     </PagedList>
   );
-}
-
-// Up to a thousand from there on.
-async function readPart(
-  ask: (cursor: string | undefined) => Promise<ApiResult<Page<Attempt>>>,
-  from: string | undefined,
-): Promise<ApiResult<Page<Attempt>>> {
-  const items: Attempt[] = [];
-  let next: string | null = from ?? null;
-  do {
-    const result: ApiResult<Page<Attempt>> = await ask(next ?? undefined);
-    if (!result.ok) return result;
-    items.push(...result.value.items);
-    ({ next } = result.value);
-  } while (next !== null && items.length < kSearchPage * kSearchPages);
-  return ok({ items, next });
-}
-
-// What has no score comes last.
-function sorted(attempts: readonly Attempt[], name: string, by: string): readonly Attempt[] {
-  const found = attempts.filter(({ person }) => nameHas(person.display_name, name));
-  if (by === "name") return found.sort((a, b) => compareNames(a.person.display_name, b.person.display_name));
-  return by === "lowest" ? found.sort((a, b) => (a.score ?? Infinity) - (b.score ?? Infinity)) : found;
 }
 
 function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
