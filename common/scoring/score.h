@@ -138,5 +138,7 @@ std::string ToJson(const ScoreResult& result);
 // Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or
 // of another type. Unknown members are ignored: a newer server may have written more.
 Result<ScoreResult> ScoreFromJson(std::string_view json);
+// Criteria and gates alone, for lists of thousands of attempts. Errors: as ScoreFromJson.
+Result<ScoreResult> PointsFromJson(std::string_view json);
 
 }  // namespace enamel::scoring

@@ -149,6 +149,25 @@ void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
   }
 }
 
+void ReadCriteria(ObjectReader& reader, Status& status, ScoreResult& out) {
+  const json::array* list = reader.Array("criteria", kMaxCriteria);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "criteria[" + std::to_string(i) + "]", status);
+    CriterionResult& c = out.criteria.emplace_back();
+    item.Read("name", c.name);
+    item.Read("title", c.title);
+    item.Read("value", c.value);
+    item.Read("unit", c.unit);
+    item.Read("points", c.points);
+    item.Read("max_points", c.max_points);
+    item.Read("reason", c.reason);
+    item.Read("judged", c.judged);
+    item.Read("charged", c.charged);
+    item.Read("under", c.under);
+    ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
+  }
+}
+
 void ReadMissing(ObjectReader& reader, Status& status, ScoreResult& out) {
   const json::array* list = reader.Array("missing", 1024);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
@@ -252,9 +271,7 @@ void ReadCritical(ObjectReader& reader, Status& status, ScoreResult& out) {
   }
 }
 
-}  // namespace
-
-Result<ScoreResult> ScoreFromJson(std::string_view text) {
+Result<json::value> DocumentOf(std::string_view text, json::storage_ptr memory) {
   if (text.size() > kMaxScoreJsonBytes) {
     return Status(Code::kTooLarge, "score: expected at most " + std::to_string(kMaxScoreJsonBytes) +
                                        " bytes, found " + std::to_string(text.size()));
@@ -263,9 +280,27 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   json::parse_options options;
   // A score has four levels; a deeper document is not a score.
   options.max_depth = 8;
-  json::value value = json::parse(text, error, {}, options);
+  json::value value = json::parse(text, error, std::move(memory), options);
   if (error) return Status(Code::kInvalidInput, "score: not JSON: " + error.message());
+  return value;
+}
 
+}  // namespace
+
+Result<ScoreResult> PointsFromJson(std::string_view text) {
+  json::monotonic_resource memory(2 * text.size());
+  ENAMEL_ASSIGN_OR_RETURN(const json::value value, DocumentOf(text, &memory));
+  Status status;
+  ScoreResult out;
+  ObjectReader reader(value, "", status);
+  ReadCriteria(reader, status, out);
+  ReadGates(reader, status, out);
+  if (!status.ok()) return status;
+  return out;
+}
+
+Result<ScoreResult> ScoreFromJson(std::string_view text) {
+  ENAMEL_ASSIGN_OR_RETURN(const json::value value, DocumentOf(text, {}));
   Status status;
   ScoreResult out;
   ObjectReader reader(value, "", status);
@@ -274,23 +309,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   ReadCritical(reader, status, out);
   reader.Read("points", out.points);
   reader.ReadName("acceptance", kAcceptances, out.acceptance);
-  if (const json::array* list = reader.Array("criteria", kMaxCriteria)) {
-    for (size_t i = 0; i < list->size(); ++i) {
-      ObjectReader item((*list)[i], "criteria[" + std::to_string(i) + "]", status);
-      CriterionResult& c = out.criteria.emplace_back();
-      item.Read("name", c.name);
-      item.Read("title", c.title);
-      item.Read("value", c.value);
-      item.Read("unit", c.unit);
-      item.Read("points", c.points);
-      item.Read("max_points", c.max_points);
-      item.Read("reason", c.reason);
-      item.Read("judged", c.judged);
-      item.Read("charged", c.charged);
-      item.Read("under", c.under);
-      ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
-    }
-  }
+  ReadCriteria(reader, status, out);
   ReadGates(reader, status, out);
   if (const json::array* list = reader.Array("metrics", 1024)) {
     for (size_t i = 0; i < list->size(); ++i) {

@@ -260,7 +260,8 @@ struct ScoreOverride {
 struct AttemptRow {
   Uuid id;
   Uuid person;
-  std::string person_name;  // display name, joined
+  std::string person_name;   // display name, joined
+  std::string person_login;  // joined
   Uuid station;
   Uuid exercise;
   std::string exercise_title;  // joined
@@ -276,6 +277,7 @@ struct AttemptRow {
   uint64_t gap_ticks = 0;
   uint64_t trace_bytes = 0;     // header + committed chunks
   std::optional<double> score;  // computed
+  Sha256 score_document;        // schemas/score.md; zero: there is none
   bool critical_fail = false;
   std::optional<ScoreOverride> overridden;  // counts instead of `score`
   double progress = 0;                      // 0..1 while scoring

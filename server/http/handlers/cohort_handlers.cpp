@@ -94,39 +94,32 @@ Response GetCohort(const Call& call, CohortRows& cohorts) {
 Response GetCohortGrades(const Call& call, Store& store) {
   Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
   if (!cohort.ok()) return ErrorResponse(cohort.status());
-  Result<std::vector<Person>> members = store.cohorts.CohortMembers(call.id);
-  if (!members.ok()) return ErrorResponse(members.status());
-  std::erase_if(*members, [](const Person& person) { return person.role != Role::kStudent; });
-  Result<std::vector<AssignmentRow>> assigned = store.assignments.Assignments({});
-  if (!assigned.ok()) return ErrorResponse(assigned.status());
   GradeView view(store, call.caller->person);
-  json::array assignments;
-  std::vector<json::array> grades(members->size());
-  for (const AssignmentRow& row : *assigned) {
-    if (row.cohort != call.id && !row.cohort.IsZero()) continue;
-    Result<std::map<Uuid, Grade>> by_person = view.Of(row, {});
-    if (!by_person.ok()) return ErrorResponse(by_person.status());
-    std::vector<Grade> all;
-    for (size_t i = 0; i < members->size(); ++i) {
-      all.push_back((*by_person)[(*members)[i].id]);
-      grades[i].push_back(GradeView::Json(all.back()));
-    }
-    assignments.push_back(
-        {{"id", row.id.Text()},
-         {"exercise", {{"name", row.exercise}, {"title", row.title}, {"version", row.version}}},
-         {"everybody", row.cohort.IsZero()},
-         {"exam", row.exam},
-         {"counting", CountingName(row.counting)},
-         {"summary", GradeView::Json(SummaryOf(all))}});
+  Result<GradeView::Book> book = view.BookOf(call.id);
+  if (!book.ok()) return ErrorResponse(book.status());
+  json::array assignments, students;
+  for (size_t i = 0; i < book->assignments.size(); ++i) {
+    const AssignmentRow& row = book->assignments[i];
+    assignments.push_back({{"id", row.id.Text()},
+                           {"exercise",
+                            {{"name", row.exercise},
+                             {"title", row.title},
+                             {"version", row.version},
+                             {"graded", row.graded}}},
+                           {"everybody", row.cohort.IsZero()},
+                           {"exam", row.exam},
+                           {"counting", CountingName(row.counting)},
+                           {"summary", GradeView::Json(SummaryOf(book->results[i]))}});
   }
-  json::array students;
-  for (size_t i = 0; i < members->size(); ++i) {
-    const Person& person = (*members)[i];
+  for (size_t i = 0; i < book->students.size(); ++i) {
+    const Person& person = book->students[i];
+    json::array grades;
+    for (const auto& results : book->results) grades.push_back(GradeView::Json(results[i]));
     students.push_back({{"person",
                          {{"id", person.id.Text()},
                           {"login", person.login},
                           {"display_name", person.display_name}}},
-                        {"grades", std::move(grades[i])}});
+                        {"grades", std::move(grades)}});
   }
   return JsonResponse({{"assignments", std::move(assignments)}, {"students", std::move(students)}});
 }

@@ -85,6 +85,11 @@ Response EndMarking(const Call& call, Store& store);
 Response AddMark(const Call& call, Store& store);
 Response GetMarkingTimeline(const Call& call, Store& store);
 Response GetInsight(const Call& call, Store& store);
+Response GetAssignmentGrading(const Call& call, Store& store);
+Response GetCohortGrading(const Call& call, Store& store);
+// As files for spreadsheets.
+Response GetGradesFile(const Call& call, Store& store);
+Response GetAttemptsFile(const Call& call, Store& store);
 
 Response ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows);
 Response PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles);

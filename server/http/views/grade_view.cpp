@@ -8,8 +8,7 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// The most that the store gives at once.
-constexpr uint32_t kAttemptsAtOnce = 200;
+constexpr uint32_t kAttemptsAtOnce = AttemptFilter::kMostAtOnce;
 
 bool IsBeingScored(const AttemptRow& row) {
   return row.state == AttemptState::kScoring || row.state == AttemptState::kSealed;
@@ -86,6 +85,22 @@ Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
   if (!work.ok()) return work.status();
   std::map<Uuid, Grade> out;
   for (const auto& [whose, each] : *work) out.emplace(whose, each.grade);
+  return out;
+}
+
+Result<GradeView::Book> GradeView::BookOf(const Uuid& cohort) {
+  Book out;
+  ENAMEL_ASSIGN_OR_RETURN(out.students, store_.cohorts.CohortMembers(cohort));
+  std::erase_if(out.students, [](const Person& person) { return person.role != Role::kStudent; });
+  ENAMEL_ASSIGN_OR_RETURN(out.assignments, store_.assignments.Assignments({}));
+  std::erase_if(out.assignments, [&](const AssignmentRow& row) {
+    return row.cohort != cohort && !row.cohort.IsZero();
+  });
+  for (const AssignmentRow& row : out.assignments) {
+    ENAMEL_ASSIGN_OR_RETURN(auto by_person, Of(row, {}));
+    std::vector<Grade>& results = out.results.emplace_back();
+    for (const Person& student : out.students) results.push_back(by_person[student.id]);
+  }
   return out;
 }
 

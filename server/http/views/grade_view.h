@@ -28,6 +28,13 @@ class GradeView {
                                       const std::optional<Uuid>& person);
   Result<std::map<Uuid, Grade>> Of(const AssignmentRow& assignment,
                                    const std::optional<Uuid>& person);
+  // A cohort's students, its assignments and those for everybody, and a result for each of both.
+  struct Book {
+    std::vector<Person> students;
+    std::vector<AssignmentRow> assignments;   // in the order in which they are due
+    std::vector<std::vector<Grade>> results;  // by assignment, then by student
+  };
+  Result<Book> BookOf(const Uuid& cohort);
   // Schema Grade.
   static boost::json::object Json(const Grade& grade);
   // Schema GradeSummary.

@@ -21,7 +21,8 @@ constexpr char kAttemptSelect[] =
     "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
     "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
     "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts, a.hands, "
-    "a.hand_kind, a.hand_device, a.hand_driver, a.hand_unit, a.sign_off, a.problem_field FROM "
+    "a.hand_kind, a.hand_device, a.hand_driver, a.hand_unit, a.sign_off, a.problem_field, "
+    "a.score_json, p.login FROM "
     "attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
@@ -64,6 +65,8 @@ AttemptRow AttemptOf(const Query& q) {
   out.hand = {static_cast<HandKind>(q.Int(36)), q.Text(37), q.Text(38), q.Text(39)};
   out.sign_off = q.Int(40) != 0;
   out.problem_field = q.Text(41);
+  if (!q.IsNull(42)) out.score_document = q.Hash(42);
+  out.person_login = q.Text(43);
   return out;
 }
 

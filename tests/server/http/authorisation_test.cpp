@@ -92,6 +92,9 @@ const Line kLines[] = {
     {"POST /api/v1/cohorts",                    "",               R"({"name":"New"})",                   "401 403 403 403 403 403 201 201 401 403"},
     {"GET /api/v1/cohorts/{id}",                "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/cohorts/{id}/grades",         "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/cohorts/{id}/grades.csv",     "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/cohorts/{id}/attempts.csv",   "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/cohorts/{id}/grading",        "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"PATCH /api/v1/cohorts/{id}",              "cohort A",       R"({"archived":true})",                "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/cohorts/{id}/members",       "cohort B",       R"({"add":["SAM"]})",                  "401 403 403 403 403 403 200 200 401 403"},
     // 409: may, and has nothing that could be scored again: the one scored attempt has a run
@@ -183,6 +186,7 @@ const Line kLines[] = {
     {"POST /api/v1/marking-works/{id}/marks", "marking work", R"({"rating":3,"criteria":{"wall_mesial_mm":{"points":5}}})", "401 403 403 403 204 404 204 204 401 403"},
     {"GET /api/v1/marking-works/{id}/timeline", "marking work", "", "401 403 403 403 503 404 503 503 401 403"},
     {"POST /api/v1/assignments/{id}/standard",     "assignment",     "csv work,criterion,marker,mark\na,rating,A,2\n", "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/assignments/{id}/grading",       "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/assignments/{id}/insight",       "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
     // Attempts: sam's, graded, scored, not released.
     {"GET /api/v1/attempts",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
+#include "common/base/csv.h"
 #include "tests/server/http/running_server.h"
 
 // One result over several attempts, over the wire: who sees it, and when.
@@ -162,6 +164,57 @@ TEST_F(GradesTest, PracticeCountsForTheStudentAtOnce) {
   EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 60);
   EXPECT_EQ(Sams("sam", id).at("attempt_id").as_string(), attempts_.back().Text().c_str());
   EXPECT_EQ(Sams("ada", id).at("released"), true);
+}
+
+std::vector<CsvRow> RowsOf(const RawResponse& answer) {
+  EXPECT_EQ(answer.status, 200) << answer.body;
+  EXPECT_TRUE(answer.body.starts_with(kCsvByteOrderMark));
+  return ReadCsv(answer.body).rows;
+}
+
+TEST_F(GradesTest, TableFileHasAColumnOfItsOwnForEachAssignment) {
+  const std::string graded_title = school_.store->exercises.ExerciseById(school_.exercise)->title;
+  Worked("class-1-occlusal", school_.exercise, "mean", {81.66, 81.7});
+  Worked("class-1-occlusal", school_.exercise, "best", {});
+  const ExerciseRow practice = school_.OwnExercise({school_.ada, "page"}, "practice", true, false);
+  const ExerciseRow twin = school_.OwnExercise({school_.ada, "page"}, "twin", true, false);
+  ASSERT_EQ(practice.title, twin.title);
+  Worked("practice", practice.id, "last", {70});
+  Worked("twin", twin.id, "last", {});
+  const auto rows = RowsOf(By("ada").Get(grades_path_ + ".csv"));
+  ASSERT_EQ(rows.size(), 3u);
+  const auto& header = rows[0].cells;
+  EXPECT_EQ(std::set<std::string>(header.begin(), header.end()).size(), header.size())
+      << "no two columns of one name";
+  const auto column = [&](const std::string& title) {
+    return static_cast<size_t>(std::ranges::find(header, title) - header.begin());
+  };
+  const auto sams =
+      std::ranges::find_if(rows, [](const CsvRow& row) { return row.cells[1] == "sam"; });
+  ASSERT_NE(sams, rows.end());
+  EXPECT_EQ(sams->cells.size(), header.size());
+  ASSERT_LT(column(graded_title + " #1"), header.size()) << header[3];
+  const std::string first = sams->cells[column(graded_title + " #1")];
+  const std::string second = sams->cells[column(graded_title + " #2")];
+  EXPECT_EQ(first + second, "81.7") << "one decimal, and nothing where there is no result";
+  ASSERT_LT(column(practice.title + " (practice) [practice]"), header.size());
+  EXPECT_EQ(sams->cells[column(practice.title + " (practice) [practice]")], "70");
+  EXPECT_EQ(sams->cells[column("assignments_done")], "2");
+}
+
+TEST_F(GradesTest, AttemptsFileSaysWhoseEachIs) {
+  Worked("class-1-occlusal", school_.exercise, "mean", {70});
+  const auto rows =
+      RowsOf(By("ada").Get("/api/v1/cohorts/" + school_.cohort_a.Text() + "/attempts.csv"));
+  ASSERT_GE(rows.size(), 2u);
+  EXPECT_EQ(rows[0].cells[0], "login");
+  for (const CsvRow& row : rows) EXPECT_EQ(row.cells.size(), rows[0].cells.size());
+  const auto made = std::ranges::find_if(
+      rows, [&](const CsvRow& row) { return row.cells.back() == attempts_.front().Text(); });
+  ASSERT_NE(made, rows.end());
+  EXPECT_EQ(made->cells[0], "sam");
+  EXPECT_EQ(made->cells[1], "Person sam");
+  EXPECT_EQ(made->cells[6], "70");
 }
 
 }  // namespace
