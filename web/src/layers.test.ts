@@ -10,6 +10,7 @@ const kSource = resolve("src");
 const kPackageHomes: Readonly<Record<string, readonly string[]>> = {
   three: [], // the tests compare with it
   uplot: ["widgets/use_plot.ts"],
+  "@tanstack/virtual-core": ["widgets/windowed.tsx"],
   "@preact/signals": ["app"],
 };
 

@@ -13,6 +13,7 @@ import type {
   ExerciseState,
   ExerciseSummary,
   ExerciseVersion,
+  Grading,
   Reference,
   Remark,
   RubricPreview,
@@ -144,6 +145,11 @@ export class TeachingApi {
   // One result for each student and assignment of a cohort.
   grades(cohort: string, signal?: AbortSignal) {
     return this.http.json<CohortGrades>("GET", `/cohorts/${segment(cohort)}/grades`, { signal });
+  }
+  // Its attempts with the points lost by criterion, all of them at once.
+  grading(of: { readonly assignment: string } | { readonly cohort: string }, signal?: AbortSignal) {
+    const path = "assignment" in of ? assignmentPath(of.assignment) : `/cohorts/${segment(of.cohort)}`;
+    return this.http.json<Grading>("GET", `${path}/grading`, { signal });
   }
   // How the class did under one assignment.
   insight(id: string, signal?: AbortSignal) {

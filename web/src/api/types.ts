@@ -55,6 +55,7 @@ export type CohortGrades = Schemas["CohortGrades"];
 export type SharingEdit = Schemas["SharingEdit"];
 export type Attempt = Schemas["Attempt"];
 export type AttemptDetail = Schemas["AttemptDetail"];
+export type Grading = Schemas["Grading"];
 export type AttemptFacts = Schemas["AttemptFacts"];
 export type AttemptFlag = Schemas["AttemptFlag"];
 export type Hand = Schemas["Hand"];

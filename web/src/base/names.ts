@@ -8,8 +8,17 @@ export function nameHas(name: string, text: string): boolean {
     .every((word) => has.includes(word));
 }
 
+let collator: Intl.Collator | undefined;
+let collatorOf = "";
+
 export function compareNames(a: string, b: string): number {
-  return a.localeCompare(b, spokenLocale(), { numeric: true });
+  const locale = spokenLocale();
+  // Kept: localeCompare looks the rules up for every two names.
+  if (collator === undefined || collatorOf !== locale) {
+    collator = new Intl.Collator(locale, { numeric: true });
+    collatorOf = locale;
+  }
+  return collator.compare(a, b);
 }
 
 function plain(text: string): string {

@@ -46,7 +46,7 @@ export function attemptStateText(attempt: Pick<Attempt, "state" | "problem_field
     : stateText(attempt.state);
 }
 
-export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
+export function StateBadge({ attempt }: { readonly attempt: Pick<Attempt, "state" | "progress" | "problem_field"> }) {
   const { title, tone } = attemptStateText(attempt);
   const progress = attempt.state === "scoring" ? ` ${Math.round(attempt.progress * 100)} %` : "";
   return (
@@ -59,7 +59,7 @@ export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
 
 // Whether the student waits for the score. Practice (`graded` false) is never released: it shows at
 // once.
-export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
+export function awaitsRelease(attempt: Pick<Attempt, "state" | "released" | "as_reference">, graded: boolean): boolean {
   return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
 }
 
@@ -162,13 +162,16 @@ export function flagText(flag: AttemptFlag): StateText {
 
 // What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a
 // list.
-export function handText(hand: Hand): StateText | undefined {
+export function handText(hand: Pick<Hand, "kind">): StateText | undefined {
   if (hand.kind === "program") return { title: say("hand.program"), tone: "warning" };
   return hand.kind === "pointer" ? { title: say("hand.pointer"), tone: "neutral" } : undefined;
 }
 
 interface FlagsProps {
-  readonly attempt: Attempt;
+  readonly attempt: Pick<
+    Attempt,
+    "state" | "released" | "as_reference" | "is_reference" | "exam" | "critical_fail" | "gap_ticks" | "flags"
+  > & { readonly hand: Pick<Hand, "kind"> };
   readonly graded: boolean;
   readonly staff: boolean;
   readonly appealed?: boolean; // an appeal waits for its answer

@@ -1,5 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { TableFrame } from "./basics";
+import { kWhole } from "./row_place";
+import { Rows } from "./rows";
 
 export interface Column<T> {
   readonly title: string;
@@ -22,7 +24,7 @@ interface Props<T> {
 export function DataTable<T>({ label, columns, items, rowKey, dense = false }: Props<T>) {
   return (
     <TableFrame label={label}>
-      <table class={`stacking${dense ? " dense" : ""}`} role="table" aria-label={label}>
+      <table class={`stacking${dense ? " dense" : ""}`} role="table" aria-label={label} {...rowCount(items.length)}>
         <thead role="rowgroup">
           <tr role="row">
             {columns.map((column) => (
@@ -32,26 +34,32 @@ export function DataTable<T>({ label, columns, items, rowKey, dense = false }: P
             ))}
           </tr>
         </thead>
-        <tbody role="rowgroup">
-          {items.map((item, row) => (
-            <tr key={rowKey?.(item) ?? row} role="row">
+        <Rows
+          keys={items.map((item, row) => rowKey?.(item) ?? String(row))}
+          row={(index, place) => (
+            <tr role="row" {...place}>
               {columns.map((column, i) =>
                 i === 0 ? (
                   <th key={column.title} scope="row" role="rowheader" class={classOf(column)}>
-                    {column.cell(item)}
+                    {column.cell(items[index]!)}
                   </th>
                 ) : (
                   <td key={column.title} role="cell" class={classOf(column)} {...titleOf(column)}>
-                    {column.cell(item)}
+                    {column.cell(items[index]!)}
                   </td>
                 ),
               )}
             </tr>
-          ))}
-        </tbody>
+          )}
+        />
       </table>
     </TableFrame>
   );
+}
+
+// Of a table whose rows are not all in the page.
+export function rowCount(rows: number) {
+  return rows > kWhole ? { "aria-rowcount": rows + 1 } : {};
 }
 
 function classOf(column: { readonly number?: boolean }): string {

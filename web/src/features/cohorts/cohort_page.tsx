@@ -1,11 +1,11 @@
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
 import type { Cohort, CohortMember } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
-import { spokenLocale } from "../../base/language";
+import { compareNames } from "../../base/names";
 import { say } from "../../base/words";
 import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
@@ -134,9 +134,10 @@ function Members({
   readonly onChanged: () => void;
 }) {
   const [leaving, setLeaving] = useState<CohortMember>();
-  const sorted = [...cohort.members].sort(
-    (a, b) =>
-      a.role.localeCompare(b.role) || a.display_name.localeCompare(b.display_name, spokenLocale(), { numeric: true }),
+  const sorted = useMemo(
+    () =>
+      [...cohort.members].sort((a, b) => a.role.localeCompare(b.role) || compareNames(a.display_name, b.display_name)),
+    [cohort.members],
   );
   const name = (member: CohortMember) =>
     admin ? <a href={`/people/${member.id}`}>{member.display_name}</a> : member.display_name;

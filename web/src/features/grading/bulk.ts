@@ -22,13 +22,3 @@ export async function forEach<T>(
   }
   return { done, failed };
 }
-
-// Asks for many things, a few at a time: the browser has only a few connections, and the page needs
-// some for its own requests.
-export async function inTurn<T>(items: readonly T[], atOnce: number, ask: (item: T) => Promise<void>): Promise<void> {
-  let next = 0;
-  const work = async () => {
-    while (next < items.length) await ask(items[next++]!);
-  };
-  await Promise.all(Array.from({ length: Math.min(atOnce, items.length) }, work));
-}

@@ -9,15 +9,17 @@ import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import { forEach, type Outcome } from "./bulk";
 
+export type Chosen = Pick<Attempt, "id" | "person" | "state" | "released" | "revision">;
+
 interface Props {
   readonly client: Client;
-  readonly chosen: readonly Attempt[];
+  readonly chosen: readonly Chosen[];
   readonly onDone: () => void;
 }
 
 interface Told {
   readonly text: string;
-  readonly outcome: Outcome<Attempt>;
+  readonly outcome: Outcome<Chosen>;
   readonly undo?: () => Promise<void>;
 }
 
@@ -30,10 +32,10 @@ export function BulkActions({ client, chosen, onDone }: Props) {
   const [told, setTold] = useState<Told>();
   const { teaching } = client;
   const run = async (
-    items: readonly Attempt[],
+    items: readonly Chosen[],
     doing: "taking_back" | "releasing" | "excusing" | "rescoring",
     text: (count: number) => string,
-    change: (attempt: Attempt) => Promise<ApiResult<unknown>>,
+    change: (attempt: Chosen) => Promise<ApiResult<unknown>>,
   ) => {
     setTold(undefined);
     const outcome = await forEach(items, change, (count) =>
@@ -45,12 +47,12 @@ export function BulkActions({ client, chosen, onDone }: Props) {
     return outcome;
   };
   // Each change counts: an attempt is read again before one is taken back.
-  const onNow = async ({ id }: Attempt, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
+  const onNow = async ({ id }: Chosen, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
     const now = await client.attempt(id);
     return now.ok ? change(now.value) : now;
   };
   const offerUndo = (
-    done: readonly Attempt[],
+    done: readonly Chosen[],
     text: (count: number) => string,
     change: (now: AttemptDetail) => Promise<ApiResult<unknown>>,
   ) => {

@@ -1,26 +1,24 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { type ApiResult, queryText, readAll } from "../../api/http";
-import type { Attempt, Score } from "../../api/types";
-import { scoreOf } from "../../api/worded";
+import { type ApiResult, queryText } from "../../api/http";
+import type { Grading } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
-import { awaitsRelease, FlagIcons, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
+import { awaitsRelease, FlagIcons, StateBadge } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { TextField } from "../../widgets/form";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
+import type { RowPlace, RowsHandle } from "../../widgets/row_place";
+import { Rows } from "../../widgets/rows";
+import { rowCount } from "../../widgets/table";
 import { BulkActions } from "./bulk_actions";
-import { inTurn } from "./bulk";
-import { criteriaOf, type CriterionColumn, type GradingRow, lostOn, named, type Order, sorted } from "./rows";
-
-const kPageSize = 200;
-const kAtOnce = 3; // of the scores that are read
+import { attemptsOf, type Criterion, type GradedAttempt, lostOn, named, type Order, sorted } from "./rows";
 
 interface Props {
   readonly client: Client;
@@ -52,7 +50,7 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const [assignment, cohort] = [query.get("assignment") ?? "", query.get("cohort") ?? ""];
   const key = `${assignment} ${cohort}`;
   const { loaded, reload } = useRequest(key, (signal) =>
-    readAll((cursor) => client.attempts({ assignment, cohort, cursor, limit: kPageSize }, signal)),
+    client.teaching.grading(assignment !== "" ? { assignment } : { cohort }, signal),
   );
   const title = useRequest(key, async (signal): Promise<ApiResult<string>> => {
     if (assignment === "") {
@@ -60,18 +58,14 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       return found.ok ? ok(found.value.value.name) : found;
     }
     const found = await client.teaching.assignment(assignment, signal);
-    return found.ok
-      ? ok(wordedTitle(found.value.value.exercise.title ?? "") || found.value.value.exercise.name)
-      : found;
+    return found.ok ? ok(exerciseTitle(found.value.value.exercise)) : found;
   });
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
-  const practice = new Set(
-    exercises.loaded.state === "ready"
-      ? exercises.loaded.value.filter((exercise) => !exercise.graded).map(({ id }) => id)
-      : [],
+  const grading = loaded.state === "ready" ? loaded.value : kNothing;
+  const attempts = useMemo(() => attemptsOf(grading), [grading]);
+  const criteria = useMemo(
+    () => grading.criteria.map((criterion) => ({ ...criterion, title: wordedTitle(criterion.title) })),
+    [grading],
   );
-  const attempts = loaded.state === "ready" ? loaded.value : kNone;
-  const scores = useScores(client, attempts);
   const text = query.get("name") ?? "";
   const order = useMemo((): Order => ({ by: query.get("by") ?? "name", down: query.get("down") !== null }), [query]);
   // As the address has it, so that Back finds the list as it was.
@@ -85,18 +79,13 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const setText = (next: string) => onQuery(shownAs(order, next));
   const setOrder = (next: Order) => onQuery(shownAs(next, text));
   const [chosen, setChosen] = useState<ReadonlySet<string>>(new Set());
-  const rows = useMemo(
-    () => attempts.map((attempt): GradingRow => ({ attempt, score: scores.get(scoreKey(attempt)) })),
-    [attempts, scores],
-  );
-  const criteria = useMemo(() => criteriaOf(rows), [rows]);
-  const shown = useMemo(() => sorted(named(rows, text), order), [rows, text, order]);
-  const graded = (attempt: Attempt) => attempt.exam || !practice.has(attempt.exercise.id);
+  const shown = useMemo(() => sorted(named(attempts, text), order, criteria), [attempts, text, order, criteria]);
+  const graded = (attempt: GradedAttempt) => attempt.exam || attempt.exercise.graded;
   const open = (id: string | undefined) => {
     if (id === undefined) return;
     const here = shownAs(order, text, id);
     onQuery(here);
-    keepQueue({ back: `/grading${queryText(here)}`, ids: shown.map(({ attempt }) => attempt.id) });
+    keepQueue({ back: `/grading${queryText(here)}`, ids: shown.map(({ id: each }) => each) });
     onOpen(`/attempts/${id}`);
   };
   const toggle = (id: string, on = !chosen.has(id)) =>
@@ -107,19 +96,23 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       return next;
     });
   const search = useRef<HTMLDivElement>(null);
-  const body = useRef<HTMLTableSectionElement>(null);
-  const focused = () => body.current?.querySelector<HTMLElement>("tr:focus-within")?.dataset["id"];
+  const table = useRef<HTMLTableElement>(null);
+  const rows = useRef<RowsHandle>(null);
+  const focused = () => {
+    const index = table.current?.querySelector<HTMLElement>("tr[data-index]:focus-within")?.dataset["index"];
+    return index === undefined ? -1 : Number(index);
+  };
   const opened = useRef(query.get("row")); // where one was when one left
   useEffect(() => {
     if (opened.current === null || shown.length === 0) return;
-    body.current?.querySelector<HTMLElement>(`tr[data-id="${CSS.escape(opened.current)}"] a`)?.focus();
+    const at = shown.findIndex(({ id }) => id === opened.current);
+    if (at >= 0) rows.current?.focus(at);
     opened.current = null;
   }, [shown]);
   const move = (by: number) => {
-    const ids = shown.map(({ attempt }) => attempt.id);
-    const at = ids.indexOf(focused() ?? "");
-    const id = ids[Math.min(Math.max(at < 0 ? (by > 0 ? 0 : ids.length - 1) : at + by, 0), ids.length - 1)];
-    body.current?.querySelector<HTMLElement>(`tr[data-id="${id}"] a`)?.focus();
+    const at = focused();
+    const last = shown.length - 1;
+    if (last >= 0) rows.current?.focus(Math.min(Math.max(at < 0 ? (by > 0 ? 0 : last) : at + by, 0), last));
   };
   const undo = useReleaseUndo(async (released) => {
     const now = await client.attempt(released); // with what others changed meanwhile
@@ -135,13 +128,14 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       key: "x",
       what: say("grading.choose_row"),
       act: () => {
-        const id = focused();
+        const id = shown[focused()]?.id;
         if (id !== undefined) toggle(id);
       },
     },
-    { key: "o", what: say("grading.open_row"), act: () => open(focused() ?? shown[0]?.attempt.id) },
+    { key: "o", what: say("grading.open_row"), act: () => open((shown[focused()] ?? shown[0])?.id) },
     { key: "/", what: say("grading.search_name"), act: () => search.current?.querySelector("input")?.focus() },
   ]);
+  const keysOfRows = useMemo(() => shown.map(({ id }) => id), [shown]);
   if (title.loaded.state === "failed") {
     return (
       <ErrorNotice
@@ -157,9 +151,10 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       : assignment !== ""
         ? say("grading.the_assignment")
         : say("grading.the_cohort");
-  const picked = rows.filter(({ attempt }) => chosen.has(attempt.id)).map(({ attempt }) => attempt);
-  const firstWaiting = shown.find(({ attempt }) => awaitsRelease(attempt, graded(attempt)));
-  const waiting = rows.filter(({ attempt }) => awaitsRelease(attempt, graded(attempt))).length;
+  const picked = attempts.filter(({ id }) => chosen.has(id));
+  const waits = (attempt: GradedAttempt) => awaitsRelease(attempt, graded(attempt));
+  const firstWaiting = shown.find(waits);
+  const waiting = attempts.filter(waits).length;
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
@@ -173,8 +168,10 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
         <TextField label={say("common.student")} value={text} onValue={setText} maxLength={100} />
         <span class="hint">{say("grading.count", { count: shown.length, waiting })}</span>
         <Button
-          blocked={shown.length > 0 ? undefined : rows.length === 0 ? say("grading.none") : say("common.nobody_named")}
-          onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}
+          blocked={
+            shown.length > 0 ? undefined : attempts.length === 0 ? say("grading.none") : say("common.nobody_named")
+          }
+          onClick={() => open((firstWaiting ?? shown[0])?.id)}
         >
           {say("grading.begin")}
         </Button>
@@ -194,81 +191,110 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
       )}
       {loaded.state === "ready" &&
         (shown.length === 0 ? (
-          <Empty>{rows.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty>
+          <Empty>{attempts.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty>
         ) : (
           <Card className="flush">
             <TableFrame label={say("grading.table")}>
-              <table class="grading">
+              <table class="grading" ref={table} {...rowCount(shown.length)}>
                 <Head
                   criteria={criteria}
                   order={order}
                   onOrder={setOrder}
-                  all={shown.every(({ attempt }) => chosen.has(attempt.id))}
-                  onAll={(on) => setChosen(on ? new Set(shown.map(({ attempt }) => attempt.id)) : new Set())}
+                  all={shown.every(({ id }) => chosen.has(id))}
+                  onAll={(on) => setChosen(on ? new Set(shown.map(({ id }) => id)) : new Set())}
                 />
-                <tbody ref={body}>
-                  {shown.map((row) => (
-                    <tr key={row.attempt.id} data-id={row.attempt.id}>
-                      <td>
-                        <input
-                          type="checkbox"
-                          aria-label={say("grading.choose", {
-                            name: row.attempt.person.display_name,
-                            begun: formatDateTime(row.attempt.ticketed_ms),
-                          })}
-                          checked={chosen.has(row.attempt.id)}
-                          onChange={(event) => toggle(row.attempt.id, event.currentTarget.checked)}
-                        />
-                      </td>
-                      <th scope="row" class="nowrap">
-                        <a
-                          href={`/attempts/${row.attempt.id}`}
-                          onClick={(event) => {
-                            if (event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey)
-                              return;
-                            event.preventDefault();
-                            open(row.attempt.id);
-                          }}
-                        >
-                          {row.attempt.person.display_name}
-                        </a>
-                      </th>
-                      <td class="nowrap">
-                        {row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />}{" "}
-                        <FlagIcons
-                          attempt={row.attempt}
-                          graded={graded(row.attempt)}
-                          staff={true}
-                          done={row.score === undefined ? undefined : stoppedEarly(row.score)}
-                        />
-                      </td>
-                      <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
-                      <td class="number score-cell">{formatScore(row.attempt.score)}</td>
-                      <td class="nowrap">
-                        {row.attempt.released ? (
-                          say("grading.released")
-                        ) : awaitsRelease(row.attempt, graded(row.attempt)) ? (
-                          say("grading.waits")
-                        ) : (
-                          <span class="hint">–</span>
-                        )}
-                      </td>
-                      {criteria.map((criterion) => (
-                        <Lost key={criterion.name} row={row} criterion={criterion} />
-                      ))}
-                    </tr>
-                  ))}
-                </tbody>
+                <Rows
+                  keys={keysOfRows}
+                  handle={rows}
+                  row={(index, place) => {
+                    const attempt = shown[index]!;
+                    return (
+                      <Row
+                        attempt={attempt}
+                        place={place}
+                        criteria={criteria}
+                        graded={graded(attempt)}
+                        several={grading.exercises.length > 1}
+                        chosen={chosen.has(attempt.id)}
+                        onChoose={toggle}
+                        onOpen={open}
+                      />
+                    );
+                  }}
+                />
               </table>
             </TableFrame>
           </Card>
         ))}
       <p class="hint">{say("grading.columns_hint")}</p>
+      {grading.more && <p class="hint">{say("grading.more", { count: attempts.length })}</p>}
+      {grading.unread > 0 && <p class="hint">{say("grading.unread", { count: grading.unread })}</p>}
     </>
   );
 }
 
-const kNone: readonly Attempt[] = [];
+const kNothing: Grading = { criteria: [], exercises: [], attempts: [], more: false, unread: 0 };
+
+interface RowProps {
+  readonly attempt: GradedAttempt;
+  readonly place: RowPlace;
+  readonly criteria: readonly Criterion[];
+  readonly graded: boolean;
+  readonly several: boolean; // exercises: then the row says which
+  readonly chosen: boolean;
+  readonly onChoose: (id: string, on: boolean) => void;
+  readonly onOpen: (id: string) => void;
+}
+
+function Row({ attempt, place, criteria, graded, several, chosen, onChoose, onOpen }: RowProps) {
+  const { id, person } = attempt;
+  return (
+    <tr data-id={id} {...place}>
+      <td>
+        <input
+          type="checkbox"
+          aria-label={say("grading.choose", {
+            name: person.display_name,
+            begun: formatDateTime(attempt.ticketed_ms),
+          })}
+          checked={chosen}
+          onChange={(event) => onChoose(id, event.currentTarget.checked)}
+        />
+      </td>
+      <th scope="row" class="nowrap">
+        <a
+          href={`/attempts/${id}`}
+          onClick={(event) => {
+            if (event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey) return;
+            event.preventDefault();
+            onOpen(id);
+          }}
+        >
+          {person.display_name}
+        </a>
+        {several && <span class="sub">{exerciseTitle(attempt.exercise)}</span>}
+      </th>
+      <td class="nowrap">
+        {attempt.state !== "scored" && <StateBadge attempt={attempt} />}{" "}
+        <FlagIcons attempt={attempt} graded={graded} staff={true} done={attempt.done_percent ?? undefined} />
+      </td>
+      <td class="nowrap">{formatDateTime(attempt.ticketed_ms)}</td>
+      <td class="number score-cell">{formatScore(attempt.score)}</td>
+      <td class="nowrap">
+        {attempt.released ? (
+          say("grading.released")
+        ) : awaitsRelease(attempt, graded) ? (
+          say("grading.waits")
+        ) : (
+          <span class="hint">–</span>
+        )}
+      </td>
+      {criteria.map(({ name, max_points: full }, at) => (
+        <Lost key={name} lost={lostOn(attempt, at)} full={full} />
+      ))}
+    </tr>
+  );
+}
 
 function Head({
   criteria,
@@ -277,7 +303,7 @@ function Head({
   all,
   onAll,
 }: {
-  readonly criteria: readonly CriterionColumn[];
+  readonly criteria: readonly Criterion[];
   readonly order: Order;
   readonly onOrder: (order: Order) => void;
   readonly all: boolean;
@@ -322,44 +348,13 @@ function Head({
   );
 }
 
-function Lost({ row, criterion }: { readonly row: GradingRow; readonly criterion: CriterionColumn }) {
-  const lost = lostOn(row, criterion.name);
-  const max = row.score?.criteria.find(({ name }) => name === criterion.name)?.max_points ?? 0;
+// `lost` undefined: nobody's to lose.
+function Lost({ lost, full }: { readonly lost: number | undefined; readonly full: number }) {
   if (lost === undefined) return <td class="number hint">–</td>;
-  const share = max > 0 ? lost / max : 0;
+  const share = full > 0 ? lost / full : 0;
   return (
     <td class={share >= 0.5 ? "number lost-much" : share >= 0.05 ? "number lost-some" : "number hint"}>
       {lost < 0.05 ? "0" : `−${formatPoints(lost)}`}
     </td>
   );
-}
-
-// Of an attempt as it is now: a set score, a new run and a new reference change it.
-function scoreKey({ id, revision, computed_score: computed }: Attempt): string {
-  return `${id} ${revision} ${computed}`;
-}
-
-// The scores of all of them, as they come.
-function useScores(client: Client, attempts: readonly Attempt[]): ReadonlyMap<string, Score> {
-  const [scores, setScores] = useState<ReadonlyMap<string, Score>>(new Map());
-  const known = useRef(scores);
-  known.current = scores;
-  useEffect(() => {
-    const abort = new AbortController();
-    const wanted = attempts.filter(
-      (attempt) => attempt.computed_score !== null && !known.current.has(scoreKey(attempt)),
-    );
-    const fresh = new Map<string, Score>();
-    void inTurn(wanted, kAtOnce, async (attempt) => {
-      if (abort.signal.aborted) return;
-      const score = await scoreOf(client, attempt.id, abort.signal);
-      if (score.ok) fresh.set(scoreKey(attempt), score.value);
-      // Not at every single one: each draws the whole table.
-      if (fresh.size % 12 === 0 && !abort.signal.aborted) setScores((now) => new Map([...now, ...fresh]));
-    }).then(() => {
-      if (!abort.signal.aborted) setScores((now) => new Map([...now, ...fresh]));
-    });
-    return () => abort.abort();
-  }, [client, attempts]);
-  return scores;
 }

@@ -1,53 +1,46 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Attempt, Score } from "../../api/types";
-import { criteriaOf, type GradingRow, lostOn, named, sorted } from "./rows";
+import type { Grading } from "../../api/types";
+import { attemptsOf, type GradedAttempt, lostOn, named, sorted } from "./rows";
 
-const row = (name: string, score: number | null, wall?: number, judged = true): GradingRow => ({
-  attempt: { id: name, person: { id: name, display_name: name }, score, ticketed_ms: 0 } as unknown as Attempt,
-  score:
-    wall === undefined
-      ? undefined
-      : ({
-          criteria: [
-            {
-              name: "wall_mesial_mm",
-              title: "Mesial wall",
-              value: 0,
-              unit: "mm",
-              points: 10 - wall,
-              max_points: 10,
-              reason: "",
-              judged,
-            },
-          ],
-        } as unknown as Score),
-});
-const names = (rows: readonly GradingRow[]) => rows.map(({ attempt }) => attempt.id);
+const kWall = [{ name: "wall_mesial_mm", title: "Mesial wall", max_points: 10 }];
+const attempt = (name: string, score: number | null, wall: number | null | undefined = undefined): GradedAttempt =>
+  ({
+    id: name,
+    person: { id: name, display_name: name },
+    score,
+    ticketed_ms: 0,
+    lost: wall === undefined ? null : [wall],
+  }) as unknown as GradedAttempt;
+const names = (attempts: readonly GradedAttempt[]) => attempts.map(({ id }) => id);
 
 test("who lost most on a criterion comes first, who has no score last, whichever way", () => {
-  const rows = [row("A", 50, 2), row("B", 60, 9), row("C", null), row("D", 70, 5, false), row("E", 80, 2)];
-  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: true })), ["B", "D", "A", "E", "C"]);
-  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: false })), ["A", "E", "D", "B", "C"]);
-  assert.deepEqual(names(sorted(rows, { by: "score", down: false })), ["A", "B", "D", "E", "C"]);
-  assert.equal(lostOn(row("D", 70, 5, false), "wall_mesial_mm"), 5, "not made, and so not earned");
+  const all = [attempt("A", 50, 2), attempt("B", 60, 9), attempt("C", null), attempt("D", 70, 5), attempt("E", 80, 2)];
+  assert.deepEqual(names(sorted(all, { by: "wall_mesial_mm", down: true }, kWall)), ["B", "D", "A", "E", "C"]);
+  assert.deepEqual(names(sorted(all, { by: "wall_mesial_mm", down: false }, kWall)), ["A", "E", "D", "B", "C"]);
+  assert.deepEqual(names(sorted(all, { by: "score", down: false }, kWall)), ["A", "B", "D", "E", "C"]);
+});
+
+test("a criterion that the attempt's rubric does not have is nobody's to lose", () => {
+  assert.equal(lostOn(attempt("A", 50, 0), 0), 0);
+  assert.equal(lostOn(attempt("A", 50, null), 0), undefined);
+  assert.equal(lostOn(attempt("A", 50, 2), 1), undefined);
+  assert.equal(lostOn(attempt("A", null), 0), undefined);
 });
 
 test("names are sorted as people count and found without accents and case", () => {
-  const rows = [row("Student 10", 1), row("Student 9", 1), row("Zoë Ñandú", 1)];
-  assert.deepEqual(names(sorted(rows, { by: "name", down: false })), ["Student 9", "Student 10", "Zoë Ñandú"]);
-  assert.deepEqual(names(named(rows, " nandu ZOE")), ["Zoë Ñandú"]);
-  assert.deepEqual(names(named(rows, "student 1")), ["Student 10"]);
-  assert.equal(named(rows, "").length, 3);
+  const all = [attempt("Student 10", 1), attempt("Student 9", 1), attempt("Zoë Ñandú", 1)];
+  assert.deepEqual(names(sorted(all, { by: "name", down: false }, kWall)), ["Student 9", "Student 10", "Zoë Ñandú"]);
+  assert.deepEqual(names(sorted(all, { by: "name", down: true }, kWall)), ["Zoë Ñandú", "Student 10", "Student 9"]);
+  assert.deepEqual(names(named(all, " nandu ZOE")), ["Zoë Ñandú"]);
+  assert.deepEqual(names(named(all, "student 1")), ["Student 10"]);
+  assert.equal(named(all, "").length, 3);
 });
 
-test("each criterion is one column, also when attempts were judged by different rubrics", () => {
-  const other = {
-    ...row("B", 1, 1),
-    score: { criteria: [{ name: "floor_mm", title: "Floor", points: 1, max_points: 1 }] } as unknown as Score,
-  };
-  assert.deepEqual(
-    criteriaOf([row("A", 1, 1), other, row("C", 1)]).map(({ name }) => name),
-    ["wall_mesial_mm", "floor_mm"],
-  );
+test("each attempt gets the exercise that the answer names once", () => {
+  const grading = {
+    exercises: [{ id: "x", title: "Exercise", graded: true }],
+    attempts: [{ id: "a", exercise: 0 }],
+  } as unknown as Grading;
+  assert.equal(attemptsOf(grading)[0]?.exercise.title, "Exercise");
 });
