@@ -155,6 +155,13 @@ export class TeachingApi {
   insight(id: string, signal?: AbortSignal) {
     return this.http.json<AssignmentInsight>("GET", `${assignmentPath(id)}/insight`, { signal });
   }
+  // Files for spreadsheets.
+  gradesFile(cohort: string): string {
+    return `/api/v1/cohorts/${segment(cohort)}/grades.csv`;
+  }
+  attemptsFile(cohort: string): string {
+    return `/api/v1/cohorts/${segment(cohort)}/attempts.csv`;
+  }
   deleteAssignment(id: string, tag: string) {
     return this.http.empty("DELETE", assignmentPath(id), { tag });
   }

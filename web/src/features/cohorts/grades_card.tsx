@@ -1,36 +1,20 @@
-import { wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { readAll } from "../../api/http";
-import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
+import type { Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { csvText } from "../../base/csv";
-import { downloadFile, fileName } from "../../base/download";
+import { fileName } from "../../base/download";
 import { formatScore } from "../../base/format";
-import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
-import { attemptsTable, type CsvTable, gradesTable } from "./grades";
-
-const kPageSize = 200;
-
-interface Book {
-  readonly grades: CohortGrades;
-  readonly attempts: readonly Attempt[];
-}
+import { Rows } from "../../widgets/rows";
+import { rowCount } from "../../widgets/table";
 
 // Everything that was done under a cohort's assignments: on the screen, and as files to take along.
 export function GradesCard({ client, cohort }: { readonly client: Client; readonly cohort: Cohort }) {
   // Who is in it decides what is shown: read again with every change of the cohort.
   const { loaded, reload } = useRequest(
     `${cohort.id} ${cohort.members.map((member) => member.id).join(" ")}`,
-    async (signal) => {
-      const grades = await client.teaching.grades(cohort.id, signal);
-      if (!grades.ok) return grades;
-      const attempts = await readAll((cursor) =>
-        client.attempts({ cohort: cohort.id, cursor, limit: kPageSize }, signal),
-      );
-      return attempts.ok ? ok({ grades: grades.value, attempts: attempts.value }) : attempts;
-    },
+    (signal) => client.teaching.grades(cohort.id, signal),
   );
   return (
     <Card title={say("grades.title")}>
@@ -38,46 +22,52 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
       {loaded.state === "failed" && (
         <ErrorNotice title={say("grades.failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Grades cohort={cohort} book={loaded.value} />}
+      {loaded.state === "ready" && <Grades client={client} cohort={cohort} grades={loaded.value} />}
     </Card>
   );
 }
 
-function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book }) {
-  const {
-    grades: { assignments, students },
-    attempts,
-  } = book;
-  const save = (name: string, table: CsvTable) =>
-    downloadFile(`${fileName(cohort.name, name)}.csv`, "text/csv", csvText(table.header, table.rows));
+function Grades({
+  client,
+  cohort,
+  grades: { assignments, students },
+}: {
+  readonly client: Client;
+  readonly cohort: Cohort;
+  readonly grades: CohortGrades;
+}) {
   if (assignments.length === 0) return <Empty>{say("grades.none")}</Empty>;
   return (
     <>
       <TableFrame label={say("grades.of", { name: cohort.name })}>
-        <table class="grades dense">
+        <table class="grades dense" {...rowCount(students.length)}>
           <thead>
             <tr>
               <th scope="col">{say("common.student")}</th>
               {assignments.map(({ id, exercise, counting }) => (
                 <th key={id} scope="col" class="wrap number">
-                  <a href={`/assignments/${id}`}>{wordedTitle(exercise.title) || exercise.name}</a>
+                  <a href={`/assignments/${id}`}>{exerciseTitle(exercise)}</a>
                   <span class="sub">{say(`grades_by.${counting}`)}</span>
                 </th>
               ))}
             </tr>
           </thead>
-          <tbody>
-            {students.map(({ person, grades }) => (
-              <tr key={person.id}>
-                <th scope="row">{person.display_name}</th>
-                {grades.map((grade, i) => (
-                  <td key={assignments[i]!.id} class="number">
-                    <GradeCell grade={grade} />
-                  </td>
-                ))}
-              </tr>
-            ))}
-          </tbody>
+          <Rows
+            keys={students.map(({ person }) => person.id)}
+            row={(index, place) => {
+              const { person, grades } = students[index]!;
+              return (
+                <tr {...place}>
+                  <th scope="row">{person.display_name}</th>
+                  {grades.map((grade, i) => (
+                    <td key={assignments[i]!.id} class="number">
+                      <GradeCell grade={grade} />
+                    </td>
+                  ))}
+                </tr>
+              );
+            }}
+          />
           <tfoot>
             {kFigures.map(({ name, title }) => (
               <tr key={name}>
@@ -110,12 +100,20 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
       </TableFrame>
       <p class="hint">{say("grades.hint")}</p>
       <div class="button-row">
-        <button type="button" class="button" onClick={() => save("grades", gradesTable(book.grades))}>
+        <a
+          class="button"
+          href={client.teaching.gradesFile(cohort.id)}
+          download={`${fileName(cohort.name, "grades")}.csv`}
+        >
           {say("grades.save")}
-        </button>
-        <button type="button" class="button" onClick={() => save("attempts", attemptsTable(attempts))}>
-          {say("grades.save_attempts", { count: attempts.length })}
-        </button>
+        </a>
+        <a
+          class="button"
+          href={client.teaching.attemptsFile(cohort.id)}
+          download={`${fileName(cohort.name, "attempts")}.csv`}
+        >
+          {say("grades.save_attempts")}
+        </a>
       </div>
     </>
   );
