@@ -357,6 +357,7 @@ CREATE TABLE marking_people (
   tenant  INTEGER NOT NULL,
   marking BLOB NOT NULL,
   person  BLOB NOT NULL CHECK (length(person) = 16),
+  removed_ms INTEGER NOT NULL DEFAULT 0,  -- 0: marks
   PRIMARY KEY (tenant, marking, person),
   FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE
 ) STRICT, WITHOUT ROWID;

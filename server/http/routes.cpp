@@ -120,6 +120,7 @@ const std::array kRoutes = {
     Route{Method::kPost, "/api/v1/assignments/{id}/markings", Need::kInstructor,
           Given<&BeginMarking>()},
     Route{Method::kGet, "/api/v1/markings/{id}", Need::kInstructor, Given<&GetMarking>()},
+    Route{Method::kPut, "/api/v1/markings/{id}/markers", Need::kInstructor, Given<&SetMarkers>()},
     Route{Method::kDelete, "/api/v1/markings/{id}", Need::kInstructor, Given<&EndMarking>()},
     Route{Method::kPost, "/api/v1/marking-works/{id}/marks", Need::kInstructor, Given<&AddMark>()},
     Route{Method::kGet, "/api/v1/marking-works/{id}/timeline", Need::kInstructor,

@@ -352,6 +352,7 @@ CREATE TABLE marking_people (
   tenant  BIGINT NOT NULL,
   marking BYTEA NOT NULL,
   person  BYTEA NOT NULL CHECK (length(person) = 16),
+  removed_ms BIGINT NOT NULL DEFAULT 0,
   PRIMARY KEY (tenant, marking, person),
   FOREIGN KEY (tenant, marking) REFERENCES markings (tenant, id) ON DELETE CASCADE
 );

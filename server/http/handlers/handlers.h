@@ -81,6 +81,7 @@ Response FindStandard(const Call& call, Store& store);
 Response BeginMarking(const Call& call, Store& store);
 Response ListMarkings(const Call& call, Store& store);
 Response GetMarking(const Call& call, Store& store);
+Response SetMarkers(const Call& call, Store& store);
 Response EndMarking(const Call& call, Store& store);
 Response AddMark(const Call& call, Store& store);
 Response GetMarkingTimeline(const Call& call, Store& store);

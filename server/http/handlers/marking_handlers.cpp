@@ -350,6 +350,23 @@ Response GetMarking(const Call& call, Store& store) {
   return JsonResponse(*out);
 }
 
+Response SetMarkers(const Call& call, Store& store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::vector<Uuid> markers = body.Ids("marker_ids", kMaxMarkersOfOne);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Result<SeenMarking> seen = SeeMarking(call, store, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (!seen->teaches) {
+    return ErrorResponse({Code::kForbidden, "only instructors of this cohort can do this"});
+  }
+  if (Status status = CheckMarkers(store, markers); !status.ok()) return ErrorResponse(status);
+  Result<MarkingRow> row = store.markings.SetMarkers(call.id, markers, ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<json::object> summary = SummaryJson(store, *row);
+  return summary.ok() ? JsonResponse(*summary) : ErrorResponse(summary.status());
+}
+
 Response EndMarking(const Call& call, Store& store) {
   Result<SeenMarking> seen = SeeMarking(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());

@@ -131,7 +131,8 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
   where(filter.not_to_be_marked_by,
         "NOT EXISTS (SELECT 1 FROM marking_works w JOIN markings m ON m.tenant = w.tenant AND m.id "
         "= w.marking JOIN marking_people b ON b.tenant = m.tenant AND b.marking = m.id WHERE "
-        "w.tenant = a.tenant AND w.attempt = a.id AND m.ended_ms = 0 AND EXISTS (SELECT 1 FROM "
+        "w.tenant = a.tenant AND w.attempt = a.id AND m.ended_ms = 0 AND b.removed_ms = 0 AND "
+        "EXISTS (SELECT 1 FROM "
         "marking_works o WHERE o.tenant = m.tenant AND o.marking = m.id AND NOT EXISTS (SELECT 1 "
         "FROM marks k WHERE k.tenant = o.tenant AND k.work = o.id AND k.marker = b.person)) AND "
         "b.person = ",

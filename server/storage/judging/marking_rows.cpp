@@ -27,11 +27,12 @@ Result<MarkingRow> FindMarking(Db& db, const Uuid& id) {
     }
     out = {q.Id(0), q.Id(1), q.Int(2), q.Int(3), {}, static_cast<uint32_t>(q.Int(4))};
   }
-  Query q(db,
-          "SELECT p.person, (SELECT count(*) FROM marks k JOIN marking_works w ON w.tenant = "
-          "k.tenant AND w.id = k.work WHERE k.tenant = ?1 AND w.marking = ?2 AND k.marker = "
-          "p.person) FROM marking_people p WHERE p.tenant = ?1 AND p.marking = ?2 ORDER BY "
-          "p.person");
+  Query q(
+      db,
+      "SELECT p.person, (SELECT count(*) FROM marks k JOIN marking_works w ON w.tenant = "
+      "k.tenant AND w.id = k.work WHERE k.tenant = ?1 AND w.marking = ?2 AND k.marker = "
+      "p.person) FROM marking_people p WHERE p.tenant = ?1 AND p.marking = ?2 AND p.removed_ms = 0 "
+      "ORDER BY p.person");
   for (q.Bind(id); q.Next();) out.markers.push_back({q.Id(0), static_cast<uint32_t>(q.Int(1))});
   if (!q.status().ok()) return q.status();
   return out;
@@ -60,6 +61,20 @@ Result<std::vector<MarkingWork>> FindWorks(Db& db, const Uuid& marking) {
 Result<bool> IsUnderWay(Db& db, const Uuid& marking) {
   ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, marking));
   return row.ended_ms == 0 && !row.done();
+}
+
+Status AddMarker(Db& db, const Uuid& marking, const Uuid& person) {
+  Query q(db, "INSERT INTO marking_people (tenant, marking, person) VALUES (?1, ?2, ?3)");
+  return Explain(q.Bind(marking).Bind(person).Run(),
+                 "person " + person.Text() +
+                     " was removed from this blind marking before, and may have seen scores since");
+}
+
+Status RemoveMarker(Db& db, const Uuid& marking, const Uuid& person) {
+  Query q(db,
+          "UPDATE marking_people SET removed_ms = ?4 WHERE tenant = ?1 AND marking = ?2 AND person "
+          "= ?3");
+  return q.Bind(marking).Bind(person).Bind(NowMs()).Run();
 }
 
 Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt) {
@@ -114,10 +129,7 @@ Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
               "INSERT INTO markings (tenant, id, assignment, created_ms) VALUES (?1, ?2, ?3, ?4)");
       ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(assignment).Bind(NowMs()).Run());
     }
-    for (const Uuid& marker : markers) {
-      Query q(db, "INSERT INTO marking_people (tenant, marking, person) VALUES (?1, ?2, ?3)");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(marker).Run());
-    }
+    for (const Uuid& marker : markers) ENAMEL_RETURN_IF_ERROR(AddMarker(db, id, marker));
     for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(AddWork(db, id, attempt));
     return WriteAudit(db, by, "marking.begin", id.Text(), "{}",
                       JsonOf({{"assignment", assignment.Text()},
@@ -162,7 +174,8 @@ Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
       Query q(db,
               "SELECT m.ended_ms FROM marking_works w JOIN markings m ON m.tenant = "
               "w.tenant AND m.id = w.marking JOIN marking_people p ON p.tenant = w.tenant AND "
-              "p.marking = w.marking WHERE w.tenant = ?1 AND w.id = ?2 AND p.person = ?3");
+              "p.marking = w.marking WHERE w.tenant = ?1 AND w.id = ?2 AND p.person = ?3 AND "
+              "p.removed_ms = 0");
       if (!q.Bind(mark.work).Bind(mark.marker).Next()) {
         ENAMEL_RETURN_IF_ERROR(q.status());
         return NoSuchWork(mark.work);
@@ -189,8 +202,9 @@ Result<std::vector<BlindMark>> MarkingRows::MarksOf(const Uuid& marking) {
   return rows_.Read([&](Db& db) -> Result<std::vector<BlindMark>> {
     Query q(db,
             "SELECT k.work, k.marker, k.rating, k.criteria, k.made_ms FROM marks k JOIN "
-            "marking_works w ON w.tenant = k.tenant AND w.id = k.work WHERE k.tenant = ?1 AND "
-            "w.marking = ?2 ORDER BY k.work, k.marker");
+            "marking_works w ON w.tenant = k.tenant AND w.id = k.work JOIN marking_people p ON "
+            "p.tenant = w.tenant AND p.marking = w.marking AND p.person = k.marker AND "
+            "p.removed_ms = 0 WHERE k.tenant = ?1 AND w.marking = ?2 ORDER BY k.work, k.marker");
     std::vector<BlindMark> out;
     for (q.Bind(marking); q.Next();) {
       out.push_back({q.Id(0), q.Id(1), static_cast<int32_t>(q.Int(2)), q.Text(3), q.Int(4)});
@@ -212,6 +226,37 @@ Result<std::vector<std::string>> MarkingRows::CriteriaBy(const Uuid& marker) {
   });
 }
 
+Result<MarkingRow> MarkingRows::SetMarkers(const Uuid& id, const std::vector<Uuid>& markers,
+                                           const Actor& by) {
+  const Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));
+    if (row.ended_ms != 0 || row.done()) {
+      return Status(Code::kConflict, "this blind marking is over; its markers stay as they are");
+    }
+    const auto marks = [&](const Uuid& person) {
+      return std::ranges::find(row.markers, person, &MarkingRow::Marker::person) !=
+             row.markers.end();
+    };
+    size_t added = 0, removed = 0;
+    for (const Uuid& person : markers) {
+      if (marks(person)) continue;
+      ENAMEL_RETURN_IF_ERROR(AddMarker(db, id, person));
+      ++added;
+    }
+    for (const MarkingRow::Marker& marker : row.markers) {
+      if (std::ranges::find(markers, marker.person) != markers.end()) continue;
+      ENAMEL_RETURN_IF_ERROR(RemoveMarker(db, id, marker.person));
+      ++removed;
+    }
+    if (added + removed == 0) return Status::Ok();
+    return WriteAudit(
+        db, by, "marking.markers", id.Text(), "{}",
+        JsonOf({{"added", std::to_string(added)}, {"removed", std::to_string(removed)}}));
+  });
+  if (!status.ok()) return status;
+  return MarkingById(id);
+}
+
 Status MarkingRows::EndMarking(const Uuid& id, const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));
@@ -230,9 +275,11 @@ Result<std::map<Uuid, MarkingRows::Hidden>> MarkingRows::HiddenFrom(const Uuid& 
   return rows_.Read([&](Db& db) -> Result<std::map<Uuid, Hidden>> {
     std::vector<Uuid> markings;
     {
-      Query q(db,
-              "SELECT m.id FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id = "
-              "p.marking WHERE p.tenant = ?1 AND p.person = ?2 AND m.ended_ms = 0");
+      Query q(
+          db,
+          "SELECT m.id FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id = "
+          "p.marking WHERE p.tenant = ?1 AND p.person = ?2 AND p.removed_ms = 0 AND m.ended_ms = "
+          "0");
       for (q.Bind(person); q.Next();) markings.push_back(q.Id(0));
       if (!q.status().ok()) return q.status();
     }

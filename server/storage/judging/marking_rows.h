@@ -31,6 +31,9 @@ class MarkingRows {
   Result<std::vector<BlindMark>> MarksOf(const Uuid& marking);  // by work and marker
   // The criteria of this marker's newest marks (BlindMark::criteria), at most 500, newest first.
   Result<std::vector<std::string>> CriteriaBy(const Uuid& marker);
+  // Who marks from now on. The marks of those who are left out stay, and enter no result. Errors:
+  // kConflict (done, given up, or somebody was left out before and may have seen scores since).
+  Result<MarkingRow> SetMarkers(const Uuid& id, const std::vector<Uuid>& markers, const Actor& by);
   // Gives up what is under way; its marks stay. Errors: kConflict (done, or given up before).
   Status EndMarking(const Uuid& id, const Actor& by);
   // What a marker may not see of the attempts of markings under way.

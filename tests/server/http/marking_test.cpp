@@ -187,6 +187,35 @@ TEST_F(MarkingTest, MarksThatAreNoneOrTwiceOrOfOthersWorkAreRefused) {
   EXPECT_EQ(Mark("ben", work, Body(4, 6)).status, 204);
 }
 
+TEST_F(MarkingTest, AnotherMayMarkInSomebodysPlace) {
+  const std::string marking = Begin();
+  const std::string path = "/api/v1/markings/" + marking + "/markers";
+  const auto set = [&](const std::string& login, const std::vector<Uuid>& ids) {
+    return By(login).Send(
+        "PUT", path, "X-Enamel-Csrf: " + By(login).csrf + "\r\nContent-Type: application/json\r\n",
+        Markers(ids));
+  };
+  ASSERT_EQ(Mark("ben", WorksOf("ben", marking)[0], Body(1, 1)).status, 204);
+  EXPECT_EQ(set("ben", {school_.ada, school_.root}).status, 403) << "a marker of another cohort";
+  EXPECT_EQ(set("ada", {school_.ada}).status, 400) << "two at least";
+  EXPECT_EQ(set("ada", {school_.ada, school_.sam}).status, 400) << "a student";
+  RawResponse changed = set("ada", {school_.ada, school_.root});
+  ASSERT_EQ(changed.status, 200) << changed.body;
+  EXPECT_EQ(Parsed(changed).at("markers").as_array().size(), 2u);
+  EXPECT_EQ(By("ben").Get("/api/v1/markings/" + marking).status, 404);
+  EXPECT_EQ(set("ada", {school_.ada, school_.ben}).status, 409)
+      << "who was left out may have seen scores since";
+  MarkAllBy("ada", marking);
+  EXPECT_EQ(Seen("ada", marking).at("done"), false);
+  MarkAllBy("root", marking);
+  const json::object seen = Seen("ada", marking);
+  ASSERT_EQ(seen.at("done"), true);
+  for (const json::value& work : seen.at("results").at("works").as_array()) {
+    EXPECT_EQ(work.at("marks").as_array().size(), 2u) << "without the one that ben gave";
+  }
+  EXPECT_EQ(set("ada", {school_.ada, school_.root}).status, 409) << "it is over";
+}
+
 // A list says who made an attempt and how long it is, and so is the tooth that a marker looks at.
 TEST_F(MarkingTest, AMarkersListsLeaveOutWhatIsToBeMarked) {
   auto listed = [&](const std::string& login, const std::string& query) {

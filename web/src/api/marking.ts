@@ -25,6 +25,10 @@ export class MarkingApi {
   get(id: string, signal?: AbortSignal) {
     return this.http.json<Marking>("GET", `/markings/${segment(id)}`, { signal });
   }
+  // Who marks from now on. Marks of those who are left out enter no result.
+  setMarkers(id: string, markers: readonly string[]) {
+    return this.http.json<MarkingSummary>("PUT", `/markings/${segment(id)}/markers`, { body: { marker_ids: markers } });
+  }
   // Marks that were given stay.
   giveUp(id: string) {
     return this.http.empty("DELETE", `/markings/${segment(id)}`);

@@ -20,7 +20,7 @@ interface Props {
 // Blind markings of an assignment's attempts: those that there are, and a new one.
 export function MarkingCard({ client, assignment, self }: Props) {
   const { loaded, reload } = useRequest(assignment.id, (signal) => client.marking.of(assignment.id, signal));
-  const [open, setOpen] = useState<"begin" | MarkingSummary>();
+  const [open, setOpen] = useState<"begin" | { readonly marking: MarkingSummary; readonly to: "give_up" | "change" }>();
   const close = () => setOpen(undefined);
   const markings = loaded.state === "ready" ? loaded.value : [];
   const underWay = markings.some((marking) => !marking.done && marking.ended_ms === 0);
@@ -47,9 +47,14 @@ export function MarkingCard({ client, assignment, self }: Props) {
               hideTitle: true,
               cell: (marking) =>
                 marking.done || marking.ended_ms > 0 ? null : (
-                  <button type="button" class="button small" onClick={() => setOpen(marking)}>
-                    {say("marking.give_up_ask")}
-                  </button>
+                  <div class="row-tools">
+                    <button type="button" class="button small" onClick={() => setOpen({ marking, to: "change" })}>
+                      {say("marking.change_ask")}
+                    </button>
+                    <button type="button" class="button small" onClick={() => setOpen({ marking, to: "give_up" })}>
+                      {say("marking.give_up_ask")}
+                    </button>
+                  </div>
                 ),
             },
           ]}
@@ -63,15 +68,25 @@ export function MarkingCard({ client, assignment, self }: Props) {
         </div>
       )}
       {open === "begin" && (
-        <Begin client={client} assignment={assignment} self={self} onClose={close} onBegun={reload} />
+        <ChooseMarkers client={client} assignment={assignment} self={self} onClose={close} onDone={reload} />
       )}
-      {open !== undefined && open !== "begin" && (
+      {open !== undefined && open !== "begin" && open.to === "change" && (
+        <ChooseMarkers
+          client={client}
+          assignment={assignment}
+          self={self}
+          marking={open.marking}
+          onClose={close}
+          onDone={reload}
+        />
+      )}
+      {open !== undefined && open !== "begin" && open.to === "give_up" && (
         <Confirm
           title={say("marking.give_up_title")}
           action={say("marking.give_up")}
           onClose={close}
           onConfirm={async () => {
-            const result = await client.marking.giveUp(open.id);
+            const result = await client.marking.giveUp(open.marking.id);
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
@@ -108,30 +123,35 @@ async function candidates(client: Client, { cohort }: Assignment, self: Person, 
   return ok([...found.values()].sort((a, b) => a.display_name.localeCompare(b.display_name)));
 }
 
-function Begin({
-  client,
-  assignment,
-  self,
-  onClose,
-  onBegun,
-}: Props & { readonly onClose: () => void; readonly onBegun: () => void }) {
+interface ChooseProps extends Props {
+  readonly marking?: MarkingSummary; // under way; none: a new one
+  readonly onClose: () => void;
+  readonly onDone: () => void;
+}
+
+// Nobody is chosen unasked, not even the person who begins it.
+function ChooseMarkers({ client, assignment, self, marking, onClose, onDone }: ChooseProps) {
   const { loaded, reload } = useRequest(assignment.id, (signal) => candidates(client, assignment, self, signal));
-  const [chosen, setChosen] = useState<readonly string[]>([self.id]);
+  const [chosen, setChosen] = useState<readonly string[]>(marking?.markers.map(({ id }) => id) ?? []);
+  const people = loaded.state === "ready" ? withMarkers(loaded.value, marking) : [];
   return (
     <Confirm
-      title={say("marking.begin_title")}
-      action={say("marking.begin")}
+      title={say(marking === undefined ? "marking.begin_title" : "marking.change_title")}
+      action={say(marking === undefined ? "marking.begin" : "common.save")}
       tone="neutral"
       onClose={onClose}
       onConfirm={async () => {
         if (chosen.length < 2) return say("marking.two_at_least");
-        const result = await client.marking.begin(assignment.id, chosen);
+        const result =
+          marking === undefined
+            ? await client.marking.begin(assignment.id, chosen)
+            : await client.marking.setMarkers(marking.id, chosen);
         if (!result.ok) return result.error.message;
-        onBegun();
+        onDone();
         return undefined;
       }}
     >
-      <p>{say("marking.begin_text")}</p>
+      <p>{say(marking === undefined ? "marking.begin_text" : "marking.change_text")}</p>
       {loaded.state === "loading" && <Loading what={say("loading.short")} />}
       {loaded.state === "failed" && (
         <ErrorNotice title={say("marking.no_people")} message={loaded.error.message} onRetry={reload} />
@@ -139,17 +159,23 @@ function Begin({
       {loaded.state === "ready" && (
         <fieldset class="form">
           <legend>{say("marking.who")}</legend>
-          {loaded.value.map(({ id, display_name: name }) => (
+          {people.map(({ id, display_name: name }) => (
             <CheckField
               key={id}
-              label={name}
+              label={name === "" ? say("marking.nobody") : name}
               value={chosen.includes(id)}
               onValue={(on) => setChosen(on ? [...chosen, id] : chosen.filter((each) => each !== id))}
             />
           ))}
-          {loaded.value.length < 2 && <p class="hint">{say("marking.nobody_else")}</p>}
+          {people.length < 2 && <p class="hint">{say("marking.nobody_else")}</p>}
         </fieldset>
       )}
     </Confirm>
   );
+}
+
+// A marker may teach another cohort, where an admin chose them.
+function withMarkers(people: readonly Candidate[], marking: MarkingSummary | undefined): readonly Candidate[] {
+  const known = new Set(people.map(({ id }) => id));
+  return [...people, ...(marking?.markers ?? []).filter(({ id }) => !known.has(id))];
 }
