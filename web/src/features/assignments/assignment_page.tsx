@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
 import type { Assignment } from "../../api/types";
+import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
@@ -11,7 +12,7 @@ import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widg
 import { Button } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
-import { countingText, exerciseTitle, handsText, limitText } from "./assignment_text";
+import { countingText, endedTerms, exerciseTitle, handsText, limitText, phaseOf } from "./assignment_text";
 import { MoveCard } from "./move_card";
 import { PhaseBadge } from "./my_work_page";
 import { fitting, type Terms, TermsFields } from "./terms_fields";
@@ -69,8 +70,17 @@ export function AssignmentPage({ client, id, onGone, insight, marking }: Props) 
       {insight(assignment.id, exerciseTitle(assignment))}
       <div class="columns">
         <Card title={say("assignments.terms")}>
-          <EditTerms client={client} read={loaded.value} onRead={setNewer} />
+          <EditTerms key={loaded.value.tag} client={client} read={loaded.value} onRead={setNewer} />
         </Card>
+        <EndCard
+          client={client}
+          assignment={assignment}
+          tag={tag}
+          onChanged={() => {
+            setNewer(undefined);
+            reload();
+          }}
+        />
         <MoveCard
           client={client}
           assignment={assignment}
@@ -87,6 +97,71 @@ export function AssignmentPage({ client, id, onGone, insight, marking }: Props) 
       </div>
     </>
   );
+}
+
+// Ends it at once, and takes that back.
+function EndCard({
+  client,
+  assignment,
+  tag,
+  onChanged,
+}: {
+  readonly client: Client;
+  readonly assignment: Assignment;
+  readonly tag: string;
+  readonly onChanged: () => void;
+}) {
+  const [before, setBefore] = useState<Terms>();
+  const change = useChange();
+  const phase = phaseOf(assignment, Date.now());
+  if (before === undefined && phase !== "open" && phase !== "late") return null;
+  const save = async (terms: Terms, undo: Terms | undefined) => {
+    const result = await change.run(() =>
+      client.teaching.editAssignment(assignment.id, sentTerms(assignment, terms), tag),
+    );
+    if (result === undefined) return;
+    if (result.ok) setBefore(undo);
+    onChanged(); // also where somebody else was faster
+  };
+  const terms = termsOf(assignment);
+  return (
+    <Card title={say("assignments.end")}>
+      <div aria-live="polite">
+        {before !== undefined && (
+          <Notice tone="good" title={say("assignments.ended")}>
+            <button
+              type="button"
+              class="button small"
+              disabled={change.busy}
+              onClick={() =>
+                void save({ ...terms, due_ms: before.due_ms, late_allowed: before.late_allowed }, undefined)
+              }
+            >
+              {say("edit.undo")}
+            </button>
+          </Notice>
+        )}
+        {change.error !== undefined && <ErrorNotice title={say("common.not_done")} message={change.error.message} />}
+      </div>
+      {before === undefined && (
+        <div class="button-row">
+          <button
+            type="button"
+            class="button"
+            disabled={change.busy}
+            onClick={() => void save(endedTerms(terms, Date.now()), terms)}
+          >
+            {say("assignments.end_now")}
+          </button>
+        </div>
+      )}
+      <p class="hint">{say("assignments.end_hint")}</p>
+    </Card>
+  );
+}
+
+function sentTerms({ exercise, cohort }: Assignment, terms: Terms) {
+  return { exercise: exercise.name, cohort_id: cohort?.id ?? null, ...terms };
 }
 
 type Draft = Assignment;
@@ -161,12 +236,7 @@ function EditTerms({
   const known = stations.loaded.state === "ready" ? stations.loaded.value : [];
   const edit = useEdit(
     read,
-    (draft, tag) =>
-      client.teaching.editAssignment(
-        draft.id,
-        { exercise: draft.exercise.name, cohort_id: draft.cohort?.id ?? null, ...termsOf(draft) },
-        tag,
-      ),
+    (draft, tag) => client.teaching.editAssignment(draft.id, sentTerms(draft, termsOf(draft)), tag),
     onRead,
   );
   const submit = (event: Event) => {

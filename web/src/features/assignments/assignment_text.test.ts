@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { dueProblem, dueText, leftText, phaseOf } from "./assignment_text";
+import { dueProblem, dueText, endedTerms, leftText, phaseOf } from "./assignment_text";
 
 const day = 86_400_000;
 const terms = (opens: number, due: number, late = false) => ({ opens_ms: opens, due_ms: due, late_allowed: late });
@@ -27,4 +27,10 @@ test("due dates and remaining attempts are shown in words", () => {
   assert.equal(leftText({ attempts_left: 0 }), "None left");
   assert.equal(leftText({ attempts_left: 1 }), "1 attempt left");
   assert.equal(leftText({ attempts_left: null }), "No limit");
+});
+
+test("what is ended now admits nobody any more, whatever its terms were", () => {
+  for (const before of [terms(0, 0), terms(0, 20 * day), terms(0, 5 * day, true)]) {
+    assert.equal(phaseOf(endedTerms(before, 10 * day), 10 * day + 1), "closed");
+  }
 });

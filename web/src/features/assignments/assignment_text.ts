@@ -16,6 +16,11 @@ export function phaseOf(
   return late ? "late" : "closed";
 }
 
+// Terms under which no attempt begins from now on.
+export function endedTerms<T extends Pick<Assignment, "due_ms" | "late_allowed">>(terms: T, nowMs: number): T {
+  return { ...terms, due_ms: nowMs, late_allowed: false };
+}
+
 export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: number): string {
   return due === 0 ? say("assignments.no_due") : `${formatDateTime(due)} (${relativeTime(due, nowMs)})`;
 }
