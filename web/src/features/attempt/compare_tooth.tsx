@@ -5,6 +5,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 
+const kMostOwn = 200;
 const kMostOthers = 50;
 
 interface ChoiceProps {
@@ -19,11 +20,17 @@ interface ChoiceProps {
 // somebody else's whom one may see.
 export function CompareChoice({ client, attempt, staff, chosen, onChoose }: ChoiceProps) {
   const [asked, setAsked] = useState(false); // the list is fetched when somebody wants it
-  const { loaded } = useRequest(asked ? attempt.exercise.id : undefined, (signal) =>
-    client.attempts({ exercise: attempt.exercise.id, state: "scored", limit: kMostOthers }, signal),
+  const exercise = attempt.exercise.id;
+  // The person's own are asked for by themselves: in a large class none of them is among the newest.
+  const mine = useRequest(asked ? `${exercise} ${attempt.person.id}` : undefined, (signal) =>
+    client.attempts({ exercise, person: attempt.person.id, state: "scored", limit: kMostOwn }, signal),
   );
-  const others = loaded.state === "ready" ? loaded.value.items.filter((other) => other.id !== attempt.id) : [];
-  const own = others.filter((other) => other.person.id === attempt.person.id);
+  const { loaded } = useRequest(asked && staff ? exercise : undefined, (signal) =>
+    client.attempts({ exercise, state: "scored", limit: kMostOthers }, signal),
+  );
+  const own = mine.loaded.state === "ready" ? mine.loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
+  const others =
+    loaded.state === "ready" ? loaded.value.items.filter(({ person }) => person.id !== attempt.person.id) : [];
   const reference = comparable(attempt, staff);
   return (
     <select
@@ -50,18 +57,18 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
           ))}
         </optgroup>
       )}
-      {others.length > own.length && (
+      {others.length > 0 && (
         <optgroup label={say("compare.others")}>
-          {others
-            .filter((other) => !own.includes(other))
-            .map((other) => (
-              <option key={other.id} value={other.id} title={attemptName(other)}>
-                {attemptName(other)}
-              </option>
-            ))}
+          {others.map((other) => (
+            <option key={other.id} value={other.id} title={attemptName(other)}>
+              {attemptName(other)}
+            </option>
+          ))}
         </optgroup>
       )}
-      {asked && loaded.state === "loading" && <option disabled>{say("loading.short")}</option>}
+      {asked && (mine.loaded.state === "loading" || (staff && loaded.state === "loading")) && (
+        <option disabled>{say("loading.short")}</option>
+      )}
     </select>
   );
 }
