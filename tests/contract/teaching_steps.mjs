@@ -172,7 +172,11 @@ export const assignments = [
   { of: "moveAssignment", by: "ben", at: (w) => w.extra, tagged: true, body: (w) => ({ exercise_id: w.exercise }) },
   { of: "deleteAssignment", by: "ben", at: (w) => w.extra },
   { of: "assignmentInsight", by: "ben", at: (w) => w.assignment },
+  { of: "assignmentGrading", by: "ben", at: (w) => w.assignment },
   { of: "cohortGrades", by: "ben", at: (w) => w.demo },
+  { of: "cohortGradesFile", by: "ben", at: (w) => w.demo },
+  { of: "cohortGrading", by: "ben", at: (w) => w.demo },
+  { of: "cohortAttemptsFile", by: "ben", at: (w) => w.demo },
   {
     of: "findStandard",
     by: "ben",
@@ -243,14 +247,16 @@ export const marking = [
     at: (w) => w.marking,
   },
   {
-    of: "endMarking",
+    of: "setMarkers",
     by: "ben",
     before: async (w) => {
       const body = { marker_ids: [w.ben.id, w.bea.id] };
       w.marking = (await w.ben.need("POST", `/api/v1/assignments/${w.assignment}/markings`, { body })).json.id;
     },
     at: (w) => w.marking,
+    body: (w) => ({ marker_ids: [w.ben.id, w.bea.id] }),
   },
+  { of: "endMarking", by: "ben", at: (w) => w.marking },
 ];
 
 export const attempts = [

@@ -140,6 +140,7 @@ class Grading {
             {"flags", std::move(flags)},
             {"hand", {{"kind", HandKindName(row.hand.kind)}}},
             {"progress", row.progress},
+            {"problem_field", row.problem_field},
             {"ticketed_ms", row.ticketed_ms},
             {"gap_ticks", row.gap_ticks},
             {"revision", row.revision},
