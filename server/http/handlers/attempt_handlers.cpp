@@ -149,7 +149,8 @@ Result<Sha256> TimelineContent(const Uuid& attempt, TimelineRows& timelines) {
   if (row.waits) {
     return Status{Code::kUnavailable,
                   "the playback of this attempt is being made; scores that people "
-                  "wait for go first. Try again in a few minutes"};
+                  "wait for go first. Try again in a few minutes",
+                  "playback_waits"};
   }
   if (row.content.IsZero()) {
     return Status{Code::kNotFound, "the playback of this attempt could not be made: " +

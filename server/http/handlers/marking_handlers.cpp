@@ -255,9 +255,10 @@ Result<std::vector<Uuid>> WorkToMark(Store& store, const AssignmentRow& assignme
     out.push_back(row.id);
   }
   if (out.empty() || out.size() > kMaxWorks) {
-    return Status(Code::kConflict, "a blind marking is of 1 to " + std::to_string(kMaxWorks) +
-                                       " scored attempts; this assignment has " +
-                                       std::to_string(out.size()));
+    return Status(Code::kConflict,
+                  "a blind marking is of 1 to " + std::to_string(kMaxWorks) +
+                      " scored attempts; this assignment has " + std::to_string(out.size()),
+                  "marking_works");
   }
   return out;
 }
@@ -405,10 +406,12 @@ Response GetMarkingTimeline(const Call& call, Store& store) {
   Result<TimelineRow> timeline = store.timelines.AskForTimeline(work->attempt);
   if (!timeline.ok()) return ErrorResponse(timeline.status());
   if (timeline->content.IsZero()) {
-    return ErrorResponse(
-        {timeline->waits ? Code::kUnavailable : Code::kNotFound,
-         timeline->waits ? "the playback of this work is being made. Try again in a few minutes"
-                         : "the playback of this work could not be made"});
+    if (timeline->waits) {
+      return ErrorResponse({Code::kUnavailable,
+                            "the playback of this work is being made; it is shown once it is there",
+                            "playback_waits"});
+    }
+    return ErrorResponse({Code::kNotFound, "the playback of this work could not be made"});
   }
   return KeptResponse(call.request,
                       {timeline->content, "application/octet-stream", "private, no-cache"},

@@ -107,7 +107,8 @@ Status MustNotBeMarkedNow(Db& db, const Uuid& attempt) {
     return Status(Code::kConflict,
                   "a blind marking of attempt " + attempt.Text() +
                       " is under way, which needs scores that nobody knows: release it when every "
-                      "marker is done, or give the marking up first");
+                      "marker is done, or give the marking up first",
+                  "marking_holds_release");
   }
   return Status::Ok();
 }
@@ -122,7 +123,8 @@ Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
       ENAMEL_ASSIGN_OR_RETURN(const bool under_way, IsUnderWay(db, marking));
       if (!under_way) continue;
       return Status(Code::kConflict,
-                    "a blind marking of this assignment is under way; finish it or give it up");
+                    "a blind marking of this assignment is under way; finish it or give it up",
+                    "marking_under_way");
     }
     {
       Query q(db,
@@ -181,7 +183,8 @@ Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
         return NoSuchWork(mark.work);
       }
       if (q.Int(0) != 0) {
-        return Status(Code::kConflict, "this blind marking was given up; nothing more is marked");
+        return Status(Code::kConflict, "this blind marking was given up; nothing more is marked",
+                      "marking_given_up");
       }
     }
     Query q(db,
@@ -261,9 +264,11 @@ Status MarkingRows::EndMarking(const Uuid& id, const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));
     if (row.ended_ms != 0 || row.done()) {
-      return Status(Code::kConflict, row.done()
-                                         ? "all markers are done; there is nothing to give up"
-                                         : "this blind marking was given up before");
+      return row.done()
+                 ? Status(Code::kConflict, "all markers are done; there is nothing to give up",
+                          "marking_done")
+                 : Status(Code::kConflict, "this blind marking was given up before",
+                          "marking_given_up");
     }
     Query q(db, "UPDATE markings SET ended_ms = ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());

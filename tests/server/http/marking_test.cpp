@@ -260,7 +260,9 @@ TEST_F(MarkingTest, WhatIsGivenUpIsMarkedNoMoreAndMayBeReleased) {
   const std::string csrf = "X-Enamel-Csrf: " + By("ada").csrf + "\r\n";
   EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 204);
   EXPECT_EQ(By("ada").Send("DELETE", path, csrf).status, 409) << "given up before";
-  EXPECT_EQ(Mark("ada", works[0], Body(3, 5)).status, 409);
+  const RawResponse late = Mark("ada", works[0], Body(3, 5));
+  EXPECT_EQ(late.status, 409);
+  EXPECT_EQ(Parsed(late).at("error").at("field"), "marking_given_up");
   for (const Uuid& attempt : attempts_) {
     ASSERT_TRUE(school_.store->judging.ReleaseAttempt(attempt, kBy).ok());
   }
@@ -280,7 +282,9 @@ TEST_F(MarkingTest, MarkersAndWorkThatCannotBeAreRefused) {
   EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.sam})).status, 400) << "a student";
   EXPECT_EQ(By("ben").Post(path, Markers({school_.ada, school_.ben})).status, 404);
   Begin();
-  EXPECT_EQ(By("ada").Post(path, Markers({school_.ada, school_.ben})).status, 409) << "under way";
+  const RawResponse second = By("ada").Post(path, Markers({school_.ada, school_.ben}));
+  EXPECT_EQ(second.status, 409) << "under way";
+  EXPECT_EQ(Parsed(second).at("error").at("field"), "marking_under_way");
 }
 
 // A tooth shows neither how hard nor how long it was cut.

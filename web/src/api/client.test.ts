@@ -244,6 +244,13 @@ test("a list of which a page is refused is an error, not a part of it", async ()
   assert.equal(!result.ok && result.error.code, "unavailable");
 });
 
+test("a state that everybody meets is said in words, whatever the server's sentence", async () => {
+  const answer = { error: { code: "conflict", message: "expected X, found Y", field: "marking_given_up" } };
+  const { client } = clientThatGets([new Response(JSON.stringify(answer), { status: 409 })]);
+  const result = await client.marking.giveUp("m");
+  assert.equal(!result.ok && result.error.message, "This blind marking was given up. Nothing can be marked any more.");
+});
+
 test("a roster with problems is a report, not an error; any other refusal is one", async () => {
   const { client } = clientThatGets([
     new Response(

@@ -186,9 +186,12 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
   }
 }
 
-// The server's messages are English. Other languages show a sentence for the code instead, followed
-// by the message where the code alone says too little.
-function errorText(code: string | undefined, said: string): string {
+// Where something is in a state that everybody meets, the field names the state and the page has words for it.
+// Otherwise: the server's messages are English, and other languages show a sentence for the code instead, followed by
+// the message where the code alone says too little.
+function errorText(code: string | undefined, field: string | undefined, said: string): string {
+  const state = sayIf(`error_state.${field ?? ""}`);
+  if (state !== undefined) return state;
   return spokenLanguage() === "en" ? sentence(said) : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
 }
 
@@ -213,7 +216,7 @@ async function refusal(response: Response, method: Method): Promise<ApiError> {
           ? kFallback
           : isAddress(error, method)
             ? say("error.no_such")
-            : errorText(error.code, error.message ?? kFallback),
+            : errorText(error.code, error.field, error.message ?? kFallback),
       field: error?.field ?? "",
       answer,
       ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }),

@@ -13,12 +13,15 @@ export interface WorkFilm {
 }
 export type WorkFilmState =
   | { readonly state: "loading" }
+  | { readonly state: "waits"; readonly message: string } // is being made; useRequest asks again
   | { readonly state: "failed"; readonly message: string; readonly again: (() => void) | undefined }
   | { readonly state: "ready"; readonly value: WorkFilm };
 
 interface Told extends Omit<WorkFilm, "film"> {
   readonly problem: string;
 }
+const kPlaybackWaits = "playback_waits";
+
 const kNothing: Told = { head: undefined, drawn: false, tissues: [], problem: "" };
 
 // The work as it was cut, without anything that it was compared with.
@@ -45,6 +48,8 @@ export function useWorkFilm(client: Client, work: string): WorkFilmState {
     film.bytes(bytes.slice(0));
     return () => film.close();
   }, [bytes, film]);
+  if (loaded.state === "failed" && loaded.error.field === kPlaybackWaits)
+    return { state: "waits", message: loaded.error.message };
   if (loaded.state === "failed") return { state: "failed", message: loaded.error.message, again: reload };
   if (bytes === undefined) return { state: "loading" };
   if (film === undefined) return { state: "failed", message: say("tooth.no_webgl"), again: undefined };

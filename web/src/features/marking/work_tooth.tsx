@@ -21,6 +21,7 @@ interface Props {
 export function WorkTooth({ client, work, name, anatomy }: Props) {
   const found = useWorkFilm(client, work);
   if (found.state === "loading") return <Loading what={say("loading.picture")} />;
+  if (found.state === "waits") return <Loading what={found.message} />;
   if (found.state === "failed")
     return <ErrorNotice title={say("marking.no_picture")} message={found.message} onRetry={found.again} />;
   return <Shown work={found.value} name={name} anatomy={anatomy} />;
