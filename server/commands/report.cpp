@@ -18,6 +18,7 @@
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
+#include "server/commands/state_text.h"
 #include "server/results/result_document.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/attempts/job_rows.h"
@@ -243,8 +244,10 @@ Status Report(const ReportOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto row,
                           WaitForVerdict(store->attempts, store->jobs, id, options.wait_s));
   if (row.state != AttemptState::kScored) {
-    return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id.Text(),
-                                               AttemptStateName(row.state), row.problem));
+    const std::string state = StateText(row);
+    return Status(Code::kConflict, fmt::format("attempt {} {}{}: {}", id.Text(),
+                                               state == AttemptStateName(row.state) ? "is " : "",
+                                               state, row.problem));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto result, store->results.ResultOf(id));
   ENAMEL_ASSIGN_OR_RETURN(auto text, store->blobs.GetBlob(result.score_json));

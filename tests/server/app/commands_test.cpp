@@ -5,6 +5,7 @@
 
 #include "common/base/file.h"
 #include "common/base/utf8.h"
+#include "common/protocol/refusals.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
@@ -155,6 +156,26 @@ TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
   Status failed = Report(report);
   EXPECT_EQ(failed.code(), Code::kConflict);
   EXPECT_NE(failed.message().find("tick 7"), std::string::npos);
+}
+
+TEST_F(CommandsTest, WhatWaitsForAReferenceHasNotFailed) {
+  auto store = OpenData();
+  World world(*store);
+  ReportOptions report;
+  report.data = Data();
+  const Uuid attempt = world.OpenedAttempt();
+  report.attempt = attempt.Text();
+  const Status none(Code::kConflict, "no reference yet: the exercise has none",
+                    protocol::kNoReference);
+  ASSERT_TRUE(store->results.FailAttempt(attempt, none, {}).ok());
+  const std::string said = Report(report).message();
+  EXPECT_NE(said.find("waits for a reference"), std::string::npos) << said;
+  EXPECT_EQ(said.find("failed"), std::string::npos) << said;
+  ::testing::internal::CaptureStdout();
+  EXPECT_TRUE(ListAttempts(Data(), 50).ok());
+  const std::string listed = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(listed.find("waits for a reference"), std::string::npos) << listed;
+  EXPECT_EQ(listed.find("failed"), std::string::npos) << listed;
 }
 
 TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) {
