@@ -64,6 +64,19 @@ std::unique_ptr<FailureCounters> CountersOf(Store& store) {
   return std::make_unique<MemoryCounters>();
 }
 
+// Gives a place back once the work is done, also where that threw.
+class Leaving {
+ public:
+  Leaving(SignInPlaces& places, const Turn& turn) : places_(places), turn_(turn) {}
+  ~Leaving() { places_.Leave(turn_); }
+  Leaving(const Leaving&) = delete;
+  Leaving& operator=(const Leaving&) = delete;
+
+ private:
+  SignInPlaces& places_;
+  const Turn& turn_;
+};
+
 }  // namespace
 
 Authenticator::Authenticator(Store& store, AuthOptions options)
@@ -129,9 +142,8 @@ auto Authenticator::InPlace(std::string login, std::string address, std::string 
         Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
   auto result = co_await pool.Run(*turn, [&] {
-    auto here = work();
-    places_.Leave(*turn);
-    return here;
+    const Leaving leaving(places_, *turn);
+    return work();
   });
   co_return result;
 }

@@ -239,7 +239,14 @@ asio::awaitable<Response> Api::AnswerInTime(Request request) {
 }
 
 asio::awaitable<void> Api::Do(std::shared_ptr<Work> work) {
-  work->response = co_await Answer(work->request);
+  try {
+    work->response = co_await Answer(work->request);
+  } catch (const std::exception& error) {
+    // The libraries throw, for example where a large answer finds no memory.
+    const LogRequest logged(work->request.id);
+    const LogAttempt of(AttemptOf(work->request));
+    work->response = ErrorResponse(Status{Code::kInternal, error.what(), work->request.path});
+  }
   work->response.school_ended = work->request.school_ended;
 }
 
@@ -330,21 +337,15 @@ Response Api::Blocking(Call& call, const Route& route) {
   const LogAttempt of(AttemptOf(call.request));
   // The caller already got 503 ("not done") and may have sent the request again.
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
-  try {
-    auto handler = std::get<BlockingHandler>(route.handler);
-    if (route.need == Need::kNobody) return handler(call, store_);
-    Result<auth::Identity> caller = Identify(call.request);
-    if (!caller.ok()) return ErrorResponse(caller.status());
-    call.caller = &*caller;
-    Status allowed = CheckAllowed(call.request, route, *caller);
-    Response response = allowed.ok() ? handler(call, store_) : ErrorResponse(allowed);
-    NoteForbidden(call, route, response);
-    return response;
-    // Of the libraries, such as no memory for a large answer. A thread of the pool that let it pass
-    // would end the server.
-  } catch (const std::exception& error) {
-    return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
-  }
+  auto handler = std::get<BlockingHandler>(route.handler);
+  if (route.need == Need::kNobody) return handler(call, store_);
+  Result<auth::Identity> caller = Identify(call.request);
+  if (!caller.ok()) return ErrorResponse(caller.status());
+  call.caller = &*caller;
+  Status allowed = CheckAllowed(call.request, route, *caller);
+  Response response = allowed.ok() ? handler(call, store_) : ErrorResponse(allowed);
+  NoteForbidden(call, route, response);
+  return response;
 }
 
 Result<auth::Identity> Api::Identify(const Request& request) {

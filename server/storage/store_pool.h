@@ -11,10 +11,12 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -42,8 +44,8 @@ struct Turn {
 //
 // Whoever has work that waits gets a thread in turn: nobody waits behind all of another's work.
 //
-// References captured by the work stay valid because the coroutine's frame waits for it. The work
-// must not throw. Thread safety: any thread. Destruction waits for all work.
+// References captured by the work stay valid because the coroutine's frame waits for it. What the
+// work throws, the coroutine throws. Thread safety: any thread. Destruction waits for all work.
 class StorePool {
  public:
   // `most_of_one`: threads that one party may have at once.
@@ -74,14 +76,24 @@ class StorePool {
       // std::function wants to copy it.
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
       Post(std::move(turn), [&work, back, shared] {
-        auto finish = [handler = std::move(*shared), value = work()]() mutable {
-          std::move(handler)(std::move(value));
+        std::exception_ptr failure;
+        std::optional<T> value;
+        try {
+          value.emplace(work());
+        } catch (...) {
+          failure = std::current_exception();
+        }
+        auto finish = [handler = std::move(*shared), failure, value = std::move(value)]() mutable {
+          std::move(handler)(failure, std::move(value));
         };
         asio::post(back, std::move(finish));
       });
     };
-    co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(T)>(
-        begin, asio::use_awaitable);
+    std::optional<T> value =
+        co_await asio::async_initiate<const asio::use_awaitable_t<>,
+                                      void(std::exception_ptr, std::optional<T>)>(
+            begin, asio::use_awaitable);
+    co_return std::move(*value);
   }
 
  private:

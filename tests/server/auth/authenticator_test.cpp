@@ -6,6 +6,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <map>
+#include <new>
 
 #include "common/base/hex.h"
 #include "server/auth/token.h"
@@ -285,6 +286,35 @@ TEST_F(AuthenticatorTest, AnAddressHasABoundedNumberOfSignInsAtOnce) {
     EXPECT_EQ(ok[address] + refused[address], 10);
     EXPECT_GE(ok[address], 5);
   }
+}
+
+TEST_F(AuthenticatorTest, AFailedSignInGivesItsPlaceBack) {
+  AuthOptions options = Options();
+  options.max_waiting = 1;
+  bool fails = true;
+  options.verify = [&](std::string_view password, const std::string& verifier) {
+    if (fails) throw std::bad_alloc();
+    return VerifyPassword(password, verifier);
+  };
+  Authenticator small(*store_, options);
+  boost::asio::io_context io;
+  int failures = 0, signed_in = 0;
+  auto sign_in = [&]() -> boost::asio::awaitable<void> {
+    auto result = co_await small.SignIn(Request("ada", kPassword));
+    EXPECT_TRUE(result.ok()) << result.status().message();
+    signed_in += result.ok() ? 1 : 0;
+  };
+  for (int i = 0; i < 2; ++i) {
+    boost::asio::co_spawn(io, sign_in(),
+                          [&](std::exception_ptr failure) { failures += failure ? 1 : 0; });
+    io.run();
+    io.restart();
+  }
+  EXPECT_EQ(failures, 2);
+  fails = false;
+  boost::asio::co_spawn(io, sign_in(), [](std::exception_ptr failure) { EXPECT_FALSE(failure); });
+  io.run();
+  EXPECT_EQ(signed_in, 1);
 }
 
 TEST(SignInPlacesTest, OwnersSignInWhileThreeAddressesGuess) {

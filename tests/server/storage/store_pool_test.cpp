@@ -5,7 +5,9 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
+#include <exception>
 #include <semaphore>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -84,6 +86,29 @@ TEST_F(StorePoolTest, OneHasAsManyThreadsAsOneMayHave) {
   EXPECT_EQ(order(), "aX") << "the second thread is for others";
   Finish(3);
   EXPECT_EQ(order().size(), 3u);
+}
+
+TEST_F(StorePoolTest, WhoWaitsForWorkThrowsWhatItThrew) {
+  StorePool pool(1);
+  std::string caught;
+  boost::asio::co_spawn(
+      io_,
+      [&]() -> boost::asio::awaitable<void> {
+        co_await pool.Run([]() -> bool { throw std::runtime_error("no memory"); });
+      },
+      [&](std::exception_ptr failure) {
+        try {
+          if (failure) std::rethrow_exception(failure);
+        } catch (const std::runtime_error& error) {
+          caught = error.what();
+        }
+      });
+  io_.run();
+  EXPECT_EQ(caught, "no memory");
+  Post(pool, Turn("next"), "a");
+  begun_.acquire();
+  Finish(1);
+  EXPECT_EQ(order(), "a") << "the thread is still there";
 }
 
 }  // namespace
