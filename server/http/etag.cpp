@@ -11,8 +11,8 @@ namespace {
 
 // A proxy that compresses an answer changes its tag: nginx and HAProxy make it weak (W/"7"), Apache
 // and Caddy name the coding in it ("7-gzip"). The revision is the same: it counts changes of the
-// thing and not of its bytes. RFC 9110, 13.1.1, has weak tags match nothing, which would keep
-// everybody behind such a proxy from editing.
+// thing and not of its bytes. RFC 9110, 13.1.1, matches no weak tag: nobody behind
+// a compressing proxy could edit.
 std::string_view RevisionIn(std::string_view tag) {
   constexpr std::string_view kWeak = "W/";
   if (tag.starts_with(kWeak)) tag.remove_prefix(kWeak.size());

@@ -56,8 +56,8 @@ std::string_view Trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
-// What a proxy may compress on its way. Recordings, archives and pictures are compared and read in
-// parts by their bytes, and an event that waits for others to be compressed with comes late.
+// A proxy may compress text. Clients compare recordings, archives and pictures by their bytes and
+// read parts of them. An event comes late where a proxy collects several to compress them.
 bool MayBeTransformed(const Response& response) {
   const std::string_view type = response.content_type;
   return !response.events && (type.empty() || type.starts_with("text/") ||

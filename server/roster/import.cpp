@@ -30,7 +30,7 @@ Result<std::map<std::string, std::string>> MakePasswords(std::vector<RosterRow>&
   return out;
 }
 
-// As the person will be called.
+// The name that the person will have.
 std::string NameOf(const RosterStep& step) {
   if (!step.row.display_name.empty()) return step.row.display_name;
   return step.before ? step.before->display_name : step.row.login;

@@ -18,9 +18,8 @@ inline constexpr size_t kMaxReasonBytes = 1000;
 // first a letter or digit. Field "login".
 Result<std::string> CheckedLogin(std::string_view text);
 
-// The same for everybody who reads it: composed (NFC), and with plain spaces in the place of
-// no-break ones. Two such texts that look the same are the same. Text that is no UTF-8 stays as it
-// is.
+// The text composed (NFC), with plain spaces in place of no-break ones: texts that look the same
+// become equal. Text that is not UTF-8 stays as it is.
 std::string Composed(std::string_view text);
 
 // A name as people read it, composed and without the spaces around it: valid UTF-8, 1 to 200 bytes, no control

@@ -22,7 +22,7 @@ struct RosterRow {
   std::string display_name;  // empty: not told; a new person is then called by the login
   Role role = Role::kStudent;
   std::string cohort;  // empty: none
-  // Of the one-time password, should the person be new; only in the first row of the person.
+  // The one-time password's, should the person be new; only in the first row of the person.
   std::string verifier;
 };
 
@@ -47,8 +47,8 @@ struct RosterStep {
   std::optional<Person> before;  // none: a new person
   bool again = false;  // a row before has the same person: this one names a further cohort
   bool renames = false, joins = false;
-  // Of a student who joins this row's cohort and was here before: the other cohorts in use that
-  // they are in and that no row names for them. In the first such row.
+  // The other cohorts of a student who was here before and joins this row's cohort: cohorts in use
+  // that no row names for the student. Set in the student's first row that joins.
   std::vector<std::string> others;
   std::string note;  // worth knowing, and no obstacle
 };
@@ -64,8 +64,8 @@ struct RosterPlan {
 };
 
 // Creates new people. Existing people keep role and password, take the roster's name if it has one
-// and join the roster's cohort. Whether a student then leaves `others` is asked. Nobody else is
-// removed. Somebody in several
+// and join the roster's cohort. The caller decides whether a student leaves `others`. Nobody
+// else is removed. Somebody in several
 // cohorts has a row for each: the first makes the person. Problems: another role, an archived
 // cohort, a person twice in one cohort, and rows of one person that differ in name or role.
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts);

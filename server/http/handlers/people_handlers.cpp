@@ -21,7 +21,7 @@ namespace {
 
 constexpr size_t kMaxText = 200;
 
-// Whether the parameter is `one` and not `other`, which it is when absent.
+// True where the parameter is `one`, false where it is `other` or absent.
 Result<bool> QueryChoice(const Request& request, const std::string& name, std::string_view one,
                          std::string_view other) {
   const auto found = request.query.find(name);
@@ -249,7 +249,7 @@ Response EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessio
 }
 
 Response ImportRoster(const Call& call, RosterRows& roster_rows) {
-  // What a type says of the encoding is a guess of the sender's: the bytes are looked at.
+  // The sender only guesses the encoding that the type may name. The reader looks at the bytes.
   std::string_view type = call.request.Header("content-type");
   type = type.substr(0, type.find(';'));
   if (type != "text/csv" && type != "application/octet-stream") {

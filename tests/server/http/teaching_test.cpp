@@ -827,8 +827,8 @@ TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
   EXPECT_NE(unknown.body.find("no_such_metric"), std::string::npos) << unknown.body;
 }
 
-// The answer is made from what was published, not from a list of versions, whose newest may be
-// somebody else's by then. So it does not need the others.
+// The handler answers with the row that it published. The newest version may be another person's by
+// then.
 TEST_F(TeachingTest, APublishedRubricIsAnsweredWithItselfAlone) {
   const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
   json::object first = Parsed(By("root").Get(path)).at("rubrics").at(0).as_object();

@@ -122,7 +122,7 @@ TEST(RosterFileTest, AnotherReadingIsTakenWhereOneIsNamed) {
   EXPECT_EQ(name("\xa3ukasz", "windows-1250"), "Łukasz");
   EXPECT_EQ(name("\xc0\xee\xc3\xf7", "gb18030"), "李明");
   EXPECT_EQ(name("Zo\xeb", "utf-8"), "bytes that are no text in utf-8");
-  // Of an earlier program that could not read them.
+  // An earlier program could not read the name.
   EXPECT_TRUE(OneProblem("login,display_name\nok,Ok\nz,Zo\xef\xbf\xbd\n",
                          "3 : bytes that are no text in utf-8", "another reading"));
 }
@@ -162,7 +162,7 @@ TEST(RosterFileTest, ARefusalKeepsTheWholeTextThatItFound) {
                          "2 display_name: \"=lost, found again\" | a name that does not begin"));
 }
 
-// Of other programs; what is right about each is written beside them.
+// Other programs made these files. Their README says what is right.
 TEST(RosterFileTest, ReadsRostersOfOtherPrograms) {
   const std::filesystem::path folder =
       std::filesystem::path(ENAMEL_SHARED_DATA) / "borders/rosters";
