@@ -23,6 +23,22 @@ const kNarrowest_px = 320;
 const fits = ({ width, zoom }) => width / zoom >= kNarrowest_px;
 const kEach = 4;
 const kTallest_px = 12_000;
+const kPoll_ms = 50;
+const kPicture_ms = 2000;
+const kMost_ms = 180_000; // of one page in one combination
+
+// Says where it was, should the browser no longer answer.
+async function within(what, work) {
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`${what}: no answer after ${kMost_ms} ms`)), kMost_ms);
+  });
+  try {
+    return await Promise.race([work, late]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
 const kDocumentLanguages = { en: "en", de: "de", zh: "zh-Hans" };
 
 // Role, pages. An address that is a function needs the school's ids.
@@ -106,9 +122,17 @@ async function settled(page) {
       document.querySelector(".loading, [aria-busy=true]") === null &&
       document.fonts.status === "loaded",
     undefined,
-    { polling: "raf" },
+    { polling: kPoll_ms },
   );
-  await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next))));
+  // What the page does with the next picture. A browser that draws none, which a busy machine's may, is not waited for.
+  await page.evaluate(
+    (most_ms) =>
+      new Promise((next) => {
+        requestAnimationFrame(() => requestAnimationFrame(next));
+        setTimeout(next, most_ms);
+      }),
+    kPicture_ms,
+  );
 }
 
 // As large as the window of that zoom, and as tall as the page, so that all of it is drawn and can be asked.
@@ -156,10 +180,13 @@ async function walk(browser, w, who, looks, pictures) {
       for (const look of here.filter((one) => one.page === address)) {
         const forcedColors = look.theme === "contrast" ? "active" : "none";
         const colorScheme = look.theme === "dark" ? "dark" : "light";
-        await page.emulateMedia({ colorScheme, forcedColors, reducedMotion: "reduce" });
-        await sized(page, look);
         const name = `${look.width} ${language} ${look.theme} ${look.zoom}x`;
-        for (const finding of await page.evaluate(findings, { language, words })) {
+        const looking = async () => {
+          await page.emulateMedia({ colorScheme, forcedColors, reducedMotion: "reduce" });
+          await sized(page, look);
+          return page.evaluate(findings, { language, words });
+        };
+        for (const finding of await within(`${who} ${address} ${name}`, looking())) {
           if (kOwed.some((of) => of.address === address && finding.startsWith(of.finding))) continue;
           const key = `${who} ${address.replace(/[0-9a-f]{8}-[0-9a-f-]{27}/g, "…")}: ${finding}`;
           found.set(key, [...(found.get(key) ?? []), name]);
