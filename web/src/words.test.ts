@@ -236,7 +236,7 @@ function serverSources(folder: string): string[] {
 
 test("whatever the server writes into the audit trail is told in a sentence", () => {
   const written = serverSources("../server").flatMap((text) =>
-    [...text.matchAll(/WriteAudit\([^;]*?"([a-z_]+\.[a-z_]+)"/g)].map(([, action = ""]) => action),
+    [...text.matchAll(/(?:WriteAudit|NoteAudit)\([^;]*?"([a-z_]+\.[a-z_]+)"/g)].map(([, action = ""]) => action),
   );
   assert.ok(new Set(written).size > 40, `${written.length} places write`);
   const untold = written.filter((action) => !keys.includes(`audit_action.${action.replace(".", "_")}`));
