@@ -191,6 +191,14 @@ Result<StationRow> StationRows::RenameStation(const Uuid& id, const std::string&
     if (!after.ok()) return after.status();
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(after->revision, revision));
     if (after->name == name) return Status::Ok();
+    {
+      Query other(db, "SELECT 1 FROM stations WHERE tenant = ?1 AND name = ?2 AND revoked = 0");
+      if (other.Bind(name).Next()) {
+        return Status(Code::kConflict,
+                      "expected a name that no other station has, found \"" + name + "\"", "name");
+      }
+      ENAMEL_RETURN_IF_ERROR(other.status());
+    }
     std::string before = std::exchange(after->name, name);
     ++after->revision;
     Query q(db, "UPDATE stations SET name = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");

@@ -35,7 +35,7 @@ class StationRows {
   // It connected.
   Status TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
                       UnixMs now_ms);
-  // Errors: kConflict with field kStale.
+  // Errors: kConflict with field kStale, or with field "name" (another station has it).
   Result<StationRow> RenameStation(const Uuid& id, const std::string& name, int32_t revision,
                                    const Actor& by);
   // Permanent: a station that is to come back enrols again.

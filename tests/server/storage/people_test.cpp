@@ -278,6 +278,25 @@ TEST_P(PeopleStoreTest, RosterWithAProblemChangesNothingAtAll) {
   EXPECT_TRUE(store_->cohorts.Cohorts()->empty());
 }
 
+// Who reads a name at a chair or in a list must know which one is meant.
+TEST_P(PeopleStoreTest, NoTwoStationsGetOneNameByRenaming) {
+  World world(*store_);
+  const Sha256 code = HashSha256(AsBytes("another code"));
+  ASSERT_TRUE(store_->stations.AddEnrolCode(code, 1'000, kSystem).ok());
+  StationRow other;
+  other.name = "Bench 2";
+  const trace::KeyPair its = trace::NewKeyPair();
+  other.public_key.assign(its.public_key.begin(), its.public_key.end());
+  const auto second =
+      store_->stations.EnrolStation(code, other, HashSha256(AsBytes("its credential")), 10);
+  ASSERT_TRUE(second.ok()) << second.status().message();
+  const auto refused = store_->stations.RenameStation(world.station, "Bench 2", 1, kSystem);
+  EXPECT_EQ(refused.status().code(), Code::kConflict);
+  EXPECT_EQ(refused.status().field(), "name");
+  ASSERT_TRUE(store_->stations.RevokeStation(second->id, kSystem).ok());
+  EXPECT_TRUE(store_->stations.RenameStation(world.station, "Bench 2", 1, kSystem).ok());
+}
+
 TEST_P(PeopleStoreTest, StationIsRenamedAndRevokedForGood) {
   World world(*store_);
   auto renamed = store_->stations.RenameStation(world.station, "Bench 7", 1, kSystem);
