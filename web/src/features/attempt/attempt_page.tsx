@@ -172,7 +172,15 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         <WithheldAttempt attempt={attempt} />
       ) : attempt.state === "scored" ? (
         <ScoredAttempt
-          reviewed={{ client, attempt, personId: person.id, teacher, anatomy, toleranceMm: tolerance }}
+          reviewed={{
+            client,
+            attempt,
+            personId: person.id,
+            teacher,
+            anatomy,
+            toleranceMm: tolerance,
+            rescored: rescore.over,
+          }}
           handle={review}
           onChanged={reload}
           rescore={rescore}

@@ -25,6 +25,7 @@ export function isOver(
 
 export interface Rescore {
   readonly state: "none" | "waiting" | "done";
+  readonly over: number; // of the runs that were asked for here; what was loaded before the last one is out of date
   // Sends a request that queues a scoring run, then follows the run to its end.
   readonly ask: <T>(send: () => Promise<ApiResult<T>>) => Promise<ApiResult<T>>;
 }
@@ -38,6 +39,7 @@ export function useRescore(client: Client, attempt: AttemptDetail | undefined, r
   const [awaited, setAwaited] = useState<Awaited>();
   const [newest, setNewest] = useState(0);
   const [done, setDone] = useState(false);
+  const [over, setOver] = useState(0);
   const id = attempt?.id;
   const look = useMemo(
     () => () => {
@@ -53,9 +55,11 @@ export function useRescore(client: Client, attempt: AttemptDetail | undefined, r
     if (!isOver(awaited, newest, attempt)) return;
     setAwaited(undefined);
     setDone(attempt.problem === "");
+    setOver((count) => count + 1);
     reload();
   }, [awaited, attempt, newest, reload]);
   return {
+    over,
     state: awaited !== undefined ? "waiting" : done ? "done" : "none",
     ask: async (send) => {
       const before = (id === undefined ? undefined : await newestRun(client, id)) ?? 0;

@@ -25,6 +25,7 @@ export interface Reviewed {
   readonly teacher: boolean;
   readonly anatomy: Anatomy | undefined; // undefined: not known yet
   readonly toleranceMm: number; // of the rubric
+  readonly rescored: number; // how often since the page was opened
 }
 
 // What the page's keys do with the picture of the tooth, and with the plots.
@@ -44,11 +45,11 @@ export type Review = ReturnType<typeof useReview>;
 // The review of a scored attempt: its data, and the one moment and place that picture, plots and
 // remarks share. Every panel reads and moves it.
 export function useReview(reviewed: Reviewed) {
-  const { client, attempt, teacher } = reviewed;
+  const { client, attempt, teacher, rescored } = reviewed;
   const { id } = attempt;
   const removed = attempt.recording_removed_ms > 0;
   // A release changes the answers that a student gets, a new score those for everybody.
-  const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
+  const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id} ${rescored}`;
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
   const [begun, setBegun] = useState(false); // something of the tooth was drawn: it comes first
   const series = useRequest(removed || !begun ? undefined : key, (signal) => client.series(id, signal));
