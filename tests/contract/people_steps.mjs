@@ -99,7 +99,7 @@ export const people = [
     by: "admin",
     type: "text/csv",
     query: "?dry_run=true",
-    body: () => "login,display_name\ntom,Thomas\n",
+    body: () => "login,display_name\ntom,Thomas\n,Total: 1\n",
   },
   { of: "listPeople", by: "admin" },
   { of: "getPerson", by: "admin", at: (w) => w.zoe.id },
