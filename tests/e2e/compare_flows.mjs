@@ -26,10 +26,11 @@ async function beside(world) {
   // One tooth, cut by two hands: from the same side they look alike.
   await page.getByLabel("Moment of the other attempt").selectOption("removed");
   await page.locator(".other-time", { hasText: /^\d:\d\d\.\d$/ }).waitFor();
+  await page.getByLabel("Moment of the other attempt").selectOption("time");
   const names = await page.locator(".tooth-name").allInnerTexts();
   assert.equal(names.length, 2);
   assert.notEqual(names[0], names[1], "each picture says whose it is");
-  for (const preset of ["Occlusal", "Cavity"]) {
+  for (const preset of ["Lingual", "Apical"]) {
     await page.getByRole("button", { name: preset, exact: true }).click();
     await eventually(() => alike(page, preset));
   }

@@ -43,7 +43,7 @@ async function grading(world) {
   await page.locator("table.grading .lost-much").first().waitFor();
   await accessible(page, "grading");
   await world.picture(page, "grading", { fullPage: true });
-  await eventually(async () => assert.equal(await page.getByLabel(/^Stopped early: \d+ % done$/).count(), 1));
+  await page.getByLabel(/^Stopped early: 0\.5 % done/).waitFor();
   // Many rows are seen, and names stay in view.
   const rows = await page.locator("table.grading tbody tr").evaluateAll((all) => all.map((row) => row.clientHeight));
   assert.ok(
@@ -56,7 +56,7 @@ async function grading(world) {
   const [frame, name] = [page.locator(".table-frame"), page.locator("table.grading tbody th").first()];
   const [outer, inner] = [await frame.boundingBox(), await name.boundingBox()];
   assert.ok(inner.x >= outer.x && inner.x < outer.x + 100, `the name is at ${inner.x}, the table at ${outer.x}`);
-  await page.getByLabel(/^Stopped early: \d+ % done$/).focus();
+  await page.getByLabel(/^Stopped early: 0\.5 % done/).focus();
   await accessible(page, "a flag with its words");
   await page.getByRole("button", { name: "Score", exact: true }).click();
   await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
@@ -112,6 +112,7 @@ async function bulkRelease(world) {
 }
 
 async function bulkUndo(world) {
+  await world.opened.restart("--job-threads", "0"); // what is asked for waits
   const page = await signedIn(world, "instructor", world.grading("graded"));
   await page.locator("table.grading .lost-much").first().waitFor();
   await page.getByLabel("Select all shown").check();
@@ -127,19 +128,20 @@ async function bulkUndo(world) {
   await page.getByText(`${count} attempts count again.`).waitFor();
   assert.equal(await excused(), before);
   const scored = async () =>
-    (await gradedOf(world))
-      .filter(({ state, queued }) => state === "scored" && queued === 0)
-      .map(({ id, score }) => `${id} ${score}`);
+    (await gradedOf(world)).filter(({ state }) => state === "scored").map(({ id, score }) => `${id} ${score}`);
   const settled = await scored();
   await page.getByLabel("Select all shown").check();
   await page.getByRole("button", { name: "Rescore…" }).click();
   await page.getByRole("button", { name: "Rescore", exact: true }).click();
   await page.getByText(/^\d+ attempts are waiting to be rescored\.$/).waitFor();
-  assert.ok((await scored()).length < settled.length);
+  const admin = await world.as("admin");
+  const waiting = async () => (await admin.get("/jobs?state=queued&limit=100")).jobs.length;
+  assert.equal(await waiting(), settled.length);
   await accessible(page, "after asking for scores");
   await page.getByRole("button", { name: "Undo" }).click();
   await page.getByText(/^The earlier scores of \d+ attempts count again\.$/).waitFor();
-  await eventually(async () => assert.deepEqual(await scored(), settled));
+  assert.equal(await waiting(), 0);
+  assert.deepEqual(await scored(), settled);
 }
 
 async function gradingByKeys(world) {
@@ -263,11 +265,11 @@ async function handInExam(world) {
   const card = page.locator(".card", { hasText: "How the hand moved" });
   await card.waitFor();
   const text = await card.innerText();
-  assert.match(text, /Of \d+ attempts .+ this one is number \d/);
-  assert.match(text, /trembled less than/);
+  assert.match(text, /Not sorted: the assignment has fewer than 5 attempts to compare/);
+  assert.match(text, /Tremor, 8 to 12 Hz/);
   assert.match(text, /Nobody can know from this who held the tool/);
   const signed = await page.locator(".card", { hasText: "Signed at the chair" }).innerText();
-  assert.match(signed, /At the start\s+Instructor One, .+\s+At the end\s+Not signed at the end/);
+  assert.match(signed, /At the start\s+Instructor One, .+\s+At the end\s+Instructor One, /);
   await page.getByRole("button", { name: "Release score" }).click();
   await page.getByText("Score released").waitFor();
   const student = await signedIn(world, "student", world.attempt("exam"));
@@ -293,11 +295,10 @@ async function narrow(world) {
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
   await page.getByLabel("State").selectOption({ label: "Any" });
   await page.getByLabel("Only with").selectOption({ label: "Not in real time" });
-  await page.waitForURL(/flag=faster_than_time/);
-  await rows.first().waitFor();
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length > 20);
   await page.getByLabel("Only with").selectOption({ label: "–" });
-  await page.getByLabel("Student", { exact: true }).fill("student o");
-  await page.waitForURL(/name=student\+o/);
+  await page.getByLabel("Student", { exact: true }).fill("student one");
+  await page.waitForURL(/name=student\+one/);
   await page.getByLabel("Order").selectOption({ label: "Lowest score first" });
   await page.waitForFunction(() => {
     const all = [...document.querySelectorAll("tbody tr")];

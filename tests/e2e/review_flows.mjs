@@ -413,7 +413,7 @@ async function measures(world) {
   await eventually(async () => assert.deepEqual(await page.locator("span.tooth-pin").allInnerTexts(), ["a", "b", "c"]));
   await accessible(page, "measured distances");
   const saved = await downloaded(page, () => page.getByRole("button", { name: "Save the tooth as STL" }).click());
-  assert.match(saved.name, /^Class_I_occlusal_cavity_Student_One_\dm\d\d\.\d\.stl$/);
+  assert.match(saved.name, /^Class_I_occlusal_cavity_practice_Student_One_\dm\d\d\.\d\.stl$/);
   assert.ok(saved.text.startsWith("Enamel, mm") && saved.text.length > 100_000, `${saved.text.length} characters`);
   const model = await downloaded(page, () => page.getByRole("button", { name: "Save the tooth as GLB" }).click());
   assert.match(model.name, /_\dm\d\d\.\d\.glb$/);

@@ -4,7 +4,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { startProxy } from "../proxy.mjs";
-import { ended, spawned, startedServer } from "./programs.mjs";
+import { until } from "./person.mjs";
+import { ended, program, spawned, startedServer } from "./programs.mjs";
 
 // Where make.mjs puts it unless told otherwise.
 export const kSchool = fileURLToPath(new URL("../../../build/release/school", import.meta.url));
@@ -14,7 +15,7 @@ export const kChairs = ["Chair 1", "Chair 2"];
 // close }.
 // `fresh()` puts the school back as it was made, where anybody has changed it. `restart(options)`: the same data
 // behind a server with more options of `serve`. `attempt(chair, login, exercise, operator, …)`: enamel-station makes one
-// in real time, until it is done or `fresh` ends it. `empty()`: a new server instead, and what it printed at its start.
+// in real time, until it is done or `fresh` ends it. `handIn(chair, child)`: ends it as it is, and sends the end. `empty()`: a new server instead, and what it has printed.
 export async function openSchool({ folder, dist }) {
   const text = join(folder, "school.json");
   if (!existsSync(text)) throw new Error(`expected a school in ${folder}: node tests/e2e/school/make.mjs makes one`);
@@ -53,7 +54,8 @@ export async function openSchool({ folder, dist }) {
       rmSync(opened.data, { recursive: true });
       proxy.changed = true;
       await start();
-      return server.said;
+      await until("the link of the first admin", () => server.said().includes("first admin"));
+      return server.said();
     },
     attempt: (chair, login, exercise, operator, ...more) => {
       const args = ["run", "--data", join(work, chair), "--server", opened.link, "--profile", "phantom_desktop"];
@@ -61,6 +63,12 @@ export async function openSchool({ folder, dist }) {
       running.push(spawned("enamel-station", args, { ENAMEL_PASSWORD: opened.school.people[login].password }));
       proxy.changed = true;
       return running.at(-1);
+    },
+    handIn: async (chair, child) => {
+      await ended(child); // left, to be continued
+      const place = ["--data", join(work, chair)];
+      await program("enamel-station", ["spool", "close", "last", ...place]);
+      await program("enamel-station", ["upload", ...place, "--server", opened.link]);
     },
     close: async () => {
       for (const child of [...running, server?.child]) await ended(child, "SIGKILL");

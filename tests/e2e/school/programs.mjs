@@ -74,8 +74,8 @@ export async function ended(child, signal = "SIGTERM") {
   await gone;
 }
 
-// `serve` on two free ports of loopback, once it is ready: { url, link, child, said }. `said`: what it
-// printed until then.
+// `serve` on two free ports of loopback, once it is ready: { url, link, child, said }. `said()`: the
+// last of what it has printed.
 export async function startedServer(data, dist, ...more) {
   const port = await freePorts();
   const link = `127.0.0.1:${port + 1}`;
@@ -99,5 +99,5 @@ export async function startedServer(data, dist, ...more) {
       resolve();
     });
   });
-  return { url: `http://127.0.0.1:${port}`, link, child, said };
+  return { url: `http://127.0.0.1:${port}`, link, child, said: () => said };
 }
