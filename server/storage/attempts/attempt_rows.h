@@ -22,9 +22,9 @@ struct AttemptFilter {
   std::optional<Uuid> exercise{};
   std::optional<Uuid> assignment{};
   std::optional<AttemptState> state{};
-  uint32_t flags = 0;            // with all of these bits of AttemptFlag
-  bool open_appeal = false;      // only those with an appeal that nobody has answered
-  std::string name{};            // each of its words is part of the person's login or name
+  uint32_t flags = 0;        // with all of these bits of AttemptFlag
+  bool open_appeal = false;  // only those with an appeal that nobody has answered
+  std::string name{};        // each of its words is part of the person's login or name
   enum class Order : uint8_t { kNewest, kName, kLowestScore };  // without a score: last
   Order order = Order::kNewest;
   std::optional<Uuid> before{};  // page: what comes after this attempt
