@@ -234,11 +234,20 @@ function serverSources(folder: string): string[] {
   });
 }
 
-test("whatever the server writes into the audit trail is told in a sentence", () => {
-  const written = serverSources("../server").flatMap((text) =>
-    [...text.matchAll(/(?:WriteAudit|NoteAudit)\([^;]*?"([a-z_]+\.[a-z_]+)"/g)].map(([, action = ""]) => action),
-  );
-  assert.ok(new Set(written).size > 40, `${written.length} places write`);
-  const untold = written.filter((action) => !keys.includes(`audit_action.${action.replace(".", "_")}`));
+test("whatever the server writes into the audit trail is told in words", () => {
+  const written = serverSources("../server");
+  const found = (pattern: RegExp) =>
+    new Set(written.flatMap((text) => [...text.matchAll(pattern)].map(([, name = ""]) => name)));
+  const actions = found(/(?:WriteAudit|NoteAudit)\([^;]*?"([a-z_]+\.[a-z_]+)"/g);
+  assert.ok(actions.size > 40, `${actions.size} actions`);
+  const actors = found(/Actor\{\{\}, "([a-z' ]+[a-z])"/g);
+  assert.ok(actors.size > 3, `${actors.size} actors`);
+  const members = found(/JsonOf\(\{\{\s*"([a-z_]+)",/g);
+  assert.ok(members.size > 10, `${members.size} first members`);
+  const untold = [
+    ...[...actions].map((action) => `audit_action.${action.replace(".", "_")}`),
+    ...[...actors].map((actor) => `audit_actor.${actor.replaceAll(/[^a-z]+/g, "_")}`),
+    ...[...members].map((member) => `audit_member.${member.replace(/_ms$/, "")}`),
+  ].filter((key) => !keys.includes(key));
   assert.deepEqual(untold, []);
 });

@@ -8,7 +8,7 @@ import { csvText } from "../../base/csv";
 import { downloadFile } from "../../base/download";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
-import { say, sayIfWith, sayWith } from "../../base/words";
+import { say, sayIf, sayIfWith, sayWith } from "../../base/words";
 import { Card, PageTitle } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { TextField, TimeField } from "../../widgets/form";
@@ -120,7 +120,7 @@ function Sentence({ entry, known }: { readonly entry: AuditEntry; readonly known
       {told(
         entry.action,
         person === undefined ? (
-          capitalised(entry.actor)
+          actorText(entry.actor)
         ) : (
           <>
             {linked(person, shortId(person))}
@@ -153,8 +153,9 @@ function told(action: string, who: ComponentChildren, what: ComponentChildren): 
   );
 }
 
-function capitalised(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
+// A part of the server that acts by itself, or a station by its name.
+function actorText(actor: string): string {
+  return sayIf(`audit_actor.${actor.replaceAll(/[^a-z]+/g, "_")}`) ?? actor.charAt(0).toUpperCase() + actor.slice(1);
 }
 
 function Details({ details }: { readonly details: readonly Detail[] }) {
