@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# ./run --once, again, then ./run with the page looked at in a browser, Ctrl-C at every stage, and again: attempts still there.
+# ./run --once, again, then ./run with Ctrl-C at every stage, and again: attempts still there.
 . "$(dirname "$0")/support.sh"
 cd "$root"
 port=$(free_ports)
@@ -108,14 +108,6 @@ if [ -n "$left" ]; then
   echo "ok: ./run sends what an earlier one could not"
 fi
 "$bin/enamel-station" spool list --data "$work/data/station" | grep -q '; 0 with something the server does not have' || fail "a recording is still only on the station"
-if [ -x /usr/bin/chromium ]; then
-  BASE_URL="http://127.0.0.1:$port" STUDENT_LOGIN=student1 STUDENT_PASSWORD=enamel-demo-student1 \
-    INSTRUCTOR_LOGIN=instructor INSTRUCTOR_PASSWORD=enamel-demo-instructor ADMIN_LOGIN=admin \
-    ADMIN_PASSWORD=enamel-demo-admin FOREIGN_ATTEMPT="$reference" node tests/e2e/run.mjs
-else
-  echo "skipped: no chromium; the page was not looked at"
-fi
-
 # A rubric is corrected: the preview says what the new runs then find, and released scores of before are kept.
 server=(--data "$work/data/server")
 "$bin/enamel-server" admin show-rubric "${server[@]}" --exercise class-1-molar-46 --out "$work/rubric.json"
