@@ -364,6 +364,9 @@ async function appeal(world) {
     .getByRole("link")
     .first()
     .click();
+  // Until all of it is there the card moves, and a press may miss its button.
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByRole("heading", { name: "Compared with 2 dentists" }).waitFor();
   await page.getByLabel("Your answer").fill("We replay it.");
   await page.getByRole("button", { name: "Answer and rescore" }).click();
   await page.getByText("Rescored").waitFor();
