@@ -16,7 +16,7 @@ const kSkipped = 77;
 const kMostLost = "Mesial wall";
 
 // Of scripts and style as they travel (compressed), and of clicks; raised only on purpose.
-const kBudget = { sign_in_bytes: 50_200, list_bytes: 81_200, attempt_bytes: 161_500, clicks: 12 };
+const kBudget = { sign_in_bytes: 51_500, list_bytes: 81_200, attempt_bytes: 169_000, clicks: 12 };
 
 function option(name) {
   const at = process.argv.indexOf(name);
