@@ -294,8 +294,9 @@ async function narrow(world) {
   await page.waitForURL(/state=quarantined/);
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
   await page.getByLabel("State").selectOption({ label: "Any" });
-  await page.getByLabel("Only with").selectOption({ label: "Not in real time" });
-  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length > 20);
+  await page.getByLabel("Only with").selectOption({ label: "Similar motion" });
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
+  await rows.getByRole("link", { name: "Student Twelve" }).waitFor();
   await page.getByLabel("Only with").selectOption({ label: "–" });
   await page.getByLabel("Student", { exact: true }).fill("student one");
   await page.waitForURL(/name=student\+one/);

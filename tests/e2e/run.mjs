@@ -114,15 +114,6 @@ function anywhere() {
   };
 }
 
-// The addresses of things that the school has names for.
-const addresses = (idOf) => ({
-  attempt: (name, rest = "") => `/attempts/${idOf("attempt", name)}${rest}`,
-  assignment: (name) => `/assignments/${idOf("assignment", name)}`,
-  grading: (name) => `/grading?assignment=${idOf("assignment", name)}`,
-  exercise: (name) => `/exercises/${idOf("exercise", name)}`,
-  cohort: (name) => `/cohorts/${idOf("cohort", name)}`,
-});
-
 function momentOf(ms) {
   const tenths = Math.floor(ms / 100);
   const seconds = ((tenths / 10) % 60).toFixed(1).padStart(4, "0");
@@ -138,7 +129,11 @@ async function onSchool() {
     foreignAttempt: school.attempts.class3,
     opened,
     school,
-    ...addresses((kind, name) => school[`${kind}s`][name]),
+    attempt: (name, rest = "") => `/attempts/${school.attempts[name]}${rest}`,
+    assignment: (name) => `/assignments/${school.assignments[name]}`,
+    grading: (name) => `/grading?assignment=${school.assignments[name]}`,
+    exercise: (name) => `/exercises/${school.exercises[name]}`,
+    cohort: (name) => `/cohorts/${school.cohorts[name]}`,
     // Of the attempt "shown", as the playback counts it.
     end: momentOf(school.shown_ms),
     as: (login) => signedInAt(opened.url, school.people[login]),
