@@ -2,13 +2,15 @@
 
 #include <unicode/bytestream.h>
 #include <unicode/normalizer2.h>
+#include <unicode/translit.h>
+#include <unicode/unistr.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "common/base/check.h"
-#include "common/base/folded.h"
 #include "common/base/utf8.h"
 
 namespace enamel::server {
@@ -136,6 +138,31 @@ Result<std::string> CheckedReason(std::string_view text, std::string_view field)
   ENAMEL_RETURN_IF_ERROR(CheckOneLine(reason, field));
   return std::string(reason);
 }
+
+namespace {
+
+// Lower case, without accents, ligatures and full-width forms taken apart. Case is folded before,
+// because some capitals have a plain form only as small letters (U+01F6), and after, because NFKD
+// writes capitals (U+2121).
+std::string Folded(std::string_view text) {
+  if (!IsUtf8(text)) return std::string(text);
+  static const std::unique_ptr<const icu::Transliterator> kPlain = [] {
+    UErrorCode error = U_ZERO_ERROR;
+    std::unique_ptr<const icu::Transliterator> made(icu::Transliterator::createInstance(
+        "NFKD; [\\u0300-\\u036f] Remove; [[:Latin:]] Latin-ASCII; NFC", UTRANS_FORWARD, error));
+    ENAMEL_CHECK(U_SUCCESS(error));
+    return made;
+  }();
+  icu::UnicodeString folded =
+      icu::UnicodeString::fromUTF8({text.data(), static_cast<int32_t>(text.size())});
+  folded.foldCase();
+  kPlain->transliterate(folded);
+  folded.foldCase();
+  std::string out;
+  return folded.toUTF8String(out);
+}
+
+}  // namespace
 
 std::vector<std::string> SearchWords(std::string_view text) {
   constexpr size_t kMostWords = 8;

@@ -22,8 +22,8 @@ Result<std::string> CheckedLogin(std::string_view text);
 // become equal. Text that is not UTF-8 stays as it is.
 std::string Composed(std::string_view text);
 
-// A name as people read it, composed and without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
-// characters, no character that changes the writing direction, at least one visible character. It
+// A name as people read it, composed and without the spaces around it: valid UTF-8, 1 to 200 bytes,
+// no control characters, no character that changes the writing direction, at least one visible character. It
 // may not begin with = + - @, which a spreadsheet that opens our tables would take for a formula
 // (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
@@ -36,8 +36,9 @@ Result<std::string> CheckedReason(std::string_view text, std::string_view field)
 // shows such text unchanged. Errors: kInvalidInput with `field`.
 Status CheckOneLine(std::string_view text, std::string_view field);
 
-// How a display name is searched and sorted: without case and accents (common/base/folded.h), one
-// space between words.
+// How a display name is searched and sorted: in lower case, without accents, ligatures and full-width
+// forms taken apart, one space between words. "Zoë Ñandú" is "zoe nandu", "Łukasz Groß" is "lukasz
+// gross". Scripts whose marks are no accents keep them. Text that is not UTF-8 keeps all of it.
 std::string SearchName(std::string_view display_name);
 
 // What somebody typed, in words of that form; at most 8.

@@ -78,5 +78,36 @@ TEST(NamesTest, NamesThatLookTheSameAreTheSame) {
   EXPECT_EQ(Composed("no \xff text"), "no \xff text");
 }
 
+TEST(NamesTest, SearchedNamesLoseCaseAndAccents) {
+  EXPECT_EQ(SearchName("Zoë ÑANDÚ-O'Brien 2"), "zoe nandu-o'brien 2");
+  EXPECT_EQ(SearchName("Zoe\u0308 N\u0303andu\u0301"), "zoe nandu") << "decomposed";
+  EXPECT_EQ(SearchName("Łukasz Groß, Ærø Ðorđe"), "lukasz gross, aero dorde");
+  EXPECT_EQ(SearchName("Nguyễn Thị Hương"), "nguyen thi huong");
+  EXPECT_EQ(SearchName("Şükrü İnan ışık"), "sukru inan isik");
+  EXPECT_EQ(SearchName("Αλέξανδρος ΆΓΓΕΛΟΣ"), "αλεξανδροσ αγγελοσ");
+  EXPECT_EQ(SearchName("Юрий ЁЖИКОВ"), "юрии ежиков");
+  EXPECT_EQ(SearchName("Ｙａｍａｄａ ﬁlip"), "yamada filip");
+  EXPECT_EQ(SearchName("Ġgant ŽIŽEK"), "ggant zizek");
+}
+
+TEST(NamesTest, OtherTextIsSearchedAsItIs) {
+  EXPECT_EQ(SearchName("王伟 김철수 प्रिया"), "王伟 김철수 प्रिया");
+  EXPECT_EQ(SearchName("a\xff\xc3 b"), "a\xff\xc3 b") << "no UTF-8";
+  EXPECT_EQ(SearchName(""), "");
+}
+
+// A word is folded when it is typed, and a name when it is stored.
+TEST(NamesTest, WhatIsFoldedStaysWhenItIsFoldedAgain) {
+  for (uint32_t code = 0x80; code < 0x10000; ++code) {
+    if (code >= 0xd800 && code < 0xe000) continue;
+    std::string text;
+    text += static_cast<char>(code < 0x800 ? 0xc0 | (code >> 6) : 0xe0 | (code >> 12));
+    if (code >= 0x800) text += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
+    text += static_cast<char>(0x80 | (code & 0x3f));
+    const std::string once = SearchName(text);
+    ASSERT_EQ(SearchName(once), once) << std::hex << code;
+  }
+}
+
 }  // namespace
 }  // namespace enamel::server
