@@ -48,8 +48,7 @@ CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
 
 // One line with its end, CR LF. A cell that a spreadsheet would compute, because it begins with
 // = + - @ (also of full width), tab, CR or LF, gets an apostrophe in front (OWASP, "CSV
-// Injection"). A number such as -0.5
-// stays a number.
+// Injection"). The number -0.5 stays a number.
 std::string CsvLine(std::initializer_list<std::string_view> cells);
 std::string CsvLine(const std::vector<std::string>& cells);
 

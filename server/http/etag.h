@@ -20,8 +20,8 @@ namespace enamel::server::http {
 std::string ETagOf(int32_t revision);
 Response WithETag(Response response, int32_t revision);
 
-// The revision the caller has seen, also from a tag that a compressing proxy changed. Errors: kInvalidInput with field "if-match" (HTTP 428) when the
-// header is missing, or is no ETag of ours.
+// The revision that the caller has seen, also from a tag that a compressing proxy changed. Errors:
+// kInvalidInput with field "if-match" (HTTP 428) when the header is missing, or is no ETag of ours.
 Result<int32_t> IfMatch(const Request& request);
 
 // 412 "precondition_failed", with the thing as it is now in "current" and its ETag.

@@ -59,7 +59,7 @@ struct RosterPlan {
   std::vector<std::string> new_cohorts;
   std::vector<RosterProblem> problems;
 
-  // People, not rows. Whose rows differ is created or updated.
+  // People, not rows: somebody whose rows differ counts as created or updated.
   size_t Count(RosterStep::Change change) const;
 };
 

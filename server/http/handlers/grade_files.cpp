@@ -1,3 +1,5 @@
+#include <spdlog/fmt/chrono.h>
+
 #include <cmath>
 #include <map>
 #include <set>
@@ -13,7 +15,7 @@
 namespace enamel::server::http {
 namespace {
 
-// As the page shows it: one decimal, and none where it would be 0.
+// The page shows scores so: one decimal, and none where it would be 0.
 std::string ScoreText(const std::optional<double>& score) {
   if (!score) return "";
   const auto tenths = std::lround(*score * 10);
@@ -25,19 +27,8 @@ std::string YesNo(bool yes) { return yes ? "yes" : "no"; }
 // "2026-11-28T09:05:00.250Z"; empty: never.
 std::string UtcText(UnixMs at) {
   if (at <= 0) return "";
-  const std::chrono::sys_time<std::chrono::milliseconds> time{std::chrono::milliseconds(at)};
-  const auto day = std::chrono::floor<std::chrono::days>(time);
-  const std::chrono::year_month_day date(day);
-  const std::chrono::hh_mm_ss clock(time - day);
-  const auto digits = [](int64_t value, size_t count) {
-    const std::string text = std::to_string(value);
-    return std::string(count - std::min(count, text.size()), '0') + text;
-  };
-  return digits(static_cast<int>(date.year()), 4) + "-" +
-         digits(static_cast<unsigned>(date.month()), 2) + "-" +
-         digits(static_cast<unsigned>(date.day()), 2) + "T" + digits(clock.hours().count(), 2) +
-         ":" + digits(clock.minutes().count(), 2) + ":" + digits(clock.seconds().count(), 2) + "." +
-         digits(clock.subseconds().count(), 3) + "Z";
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+                     fmt::gmtime(static_cast<std::time_t>(at / 1000)), at % 1000);
 }
 
 std::string TitleOf(const std::string& title, const std::string& name, bool graded) {
@@ -45,8 +36,8 @@ std::string TitleOf(const std::string& title, const std::string& name, bool grad
   return graded ? shown : shown + " (practice)";
 }
 
-// Of each assignment its own: a spreadsheet looks columns up by their title. Equal titles get the
-// exercise's name, then a number.
+// Each assignment has a title of its own, because a spreadsheet looks columns up by title. Equal
+// titles get the exercise's name, then a number.
 std::vector<std::string> ColumnTitles(const std::vector<AssignmentRow>& rows) {
   std::vector<std::string> out;
   std::map<std::string, std::set<std::string>> names;

@@ -88,7 +88,7 @@ Response GetMarkingTimeline(const Call& call, Store& store);
 Response GetInsight(const Call& call, Store& store);
 Response GetAssignmentGrading(const Call& call, Store& store);
 Response GetCohortGrading(const Call& call, Store& store);
-// As files for spreadsheets.
+// A cohort's results and attempts as files for spreadsheets.
 Response GetGradesFile(const Call& call, Store& store);
 Response GetAttemptsFile(const Call& call, Store& store);
 

@@ -82,7 +82,8 @@ Person PersonOf(const Query& q) {
 }
 
 std::string NameHas(const std::string& word) {
-  // What shrinks when the word is taken out holds it: databases have no function for this in common.
+  // A text that shrinks when the word is taken out holds the word. The databases share no function
+  // that searches.
   const auto has = [&](const std::string& column) {
     return "replace(" + column + ", " + word + ", '') <> " + column;
   };
