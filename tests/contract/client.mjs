@@ -63,9 +63,9 @@ export class Person {
 // A sanitizer's programs take minutes for seconds.
 const kPatience_ms = /[/](asan|tsan)[/]/.test(process.env.ENAMEL_BIN ?? "") ? 300_000 : 60_000;
 
-// Asks until `enough(answer)`. Throws after a minute.
-export async function until(what, ask, enough) {
-  const end = Date.now() + kPatience_ms;
+// Asks until `enough(answer)`, and returns that answer. Throws after a minute, or `most_ms`.
+export async function until(what, ask, enough = Boolean, most_ms = kPatience_ms) {
+  const end = Date.now() + most_ms;
   for (;;) {
     const answer = await ask();
     if (enough(answer)) return answer;

@@ -9,9 +9,11 @@ import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync 
 import { join, resolve } from "node:path";
 import { kChairs, kSchool } from "./open.mjs";
 import { ended, kPrograms, program, startedServer } from "./programs.mjs";
-import { signedInAt, until } from "./person.mjs";
+import { until } from "../../contract/client.mjs";
+import { signedInAt } from "./person.mjs";
 
 const kDayMs = 86_400_000;
+const kMostMs = 300_000; // until a loaded machine has scored all
 const kVoxelUm = "100"; // the coarsest that every exercise's burs take
 const kPin = "804217";
 const kGraded = "class-1-molar-46";
@@ -153,10 +155,12 @@ async function fill({ url, link }) {
 
   const [left, right] = await Promise.all(kChairs.map((name) => enrolledChair(link, name)));
   const scored = (who, id) =>
-    until(`a score of ${id}`, async () => {
-      const row = await who.get(`/attempts/${id}`);
-      return !["recording", "sealed", "scoring", "ticketed"].includes(row.state) && row;
-    });
+    until(
+      `a score of ${id}`,
+      () => who.get(`/attempts/${id}`),
+      ({ state }) => !["recording", "sealed", "scoring", "ticketed"].includes(state),
+      kMostMs,
+    );
   said("people and chairs are there");
 
   // Three dentists' cuts of the graded exercise and one of its practice.
@@ -256,10 +260,12 @@ async function fill({ url, link }) {
 
   // Of those that flows play; the server makes others when somebody asks.
   const played = ["shown", "released", "unreleased", "critical", "slow", "blind1", "class3", "reference"];
-  await until("playbacks", async () => {
-    const answers = await Promise.all(played.map((name) => teacher.head(`/attempts/${attempts[name]}/timeline`)));
-    return answers.every((status) => status === 200);
-  });
+  await until(
+    "playbacks",
+    () => Promise.all(played.map((name) => teacher.head(`/attempts/${attempts[name]}/timeline`))),
+    (answers) => answers.every((status) => status === 200),
+    kMostMs,
+  );
   said("playbacks are made");
   const { ticks } = await teacher.get(`/attempts/${attempts.shown}`);
   return {

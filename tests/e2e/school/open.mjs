@@ -3,8 +3,8 @@ import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { until } from "../../contract/client.mjs";
 import { startProxy } from "../proxy.mjs";
-import { until } from "./person.mjs";
 import { ended, program, spawned, startedServer } from "./programs.mjs";
 
 // Where make.mjs puts it unless told otherwise.

@@ -1,41 +1,15 @@
 // Somebody at the server's interface, beside the page.
-import assert from "node:assert/strict";
-
-export async function until(what, ask, mostMs = 300_000) {
-  const end = performance.now() + mostMs;
-  for (;;) {
-    const found = await ask();
-    if (found) return found;
-    assert.ok(performance.now() < end, `${what}: not within ${mostMs} ms`);
-    await new Promise((next) => setTimeout(next, 100));
-  }
-}
+import { Person } from "../../contract/client.mjs";
 
 // { get, post, put, patch, remove } answer with the body, and fail where the server refuses. `etag`: of the last answer.
 export async function signedInAt(url, { login, password }) {
-  const json = { "Content-Type": "application/json", Origin: url };
-  const begun = await fetch(`${url}/api/v1/session`, {
-    method: "POST",
-    headers: json,
-    body: JSON.stringify({ login, password }),
-  });
-  assert.equal(begun.status, 200, `${login} signs in`);
-  const { csrf, person } = await begun.json();
-  const headers = { ...json, Cookie: begun.headers.get("set-cookie").split(";")[0], "X-Enamel-Csrf": csrf };
+  const person = await Person.signedIn(url, login, login, password);
   const self = { id: person.id, login, etag: undefined };
-  const send =
-    (method) =>
-    async (path, body, more = {}) => {
-      const answer = await fetch(`${url}/api/v1${path}`, {
-        method,
-        headers: { ...headers, ...more },
-        body: body === undefined ? undefined : JSON.stringify(body),
-      });
-      const text = await answer.text();
-      assert.ok(answer.ok, `${login}: ${method} ${path}: ${answer.status} ${text.slice(0, 400)}`);
-      self.etag = answer.headers.get("etag");
-      return text === "" ? undefined : JSON.parse(text);
-    };
+  const send = (method) => async (path, body, headers) => {
+    const answer = await person.need(method, `/api/v1${path}`, { body, headers });
+    self.etag = answer.headers.get("etag");
+    return answer.json;
+  };
   const get = send("GET");
   // Changes what it has just read, as whoever comes first does.
   const changed =
@@ -51,8 +25,7 @@ export async function signedInAt(url, { login, password }) {
     post: send("POST"),
     put: changed("PUT"),
     patch: changed("PATCH"),
-    remove: changed("DELETE"),
-    head: async (path) => (await fetch(`${url}/api/v1${path}`, { method: "HEAD", headers })).status,
+    head: async (path) => (await person.ask("HEAD", `/api/v1${path}`)).status,
     postChanged: changed("POST"),
   });
 }
