@@ -164,18 +164,21 @@ async function fill({ url, link }) {
   said("people and chairs are there");
 
   // Three dentists' cuts of the graded exercise and one of its practice.
-  const reference = async (who, chair, exercise, operator, seed, dentist) => {
-    const id = await chair(kStaff[who.login], exercise, operator, "--as-reference", "--seed", seed);
-    assert.equal((await scored(who, id)).state, "scored");
+  const dentistsCuts = await Promise.all(
+    [
+      [teacher, left, kGraded, "dentist", "1", "Dentist One"],
+      [colleague, right, kGraded, "good", "3", "Dentist Two"],
+      [teacher, left, kPractice, "dentist", "1", "Dentist One"],
+    ].map(async ([who, chair, exercise, operator, seed, dentist]) => {
+      const id = await chair(kStaff[who.login], exercise, operator, "--as-reference", "--seed", seed);
+      assert.equal((await scored(who, id)).state, "scored");
+      return { who, id, dentist };
+    }),
+  );
+  // One after the other: of two dentists who give the same points, their order decides who judges.
+  for (const { who, id, dentist } of dentistsCuts)
     await who.post(`/attempts/${id}/reference`, { dentist, consent: true });
-    return id;
-  };
-  const made = await Promise.all([
-    reference(teacher, left, kGraded, "dentist", "1", "Dentist One"),
-    reference(colleague, right, kGraded, "good", "3", "Dentist Two"),
-    reference(teacher, left, kPractice, "dentist", "1", "Dentist One"),
-  ]);
-  const references = { first: made[0], second: made[1], practice: made[2] };
+  const references = { first: dentistsCuts[0].id, second: dentistsCuts[1].id };
   said("references are there");
 
   const now = Date.now();
