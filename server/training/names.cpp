@@ -179,7 +179,9 @@ std::vector<std::string> SearchWords(std::string_view text) {
 
 std::string SearchName(std::string_view display_name) {
   std::string out;
-  for (char c : Folded(Trim(display_name))) {
+  // Folding writes spaces too: U+00A0 becomes one.
+  const std::string folded = Folded(display_name);
+  for (char c : Trim(folded)) {
     if (c != ' ' || !out.ends_with(' ')) out += c;
   }
   return out;
