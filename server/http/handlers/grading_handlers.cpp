@@ -170,10 +170,14 @@ class Grading {
   uint32_t unread_ = 0;
 };
 
-Response GradingResponse(const Call& call, Store& store, const AttemptFilter& filter) {
+// `of`: whose attempts they are.
+Response GradingResponse(const Call& call, Store& store, const AttemptFilter& filter,
+                         json::object of) {
   Grading grading(call, store);
   if (Status read = grading.Read(filter); !read.ok()) return ErrorResponse(read);
-  return JsonResponse(grading.Json());
+  json::object answer = grading.Json();
+  answer["of"] = std::move(of);
+  return JsonResponse(answer);
 }
 
 }  // namespace
@@ -183,7 +187,7 @@ Response GetAssignmentGrading(const Call& call, Store& store) {
   if (!row.ok()) return ErrorResponse(row.status());
   AttemptFilter filter;
   filter.assignment = row->id;
-  return GradingResponse(call, store, filter);
+  return GradingResponse(call, store, filter, {{"title", row->title}, {"graded", row->graded}});
 }
 
 Response GetCohortGrading(const Call& call, Store& store) {
@@ -191,7 +195,7 @@ Response GetCohortGrading(const Call& call, Store& store) {
   if (!cohort.ok()) return ErrorResponse(cohort.status());
   AttemptFilter filter;
   filter.cohort = cohort->id;
-  return GradingResponse(call, store, filter);
+  return GradingResponse(call, store, filter, {{"title", cohort->name}, {"graded", nullptr}});
 }
 
 }  // namespace enamel::server::http

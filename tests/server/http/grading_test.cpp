@@ -87,6 +87,8 @@ TEST_F(GradingTest, SaysWhatEachAttemptLostUnderColumnsThatAreNamedOnce) {
   EXPECT_EQ(Row(grading, first).at("exercise"), 0);
   EXPECT_EQ(Row(grading, first).at("person").at("display_name"), "Person sam");
   EXPECT_EQ(grading.at("more"), false);
+  EXPECT_TRUE(grading.at("of").at("graded").as_bool()) << "the exercise of the assignment";
+  EXPECT_TRUE(Grading("root", "cohorts").at("of").at("graded").is_null());
   EXPECT_EQ(grading.at("unread"), 0);
   EXPECT_GE(Grading("root", "cohorts").at("attempts").as_array().size(), 3u)
       << "also what was not made under this assignment";

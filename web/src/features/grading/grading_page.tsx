@@ -1,12 +1,11 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { type ApiResult, queryText } from "../../api/http";
+import { queryText } from "../../api/http";
 import type { Grading } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
-import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
 import { awaitsRelease, FlagIcons, StateBadge } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
@@ -52,14 +51,6 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const { loaded, reload } = useRequest(key, (signal) =>
     client.teaching.grading(assignment !== "" ? { assignment } : { cohort }, signal),
   );
-  const title = useRequest(key, async (signal): Promise<ApiResult<string>> => {
-    if (assignment === "") {
-      const found = await client.people.cohort(cohort, signal);
-      return found.ok ? ok(found.value.value.name) : found;
-    }
-    const found = await client.teaching.assignment(assignment, signal);
-    return found.ok ? ok(exerciseTitle(found.value.value.exercise)) : found;
-  });
   const grading = loaded.state === "ready" ? loaded.value : kNothing;
   const attempts = useMemo(() => attemptsOf(grading), [grading]);
   const criteria = useMemo(
@@ -136,18 +127,21 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
     { key: "/", what: say("grading.search_name"), act: () => search.current?.querySelector("input")?.focus() },
   ]);
   const keysOfRows = useMemo(() => shown.map(({ id }) => id), [shown]);
-  if (title.loaded.state === "failed") {
+  if (loaded.state === "failed") {
     return (
       <ErrorNotice
         title={assignment !== "" ? say("grading.assignment_failed") : say("grading.cohort_failed")}
-        message={title.loaded.error.message}
-        onRetry={title.reload}
+        message={loaded.error.message}
+        onRetry={reload}
       />
     );
   }
+  const { title, graded: gradedOf } = grading.of;
   const name =
-    title.loaded.state === "ready"
-      ? title.loaded.value
+    loaded.state === "ready"
+      ? gradedOf === null
+        ? title
+        : exerciseTitle({ title, graded: gradedOf })
       : assignment !== ""
         ? say("grading.the_assignment")
         : say("grading.the_cohort");
@@ -186,9 +180,6 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
         }}
       />
       {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
-      )}
       {loaded.state === "ready" &&
         (shown.length === 0 ? (
           <Empty>{attempts.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty>
@@ -233,7 +224,14 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   );
 }
 
-const kNothing: Grading = { criteria: [], exercises: [], attempts: [], more: false, unread: 0 };
+const kNothing: Grading = {
+  of: { title: "", graded: null },
+  criteria: [],
+  exercises: [],
+  attempts: [],
+  more: false,
+  unread: 0,
+};
 
 interface RowProps {
   readonly attempt: GradedAttempt;
