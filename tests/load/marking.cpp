@@ -9,8 +9,8 @@
 #include "station/lab/cutting/attempt.h"
 #include "tests/load/engine.h"
 #include "tests/load/figures.h"
+#include "tests/load/recording_copy.h"
 #include "tests/load/school.h"
-#include "tests/load/stations/chunk_layout.h"
 #include "tests/support/wire_seal.h"
 
 namespace enamel::load {
@@ -62,8 +62,6 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   return out;
 }
 
-// A new attempt with the ticks of `recorded`, chained and signed as its station would. Afterwards
-// the store has everything except the seal.
 Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorded,
                         bool as_reference) {
   AttemptRow row;
@@ -74,59 +72,8 @@ Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorde
   row.exercise_content = bench.exercise.content;
   row.profile_content = bench.profile;
   row.as_reference = as_reference;
-  trace::Header header = recorded.header;
-  header.ticket = {};
-  header.ticket.attempt = row.id;
-  header.ticket.person = row.person;
-  header.ticket.station = row.station;
-  header.ticket.exercise = row.exercise_content;
-  header.ticket.profile = row.profile_content;
-  header.ticket.expires_unix_ms = kFarOff;
-  trace::SignTicket(header.ticket, bench.ticket_key.secret_key);
-  ENAMEL_RETURN_IF_ERROR(
-      bench.store.tickets.CreateAttempt(row, trace::EncodeTicket(header.ticket), kLoadgen));
-  const Bytes header_bytes = trace::EncodeHeader(header);
-  ENAMEL_RETURN_IF_ERROR(bench.store.tickets.OpenAttempt(row.id, header_bytes));
-  trace::ChainVerifier chain(row.id, HashSha256(header_bytes));
-  for (const Bytes& original : recorded.chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeChunkHead(original));
-    const Payload payload = PayloadOf(original);
-    trace::ChunkHead head = decoded.head;
-    head.attempt = row.id;
-    head.previous = chain.head();
-    const HeadBytes head_bytes = EncodeHead(head, payload);
-    const trace::Signature signature =
-        SignChunk(ChunkHash(head_bytes, payload), bench.station_key.secret_key);
-    ChunkPut put;
-    put.attempt = row.id;
-    ByteWriter bytes;
-    bytes.Raw(head_bytes);
-    bytes.Raw(payload.packed);
-    bytes.Raw(signature);
-    put.bytes = bytes.Take();
-    ENAMEL_ASSIGN_OR_RETURN(auto whole, trace::DecodeChunkHead(put.bytes));
-    ENAMEL_RETURN_IF_ERROR(chain.Accept(whole));
-    put.head = whole.head;
-    put.hash = whole.hash;
-    ENAMEL_RETURN_IF_ERROR(bench.store.ingest.AppendChunk(put));
-  }
-  return chain.MakeSeal();
-}
-
-// Runs `work` for 0 … count-1 on `threads` threads; the first error.
-Status InParallel(size_t count, size_t threads, const std::function<Status(size_t)>& work) {
-  std::atomic<size_t> next{0};
-  std::vector<Status> outcomes(std::min(count, threads));
-  {
-    std::vector<std::jthread> runners;
-    for (Status& outcome : outcomes) {
-      runners.emplace_back([&] {
-        for (size_t i; outcome.ok() && (i = next++) < count;) outcome = work(i);
-      });
-    }
-  }
-  for (const Status& outcome : outcomes) ENAMEL_RETURN_IF_ERROR(outcome);
-  return Status::Ok();
+  return CopyRecording(bench.store, {bench.ticket_key, bench.station_key}, row, recorded.header,
+                       recorded.chunks, 0);
 }
 
 Status RunJobs(Store& store) {

@@ -1,8 +1,5 @@
 #include "tests/load/school.h"
 
-#include <atomic>
-#include <thread>
-
 #include "common/base/hex.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
@@ -10,6 +7,7 @@
 #include "server/app/publish.h"
 #include "server/auth/password.h"
 #include "server/auth/token.h"
+#include "tests/load/recording_copy.h"
 
 namespace enamel::load {
 namespace {
@@ -67,22 +65,10 @@ Status Publish(Store& store, School& school) {
 
 Status AddCodes(Store& store, School& school, size_t count) {
   for (size_t i = 0; i < count; ++i) school.codes.push_back(ToHex(auth::NewToken()));
-  std::atomic<size_t> next{0};
-  std::vector<Status> outcomes(kWriters);
-  {
-    std::vector<std::jthread> writers;
-    for (Status& outcome : outcomes) {
-      writers.emplace_back([&] {
-        for (size_t i; outcome.ok() && (i = next++) < count;) {
-          outcome =
-              store.stations.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kFarOff, kLoadgen)
-                  .status();
-        }
-      });
-    }
-  }
-  for (const Status& outcome : outcomes) ENAMEL_RETURN_IF_ERROR(outcome);
-  return Status::Ok();
+  return InParallel(count, kWriters, [&](size_t i) {
+    return store.stations.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kFarOff, kLoadgen)
+        .status();
+  });
 }
 
 }  // namespace
