@@ -22,6 +22,9 @@ export const teachingFlows = [
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early shows how far it came", run: stoppedEarly },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
+  ...(process.env.ENAMEL_FULL
+    ? [{ name: "forty stations on one screen take at most a megabit a second", run: fortyLive }]
+    : []),
   { name: "a reference is withdrawn", run: withdrawReference },
   { name: "a student sees how the criteria come on and what to work at next", run: progress },
   { name: "a student's result prints as a document", run: print },
@@ -426,6 +429,38 @@ async function live(world) {
   await accessible(page, "a watched attempt");
   await opened.handIn("Chair 1", first);
   await page.getByText("This attempt is finished").waitFor();
+}
+
+const kWallSeconds = 20;
+
+async function fortyLive(world) {
+  world.opened.stream(40, 5);
+  const page = await signedIn(world, "admin", "/live");
+  await eventually(async () => assert.equal(await page.locator(".live-card").count(), 40));
+  // Every one had its turn.
+  await page
+    .getByText(/^Cut so far: /)
+    .nth(39)
+    .waitFor({ timeout: 180_000 });
+  const session = await page.context().newCDPSession(page);
+  let bytes = 0;
+  session.on("Network.dataReceived", ({ dataLength, encodedDataLength }) => {
+    bytes += encodedDataLength || dataLength;
+  });
+  session.on("Network.responseReceived", ({ response }) => {
+    bytes += response.encodedDataLength;
+  });
+  await session.send("Network.enable");
+  // Of the page's thread alone: other programs take none of it.
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const script = async () =>
+    (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "ScriptDuration").value;
+  const before = await script();
+  await page.waitForTimeout(1000 * kWallSeconds);
+  const kbit = (8 * bytes) / 1000 / kWallSeconds;
+  const share = (100 * ((await script()) - before)) / kWallSeconds;
+  console.log(`forty stations: ${kbit.toFixed(0)} kbit/s, script ${share.toFixed(1)} % of a core`);
+  assert.ok(kbit > 0 && kbit <= 1000, `${kbit} kbit/s`);
 }
 
 async function withdrawReference(world) {

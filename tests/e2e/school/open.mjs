@@ -15,7 +15,8 @@ export const kChairs = ["Chair 1", "Chair 2"];
 // close }.
 // `fresh()` puts the school back as it was made, where anybody has changed it. `restart(options)`: the same data
 // behind a server with more options of `serve`. `attempt(chair, login, exercise, operator, …)`: enamel-station makes one
-// in real time, until it is done or `fresh` ends it. `handIn(chair, child)`: ends it as it is, and sends the end. `empty()`: a new server instead, and what it has printed.
+// in real time, until it is done or `fresh` ends it. `stream(stations, minutes)`: so many stations of enamel-loadgen
+// record at once. `handIn(chair, child)`: ends it as it is, and sends the end. `empty()`: a new server instead, and what it has printed.
 export async function openSchool({ folder, dist }) {
   const text = join(folder, "school.json");
   if (!existsSync(text)) throw new Error(`expected a school in ${folder}: node tests/e2e/school/make.mjs makes one`);
@@ -63,6 +64,20 @@ export async function openSchool({ folder, dist }) {
       running.push(spawned("enamel-station", args, { ENAMEL_PASSWORD: opened.school.people[login].password }));
       proxy.changed = true;
       return running.at(-1);
+    },
+    stream: (stations, minutes) => {
+      const args = [
+        "--stations",
+        `${stations}`,
+        "--minutes",
+        `${minutes}`,
+        "--server",
+        opened.link,
+        "--data",
+        opened.data,
+      ];
+      running.push(spawned("enamel-loadgen", args));
+      proxy.changed = true;
     },
     handIn: async (chair, child) => {
       await ended(child); // left, to be continued
