@@ -1,7 +1,8 @@
-// Browser tests of the page: one browser for all flows.
-//   node tests/e2e/run.mjs [--dist DIR] [--school DIR] [--pictures DIR] [--only TEXT] [--from N]
+// Browser tests of the page.
+//   node tests/e2e/run.mjs [--dist DIR] [--school DIR] [--pictures DIR] [--only TEXT] [--from N] [--lanes N]
 // --school: what school/make.mjs made; default: build/release/school. Flows run on a real server with a copy of it, behind
 // proxy.mjs; after a flow that changed something the next one gets a new copy.
+// --lanes: how many flows at a time, each on a browser and a school of its own; default: 2.
 // --pictures: keeps pictures of each flow; without it only failed flows leave one, in
 // web/build/pictures. With ENAMEL_FULL every screen is shown in each language, theme and width.
 // With BASE_URL (and STUDENT_LOGIN, STUDENT_PASSWORD,
@@ -67,16 +68,17 @@ async function runFlow(flow, { pages, newPage, ...world }, failedPicture) {
   }
 }
 
-async function runAll(selected, world, pictures) {
+// `waiting`: numbers and flows, of which every lane takes the next.
+async function runLane(waiting, world, pictures) {
   let failed = 0;
-  for (const [index, flow] of selected.entries()) {
+  for (const [index, flow] of waiting) {
     const begun = performance.now();
     const pathOf = (folder, name) => join(folder, `${String(index + 1).padStart(2, "0")}_${name}.png`);
     const picture = async (shown, name, options = {}) => {
       if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options });
     };
     try {
-      await runFlow(flow, { ...world, newPage: () => newPage(browser, world.baseUrl), picture }, (i) =>
+      await runFlow(flow, { ...world, newPage: () => newPage(world.browser, world.baseUrl), picture }, (i) =>
         pathOf(kFailed, `failed_${i}`),
       );
       console.log(`ok ${index + 1} - ${flow.name} (${((performance.now() - begun) / 1000).toFixed(1)} s)`);
@@ -141,15 +143,20 @@ async function onSchool() {
   };
 }
 
-const browser = await launch();
-const world = { ...(await (real === undefined ? onSchool() : anywhere())), pages: [] };
-let failed = 1;
-try {
-  failed = await runAll(selected, world, pictures);
-} finally {
-  await browser.close();
-  await world.close();
+async function lane(waiting) {
+  const browser = await launch();
+  const world = { ...(await (real === undefined ? onSchool() : anywhere())), browser, pages: [] };
+  try {
+    return await runLane(waiting, world, pictures);
+  } finally {
+    await browser.close();
+    await world.close();
+  }
 }
+
+const lanes = real === undefined ? Math.min(Number(option("--lanes") ?? 2), selected.length) : 1;
+const waiting = selected.entries();
+const failed = (await Promise.all(Array.from({ length: lanes }, () => lane(waiting)))).reduce((sum, n) => sum + n, 0);
 console.log(
   `${selected.length - failed} of ${selected.length} flows passed${failed > 0 ? `; pictures in ${kFailed}` : ""}`,
 );
