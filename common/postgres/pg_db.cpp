@@ -23,6 +23,8 @@ PgFailure::Kind PgKindOf(const std::string& state) {
   if (state == "55P03" || state == "57014" || family == "53") return Kind::kBusy;
   if (family == "08" || family == "57") return Kind::kNotThere;
   if (family == "28" || state == "42501" || state == "3D000") return Kind::kNotAllowed;
+  if (family == "22") return Kind::kData;
+  if (family == "42" || family == "25" || family == "26" || family == "0A") return Kind::kOwnFault;
   if (family == "XX" && state != "XX000") return Kind::kDamaged;
   return Kind::kOther;
 }
@@ -38,6 +40,10 @@ Code CodeOf(PgFailure::Kind kind) {
     case Kind::kConstraint:
     case Kind::kTaken:
       return Code::kConflict;
+    case Kind::kData:
+      return Code::kInvalidInput;
+    case Kind::kOwnFault:
+      return Code::kInternal;
     default:
       return Code::kStorage;
   }

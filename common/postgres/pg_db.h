@@ -34,6 +34,8 @@ struct PgFailure {
     kDamaged,     // the server has found its own files damaged
     kConstraint,  // what the schema does not allow
     kTaken,       // of these: a key that must be unique is there already
+    kData,        // a value that does not fit its column, or an arithmetic that overflows
+    kOwnFault,    // a statement of ours that PostgreSQL cannot carry out
   };
   Kind kind = Kind::kOther;
   std::string state;     // SQLSTATE, five characters; empty: the library's own failure
@@ -52,7 +54,8 @@ struct PgHost {
   int64_t certificate_until_ms = 0;  // Unix time; 0: it showed none
 };
 
-// kUnavailable where trying later helps, kConflict for a constraint, else kStorage.
+// kUnavailable where trying later helps, kConflict for a constraint, kInvalidInput for data,
+// kInternal for our own fault, else kStorage.
 Code CodeOf(PgFailure::Kind kind);
 // By SQLSTATE (Appendix A of PostgreSQL's manual).
 PgFailure::Kind PgKindOf(const std::string& state);

@@ -38,6 +38,13 @@ SqliteFailure::Kind KindOf(int code) {
       return Kind::kDamaged;
     case SQLITE_CONSTRAINT:
       return Kind::kConstraint;
+    case SQLITE_TOOBIG:
+    case SQLITE_MISMATCH:
+      return Kind::kData;
+    case SQLITE_ERROR:
+    case SQLITE_RANGE:
+    case SQLITE_MISUSE:
+      return Kind::kOwnFault;
     default:
       return Kind::kOther;
   }
@@ -53,6 +60,8 @@ SqliteFailure FailureOf(sqlite3* handle, const std::string& path, bool opening) 
 Code CodeOf(SqliteFailure::Kind kind) {
   using Kind = SqliteFailure::Kind;
   if (kind == Kind::kBusy || kind == Kind::kInterrupted) return Code::kUnavailable;
+  if (kind == Kind::kData) return Code::kInvalidInput;
+  if (kind == Kind::kOwnFault) return Code::kInternal;
   // Nothing is broken: the request contradicts the stored data.
   return kind == Kind::kConstraint || kind == Kind::kTaken ? Code::kConflict : Code::kStorage;
 }

@@ -31,6 +31,8 @@ struct SqliteFailure {
     kDamaged,      // the file is no whole database
     kConstraint,   // what the schema does not allow
     kTaken,        // of these: a key that must be unique is there already
+    kData,         // a value that does not fit its column, or is larger than any may be
+    kOwnFault,     // a statement of ours that SQLite cannot carry out
   };
   Kind kind = Kind::kOther;
   int code = 0;          // SQLite's extended one
@@ -39,7 +41,8 @@ struct SqliteFailure {
   bool opening = false;  // while it was opened or copied
 };
 
-// kUnavailable where trying later helps, kConflict for a constraint, else kStorage.
+// kUnavailable where trying later helps, kConflict for a constraint, kInvalidInput for data,
+// kInternal for our own fault, else kStorage.
 Code CodeOf(SqliteFailure::Kind kind);
 
 struct SqliteDbOptions {

@@ -39,6 +39,10 @@ Status InFull(const sql::SqliteFailure& failure) {
     case Kind::kConstraint:
     case Kind::kTaken:
       return Status(Code::kConflict, what);
+    case Kind::kData:
+      return Status(Code::kInvalidInput, what);
+    case Kind::kOwnFault:
+      return Status(Code::kInternal, what);
     case Kind::kOther:
       break;
   }
@@ -66,6 +70,11 @@ Status WithoutDetail(Kind kind) {
       return Status(Code::kConflict,
                     "this conflicts with what is stored: it exists already, or something it names "
                     "does not exist; load it again, then try again");
+    case Kind::kData:
+      return Status(Code::kInvalidInput,
+                    "a value is outside what the database can hold; nothing was changed");
+    case Kind::kOwnFault:
+      return Status(Code::kInternal, "the database failed; the log says why");
     case Kind::kOther:
       break;
   }

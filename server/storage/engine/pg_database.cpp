@@ -37,6 +37,9 @@ const char* PgAdvice(PgKind kind) {
     case PgKind::kTaken:
       return "this conflicts with what is stored: it exists already, or something it names does "
              "not exist; load it again, then try again";
+    case PgKind::kData:
+      return "a value is outside what the database can hold; nothing was changed";
+    case PgKind::kOwnFault:
     case PgKind::kOther:
       break;
   }

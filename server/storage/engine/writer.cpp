@@ -131,8 +131,10 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   Status failure = Transact(batch);
   const auto took = std::chrono::steady_clock::now() - begin;
   MutexLock lock(mutex_);
-  // Busy is not broken: nothing was tried.
-  if (failure.code() != Code::kUnavailable) last_failure_ = failure;
+  // Only what the store itself failed at. One that is busy tells nothing, and a refusal of data, or
+  // a statement of ours that is wrong, says nothing of whether others can be written: a server must
+  // not leave its proxy because of what one party sent it.
+  if (failure.ok() || failure.code() == Code::kStorage) last_failure_ = failure;
   damaged_ = db_->damaged();
   for (const Pending* pending : batch) {
     if (pending->status.code() == Code::kStorage) last_failure_ = pending->status;

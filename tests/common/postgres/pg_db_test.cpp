@@ -177,8 +177,11 @@ TEST_F(PgDbTest, FailuresAreToldByTheirKind) {
   EXPECT_EQ(db_->failure().kind, Kind::kConstraint);
   Query none(*db_, "SELECT nothing FROM nowhere");
   EXPECT_FALSE(none.Next());
-  EXPECT_EQ(none.status().code(), Code::kStorage);
+  EXPECT_EQ(none.status().code(), Code::kInternal);
+  EXPECT_EQ(db_->failure().kind, Kind::kOwnFault);
   EXPECT_EQ(none.columns(), 0);
+  EXPECT_EQ(db_->Exec("SELECT 9223372036854775807 + 1").code(), Code::kInvalidInput);
+  EXPECT_EQ(db_->failure().kind, Kind::kData);
   auto reader = Open(/*read_only=*/true);
   EXPECT_EQ(reader->Exec("INSERT INTO a VALUES (3, 1)").code(), Code::kUnavailable);
   EXPECT_EQ(reader->failure().kind, Kind::kReadOnly);

@@ -128,13 +128,13 @@ TEST_F(SqliteDbTest, AStatementThatIsNoneFailsOnceAndBindsAndReadsNothing) {
   Query q(*db, "SELECT nothing FROM nowhere");
   q.BindInt(1).BindText("x").BindNull(Type::kInt);
   EXPECT_FALSE(q.Next());
-  EXPECT_EQ(q.status().code(), Code::kStorage);
+  EXPECT_EQ(q.status().code(), Code::kInternal);
   EXPECT_EQ(q.columns(), 0);
   EXPECT_EQ(q.Int(0), 0);
   EXPECT_TRUE(q.IsNull(0));
   Query too_many(*db, "SELECT ?1");
   EXPECT_FALSE(too_many.BindInt(1).BindInt(2).Next()) << "there is no ?2";
-  EXPECT_EQ(db->failure().kind, Kind::kOther);
+  EXPECT_EQ(db->failure().kind, Kind::kOwnFault);
 }
 
 TEST_F(SqliteDbTest, FailuresAreToldByTheirKind) {
@@ -142,6 +142,8 @@ TEST_F(SqliteDbTest, FailuresAreToldByTheirKind) {
   ASSERT_TRUE(db->Exec("CREATE TABLE a (id INTEGER PRIMARY KEY, n INTEGER CHECK (n > 0));"
                        "INSERT INTO a VALUES (1, 1)")
                   .ok());
+  EXPECT_EQ(db->Exec("INSERT INTO a VALUES ('no number', 1)").code(), Code::kInvalidInput);
+  EXPECT_EQ(db->failure().kind, Kind::kData);
   EXPECT_EQ(db->Exec("INSERT INTO a VALUES (1, 1)").code(), Code::kConflict);
   EXPECT_EQ(db->failure().kind, Kind::kTaken);
   EXPECT_EQ(db->Exec("INSERT INTO a VALUES (2, 0)").code(), Code::kConflict);
