@@ -10,6 +10,7 @@
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/sql_names.h"
 #include "server/storage/keys/keyring.h"
+#include "server/storage/recordings/recording_bounds.h"
 #include "server/storage/recordings/trace_rows.h"
 
 namespace enamel::server {
@@ -97,7 +98,8 @@ sql::Change NextChunk(const ChunkPut& chunk, ByteView sealed, int64_t generation
       "CASE WHEN limit_ticks > 0 AND ticks + gap_ticks + ?5 + ?6 > limit_ticks THEN " +
       Sql(kOverTime) +
       " ELSE 0 END WHERE tenant = ?1 AND id = ?2 AND state = " + Sql(AttemptState::kRecording) +
-      " AND header IS NOT NULL AND chunks = ?11 AND ticks = ?12 AND head_hash = ?13";
+      " AND header IS NOT NULL AND chunks = ?11 AND ticks = ?12 AND head_hash = ?13 AND " +
+      FitsSql("?5", "?6", "?7", "?8");
   if (generation != 0) {
     next.sql +=
         " AND EXISTS (SELECT 1 FROM person_keys k WHERE k.tenant = ?1 AND k.person = "
@@ -164,6 +166,7 @@ Result<IngestRows::Appended> IngestRows::LookAndAppend(sql::Db& db, const ChunkP
                                             " is of another recording than what is committed"));
   }
   ENAMEL_RETURN_IF_ERROR(fits);
+  ENAMEL_RETURN_IF_ERROR(MustFit(ingest, chunk));
   // Another server has committed the chunk before it in this moment.
   ENAMEL_ASSIGN_OR_RETURN(const bool fresh, TryAppend(db, chunk, sealed, /*generation=*/0));
   ENAMEL_CHECK(fresh);

@@ -43,7 +43,7 @@ class IngestRows {
   // or not continuing the stored chain (first tick, previous hash): kInvalidInput naming the
   // expected value. Concurrent callers share one fsync. Sets kFasterThanTime when the attempt then
   // has more ticks and gaps than fit between its ticket and received_ms (2 s and 1 % more are
-  // granted, for clocks), kOverTime beyond its limit.
+  // granted, for clocks), kOverTime beyond its limit. Errors also: kTooLarge (recording_bounds.h).
   Status AppendChunk(const ChunkPut& chunk);
 
  private:

@@ -12,14 +12,13 @@
 
 namespace enamel::server {
 Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
-  Query q(
-      db,
-      std::string(
-          "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, "
-          "trace_blob, "
-          "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, exam FROM "
-          "attempts WHERE tenant = ?1 AND id = ?2") +
-          (look == Look::kToDecide ? db.RowLock() : ""));
+  Query q(db, std::string(
+                  "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, "
+                  "trace_blob, "
+                  "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, "
+                  "exam, trace_bytes FROM "
+                  "attempts WHERE tenant = ?1 AND id = ?2") +
+                  (look == Look::kToDecide ? db.RowLock() : ""));
   if (!q.Bind(attempt).Next()) {
     if (!q.status().ok()) return q.status();
     return Status(Code::kNotFound,
@@ -41,6 +40,7 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
   out.rate_hz = q.Int(12);
   out.flags = static_cast<uint32_t>(q.Int(13));
   out.exam = q.Int(14) != 0;
+  out.trace_bytes = static_cast<uint64_t>(q.Int(15));
   return out;
 }
 

@@ -26,7 +26,7 @@ struct Ingest {
   uint64_t ticks = 0;
   Sha256 trace_blob;
   bool expired = false;
-  uint64_t gap_ticks = 0;
+  uint64_t gap_ticks = 0, trace_bytes = 0;
   UnixMs ticketed_ms = 0, due_ms = 0, last_chunk_ms = 0;
   int64_t rate_hz = 0;
   uint32_t flags = 0;

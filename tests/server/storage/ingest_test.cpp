@@ -3,6 +3,8 @@
 #include <functional>
 #include <thread>
 
+#include "server/storage/engine/query.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/storage/backends.h"
 
 // Traces: commits, refusals, survival of a restart.
@@ -264,6 +266,59 @@ TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
   again.login = "erased";
   EXPECT_EQ(store_->people.CreatePerson(again, "none", {}, kSystem).status().code(),
             Code::kConflict);
+}
+
+TEST_P(IngestTest, MoreThanARecordingMayHoldIsRefusedAndTheStoreStaysWell) {
+  AttemptRow row = world_.AttemptOf(world_.student);
+  row.rate_hz = 1000;
+  ASSERT_TRUE(store_->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+  ASSERT_TRUE(store_->tickets.OpenAttempt(row.id, AsBytes("header")).ok());
+  const ChunkPut honest = world_.Chunk(row.id, 0, World::HeaderHash());
+  ChunkPut gaps = honest;
+  gaps.head.gap_ticks = UINT32_MAX;
+  const Status refused = store_->ingest.AppendChunk(gaps);
+  EXPECT_EQ(refused.code(), Code::kTooLarge) << refused.message();
+  EXPECT_EQ(refused.field(), "ticks");
+  EXPECT_EQ(store_->attempts.AttemptById(row.id)->chunks, 0u);
+  EXPECT_TRUE(store_->health.Health().takes_recordings);
+  ASSERT_TRUE(store_->ingest.AppendChunk(honest).ok());
+
+  // An hour ahead of the clock, and not a tick more.
+  ChunkPut ahead = world_.Chunk(row.id, 1, honest.hash);
+  const auto room = 1000 * (ahead.received_ms - row.ticketed_ms + 3'600'000) / 1000;
+  const auto counted = honest.head.count + ahead.head.count;
+  ahead.head.gap_ticks = static_cast<uint32_t>(room - counted) + 1;
+  EXPECT_EQ(store_->ingest.AppendChunk(ahead).field(), "ticks");
+  --ahead.head.gap_ticks;
+  EXPECT_TRUE(store_->ingest.AppendChunk(ahead).ok());
+
+  const auto set = [&](const std::string& bytes) {
+    return store_->engine->rows.Write([&](sql::Db& db) -> Status {
+      Query q(db, "UPDATE attempts SET gap_ticks = 0, trace_bytes = " + bytes +
+                      " WHERE tenant = ?1 AND id = ?2");
+      return q.Bind(row.id).Run();
+    });
+  };
+  const ChunkPut third = world_.Chunk(row.id, 2, ahead.hash);
+  ASSERT_TRUE(set(std::to_string(16 * room)).ok());
+  EXPECT_EQ(store_->ingest.AppendChunk(third).field(), "bytes");
+  ASSERT_TRUE(set(std::to_string(16 * room - 10'000)).ok());
+  EXPECT_TRUE(store_->ingest.AppendChunk(third).ok());
+}
+
+TEST_P(IngestTest, DataThatTheDatabaseRefusesIsNoFailureOfTheStore) {
+  const auto write = [&](const char* sqlite, const char* postgres) {
+    return store_->engine->rows.Write(
+        [&](sql::Db& db) -> Status { return db.Exec(store_->shared ? postgres : sqlite); });
+  };
+  EXPECT_EQ(write("UPDATE server_attempts SET nothing = 1", "SELECT nothing FROM nowhere").code(),
+            Code::kInternal);
+  EXPECT_TRUE(store_->health.Health().takes_recordings) << "our own fault";
+  EXPECT_EQ(write("CREATE TEMP TABLE a (id INTEGER PRIMARY KEY); INSERT INTO a VALUES ('no')",
+                  "SELECT 9223372036854775807 + 1")
+                .code(),
+            Code::kInvalidInput);
+  EXPECT_TRUE(store_->health.Health().takes_recordings);
 }
 
 TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {
