@@ -86,17 +86,22 @@ std::map<Uuid, std::optional<LiveSample>> LiveBoard::WatchedNow() const {
   return out;
 }
 
-std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt) {
+std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt, const Uuid& person) {
   MutexLock lock(state_->mutex);
   if (state_->watches >= kMaxWatches) return nullptr;
+  size_t& of_person = state_->watches_of[person];
+  if (of_person >= kMaxWatchesOfOne) return nullptr;
+  ++of_person;
   ++state_->watches;
   ++state_->channels[attempt].watches;
-  return std::make_unique<LiveWatch>(state_, attempt);
+  return std::make_unique<LiveWatch>(state_, attempt, person);
 }
 
 LiveWatch::~LiveWatch() {
   MutexLock lock(state_->mutex);
   --state_->watches;
+  const auto mine = state_->watches_of.find(person_);
+  if (--mine->second == 0) state_->watches_of.erase(mine);
   auto channel = state_->channels.find(attempt_);
   if (--channel->second.watches == 0) state_->channels.erase(channel);
 }

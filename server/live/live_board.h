@@ -33,11 +33,12 @@ class LiveWatch;
 // one misses some and slows nobody down. Watchers that have seen the same share an event's bytes.
 //
 // Bounded: the latest sample of at most 1024 attempts (the one longest silent is dropped first),
-// kMaxRows and one event for each watched attempt, at most kMaxWatches watches. Thread safety: any
-// thread; nothing waits for a watcher.
+// kMaxRows and one event for each watched attempt, at most kMaxWatches watches, of which each person
+// has kMaxWatchesOfOne at most. Thread safety: any thread; nothing waits for a watcher.
 class LiveBoard {
  public:
   static constexpr size_t kMaxWatches = 512;
+  static constexpr size_t kMaxWatchesOfOne = 64;  // of a person
   static constexpr uint32_t kRowsPerSecond = 60;
   static constexpr size_t kMaxRows = 60;
 
@@ -51,8 +52,9 @@ class LiveBoard {
   bool Watched(const Uuid& attempt) const;
   // All that somebody watches and that is not over, with the latest that is known of it.
   std::map<Uuid, std::optional<LiveSample>> WatchedNow() const;
-  // None when there are kMaxWatches already. May outlive the board.
-  std::unique_ptr<LiveWatch> Watch(const Uuid& attempt);
+  // None when there are kMaxWatches already, or kMaxWatchesOfOne of this person. May outlive the
+  // board.
+  std::unique_ptr<LiveWatch> Watch(const Uuid& attempt, const Uuid& person);
 
  private:
   friend class LiveWatch;
@@ -68,8 +70,9 @@ class LiveBoard {
   struct State {
     Mutex mutex;
     std::map<Uuid, LiveSample> latest ENAMEL_GUARDED_BY(mutex);
-    std::map<Uuid, Channel> channels ENAMEL_GUARDED_BY(mutex);  // the watched attempts
-    std::atomic<size_t> watches{0};                             // changed under mutex
+    std::map<Uuid, Channel> channels ENAMEL_GUARDED_BY(mutex);   // the watched attempts
+    std::map<Uuid, size_t> watches_of ENAMEL_GUARDED_BY(mutex);  // by person
+    std::atomic<size_t> watches{0};                              // changed under mutex
   };
 
   const std::shared_ptr<State> state_ = std::make_shared<State>();
@@ -78,8 +81,8 @@ class LiveBoard {
 // One watcher of one attempt. Thread safety: one thread at a time.
 class LiveWatch {
  public:
-  LiveWatch(std::shared_ptr<LiveBoard::State> state, const Uuid& attempt)
-      : state_(std::move(state)), attempt_(attempt) {}
+  LiveWatch(std::shared_ptr<LiveBoard::State> state, const Uuid& attempt, const Uuid& person)
+      : state_(std::move(state)), attempt_(attempt), person_(person) {}
   ~LiveWatch();
   LiveWatch(const LiveWatch&) = delete;
   LiveWatch& operator=(const LiveWatch&) = delete;
@@ -93,7 +96,7 @@ class LiveWatch {
 
  private:
   const std::shared_ptr<LiveBoard::State> state_;
-  const Uuid attempt_;
+  const Uuid attempt_, person_;
   std::optional<uint64_t> seen_;  // newest tick
   bool ended_ = false;
 };

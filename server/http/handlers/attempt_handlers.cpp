@@ -375,7 +375,7 @@ Response GetLive(const Call& call, Store& store) {
   if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
   if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
   // Watches before reading its state, so that no end in between is missed.
-  auto watch = call.live->Watch(call.id);
+  auto watch = call.live->Watch(call.id, call.caller->person.id);
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   AttemptState state = seen->row.state;

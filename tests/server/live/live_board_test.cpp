@@ -23,7 +23,7 @@ LiveSample Sample(const Uuid& attempt, uint64_t tick, UnixMs received_ms = 0) {
 TEST(LiveBoardTest, WatcherGetsEachMomentOnce) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto watch = board.Watch(attempt);
+  auto watch = board.Watch(attempt, Uuid{});
   EXPECT_EQ(watch->Next(), nullptr);
   board.Put(Sample(attempt, 1));
   board.Put(Sample(attempt, 2));
@@ -38,7 +38,7 @@ TEST(LiveBoardTest, WatcherGetsEachMomentOnce) {
 TEST(LiveBoardTest, SlowWatcherMissesTheOldestOnly) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto quick = board.Watch(attempt), slow = board.Watch(attempt);
+  auto quick = board.Watch(attempt, Uuid{}), slow = board.Watch(attempt, Uuid{});
   size_t seen = 0;
   for (uint64_t tick = 0; tick < 300; ++tick) {
     board.Put(Sample(attempt, tick * 16));
@@ -56,7 +56,7 @@ TEST(LiveBoardTest, SlowWatcherMissesTheOldestOnly) {
 TEST(LiveBoardTest, EventIsTheDocumentedJson) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto watch = board.Watch(attempt);
+  auto watch = board.Watch(attempt, Uuid{});
   std::vector<LiveSample> samples = {Sample(attempt, 10), Sample(attempt, 26)};
   board.Put(samples);
   boost::json::value event = boost::json::parse(*watch->Next());
@@ -68,7 +68,7 @@ TEST(LiveBoardTest, EventIsTheDocumentedJson) {
 TEST(LiveBoardTest, AllWatchersShareOneEventsBytes) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto one = board.Watch(attempt), other = board.Watch(attempt);
+  auto one = board.Watch(attempt, Uuid{}), other = board.Watch(attempt, Uuid{});
   board.Put(Sample(attempt, 1));
   EXPECT_EQ(one->Next().get(), other->Next().get());
 }
@@ -76,7 +76,7 @@ TEST(LiveBoardTest, AllWatchersShareOneEventsBytes) {
 TEST(LiveBoardTest, EarlierOrRepeatedTicksChangeNothing) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto watch = board.Watch(attempt);
+  auto watch = board.Watch(attempt, Uuid{});
   board.Put(Sample(attempt, 9));
   watch->Next();
   board.Put(Sample(attempt, 9));
@@ -89,7 +89,7 @@ TEST(LiveBoardTest, AttemptIsWatchedAsLongAsSomebodyWatchesIt) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
   EXPECT_FALSE(board.Watched(attempt));
-  auto one = board.Watch(attempt), other = board.Watch(attempt);
+  auto one = board.Watch(attempt, Uuid{}), other = board.Watch(attempt, Uuid{});
   one.reset();
   EXPECT_TRUE(board.Watched(attempt));
   EXPECT_FALSE(board.Watched(Uuid::New()));
@@ -100,7 +100,7 @@ TEST(LiveBoardTest, AttemptIsWatchedAsLongAsSomebodyWatchesIt) {
 TEST(LiveBoardTest, SealedAttemptEndsItsWatches) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
-  auto watch = board.Watch(attempt);
+  auto watch = board.Watch(attempt, Uuid{});
   board.Put(Sample(attempt, 1));
   board.Remove(attempt);
   watch->Next();
@@ -111,8 +111,17 @@ TEST(LiveBoardTest, SealedAttemptEndsItsWatches) {
 TEST(LiveBoardTest, NumbersAreBounded) {
   LiveBoard board;
   std::vector<std::unique_ptr<LiveWatch>> watches;
-  for (size_t i = 0; i < LiveBoard::kMaxWatches; ++i) watches.push_back(board.Watch(Uuid::New()));
-  EXPECT_EQ(board.Watch(Uuid::New()), nullptr);
+  for (size_t i = 0; i < LiveBoard::kMaxWatches; ++i)
+    watches.push_back(board.Watch(Uuid::New(), Uuid::New()));
+  EXPECT_EQ(board.Watch(Uuid::New(), Uuid::New()), nullptr);
+  watches.clear();
+  const Uuid one = Uuid::New(), other = Uuid::New();
+  for (size_t i = 0; i < LiveBoard::kMaxWatchesOfOne; ++i)
+    watches.push_back(board.Watch(Uuid::New(), one));
+  EXPECT_EQ(board.Watch(Uuid::New(), one), nullptr);
+  EXPECT_NE(board.Watch(Uuid::New(), other), nullptr) << "nobody takes them from others";
+  watches.pop_back();
+  EXPECT_NE(board.Watch(Uuid::New(), one), nullptr);
   Uuid oldest = Uuid::New();
   board.Put(Sample(oldest, 1, 1));
   for (UnixMs i = 0; i < 1024; ++i) board.Put(Sample(Uuid::New(), 1, 2 + i));
@@ -121,7 +130,7 @@ TEST(LiveBoardTest, NumbersAreBounded) {
 
 TEST(LiveBoardTest, WatchMayOutliveTheBoard) {
   auto board = std::make_unique<LiveBoard>();
-  auto watch = board->Watch(Uuid::New());
+  auto watch = board->Watch(Uuid::New(), Uuid{});
   board.reset();
   EXPECT_EQ(watch->Next(), nullptr);
 }
@@ -130,7 +139,7 @@ TEST(LiveBoardTest, PuttingAndWatchingFromManyThreadsLosesNoEnd) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
   std::vector<std::unique_ptr<LiveWatch>> watches;
-  for (int i = 0; i < 4; ++i) watches.push_back(board.Watch(attempt));
+  for (int i = 0; i < 4; ++i) watches.push_back(board.Watch(attempt, Uuid{}));
   std::vector<std::jthread> threads;
   for (auto& watch : watches) {
     threads.emplace_back([&watch] {

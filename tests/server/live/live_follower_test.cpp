@@ -55,7 +55,7 @@ TEST_F(LiveFollowerTest, WatcherSeesWhatAnotherServerCommits) {
   Commit();
   Look();
   EXPECT_FALSE(board_.Latest(attempt_)) << "nobody watches: nothing is read";
-  auto watch = board_.Watch(attempt_);
+  auto watch = board_.Watch(attempt_, Uuid{});
   size_t rows = 0;
   for (int i = 0; i < 20; ++i) {
     Commit();
@@ -71,7 +71,7 @@ TEST_F(LiveFollowerTest, WatcherSeesWhatAnotherServerCommits) {
 
 TEST_F(LiveFollowerTest, OfAnAttemptThatIsFarOnlyTheNewestIsRead) {
   Commit(40);
-  auto watch = board_.Watch(attempt_);
+  auto watch = board_.Watch(attempt_, Uuid{});
   Look();
   EXPECT_GT(RowsOf(*watch), 0u);
   EXPECT_EQ(newest_, seal_.ticks - 1);
@@ -79,7 +79,7 @@ TEST_F(LiveFollowerTest, OfAnAttemptThatIsFarOnlyTheNewestIsRead) {
 
 TEST_F(LiveFollowerTest, WhatItsStationSaysHereIsNotReadAgain) {
   Commit(10);
-  auto watch = board_.Watch(attempt_);
+  auto watch = board_.Watch(attempt_, Uuid{});
   LiveSample here;
   here.attempt = attempt_;
   for (int i = 0; i < 5; ++i) {
@@ -104,7 +104,7 @@ TEST_F(LiveFollowerTest, WhatItsStationSaysHereIsNotReadAgain) {
 
 TEST_F(LiveFollowerTest, TheEndElsewhereIsTheEndHere) {
   Commit();
-  auto watch = board_.Watch(attempt_), other = board_.Watch(Uuid::New());
+  auto watch = board_.Watch(attempt_, Uuid{}), other = board_.Watch(Uuid::New(), Uuid{});
   Look();
   (void)watch->Next();
   EXPECT_FALSE(watch->ended());

@@ -147,7 +147,7 @@ TEST_F(ChunkRefusalTest, CommittedTicksAreShownToWhoeverWatches) {
   const Uuid& attempt = recording_->seal.attempt;
   ExpectTaken(recording_->chunks[0]);
   EXPECT_FALSE(world_.live.Latest(attempt).has_value()) << "made for nobody";
-  auto watch = world_.live.Watch(attempt);
+  auto watch = world_.live.Watch(attempt, Uuid{});
   ExpectTaken(recording_->chunks[1]);
   auto event = watch->Next();
   ASSERT_NE(event, nullptr);

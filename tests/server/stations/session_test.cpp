@@ -444,7 +444,7 @@ TEST_F(SessionTest, StationIsToldWithEachAcknowledgementWhetherSomebodyWatches) 
   EXPECT_FALSE(station_.Open(recording.header).attempt_opened().watched());
   EXPECT_FALSE(station_.Put(recording.chunks[0]).chunk_ack().watched());
   {
-    auto watch = world_.live.Watch(recording.seal.attempt);
+    auto watch = world_.live.Watch(recording.seal.attempt, Uuid{});
     EXPECT_TRUE(station_.Put(recording.chunks[1]).chunk_ack().watched());
     EXPECT_TRUE(station_.Open(recording.header).attempt_opened().watched());
   }
