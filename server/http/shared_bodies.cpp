@@ -18,17 +18,30 @@ Result<SharedBodies::Body> SharedBodies::Get(const Sha256& name, const Read& rea
       read_.wait(mutex_);
     }
   }
-  Result<Bytes> bytes = read();
+  Result<Bytes> bytes = Status(Code::kUnavailable, "there is no memory for this now; try again");
   Body body;
-  if (bytes.ok()) body = std::make_shared<const std::string>(AsText(*bytes));
-  MutexLock lock(mutex_);
-  // The waiting callers find no slot, and each reads the bytes itself.
-  if (body == nullptr) {
-    slots_.erase(name);
-  } else {
-    slots_[name] = {body, false};
+  // Where an allocation fails, whoever waits has to be told too.
+  const auto end = [&] {
+    MutexLock lock(mutex_);
+    // Without a body the waiting callers find no slot, and each reads the bytes itself.
+    if (body == nullptr) {
+      slots_.erase(name);
+    } else {
+      Slot& slot = slots_.at(name);
+      slot.body = body;
+      slot.reading = false;
+    }
+    read_.notify_all();
+  };
+  try {
+    bytes = read();
+    if (bytes.ok()) body = std::make_shared<const std::string>(AsText(*bytes));
+  } catch (...) {
+    body = nullptr;
+    end();
+    throw;
   }
-  read_.notify_all();
+  end();
   if (body == nullptr) return bytes.status();
   return body;
 }
@@ -51,11 +64,19 @@ Result<Bytes> SharedBodies::MakeInTurn(const Read& make) {
     }
     ++making_;
   }
-  Result<Bytes> bytes = make();
-  MutexLock lock(mutex_);
-  --making_;
-  finished_.notify_one();
-  return bytes;
+  const auto end = [this] {
+    MutexLock lock(mutex_);
+    --making_;
+    finished_.notify_one();
+  };
+  try {
+    Result<Bytes> bytes = make();
+    end();
+    return bytes;
+  } catch (...) {
+    end();
+    throw;
+  }
 }
 
 void SharedBodies::Keep(const Sha256& name, const Body& body) {
