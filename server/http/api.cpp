@@ -293,8 +293,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (body.size() < RequestPlaces::kLargeBytes) co_return response;
   const void* const where = response.shared_body ? response.shared_body->data() : body.data();
   const size_t bytes = response.shared_body ? response.shared_body->size() : body.size();
-  response.sending = unsent_.Add(own.of, where, bytes);
-  if (response.sending == nullptr) {
+  response.held = unsent_.Add(own.of, where, bytes);
+  if (response.held == nullptr) {
     co_return ErrorResponse(
         {Code::kUnavailable,
          "too much of what you asked for has not been read yet; try again in a few seconds"});

@@ -98,7 +98,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::atomic<size_t> in_flight_{0};
   RequestPlaces places_;
   SharedBodies bodies_;
-  UnsentBytes unsent_{kMostUnsentBytes};
+  HeldBytes unsent_{kMostUnsentBytes};
   LiveCuts cuts_;
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};

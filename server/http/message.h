@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/http/unsent_bytes.h"
+#include "server/net/held_bytes.h"
 
 // A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test
 // makes one with braces.
@@ -67,7 +67,7 @@ struct Response {
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
   std::shared_ptr<const std::atomic<bool>> school_ended;  // the request's
   std::shared_ptr<void> place;                            // RequestPlaces'
-  std::shared_ptr<UnsentBytes::Sending> sending;          // of a large one
+  std::shared_ptr<HeldBytes::Held> held;                  // of a large one
 
   std::string_view Body() const {
     return shared_body ? std::string_view(*shared_body).substr(from, size) : body;

@@ -42,6 +42,9 @@ struct ServerContext {
 
   const std::shared_ptr<Api> api;
   ops::RepeatLog refusals;
+  // As many bodies of 1 MiB, of whoever is not known yet, at once.
+  static constexpr size_t kMostComingBytes = size_t{48} << 20;
+  HeldBytes coming{kMostComingBytes};
 
  private:
   boost::asio::awaitable<Response> AnswerKnown(Request request);

@@ -19,6 +19,8 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::chrono::milliseconds kGoodbye{2'000};
+// Of a refusal by LinkBudget.
+constexpr char kOverBudget[] = "budget";
 
 // Then the message names files and tables, which are for the server's log alone.
 bool IsOurFault(const wire::Error& error) {
@@ -29,10 +31,11 @@ bool IsOurFault(const wire::Error& error) {
 
 Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
                        const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
-                       StorePool& pool, ops::RepeatLog& refusals)
+                       StorePool& pool, LinkBudget& budget, ops::RepeatLog& refusals)
     : strand_(std::move(strand)),
       deadlines_(deadlines),
       pool_(pool),
+      budget_(budget),
       refusals_(refusals),
       stream_(std::move(socket), tls),
       deadline_(strand_),
@@ -41,7 +44,8 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string 
       peer_(std::move(peer)),
       block_(auth::AddressBlock(peer_)),
       own_(services),
-      others_(others) {}
+      others_(others),
+      party_(block_) {}
 
 void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
@@ -66,9 +70,17 @@ void Connection::BeginStop() {
   });
 }
 
-void Connection::EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked) {
+void Connection::EndIfRevoked(std::shared_ptr<const std::set<StationOfSchool>> revoked) {
   asio::post(strand_, [self = shared_from_this(), revoked] {
     if (self->station_ && revoked->contains(*self->station_)) self->End(RevokedStation());
+  });
+}
+
+void Connection::EndForNewer() {
+  asio::post(strand_, [self = shared_from_this()] {
+    self->End(Status(Code::kUnavailable, "this station has opened " +
+                                             std::to_string(LinkBudget::kMostLinks) +
+                                             " newer connections, as many as it may have"));
   });
 }
 
@@ -124,7 +136,9 @@ asio::awaitable<void> Connection::ServeRequests() {
     }
     if (!frame.ok()) {
       // After any other failure no peer is left to answer.
-      if (frame.status().code() == Code::kTooLarge) co_await Refuse(frame.status());
+      if (frame.status().code() == Code::kTooLarge || frame.status().field() == kOverBudget) {
+        co_await Refuse(frame.status());
+      }
       co_return;
     }
     auto request = protocol::ParseRequest(*frame);
@@ -157,6 +171,10 @@ asio::awaitable<void> Connection::ServeRequests() {
         co_return;
       }
     }
+    if (const Status fits = CountChunk(*request); !fits.ok()) {
+      co_await Refuse(fits);
+      co_return;
+    }
     Answer answer;
     // Not in one expression: GCC 12 destroys an operand of ?: with co_await twice.
     if (session_->IsQuick(*request)) {
@@ -166,8 +184,12 @@ asio::awaitable<void> Connection::ServeRequests() {
       answer = co_await Waited(request->id(), std::move(work));
     }
     if (session_->welcomed() && !station_) {
-      station_ = session_->station()->id;
+      station_ = {services_ ? services_.get() : &own_, session_->station()->id};
+      // Its schools' stations may have one id.
+      party_ = std::to_string(reinterpret_cast<uintptr_t>(station_->first)) + " " +
+               station_->second.Text();
       welcomed_ = true;
+      if (const auto oldest = budget_.Enter(*station_, shared_from_this())) oldest->EndForNewer();
       reader_.set_limit(protocol::kMaxFrameBytes);
     }
     if (!answer.reply) continue;
@@ -208,7 +230,7 @@ asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work
 asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {
   if (others_ != nullptr) {
     deadline_.Allow(deadlines_.work);
-    auto found = co_await pool_.Run([&] {
+    auto found = co_await pool_.Run(Turn(party_), [&] {
       const LogRequest logged(id_);
       return others_->ServicesOf(first);
     });
@@ -229,13 +251,13 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   if (auto who = session_->SignInWanted(request)) {
     auto signed_in = co_await session_->authenticator().SignIn(std::move(*who));
     // Hashing has its own threads (Authenticator); what follows asks the database.
-    co_return co_await pool_.Run([&] {
+    co_return co_await pool_.Run(Turn(party_), [&] {
       const LogRequest logged(id_);
       return session_->FinishSignIn(request, signed_in);
     });
   }
   if (session_->welcomed() && request.has_choose_password()) {
-    auto wanted = co_await pool_.Run([&] {
+    auto wanted = co_await pool_.Run(Turn(party_), [&] {
       const LogRequest logged(id_);
       return session_->PasswordWanted(request);
     });
@@ -246,20 +268,20 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
       signed_in = co_await session_->authenticator().ChangePassword(std::move(wanted->identity),
                                                                     std::move(wanted->change));
     }
-    co_return co_await pool_.Run([&] {
+    co_return co_await pool_.Run(Turn(party_), [&] {
       const LogRequest logged(id_);
       return session_->FinishSignIn(request, signed_in);
     });
   }
   if (auto who = session_->SignOffWanted(request)) {
     auto signer = co_await session_->authenticator().CheckPin(std::move(*who));
-    co_return co_await pool_.Run([&] {
+    co_return co_await pool_.Run(Turn(party_), [&] {
       const LogRequest logged(id_);
       return session_->FinishSignOff(request, signer);
     });
   }
   const auto begin = Clock::now();
-  Answer answer = co_await pool_.Run([&] {
+  Answer answer = co_await pool_.Run(Turn(party_), [&] {
     const LogRequest logged(id_);
     return session_->Handle(request);
   });
@@ -278,6 +300,7 @@ asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
     if (io == Io::kEnded) co_return Status(Code::kUnavailable, "connection ended");
     if (io == Io::kDone) {
       if (Status status = reader_.Resume(n); !status.ok()) co_return status;
+      if (Status status = HoldFrame(); !status.ok()) co_return status;
       continue;
     }
     waiting_for_frame_ = reader_.at_boundary();
@@ -289,7 +312,34 @@ asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
     co_await stream_.Wait(io);
     waiting_for_frame_ = false;
   }
+  coming_.reset();
   co_return reader_.Take();
+}
+
+Status Connection::HoldFrame() {
+  if (coming_ != nullptr || reader_.announced() <= LinkBudget::kSmallFrameBytes)
+    return Status::Ok();
+  coming_ = budget_.Coming(party_, this, reader_.announced());
+  if (coming_ == nullptr) {
+    return Status(Code::kUnavailable,
+                  "too much that this station has begun to send has not arrived yet; try again",
+                  kOverBudget);
+  }
+  coming_->OnGivenUp([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->Close();
+  });
+  return Status::Ok();
+}
+
+Status Connection::CountChunk(const wire::Request& request) {
+  if (!station_ || !request.has_put_chunk()) return Status::Ok();
+  const UnixMs now_ms = (services_ ? *services_ : own_).clock();
+  if (budget_.Recorded(*station_, request.put_chunk().chunk().size(), now_ms)) return Status::Ok();
+  return Status(Code::kUnavailable,
+                "this station has recorded more than " +
+                    std::to_string(LinkBudget::kMostRecordedBytes >> 30) +
+                    " GiB within a day; what it records more waits there until tomorrow",
+                kOverBudget);
 }
 
 asio::awaitable<bool> Connection::Write(wire::Reply reply) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "common/base/log_request.h"
 #include "common/protocol/frame.h"
@@ -13,6 +14,7 @@
 #include "server/net/listener.h"
 #include "server/net/stream_socket.h"
 #include "server/ops/repeat_log.h"
+#include "server/stations/link_budget.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
 
@@ -26,7 +28,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
   Connection(boost::asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
              const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
-             StorePool& pool, ops::RepeatLog& refusals);
+             StorePool& pool, LinkBudget& budget, ops::RepeatLog& refusals);
 
   void Run(std::function<void()> on_end) override;
   // Sends the peer word that the server stops.
@@ -36,7 +38,9 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   GivesWay gives_way() const override { return welcomed_ ? GivesWay::kNever : GivesWay::kFirst; }
   const std::string& block() const override { return block_; }
   // As BeginStop, if the station is one of these: it learns that it was revoked.
-  void EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked);
+  void EndIfRevoked(std::shared_ptr<const std::set<StationOfSchool>> revoked);
+  // As BeginStop, for a newer connection of the same station.
+  void EndForNewer();
   // As BeginStop, where another school serves it than these.
   void EndUnlessServed(std::shared_ptr<const std::set<const Services*>> served);
 
@@ -48,6 +52,10 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<void> ServeRequests();
   boost::asio::awaitable<Result<Bytes>> ReadFrame();
   boost::asio::awaitable<bool> Write(wire::Reply reply);
+  // Memory for a frame that has only begun to come. Errors: kUnavailable.
+  Status HoldFrame();
+  // Errors: kUnavailable (LinkBudget::Recorded).
+  Status CountChunk(const wire::Request& request);
   // Before the first request is carried out: which school's it is.
   boost::asio::awaitable<Status> FindSchool(const wire::Request& first);
   // What `work` gives. Until then the station is sent StillWaiting to `reply_to`.
@@ -62,6 +70,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   const Strand strand_;
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
+  LinkBudget& budget_;
   ops::RepeatLog& refusals_;
   StreamSocket stream_;
   Deadline deadline_;
@@ -74,10 +83,13 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   // Since the first request.
   std::shared_ptr<Services> services_;
   std::optional<Session> session_;
-  bool introduced_ = false;         // a first message was read
-  bool waiting_for_frame_ = false;  // for a frame's first byte
-  std::optional<Status> ending_;    // why no further request is read
-  std::optional<Uuid> station_;     // since Welcome
+  bool introduced_ = false;                 // a first message was read
+  bool waiting_for_frame_ = false;          // for a frame's first byte
+  std::optional<Status> ending_;            // why no further request is read
+  std::optional<StationOfSchool> station_;  // since Welcome
+  // Whose the work is that threads are shared out for: the station, before Welcome the address.
+  std::string party_;
+  std::shared_ptr<HeldBytes::Held> coming_;  // of a large frame that has not arrived yet
 };
 
 }  // namespace enamel::server::stations

@@ -60,9 +60,9 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   void NoteTurnedAway(const tcp::socket& socket, size_t open);
   using Served = std::vector<std::shared_ptr<Services>>;
   asio::awaitable<void> WatchRevoked();
-  Result<std::set<Uuid>> Revoked(const Served& served);
+  Result<std::set<StationOfSchool>> Revoked(const Served& served);
   void EndUnserved(const Served& served);
-  void EndRevoked(std::set<Uuid> now);
+  void EndRevoked(std::set<StationOfSchool> now);
   void StopOnStrand();
 
   const StationServerOptions options;
@@ -70,13 +70,15 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   OtherSchools* const others;
   StorePool& pool;
   std::shared_ptr<SSL_CTX> tls;  // constant after Start
+  LinkBudget budget;
   ops::RepeatLog refusals;
   Listener listener;
 
   // Owned by the strand: looking for revoked stations.
   Strand strand;
   asio::steady_timer next_look;
-  std::shared_ptr<const std::set<Uuid>> revoked = std::make_shared<std::set<Uuid>>();
+  std::shared_ptr<const std::set<StationOfSchool>> revoked =
+      std::make_shared<std::set<StationOfSchool>>();
   int tell_revoked = 0;  // further looks after which the connections are told
   bool stopping = false;
 };
@@ -84,7 +86,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
 std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its,
                                                                const std::string& peer) {
   return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls.get(),
-                                      options.deadlines, services, others, pool, refusals);
+                                      options.deadlines, services, others, pool, budget, refusals);
 }
 
 void StationServer::State::NoteTurnedAway(const tcp::socket& socket, size_t open) {
@@ -109,13 +111,15 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
 }
 
 // Of the own school and these.
-Result<std::set<Uuid>> StationServer::State::Revoked(const Served& served) {
+Result<std::set<StationOfSchool>> StationServer::State::Revoked(const Served& served) {
   ENAMEL_ASSIGN_OR_RETURN(const auto own, services.store.stations.RevokedStations());
-  std::set<Uuid> out(own.begin(), own.end());
+  std::set<StationOfSchool> out;
+  for (const Uuid& station : own) out.emplace(&services, station);
   for (const auto& other : served) {
     // A failing school does not keep the others' stations from being ended; its log has the reason.
     const auto theirs = other->store.stations.RevokedStations();
-    if (theirs.ok()) out.insert(theirs->begin(), theirs->end());
+    if (!theirs.ok()) continue;
+    for (const Uuid& station : *theirs) out.emplace(other.get(), station);
   }
   return out;
 }
@@ -129,10 +133,10 @@ void StationServer::State::EndUnserved(const Served& served) {
 }
 
 // Twice: a connection may just be saying Hello.
-void StationServer::State::EndRevoked(std::set<Uuid> now) {
+void StationServer::State::EndRevoked(std::set<StationOfSchool> now) {
   ENAMEL_CHECK(strand.running_in_this_thread());
   if (now != *revoked) {
-    revoked = std::make_shared<const std::set<Uuid>>(std::move(now));
+    revoked = std::make_shared<const std::set<StationOfSchool>>(std::move(now));
     tell_revoked = 2;
   }
   if (tell_revoked == 0) return;

@@ -4,7 +4,7 @@ import { createRequire } from "node:module";
 
 const require = createRequire(new URL("../../web/package.json", import.meta.url));
 const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const kTimeoutMs = 60_000;
+const kTimeoutMs = 180_000; // on a machine that others load
 const kBetweenMs = 150; // a picture of the page takes about as long
 
 export function chromiumIsThere() {

@@ -119,6 +119,7 @@ class HttpConnection : public AcceptedConnection,
   asio::awaitable<bool> ServeOne();
   asio::awaitable<Step> ReadRequest(RequestReader& reader, bool& late);
   asio::awaitable<bool> ReadSome();
+  bool HoldBody(RequestReader& reader);
   asio::awaitable<bool> Write(Response& response, bool head_only, bool keep_alive);
   asio::awaitable<void> Drain();
   asio::awaitable<void> WriteEvents(Response response);
@@ -132,7 +133,8 @@ class HttpConnection : public AcceptedConnection,
   StreamSocket stream_;
   Deadline deadline_;
   std::string buffer_;  // arrived and not used yet, at most kMaxHeadBytes + kReadBytes
-  bool idle_ = true;    // between requests
+  std::shared_ptr<HeldBytes::Held> coming_;  // of a large body that has not arrived yet
+  bool idle_ = true;                         // between requests
   bool stopping_ = false;
 };
 
@@ -151,6 +153,7 @@ asio::awaitable<bool> HttpConnection::ServeOne() {
   bool late = false;
   Step step = co_await ReadRequest(reader, late);
   if (late) context_->NoteRefusal(peer_, "408 a request did not arrive within its time");
+  coming_.reset();
   // From here a request is being done: it is not closed for another connection.
   gives_way_ = GivesWay::kNever;
   if (step == Step::kMore) co_return false;
@@ -202,7 +205,10 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
     if (step == Step::kRequest || step == Step::kRefused) co_return step;
     // Each part of a request has a deadline of its own and none is extended by a byte that
     // trickles in.
-    if (in_head && !reader.in_head()) deadline_.Allow(deadlines().body);
+    if (in_head && !reader.in_head()) {
+      deadline_.Allow(deadlines().body);
+      if (!HoldBody(reader)) co_return Step::kRefused;
+    }
     if (step == Step::kContinue && !co_await stream_.WriteAll(BytesOf(kContinue))) {
       co_return Step::kMore;
     }
@@ -216,6 +222,21 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
       deadline_.Allow(deadlines().head);
     }
   }
+}
+
+// Memory for a body that has only begun to come. False: too much is held for this address already.
+bool HttpConnection::HoldBody(RequestReader& reader) {
+  // A small one takes no more than its head may.
+  if (reader.expected_bytes() <= kMaxHeadBytes) return true;
+  coming_ = context_->coming.Add(block_, this, reader.expected_bytes());
+  if (coming_ == nullptr) {
+    reader.RefuseForNow("too much that your address has begun to send has not arrived yet");
+    return false;
+  }
+  coming_->OnGivenUp([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->Close();
+  });
+  return true;
 }
 
 // Appends what has arrived to `buffer_`. False: the connection ended.
@@ -239,8 +260,8 @@ asio::awaitable<bool> HttpConnection::Write(Response& response, bool head_only, 
   std::string head =
       HeadText(response, keep_alive, sized ? std::optional(body.size()) : std::nullopt);
   deadline_.Allow(deadlines().write);
-  if (response.sending) {
-    response.sending->OnGivenUp([weak = weak_from_this()] {
+  if (response.held) {
+    response.held->OnGivenUp([weak = weak_from_this()] {
       if (const auto self = weak.lock()) self->Close();
     });
   }

@@ -150,6 +150,15 @@ RequestReader::~RequestReader() = default;
 
 bool RequestReader::in_head() const { return parser_ == nullptr; }
 
+size_t RequestReader::expected_bytes() const {
+  const auto length = parser_->content_length();
+  return static_cast<size_t>(std::min<uint64_t>(length ? *length : kMaxBodyBytes, kMaxBodyBytes));
+}
+
+void RequestReader::RefuseForNow(const std::string& why) {
+  refusal_ = ErrorResponse({Code::kUnavailable, why + "; try again in a few seconds"});
+}
+
 RequestReader::Step RequestReader::Refuse(Response refusal) {
   refusal_ = std::move(refusal);
   return Step::kRefused;

@@ -34,6 +34,10 @@ class RequestReader {
   Step Feed(std::string_view bytes, size_t& used);
 
   bool in_head() const;
+  // Of the body: as announced, else as many as one may have. Requires: !in_head().
+  size_t expected_bytes() const;
+  // Instead of a body that is too much at the moment: kRefused. `why` ends without a full stop.
+  void RefuseForNow(const std::string& why);
   // Peer and tls are for the caller to fill in.
   Request& request() { return request_; }
   bool keep_alive() const { return keep_alive_; }

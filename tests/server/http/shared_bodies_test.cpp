@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <thread>
 #include <vector>
-
-#include "server/http/unsent_bytes.h"
 
 // Large answers: in memory once, and shared out among those who read them.
 namespace enamel::server::http {
@@ -113,56 +112,16 @@ TEST(SharedBodiesTest, WhatWasComputedStaysForAWhileAndAFailureDoesNot) {
   EXPECT_EQ(made, 3);
 }
 
-// Some answers of one person, and how many of them were given up.
-struct Answers {
-  std::vector<std::shared_ptr<UnsentBytes::Sending>> sending;
-  std::atomic<int> given_up{0};
-
-  bool Add(UnsentBytes& unsent, const std::string& of, const void* body, size_t bytes) {
-    auto one = unsent.Add(of, body, bytes);
-    if (one == nullptr) return false;
-    one->OnGivenUp([this] { ++given_up; });
-    sending.push_back(std::move(one));
-    return true;
+TEST(SharedBodiesTest, OneFailedAllocationEndsOneReadAndNoOther) {
+  SharedBodies bodies(std::chrono::milliseconds(20'000));
+  const auto without_memory = []() -> Result<Bytes> { throw std::bad_alloc(); };
+  const auto there = [] { return Result<Bytes>(Bytes{1}); };
+  for (size_t i = 0; i < 2 * SharedBodies::kMostMade; ++i) {
+    EXPECT_THROW((void)bodies.Get(kName, without_memory), std::bad_alloc);
+    EXPECT_THROW((void)bodies.Made(kName, without_memory), std::bad_alloc);
   }
-};
-
-TEST(UnsentBytesTest, WhoHoldsMostMakesRoomForWhoHoldsLess) {
-  UnsentBytes unsent(1000);
-  Answers slow, other;
-  const std::vector<char> bodies(100);
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(slow.Add(unsent, "slow", &bodies[i], 100));
-  EXPECT_FALSE(slow.Add(unsent, "slow", &bodies[10], 100)) << "nobody holds more";
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(other.Add(unsent, "other", &bodies[20 + i], 100));
-  EXPECT_EQ(slow.given_up, 5);
-  EXPECT_EQ(other.given_up, 0);
-  EXPECT_FALSE(other.Add(unsent, "other", &bodies[30], 100)) << "as much as anybody";
-  EXPECT_EQ(unsent.bytes(), 1000u);
-  slow.sending.clear();
-  other.sending.clear();
-  EXPECT_EQ(unsent.bytes(), 0u);
-}
-
-TEST(UnsentBytesTest, OneBodyCountsOnceHoweverManyReadIt) {
-  UnsentBytes unsent(1000);
-  Answers all;
-  const char body = 0, another = 0;
-  for (int i = 0; i < 40; ++i) {
-    EXPECT_TRUE(all.Add(unsent, "student " + std::to_string(i), &body, 900));
-  }
-  EXPECT_EQ(unsent.bytes(), 900u);
-  EXPECT_FALSE(all.Add(unsent, "late", &another, 900));
-  EXPECT_EQ(all.given_up, 0);
-}
-
-TEST(UnsentBytesTest, AnAnswerThatIsGivenUpBeforeItIsSentIsClosedAtOnce) {
-  UnsentBytes unsent(100);
-  const char body = 0, another = 0, third = 0;
-  const auto first = unsent.Add("slow", &body, 60), second = unsent.Add("slow", &another, 40);
-  EXPECT_NE(unsent.Add("other", &third, 50), nullptr);
-  bool closed = false;
-  first->OnGivenUp([&] { closed = true; });
-  EXPECT_TRUE(closed);
+  EXPECT_TRUE(bodies.Get(kName, there).ok());
+  EXPECT_TRUE(bodies.Made(HashSha256(AsBytes("b")), there).ok());
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "common/net/certificate.h"
 #include "common/net/frame_client.h"
 #include "common/protocol/frame.h"
+#include "server/stations/link_budget.h"
 #include "tests/server/stations/link_world.h"
 
 // Real bytes over TLS on loopback: deadlines, limits, shutdown.
@@ -27,6 +28,20 @@ namespace {
 
 using namespace testing;
 using namespace std::chrono_literals;
+
+// A school beside world_, whose stations use the same link.
+class Neighbour final : public OtherSchools {
+ public:
+  Result<std::shared_ptr<Services>> ServicesOf(const wire::Request&) override {
+    return std::shared_ptr<Services>();
+  }
+  std::vector<std::shared_ptr<Services>> All() override { return {services_}; }
+  LinkWorld& world() { return world_; }
+
+ private:
+  LinkWorld world_;
+  const std::shared_ptr<Services> services_{&world_.services, [](Services*) {}};
+};
 
 class StationServerTest : public ::testing::Test {
  protected:
@@ -44,7 +59,7 @@ class StationServerTest : public ::testing::Test {
     options.deadlines = deadlines;
     options.max_connections = max_connections;
     options.proxies = std::move(proxies);
-    server_.emplace(io_, options, world_.services, pool_);
+    server_.emplace(io_, options, world_.services, pool_, &others_);
     auto port = server_->Start();
     ASSERT_TRUE(port.ok()) << port.status().message();
     at_ = {"127.0.0.1", *port};
@@ -91,6 +106,7 @@ class StationServerTest : public ::testing::Test {
   }
 
   LinkWorld world_;
+  Neighbour others_;
   boost::asio::io_context io_;
   StorePool pool_{2};
   std::optional<StationServer> server_;
@@ -185,7 +201,7 @@ TEST_F(StationServerTest, TroubleOfTheStoreIsToldWithoutThePathsInIt) {
   Connect(client);
   ScriptedStation station([&](const wire::Request& request) { return Exchange(client, request); });
   wire::Error error = station.Enrol().error();
-  EXPECT_EQ(error.code(), "storage");
+  EXPECT_EQ(error.code(), "internal");
   EXPECT_EQ(error.message().find("enamel.db"), std::string::npos) << error.message();
   EXPECT_EQ(error.message().find("/"), std::string::npos) << error.message();
 }
@@ -338,6 +354,56 @@ TEST_F(StationServerTest, StationThatIsRevokedWhileItSaysNothingIsToldAndItsConn
   EXPECT_NE(Receive(client_).error().message().find("no longer admitted"), std::string::npos);
   EXPECT_TRUE(Ends(client_));
   EXPECT_TRUE(neighbour.SignIn("student").has_signed_in());
+}
+
+TEST_F(StationServerTest, AStationThatAnotherSchoolRevokedStays) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  net::FrameClient second;
+  ScriptedStation own{[&](const wire::Request& request) { return Exchange(second, request); }};
+  Connect(second);
+  ASSERT_TRUE(
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem)
+          .ok());
+  ASSERT_TRUE(own.Enrol("second").has_enrolled());
+  Connect(second);
+  ASSERT_TRUE(own.Hello().has_welcome());
+  // A station may be enrolled under the id that it has elsewhere.
+  const Uuid id = *protocol::ReadUuid(station_.id, "id");
+  Store& theirs = *others_.world().store;
+  const Sha256 code = HashSha256(AsBytes("code"));
+  StationRow row;
+  row.id = id;
+  row.name = "copy";
+  row.public_key.assign(station_.keys.public_key.begin(), station_.keys.public_key.end());
+  const auto copy = theirs.stations.EnrolStation(code, row, code, 0);
+  ASSERT_TRUE(copy.ok()) << copy.status().message();
+  ASSERT_EQ(copy->id, id);
+  ASSERT_TRUE(theirs.stations.RevokeStation(id, kSystem).ok());
+  // Told at the same look as whoever the other school revoked.
+  ASSERT_TRUE(
+      world_.store->stations.RevokeStation(*protocol::ReadUuid(own.id, "id"), kSystem).ok());
+  EXPECT_NE(Receive(second).error().message().find("no longer admitted"), std::string::npos);
+  EXPECT_TRUE(Ends(second));
+  EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+}
+
+TEST_F(StationServerTest, AStationHasFewConnectionsAndTheOldestGivesWay) {
+  StartWithStudent();
+  std::list<net::FrameClient> links;
+  for (size_t i = 0; i < LinkBudget::kMostLinks; ++i) {
+    net::FrameClient& link = links.emplace_back();
+    Connect(link);
+    ScriptedStation again{[&](const wire::Request& request) { return Exchange(link, request); }};
+    again.id = station_.id;
+    again.credential = station_.credential;
+    ASSERT_TRUE(again.Hello().has_welcome());
+  }
+  EXPECT_NE(Receive(client_).error().message().find("newer connections"), std::string::npos);
+  EXPECT_TRUE(Ends(client_));
 }
 
 TEST_F(StationServerTest, FrameThatDripsIsEndedAtItsDeadlineAndOthersGoOn) {

@@ -1,12 +1,12 @@
-#include "server/http/unsent_bytes.h"
+#include "server/net/held_bytes.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-namespace enamel::server::http {
+namespace enamel::server {
 
-void UnsentBytes::Sending::OnGivenUp(std::function<void()> close) {
+void HeldBytes::Held::OnGivenUp(std::function<void()> close) {
   {
     MutexLock lock(mutex_);
     if (!given_up_) {
@@ -17,7 +17,7 @@ void UnsentBytes::Sending::OnGivenUp(std::function<void()> close) {
   close();
 }
 
-void UnsentBytes::State::Remove(std::list<Entry>::iterator entry) {
+void HeldBytes::State::Remove(std::list<Entry>::iterator entry) {
   if (--uses[entry->body] == 0) {
     uses.erase(entry->body);
     bytes -= entry->bytes;
@@ -26,16 +26,16 @@ void UnsentBytes::State::Remove(std::list<Entry>::iterator entry) {
   entries.erase(entry);
 }
 
-std::list<UnsentBytes::Entry>::iterator UnsentBytes::State::OldestOfMost(size_t than) {
+std::list<HeldBytes::Entry>::iterator HeldBytes::State::OldestOfMost(size_t than) {
   const auto most = std::ranges::max_element(of, {}, [](const auto& one) { return one.second; });
   if (most == of.end() || most->second <= than) return entries.end();
   return std::ranges::find(entries, most->first, &Entry::of);
 }
 
-std::shared_ptr<UnsentBytes::Sending> UnsentBytes::Add(const std::string& of, const void* body,
-                                                       size_t bytes) {
-  std::vector<std::shared_ptr<Sending>> given_up;
-  std::shared_ptr<Sending> out;
+std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const void* body,
+                                                size_t bytes) {
+  std::vector<std::shared_ptr<Held>> given_up;
+  std::shared_ptr<Held> out;
   {
     State& state = *state_;
     MutexLock lock(state.mutex);
@@ -47,7 +47,7 @@ std::shared_ptr<UnsentBytes::Sending> UnsentBytes::Add(const std::string& of, co
     while (!fits()) {
       const auto entry = state.OldestOfMost(mine);
       if (entry == state.entries.end()) break;
-      if (auto sending = entry->sending.lock()) given_up.push_back(std::move(sending));
+      if (auto held = entry->held.lock()) given_up.push_back(std::move(held));
       state.Remove(entry);
     }
     if (fits()) {
@@ -55,32 +55,32 @@ std::shared_ptr<UnsentBytes::Sending> UnsentBytes::Add(const std::string& of, co
       state.of[of] += bytes;
       const uint64_t id = state.next_id++;
       const auto entry = state.entries.insert(state.entries.end(), {id, of, body, bytes, {}});
-      out = {new Sending, [kept = state_, id](Sending* sending) {
+      out = {new Held, [kept = state_, id](Held* held) {
                {
                  MutexLock end(kept->mutex);
                  const auto at = std::ranges::find(kept->entries, id, &Entry::id);
                  if (at != kept->entries.end()) kept->Remove(at);
                }
-               delete sending;
+               delete held;
              }};
-      entry->sending = out;
+      entry->held = out;
     }
   }
-  for (const auto& sending : given_up) {
+  for (const auto& held : given_up) {
     std::function<void()> close;
     {
-      MutexLock lock(sending->mutex_);
-      sending->given_up_ = true;
-      close = std::exchange(sending->close_, nullptr);
+      MutexLock lock(held->mutex_);
+      held->given_up_ = true;
+      close = std::exchange(held->close_, nullptr);
     }
     if (close) close();
   }
   return out;
 }
 
-size_t UnsentBytes::bytes() const {
+size_t HeldBytes::bytes() const {
   MutexLock lock(state_->mutex);
   return state_->bytes;
 }
 
-}  // namespace enamel::server::http
+}  // namespace enamel::server

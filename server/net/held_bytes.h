@@ -10,30 +10,32 @@
 
 #include "common/base/mutex.h"
 
-namespace enamel::server::http {
+namespace enamel::server {
 
-// Memory of large answers that are being sent. While there is more than `most`, answers of whoever
-// has most are given up, the oldest first, for one of somebody who has less: so slow readers harm
-// nobody else. Answers with the same body count once. Thread safety: any thread.
-class UnsentBytes {
+// Memory that this server holds for others, party by party (a person, a station, an address): large
+// answers that are being sent, requests and frames that have only begun to come. While there is more
+// than `most`, what is held for whoever has most is given up, the oldest first, for somebody who has
+// less. So who reads slowly, or announces much and sends nothing, harms nobody else. Parts with the
+// same bytes count once. Thread safety: any thread.
+class HeldBytes {
  public:
-  explicit UnsentBytes(size_t most) : most_(most) {}
+  explicit HeldBytes(size_t most) : most_(most) {}
 
-  // An answer that is being sent.
-  class Sending {
+  // A part of it: an answer, a request, a frame.
+  class Held {
    public:
     // Called once, when it is given up, from any thread; must not block.
     void OnGivenUp(std::function<void()> close);
 
    private:
-    friend class UnsentBytes;
+    friend class HeldBytes;
     Mutex mutex_;
     bool given_up_ ENAMEL_GUARDED_BY(mutex_) = false;
     std::function<void()> close_ ENAMEL_GUARDED_BY(mutex_);
   };
-  // `of`: whose it is, `body`: names the bytes in memory. Counts until the last copy of what it
+  // `of`: whose it is, `where`: names the bytes in memory. Counts until the last copy of what it
   // returns ends. Null: there is no room, and nobody else has more.
-  std::shared_ptr<Sending> Add(const std::string& of, const void* body, size_t bytes);
+  std::shared_ptr<Held> Add(const std::string& of, const void* where, size_t bytes);
   size_t bytes() const;
 
  private:
@@ -42,7 +44,7 @@ class UnsentBytes {
     std::string of;
     const void* body;
     size_t bytes;
-    std::weak_ptr<Sending> sending;
+    std::weak_ptr<Held> held;
   };
   struct State {
     mutable Mutex mutex;
@@ -62,4 +64,4 @@ class UnsentBytes {
   const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-}  // namespace enamel::server::http
+}  // namespace enamel::server

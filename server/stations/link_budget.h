@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/base/mutex.h"
+#include "common/base/uuid.h"
+#include "server/net/held_bytes.h"
+#include "server/training/types.h"
+
+namespace enamel::server::stations {
+
+struct Services;
+class Connection;
+
+// Two schools may know a station by the same id: one of them was restored from the other's backup.
+using StationOfSchool = std::pair<const Services*, Uuid>;
+
+// What one station may take of the link that all share, so that one whose keys were stolen harms
+// itself alone. Of this server: where several share a database, each has a budget of its own. Thread
+// safety: any thread.
+class LinkBudget {
+ public:
+  // A chair has one connection for its desk and one for what it sends; a technician's commands
+  // beside them take one each.
+  static constexpr size_t kMostLinks = 8;
+  // Frames that have begun to come, of all stations together (HeldBytes). A chunk has some kB; what
+  // fits into kSmallFrameBytes counts for nothing.
+  static constexpr size_t kMostComingBytes = size_t{32} << 20;
+  static constexpr size_t kSmallFrameBytes = size_t{64} << 10;
+  // Recorded within kPeriod: the largest recording three times over (recording_bounds.h), or a
+  // fortnight of ordinary ones that waited at the station.
+  static constexpr uint64_t kMostRecordedBytes = uint64_t{4} << 30;
+  static constexpr std::chrono::hours kPeriod{24};
+
+  // It has said who it is. Returns the oldest of its other connections where it has too many now,
+  // for the caller to end; null: none.
+  std::shared_ptr<Connection> Enter(const StationOfSchool& station,
+                                    const std::shared_ptr<Connection>& connection);
+  // `of`: the station. Null: too much is coming already of this one.
+  std::shared_ptr<HeldBytes::Held> Coming(const std::string& of, const void* where, size_t bytes) {
+    return coming_.Add(of, where, bytes);
+  }
+  // A chunk of so many bytes came. False: more than kMostRecordedBytes within kPeriod, and not
+  // counted.
+  bool Recorded(const StationOfSchool& station, uint64_t bytes, UnixMs now_ms);
+
+ private:
+  struct Party {
+    std::deque<std::weak_ptr<Connection>> links{};  // the oldest first
+    // Since when these were counted.
+    UnixMs since_ms = 0;
+    uint64_t recorded_bytes = 0;
+  };
+
+  HeldBytes coming_{kMostComingBytes};
+  Mutex mutex_;
+  std::map<StationOfSchool, Party> parties_ ENAMEL_GUARDED_BY(mutex_);
+};
+
+}  // namespace enamel::server::stations

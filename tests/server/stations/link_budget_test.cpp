@@ -1,0 +1,43 @@
+#include "server/stations/link_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace enamel::server::stations {
+namespace {
+
+constexpr UnixMs kDayMs = 86'400'000;
+
+TEST(LinkBudgetTest, WhatAStationRecordsInADayIsBoundedForItAlone) {
+  LinkBudget budget;
+  const StationOfSchool one{nullptr, Uuid::New()}, other{nullptr, Uuid::New()};
+  const uint64_t quarter = LinkBudget::kMostRecordedBytes / 4;
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(budget.Recorded(one, quarter, kDayMs + i));
+  EXPECT_FALSE(budget.Recorded(one, 1, kDayMs + 5));
+  EXPECT_TRUE(budget.Recorded(other, quarter, kDayMs + 5));
+  EXPECT_FALSE(budget.Recorded(one, 1, 2 * kDayMs - 1));
+  EXPECT_TRUE(budget.Recorded(one, 1, 2 * kDayMs)) << "the next day";
+}
+
+TEST(LinkBudgetTest, FramesThatHaveOnlyBegunAreBoundedAndTheirStationPaysForThem) {
+  LinkBudget budget;
+  constexpr size_t kFrame = size_t{4} << 20;
+  std::vector<std::shared_ptr<HeldBytes::Held>> coming;
+  std::vector<char> where(64);
+  int closed = 0;
+  for (char& at : where) {
+    auto one = budget.Coming("stolen", &at, kFrame);
+    if (one == nullptr) continue;
+    one->OnGivenUp([&] { ++closed; });
+    coming.push_back(std::move(one));
+  }
+  EXPECT_EQ(coming.size(), LinkBudget::kMostComingBytes / kFrame);
+  const char at = 0;
+  EXPECT_NE(budget.Coming("another", &at, kFrame), nullptr);
+  EXPECT_EQ(closed, 1);
+}
+
+}  // namespace
+}  // namespace enamel::server::stations
