@@ -294,12 +294,13 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
         Actor{row->person, "station " + station_->name}));
   }
   ours_.insert(attempt);
-  spdlog::info("station \"{}\" sends a recording from chunk {} on", station_->name, row->chunks);
+  ENAMEL_ASSIGN_OR_RETURN(const uint32_t next, services_.store.recordings.NextChunk(attempt));
+  spdlog::info("station \"{}\" sends a recording from chunk {} on", station_->name, next);
 
   wire::Reply reply;
   reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
   // The server's position: after a break the station continues from here.
-  reply.mutable_attempt_opened()->set_next_seq(row->chunks);
+  reply.mutable_attempt_opened()->set_next_seq(next);
   reply.mutable_attempt_opened()->set_watched(services_.live.Watched(attempt));
   return reply;
 }

@@ -37,7 +37,11 @@ Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
   if (!row.ok()) return row.status();
   // Another station's counts as complete: the offering station keeps it and learns nothing.
   if (row->station != station_->id) return false;
-  return row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording;
+  if (row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording) return true;
+  // What has a row may still have lost its recording.
+  const auto whole = services_.store.recordings.IsWhole(attempt);
+  // Not known now: it is offered again with the next connection.
+  return whole.ok() && !*whole;
 }
 
 Result<bool> Session::Revoked(const Uuid& attempt) {

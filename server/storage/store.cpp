@@ -30,7 +30,7 @@ Store::Store(std::unique_ptr<StoreEngine> on)
       sign_offs(engine->rows),
       ingest(engine->rows, engine->gate, *engine->keyring, engine->keys, recordings,
              engine->counters),
-      seals(engine->rows, engine->gate, *engine->blobs, blobs, *engine->keyring,
+      seals(engine->rows, engine->gate, *engine->blobs, blobs, recordings, *engine->keyring,
             engine->sealed ? &*engine->sealed : nullptr, engine->counters),
       motions(engine->rows),
       results(engine->rows, *engine->blobs),

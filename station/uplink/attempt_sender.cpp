@@ -96,7 +96,8 @@ Status AttemptSender::Send(const Uuid& attempt, const std::function<bool()>& yie
   if (status.ok() || (IsTransient(status) && !IsStopped(status))) {
     if (Status noted = spool_.MarkTried(attempt, status.message()); status.ok()) return noted;
   }
-  if (IsTransient(status)) return status;
+  // Of this station, not of the recording: whoever is admitted again goes on.
+  if (IsTransient(status) || status.code() == Code::kUnauthenticated) return status;
   // The next try starts where the server says, not where the sending stopped.
   next_.erase(attempt);
   if (status.code() == Code::kConflict && status.field() == "seq") {

@@ -183,10 +183,14 @@ Status Uploader::RunConnection() {
     about_link_.problem = Status::Ok();
     changed_.notify_all();
   }
-  auto offered = sender.Offer();
-  if (!offered.ok()) return offered.status();
+  ENAMEL_RETURN_IF_ERROR(sender.Offer().status());
   backoff_.Reset();
+  offer_due_ = Clock::now() + kOfferEvery;
   while (true) {
+    if (Clock::now() >= offer_due_) {
+      ENAMEL_RETURN_IF_ERROR(sender.Offer().status());
+      offer_due_ = Clock::now() + kOfferEvery;
+    }
     {
       MutexLock lock(mutex_);
       look_for_tickets_ = false;
@@ -212,7 +216,7 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
     // One recording's reason to wait neither delays the others nor ends the connection.
     if (IsOfOneRecording(status)) {
       awaited_due_ = Clock::now() + kAwaitedEvery;
-    } else if (!status.ok() && IsTransient(status)) {
+    } else if (IsTransient(status) || status.code() == Code::kUnauthenticated) {
       return status;
     }
     // A recording that yielded is not done: it comes again in this round.
@@ -338,6 +342,7 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
         }))
       return Status::Ok();
     if (awaited_due_ && Clock::now() >= *awaited_due_) return Status::Ok();
+    if (Clock::now() >= offer_due_) return Status::Ok();
   }
 }
 

@@ -46,6 +46,8 @@ class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};
   static constexpr std::chrono::seconds kPingEvery{20};
+  // What the server may have lost since: with each connection, and so often while one lasts.
+  static constexpr std::chrono::minutes kOfferEvery{60};
   // Recordings that wait for an admin or for salvage (IsOfOneRecording) are offered again this
   // often, at the next ping.
   static constexpr std::chrono::minutes kAwaitedEvery{5};
@@ -120,6 +122,7 @@ class Uploader {
   std::string said_;                                                  // of the thread
   std::chrono::steady_clock::time_point live_due_{}, ping_due_{};     // of the thread
   std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
+  std::chrono::steady_clock::time_point offer_due_{};                 // the thread's
 
   mutable Mutex mutex_;
   std::condition_variable_any changed_;

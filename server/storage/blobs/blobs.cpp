@@ -28,7 +28,9 @@ Result<Sha256> FolderBlobs::Put(ByteView data) {
     if (!there && fail_next_ && fail_next_()) return Status(Code::kStorage, "injected failure");
     if (!there) ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(path.parent_path()));
   }
-  // A process that was killed, or another thread, may have left it unsynced.
+  // One that the disk has lost a part of is written again. An intact one may have been left unsynced
+  // by a process that was killed, or by another thread.
+  there = there && Get(hash).ok();
   ENAMEL_RETURN_IF_ERROR(there ? disk_.SyncFolder(path.parent_path()) : disk_.Replace(path, data));
   return hash;
 }

@@ -78,12 +78,15 @@ Result<Sha256> S3Blobs::Put(ByteView data) {
     }));
   }
   if (there) {
-    const Status head = client_->Head(KeyOf(hash, there->generation));
-    if (head.code() != Code::kNotFound) {
-      ENAMEL_RETURN_IF_ERROR(trouble_.Told(head));
+    // Read, not only asked for: a store that lost a part of it answers a question as if it had all.
+    const Status kept =
+        client_->Get(KeyOf(hash, there->generation), hash, static_cast<size_t>(there->bytes))
+            .status();
+    if (kept.code() != Code::kNotFound && kept.code() != Code::kStorage) {
+      ENAMEL_RETURN_IF_ERROR(trouble_.Told(kept));
       return hash;
     }
-    spdlog::error("blobs: the object of {} is lost; it is written again", hash.Hex());
+    spdlog::error("blobs: the object of {} is lost or damaged; it is written again", hash.Hex());
   }
   const int64_t generation = NewGeneration();
   ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(KeyOf(hash, generation), data)));

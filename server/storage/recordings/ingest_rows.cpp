@@ -130,9 +130,7 @@ Result<bool> TryAppend(Db& db, const ChunkPut& chunk, ByteView sealed, int64_t g
   sql::Change next = NextChunk(chunk, sealed, generation, in_one);
   ENAMEL_RETURN_IF_ERROR(next.Run(db));
   if (next.rows == 0 || in_one) return next.rows > 0;
-  Query row(db, std::string(kInsertChunk) + "VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
-  row.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
-  ENAMEL_RETURN_IF_ERROR(row.Bind(chunk.received_ms).Run());
+  ENAMEL_RETURN_IF_ERROR(InsertChunk(db, chunk, sealed));
   return true;
 }
 
@@ -217,6 +215,8 @@ void IngestRows::Count(const ChunkPut& chunk) {
 
 // The chunks are in the blob then, which is read outside the writer.
 Status IngestRows::RepeatedAfterSeal(const ChunkPut& chunk) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool whole, recordings_.IsWhole(chunk.attempt));
+  if (!whole) return TakeAgain(chunk);
   ENAMEL_ASSIGN_OR_RETURN(auto chunks, recordings_.AttemptChunks(chunk.attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(chunks.at(chunk.head.seq)));
   if (stored.hash == chunk.hash) return Status::Ok();
@@ -230,6 +230,25 @@ Status IngestRows::RepeatedAfterSeal(const ChunkPut& chunk) {
   });
   ENAMEL_RETURN_IF_ERROR(flagged);
   return Status(Code::kConflict, problem, "hash");
+}
+
+// The store has lost the sealed recording: its station sends it once more, in order. The rows are
+// read by the seal that follows (SealRows); neither state nor flags nor score change.
+Status IngestRows::TakeAgain(const ChunkPut& chunk) {
+  ENAMEL_ASSIGN_OR_RETURN(auto key, keys_.KeyOf(chunk.attempt));
+  const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
+  return rows_.WriteRow([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(FindIngest(db, chunk.attempt, Look::kToDecide).status());
+    ENAMEL_ASSIGN_OR_RETURN(const ChunkEnd end, EndOfRows(db, chunk.attempt));
+    if (chunk.head.seq < end.next) return Status::Ok();
+    if (chunk.head.seq > end.next || chunk.head.previous != end.last) {
+      return Status(Code::kConflict,
+                    "expected chunk " + std::to_string(end.next) + " of the recording once more, " +
+                        "found " + std::to_string(chunk.head.seq),
+                    "seq");
+    }
+    return InsertChunk(db, chunk, sealed);
+  });
 }
 
 }  // namespace enamel::server

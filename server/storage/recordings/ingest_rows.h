@@ -64,6 +64,7 @@ class IngestRows {
   static Result<Appended> LookAndAppend(sql::Db& db, const ChunkPut& chunk, ByteView sealed,
                                         bool& keep_anyway);
   Status RepeatedAfterSeal(const ChunkPut& chunk);
+  Status TakeAgain(const ChunkPut& chunk);
   void Count(const ChunkPut& chunk);
 
   Transactions& rows_;

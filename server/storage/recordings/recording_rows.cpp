@@ -66,6 +66,52 @@ Result<trace::Seal> RecordingRows::AttemptSeal(const Uuid& attempt) {
   });
 }
 
+// Reads all of it. False: it is lost, cut short, changed, or another attempt's.
+Result<bool> RecordingRows::Reads(const Uuid& attempt, const Ingest& ingest) {
+  const auto bytes = blobs_.GetBlob(ingest.trace_blob);
+  const Code code = bytes.status().code();
+  if (code == Code::kNotFound || code == Code::kStorage) return false;
+  if (!bytes.ok()) return bytes.status();
+  const auto file = trace::DecodeTraceFile(*bytes);
+  if (!file.ok() || !file->seal) return false;
+  const trace::Seal& seal = *file->seal;
+  return seal.attempt == attempt && seal.chunks == ingest.chunks && seal.last_chunk == ingest.head;
+}
+
+Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
+  using Clock = std::chrono::steady_clock;
+  auto ingest = rows_.Read([&](Db& db) { return FindIngest(db, attempt, Look::kOnly); });
+  if (!ingest.ok()) return ingest.status();
+  if (ingest->trace_blob.IsZero() || ingest->expired) return true;
+  const bool there = blobs_.HasBlob(ingest->trace_blob);
+  {
+    MutexLock lock(mutex_);
+    const auto seen = seen_.find(attempt);
+    if (seen != seen_.end() && seen->second.blob == ingest->trace_blob &&
+        (there || !seen->second.whole)) {
+      const auto age = Clock::now() - seen->second.at;
+      if (seen->second.whole ? age < kLookAgain : age < kLostAgain) return seen->second.whole;
+    }
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const bool whole, Reads(attempt, *ingest));
+  MutexLock lock(mutex_);
+  if (seen_.size() >= kMostSeen) seen_.clear();
+  seen_[attempt] = {ingest->trace_blob, whole, Clock::now()};
+  return whole;
+}
+
+Result<uint32_t> RecordingRows::NextChunk(const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool whole, IsWhole(attempt));
+  return rows_.Read([&](Db& db) -> Result<uint32_t> {
+    if (!whole) {
+      ENAMEL_ASSIGN_OR_RETURN(const ChunkEnd end, EndOfRows(db, attempt));
+      return end.next;
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto ingest, FindIngest(db, attempt, Look::kOnly));
+    return ingest.chunks;
+  });
+}
+
 Result<std::vector<ContradictionRow>> RecordingRows::ContradictionsOf(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ContradictionRow>> {
     Query q(db,

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "common/base/bytes.h"
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "common/trace/trace.h"
@@ -14,7 +17,9 @@
 
 namespace enamel::server {
 
-// Reads the recording of an attempt.
+struct Ingest;  // trace_rows.h
+
+// Reads the recording of an attempt. Thread safety: any thread; calls block.
 class RecordingRows {
  public:
   RecordingRows(Transactions& rows, Keyring& keyring, StoredBlobs& blobs)
@@ -26,13 +31,33 @@ class RecordingRows {
   // more than `most` the newest. None once it is sealed.
   Result<std::vector<Bytes>> NewestChunks(const Uuid& attempt, uint32_t from, uint32_t most);
   Result<trace::Seal> AttemptSeal(const Uuid& attempt);
+  // Whether the store still has a sealed recording as it was sealed: all of it, of this attempt,
+  // with the content that its name says. One that is not sealed, or was removed by a rule, is whole.
+  // Reads it at most once in kLookAgain, and asks each time whether it is there. Errors: kUnavailable
+  // (cannot be told now).
+  Result<bool> IsWhole(const Uuid& attempt);
+  // The number of the chunk that the station is to send next: what follows the committed ones, or of
+  // a recording that is lost (IsWhole) those that came again.
+  Result<uint32_t> NextChunk(const Uuid& attempt);
   // The chunks that contradict committed ones, as far as they were kept; by number.
   Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt);
 
  private:
+  static constexpr std::chrono::hours kLookAgain{24};
+  static constexpr std::chrono::minutes kLostAgain{1};
+  static constexpr size_t kMostSeen = 100'000;
+  struct Seen {
+    Sha256 blob;
+    bool whole = false;
+    std::chrono::steady_clock::time_point at;
+  };
+  Result<bool> Reads(const Uuid& attempt, const Ingest& ingest);
+
   Transactions& rows_;
   Keyring& keyring_;
   StoredBlobs& blobs_;
+  Mutex mutex_;
+  std::map<Uuid, Seen> seen_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::server

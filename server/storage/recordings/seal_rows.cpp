@@ -72,7 +72,42 @@ Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
   ENAMEL_ASSIGN_OR_RETURN(auto hash,
                           stored_.PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file)));
   blob = hash;
-  return Status::Ok();
+  // The rows go once the blob is named. A store that says yes and keeps half would then have had the
+  // last copy.
+  const auto kept = blobs_.Get(hash);
+  if (kept.ok()) return Status::Ok();
+  if (kept.status().code() == Code::kUnavailable) return kept.status();
+  return Status(Code::kUnavailable, "the store of blobs did not keep what it was given (" +
+                                        kept.status().message() +
+                                        "); the recording stays where it is, try again later");
+}
+
+// A sealed recording whose blob is lost, from the chunks that came again.
+Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool whole, recordings_.IsWhole(seal.attempt));
+  if (whole) return Status::Ok();
+  auto end = rows_.Read([&](Db& db) { return EndOfRows(db, seal.attempt); });
+  if (!end.ok()) return end.status();
+  if (end->next != before.chunks || end->last != before.head) {
+    return Status(Code::kConflict,
+                  "the recording was lost; expected all " + std::to_string(before.chunks) +
+                      " chunks of it once more, found " + std::to_string(end->next),
+                  "seq");
+  }
+  Sha256 blob;
+  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  const Status status = rows_.WriteRow([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto ingest, FindIngest(db, seal.attempt, Look::kToDecide));
+    if (ingest.trace_blob != before.trace_blob) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
+    Query q(db, "UPDATE attempts SET trace_blob = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(blob).Run());
+    return WriteAudit(db, Actor{{}, "station link"}, "attempt.heal", seal.attempt.Text(),
+                      JsonOf({{"trace", before.trace_blob.Hex()}}),
+                      JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
+  });
+  if (status.ok() && sealed_ != nullptr) sealed_->Add(seal.attempt);
+  return status;
 }
 
 // A seal that names fewer chunks than are committed, or as many with another last one, or that
@@ -113,7 +148,9 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   }
   const Ingest& before = *before_or;
   // Sealed by the same seal before: the answer got lost.
-  if (before.state != AttemptState::kRecording) return Status::Ok();
+  if (before.state != AttemptState::kRecording) {
+    return before.trace_blob.IsZero() ? Status::Ok() : HealIfLost(seal, before);
+  }
   if (before.chunks == 0)
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
   Sha256 blob;

@@ -63,6 +63,24 @@ Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt) {
   return out;
 }
 
+Result<ChunkEnd> EndOfRows(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "SELECT seq, hash FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq DESC "
+          "LIMIT 1");
+  if (q.Bind(attempt).Next()) return ChunkEnd{static_cast<uint32_t>(q.Int(0)) + 1, q.Hash(1)};
+  if (!q.status().ok()) return q.status();
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes header, HeaderOf(db, attempt));
+  return ChunkEnd{0, HashSha256(header)};
+}
+
+Status InsertChunk(Db& db, const ChunkPut& chunk, ByteView sealed) {
+  Query row(db,
+            "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) VALUES (?1, "
+            "?2, ?3, ?4, ?5, ?6)");
+  row.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
+  return row.Bind(chunk.received_ms).Run();
+}
+
 Status Expired(const Uuid& attempt) {
   return Status(Code::kNotFound, "the recording of attempt " + attempt.Text() +
                                      " was removed by a retention rule; its score stays");

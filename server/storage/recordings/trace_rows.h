@@ -42,6 +42,14 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look);
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt);
 // In order, still encrypted under the person's key; none once the attempt's blob has them.
 Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt);
+// Where those end.
+struct ChunkEnd {
+  uint32_t next = 0;  // number of the chunk that follows
+  Sha256 last;        // what it names as previous
+};
+// Errors: kNotFound (nothing was recorded).
+Result<ChunkEnd> EndOfRows(Db& db, const Uuid& attempt);
+Status InsertChunk(Db& db, const ChunkPut& chunk, ByteView sealed);
 // kNotFound: a retention rule removed it.
 Status Expired(const Uuid& attempt);
 

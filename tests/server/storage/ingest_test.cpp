@@ -268,6 +268,48 @@ TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
             Code::kConflict);
 }
 
+TEST_P(IngestTest, ARecordingThatTheStoreHasLostIsTakenOnceMoreAndNothingElseChanges) {
+  const Uuid attempt = world_.OpenedAttempt(), other = world_.OpenedAttempt();
+  const auto chunks = world_.Append(attempt, 4), others = world_.Append(other, 2);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(others), 200).ok());
+  const AttemptRow before = *store_->attempts.AttemptById(attempt);
+  const size_t jobs = store_->jobs.Jobs("queued")->size();
+  EXPECT_TRUE(*store_->recordings.IsWhole(attempt));
+  EXPECT_EQ(*store_->recordings.NextChunk(attempt), 4u);
+  // Lost; another attempt's.
+  for (const char* blob :
+       {"?4", "(SELECT trace_blob FROM attempts WHERE tenant = ?1 AND id = ?3)"}) {
+    ASSERT_TRUE(store_->engine->rows
+                    .Write([&](sql::Db& db) -> Status {
+                      {
+                        Query rows(db,
+                                   "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+                        ENAMEL_RETURN_IF_ERROR(rows.Bind(attempt).Run());
+                      }
+                      Query q(db, std::string("UPDATE attempts SET trace_blob = ") + blob +
+                                      " WHERE tenant = ?1 AND id = ?2 AND ?3 <> ?4");
+                      return q.Bind(attempt).Bind(other).Bind(HashSha256(AsBytes("gone"))).Run();
+                    })
+                    .ok());
+    ASSERT_FALSE(*store_->recordings.IsWhole(attempt)) << blob;
+    EXPECT_EQ(*store_->recordings.NextChunk(attempt), 0u);
+    EXPECT_EQ(store_->ingest.AppendChunk(chunks[1]).field(), "seq") << "in order";
+    for (size_t i = 0; i < 3; ++i) ASSERT_TRUE(store_->ingest.AppendChunk(chunks[i]).ok()) << i;
+    EXPECT_EQ(*store_->recordings.NextChunk(attempt), 3u);
+    EXPECT_EQ(store_->seals.SealAttempt(World::SealOf(chunks), 900).field(), "seq");
+    ASSERT_TRUE(store_->ingest.AppendChunk(chunks[3]).ok());
+    ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok());
+    EXPECT_TRUE(*store_->recordings.IsWhole(attempt)) << blob;
+    EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->back(), chunks[3].bytes);
+  }
+  const AttemptRow after = *store_->attempts.AttemptById(attempt);
+  EXPECT_EQ(after.state, before.state);
+  EXPECT_EQ(after.flags, before.flags);
+  EXPECT_EQ(after.sealed_ms, before.sealed_ms);
+  EXPECT_EQ(store_->jobs.Jobs("queued")->size(), jobs) << "it is not scored anew";
+}
+
 TEST_P(IngestTest, MoreThanARecordingMayHoldIsRefusedAndTheStoreStaysWell) {
   AttemptRow row = world_.AttemptOf(world_.student);
   row.rate_hz = 1000;

@@ -165,6 +165,25 @@ TEST_F(UploaderTest, RefusalForGoodIsNotedAndTheRecordingKept) {
   EXPECT_EQ(spool_->Get(id())->chunks, 2u);
 }
 
+// Its administrator may have taken the station out by mistake, and enrols it again.
+TEST_F(UploaderTest, ARefusalOfTheStationGivesUpNoRecording) {
+  Record(3);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  FakeServer server(folder_);
+  const Credentials credentials = server.NewStation();
+  server.refuse = Status(Code::kUnauthenticated, "this station is no longer admitted");
+  {
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(credentials).ok());
+    EXPECT_EQ(UploadAttempt(link, *spool_, id()).code(), Code::kUnauthenticated);
+  }
+  EXPECT_EQ(spool_->Get(id())->refused, "");
+  server.refuse.reset();
+  Uploader uploader(credentials, *spool_);
+  uploader.WaitUntilDone(id(), kSoon);
+  ExpectWholeAt(server);
+}
+
 TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
   Record(2);
   ASSERT_TRUE(recorder_->Finish().ok());
