@@ -22,9 +22,17 @@ bool IsFull(long status, const std::string& code) {
          code.find("QuotaExceeded") != std::string::npos;
 }
 
+// RequestTimeout comes with 400: what was sent came too slowly. OperationAborted comes with 409:
+// another request for the same key was under way; the answer to HEAD names no code (S3 API Reference, "Error responses").
 bool MayPass(long status, const std::string& code) {
-  return status == 429 || status == 500 || status == 502 || status == 503 || status == 504 ||
-         code == "SlowDown";
+  return status == 408 || status == 429 || status == 500 || status == 502 || status == 503 ||
+         status == 504 || code == "SlowDown" || code == "RequestTimeout" ||
+         code == "OperationAborted" || (status == 409 && code.empty());
+}
+
+// Of a question about the bucket's settings, by a store that has no such setting.
+bool IsUnknownSetting(long status, const std::string& code) {
+  return status == 501 || status == 405 || code == "NotImplemented" || code == "MethodNotAllowed";
 }
 
 bool MayPass(CURLcode code) {
@@ -190,6 +198,8 @@ Request S3Client::Signed(const Call& call, std::string& authorization) const {
   out.body = call.body_hash;
   const std::string date = AmzDate(options_.time.now());
   out.headers = {{"Host", host_}, {"x-amz-content-sha256", out.body.Hex()}, {"x-amz-date", date}};
+  if (const std::string& token = options_.credentials.session_token; !token.empty())
+    out.headers.emplace_back("x-amz-security-token", token);
   authorization = Authorization(out, {options_.region}, options_.credentials, date);
   return out;
 }
@@ -456,8 +466,11 @@ Result<Versioning> S3Client::GetBucketVersioning() {
   Call call{"GET"};
   call.query = {{"versioning", ""}};
   Answer answer;
-  ENAMEL_RETURN_IF_ERROR(Run(call, options_.time.steady(), answer));
-  return ReadVersioning(AsText(answer.body));
+  const Status status = Run(call, options_.time.steady(), answer);
+  if (status.ok()) return ReadVersioning(AsText(answer.body));
+  const auto refusal = ReadRefusal(AsText(answer.body));
+  if (IsUnknownSetting(answer.status, refusal.ok() ? refusal->code : "")) return Versioning::kNever;
+  return status;
 }
 
 Result<bool> S3Client::GetObjectLockConfiguration() {
@@ -470,7 +483,7 @@ Result<bool> S3Client::GetObjectLockConfiguration() {
   const auto refusal = ReadRefusal(AsText(answer.body));
   const std::string code = refusal.ok() ? refusal->code : std::string();
   if (answer.status == 404 && code == "ObjectLockConfigurationNotFoundError") return false;
-  if (answer.status == 501 && code == "NotImplemented") return false;
+  if (IsUnknownSetting(answer.status, code)) return false;
   return status;
 }
 

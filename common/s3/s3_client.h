@@ -62,7 +62,8 @@ struct S3Options {
 // at most kMaxIdle.
 //
 // The client retries failures that may pass: no connection, a connection that was lost or is
-// silent, 429, 500, 502, 503 (SlowDown), 504, and a 404 that is not the store's own. It reports at
+// silent, 408, 429, 500, 502, 503 (SlowDown), 504, RequestTimeout (400), OperationAborted (409), and
+// a 404 that is not the store's own. It reports at
 // once those that will not pass: 400, 403, a missing object or bucket, a full store. A call that
 // failed may still have been carried out.
 //
@@ -98,7 +99,8 @@ class S3Client {
   // All of them, a page at a time. Errors: also kStorage where a page does not continue the one
   // before; `each` may then have seen some objects.
   Status ListEach(const std::string& prefix, const std::function<void(ListedObject&)>& each);
-  // The bucket keeps what is overwritten and deleted. Never: neither does nor did.
+  // The bucket keeps what is overwritten and deleted. Never: neither does nor did, or the store
+  // knows no versions.
   Result<Versioning> GetBucketVersioning();
   // The bucket may refuse to delete. A store that knows no locks: false.
   Result<bool> GetObjectLockConfiguration();

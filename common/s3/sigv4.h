@@ -28,6 +28,7 @@ namespace enamel::s3 {
 struct Credentials {
   std::string access_key;
   std::string secret_key;
+  std::string session_token{};  // of credentials that are lent for a time; empty: they are not
 };
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;

@@ -115,7 +115,10 @@ Result<ListPage> ReadListPage(std::string_view document) {
     page.objects.push_back(std::move(object));
   }
   ENAMEL_ASSIGN_OR_RETURN(const std::string truncated, TextOf(root, "IsTruncated"));
-  if (truncated != "true") return page;
+  // XML Schema's booleans, and those of stores that print their own language's.
+  if (truncated == "false" || truncated == "0" || truncated == "False") return page;
+  if (truncated != "true" && truncated != "1" && truncated != "True")
+    return BadMember("IsTruncated, true or false", truncated);
   ENAMEL_ASSIGN_OR_RETURN(page.next, TextOf(root, "NextContinuationToken"));
   if (page.next.empty()) return BadMember("NextContinuationToken of a list that continues", "");
   return page;

@@ -27,7 +27,7 @@ struct InitCommand {
 // take it.
 Status TryWithKey(const InitCommand& command, const DatabaseFile& file) {
   if (command.access_key.empty()) return TryStores(command.data, file);
-  s3::Credentials key{command.access_key};
+  s3::Credentials key{.access_key = command.access_key, .secret_key = {}};
   if (!std::getline(std::cin, key.secret_key) || key.secret_key.empty()) {
     return Status(Code::kInvalidInput,
                   "expected the secret of the access key as one line on standard input, found "

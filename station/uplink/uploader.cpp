@@ -319,6 +319,8 @@ Status Uploader::Ping() {
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto remarks,
                           link_.Ping(attempt, attempt ? remarks_.shown(*attempt) : 0));
+  // A server has none for nobody's attempt.
+  if (!attempt) return Status::Ok();
   for (const protocol::Remark& remark : remarks) remarks_.Arrived(*attempt, remark);
   return Status::Ok();
 }

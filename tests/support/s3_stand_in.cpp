@@ -267,6 +267,18 @@ bool S3StandIn::Answer(Connection& connection, const Asked& asked, Fault fault) 
     case Fault::kInternal:
       reply = Reply::Refuse(500, "InternalError");
       break;
+    case Fault::kSlowRequest:
+      reply = Reply::Refuse(400, "RequestTimeout");
+      break;
+    case Fault::kAborted:
+      reply = Reply::Refuse(409, "OperationAborted");
+      break;
+    case Fault::kNotImplemented:
+      reply = Reply::Refuse(501, "NotImplemented");
+      break;
+    case Fault::kNotAllowed:
+      reply = Reply::Refuse(405, "MethodNotAllowed");
+      break;
     case Fault::kSlowDown:
       reply = Reply::Refuse(503, "SlowDown");
       break;

@@ -38,6 +38,10 @@ class S3StandIn {
     kForbidden,        // 403 AccessDenied
     kInternal,         // 500 InternalError
     kSlowDown,         // 503 SlowDown
+    kSlowRequest,      // 400 RequestTimeout
+    kAborted,          // 409 OperationAborted
+    kNotImplemented,   // 501 NotImplemented
+    kNotAllowed,       // 405 MethodNotAllowed
     kGateway,          // 502 with a page of HTML
     kProxyNotFound,    // 404 with a page of HTML
     kSamePage,         // the first page of a list, whatever page is asked for

@@ -107,13 +107,16 @@ Result<s3::Credentials> ReadCredentials(const std::filesystem::path& path) {
   s3::Credentials out;
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "access_key", Need::kMust, out.access_key));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "secret_key", Need::kMust, out.secret_key));
+  ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "session_token", Need::kMay, out.session_token));
   return out;
 }
 
 Result<s3::Credentials> CredentialsOfEnvironment() {
   const char* const key = std::getenv("AWS_ACCESS_KEY_ID");
   const char* const secret = std::getenv("AWS_SECRET_ACCESS_KEY");
-  if (key != nullptr && secret != nullptr) return s3::Credentials{key, secret};
+  const char* const token = std::getenv("AWS_SESSION_TOKEN");
+  if (key != nullptr && secret != nullptr)
+    return s3::Credentials{key, secret, token == nullptr ? "" : token};
   return Status(Code::kInvalidInput,
                 "expected the S3 store's credentials in AWS_ACCESS_KEY_ID and "
                 "AWS_SECRET_ACCESS_KEY, found them not set; set them, or name a credentials_file "

@@ -72,7 +72,20 @@ TEST(S3XmlTest, ListWithAMemberThatCannotBeIsRefused) {
   EXPECT_FALSE(of("<Contents><Key>a</Key><LastModified>yesterday</LastModified></Contents>").ok());
   EXPECT_FALSE(of("<Contents><Size>1</Size></Contents>").ok());
   EXPECT_FALSE(of("<IsTruncated>true</IsTruncated>").ok()) << "the rest would be missing unnoticed";
+  for (const char* unknown : {"yes", "", " "})
+    EXPECT_FALSE(of("<IsTruncated>" + std::string(unknown) + "</IsTruncated>").ok()) << unknown;
   EXPECT_FALSE(ReadListPage("<Other/>").ok());
+}
+
+TEST(S3XmlTest, ListIsReadToItsEndHoweverAStoreWritesThatItContinues) {
+  auto next = [](const std::string& truncated) {
+    return ReadListPage("<ListBucketResult><IsTruncated>" + truncated +
+                        "</IsTruncated><NextContinuationToken>x</NextContinuationToken>"
+                        "</ListBucketResult>")
+        ->next;
+  };
+  for (const char* yes : {"true", "1", "True"}) EXPECT_EQ(next(yes), "x") << yes;
+  for (const char* no : {"false", "0", "False"}) EXPECT_EQ(next(no), "") << no;
 }
 
 TEST(S3XmlTest, RefusalSaysItsCode) {
