@@ -172,48 +172,30 @@ interface FlagsProps {
     Attempt,
     "state" | "released" | "as_reference" | "is_reference" | "exam" | "critical_fail" | "gap_ticks" | "flags"
   > & { readonly hand: Pick<Hand, "kind"> };
-  readonly graded: boolean;
+  readonly graded?: boolean; // without: nothing of its release, which a column of its own shows
   readonly staff: boolean;
   readonly appealed?: boolean; // an appeal waits for its answer
   readonly done?: number | undefined; // percent of the work, where it was stopped early
 }
 
-interface Flag extends StateText {
-  readonly icon: string; // where there is no room for the text
-}
-
 // What somebody skimming a list must not miss.
-function flagsOf({ attempt, graded, staff, appealed = false, done }: FlagsProps): Flag[] {
+function flagsOf({ attempt, graded = false, staff, appealed = false, done }: FlagsProps): StateText[] {
   const hand = handText(attempt.hand);
-  const when = (on: boolean, icon: string, tone: Tone, title: string): Flag[] => (on ? [{ icon, tone, title }] : []);
+  const when = (on: boolean, tone: Tone, title: string): StateText[] => (on ? [{ tone, title }] : []);
   return [
-    ...when(appealed, "?", "warning", say("attempt_flag.appeal")),
+    ...when(appealed, "warning", say("attempt_flag.appeal")),
     ...(done === undefined
       ? []
-      : when(true, "◔", "warning", say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) }))),
-    ...(hand === undefined ? [] : [{ ...hand, icon: "⌨" }]),
-    ...when(attempt.exam, "★", "neutral", say("attempt_flag.exam")),
-    ...when(attempt.critical_fail === true, "✕", "bad", say("attempt_flag.critical")),
-    ...when(attempt.gap_ticks > 0, "…", "warning", say("attempt_flag.gaps")),
-    ...shownFlags(attempt.flags, staff).map((flag) => ({ ...flagText(flag), icon: kFlagIcons[flag] ?? "•" })),
-    ...when(attempt.is_reference, "✓", "good", say("attempt_flag.reference")),
-    ...when(awaitsRelease(attempt, graded), "○", "neutral", say("attempt_flag.not_released")),
+      : when(true, "warning", say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) }))),
+    ...(hand === undefined ? [] : [hand]),
+    ...when(attempt.exam, "neutral", say("attempt_flag.exam")),
+    ...when(attempt.critical_fail === true, "bad", say("attempt_flag.critical")),
+    ...when(attempt.gap_ticks > 0, "warning", say("attempt_flag.gaps")),
+    ...shownFlags(attempt.flags, staff).map(flagText),
+    ...when(attempt.is_reference, "good", say("attempt_flag.reference")),
+    ...when(awaitsRelease(attempt, graded), "neutral", say("attempt_flag.not_released")),
   ];
 }
-
-const kFlagIcons: Readonly<Partial<Record<AttemptFlag, string>>> = {
-  late: "L",
-  late_upload: "↑",
-  faster_than_time: "»",
-  over_time: "T",
-  resumed: "↻",
-  readmitted: "←",
-  excused: "−",
-  returned: "↩",
-  other_hand: "H",
-  contradicted: "≠",
-  near_another: "≈",
-};
 
 export function Flags(props: FlagsProps) {
   return (
@@ -222,23 +204,6 @@ export function Flags(props: FlagsProps) {
         <Badge key={title} tone={tone}>
           {title}
         </Badge>
-      ))}
-    </span>
-  );
-}
-
-// A letter or sign for each, in one line; the words show with the pointer or the focus on them.
-export function FlagIcons(props: FlagsProps) {
-  const flags = flagsOf(props);
-  if (flags.length === 0) return null;
-  const text = flags.map(({ title }) => title).join(", ");
-  return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: the focus shows the words
-    <span class="flag-icons" role="img" tabIndex={0} aria-label={text} title={text} data-text={text}>
-      {flags.map(({ title, tone, icon }) => (
-        <span key={title} class={`badge ${tone}`}>
-          {icon}
-        </span>
       ))}
     </span>
   );

@@ -7,7 +7,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
 import { say, sayWith } from "../../base/words";
-import { awaitsRelease, FlagIcons, StateBadge } from "../../widgets/attempt_state";
+import { awaitsRelease, Flags, StateBadge } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { TextField } from "../../widgets/form";
@@ -259,7 +259,7 @@ function Row({ attempt, place, criteria, graded, several, chosen, onChoose, onOp
           onChange={(event) => onChoose(id, event.currentTarget.checked)}
         />
       </td>
-      <th scope="row" class="nowrap">
+      <th scope="row">
         <a
           href={`/attempts/${id}`}
           onClick={(event) => {
@@ -272,9 +272,9 @@ function Row({ attempt, place, criteria, graded, several, chosen, onChoose, onOp
         </a>
         {several && <span class="sub">{exerciseTitle(attempt.exercise)}</span>}
       </th>
-      <td class="nowrap">
+      <td>
         {attempt.state !== "scored" && <StateBadge attempt={attempt} />}{" "}
-        <FlagIcons attempt={attempt} graded={graded} staff={true} done={attempt.done_percent ?? undefined} />
+        <Flags attempt={attempt} staff={true} done={attempt.done_percent ?? undefined} />
       </td>
       <td class="nowrap">{formatDateTime(attempt.ticketed_ms)}</td>
       <td class="number score-cell">{formatScore(attempt.score)}</td>
