@@ -83,7 +83,7 @@ DeviceProfile Sigma7() {
   constexpr const char* kList = "CHAI3D's device list (sigma.7)";
   DeviceProfile p;
   p.name = "sigma7";
-  p.title = "sigma.7, six driven axes";
+  p.title = "sigma.7";
   p.resolution_nm = {1'500, "assumption: 0.0015 mm; no published figure was at hand"};
   p.max_stiffness_mn_per_mm = {4'000, "CHAI3D's device list (sigma.7, 4000 N/m)"};
   p.coupling_mn_per_mm = {3'600, "chosen: below the listed stiffness"};
@@ -98,7 +98,7 @@ DeviceProfile Sigma7() {
   p.workspace_radius_um = {70'000, "CHAI3D's device list (sigma.7), rounded down"};
   p.axes = {6, kList};
   p.torque.emplace();
-  p.torque->peak_un_m = {200'000, "CHAI3D's device list (sigma.7, 0.2 N m)"};
+  p.torque->peak_un_m = {200'000, "CHAI3D's device list (sigma.7, torque 0.2 N m)"};
   p.torque->coupling_un_m_per_rad = {800'000, "chosen: below CHAI3D's 1 N m/rad for the sigma.7"};
   p.torque->damping_un_m_s_per_rad = {
       500, "assumption: K T/2 at 1 kHz, so that CHAI3D's 1 N m/rad is the largest passive one"};

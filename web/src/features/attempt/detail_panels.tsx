@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import { signedResultAddress } from "../../api/client";
 import type { Client } from "../../api/client";
 import type { AttemptDetail, Metric, Score } from "../../api/types";
@@ -62,7 +63,7 @@ export const RecordingPanel = still(function RecordingPanel({
         </div>
         <div>
           <dt>{say("common.device")}</dt>
-          <dd>{attempt.profile.title}</dd>
+          <dd>{wordedTitle(attempt.profile.title)}</dd>
         </div>
         <div>
           <dt>{say("recording.held_by")}</dt>

@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import { type Change, type Json, type Path, pathText, valueAt } from "../../base/document";
 import { formatNumber } from "../../base/format";
 import { say, sayIf } from "../../base/words";
@@ -25,7 +26,7 @@ export function placeWords(path: Path, document: Json, last: Json | undefined = 
     if (typeof path[i - 1] === "number") return; // in a row
     const here = i === path.length - 1 ? last : valueAt(document, path.slice(0, i + 1));
     const title = here === undefined ? undefined : valueAt(here, ["title"]);
-    words.push(typeof title === "string" && title !== "" ? title : `${step + 1}`);
+    words.push(typeof title === "string" && title !== "" ? wordedTitle(title) : `${step + 1}`);
   });
   return words.join(", ");
 }

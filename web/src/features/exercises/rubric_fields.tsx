@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import type { ScoringMetric } from "../../api/types";
 import { type Json, type Path, valueAt } from "../../base/document";
 import { formatPoints, unitText } from "../../base/format";
@@ -137,7 +138,7 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   const unit = String(valueAt(item, ["unit"]) ?? "");
   const name = say(what === "gate" ? "rubric.gate_name" : "rubric.criterion_name", {
     number: String(place + 1),
-    title,
+    title: wordedTitle(title),
   });
   const choose = (chosen: string) => {
     const known = metrics.find((each) => each.name === chosen);

@@ -1,4 +1,4 @@
-import { exerciseTitle } from "../../api/builtin_words";
+import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -96,7 +96,7 @@ function Watched({
             </div>
             <div>
               <dt>{say("common.device")}</dt>
-              <dd>{attempt.profile.title}</dd>
+              <dd>{wordedTitle(attempt.profile.title)}</dd>
             </div>
           </dl>
           <div class="columns">

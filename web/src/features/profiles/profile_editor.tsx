@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
@@ -32,7 +33,8 @@ export function ProfileEditorPage({ client, name, onOpen }: Props) {
         <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />
       </>
     );
-  const { title, version, document } = loaded.value;
+  const { version, document } = loaded.value;
+  const title = wordedTitle(loaded.value.title);
   return (
     <Editor
       key={version}

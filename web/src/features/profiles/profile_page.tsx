@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import { placedMessage } from "../../api/placed";
@@ -28,7 +29,7 @@ export function ProfilePage({
   readonly admin: boolean;
 }) {
   const { loaded, reload } = useRequest(name, (signal) => client.profiles.get(name, signal));
-  const title = loaded.state === "ready" ? loaded.value.title : say("profile.one");
+  const title = loaded.state === "ready" ? wordedTitle(loaded.value.title) : say("profile.one");
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
@@ -98,7 +99,7 @@ function LoadedProfile({
 function Numbers({ profile }: { readonly profile: Profile }) {
   return (
     <DataTable
-      label={say("profile.numbers_of", { device: profile.title })}
+      label={say("profile.numbers_of", { device: wordedTitle(profile.title) })}
       items={profile.numbers}
       dense
       columns={[
@@ -108,7 +109,7 @@ function Numbers({ profile }: { readonly profile: Profile }) {
           number: true,
           cell: (number) => <span class="nowrap">{valueText(number)}</span>,
         },
-        { title: say("profile.source"), cell: (number) => number.source },
+        { title: say("profile.source"), cell: (number) => wordedTitle(number.source) },
       ]}
     />
   );
@@ -128,7 +129,7 @@ function Versions({ client, profile }: { readonly client: Client; readonly profi
       dense
       columns={[
         { title: say("version.one"), cell: (version) => version.version },
-        { title: say("editor.title_field"), cell: (version) => version.title },
+        { title: say("editor.title_field"), cell: (version) => wordedTitle(version.title) },
         { title: say("profile.saved"), cell: (version) => formatDateTime(version.created_ms) },
       ]}
     />

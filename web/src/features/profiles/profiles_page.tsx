@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Profile, ProfileJudgement } from "../../api/types";
 import { placedMessage } from "../../api/placed";
@@ -30,7 +31,7 @@ export function ProfilesPage({ client, admin }: { readonly client: Client; reado
               columns={[
                 {
                   title: say("common.device"),
-                  cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{profile.title}</a>,
+                  cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{wordedTitle(profile.title)}</a>,
                 },
                 { title: say("document_place.name"), cell: (profile: Profile) => <code>{profile.name}</code> },
                 { title: say("version.one"), number: true, cell: (profile: Profile) => profile.version },
