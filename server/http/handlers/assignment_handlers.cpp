@@ -101,8 +101,8 @@ class AssignmentView {
     for (const Uuid& id : row.assignment.stations) {
       names += (names.empty() ? "" : ", ") + StationName(id);
     }
-    // The rule that the station link asks when it gives a ticket, here without a station. So the
-    // page says today's reason in the words that the student would read at the chair.
+    // The rule that the station link asks when it gives a ticket, here without a station. Page and
+    // chair have the same sentence for each reason.
     Status may = MayBegin(row, now_ms, std::nullopt, names);
     json::value left;
     if (row.assignment.attempt_limit != 0) {
@@ -111,7 +111,7 @@ class AssignmentView {
     }
     out["mine"] = {{"attempts_used", row.attempts_used},
                    {"attempts_left", std::move(left)},
-                   {"refusal", may.ok() ? "" : may.message()},
+                   {"refusal", may.ok() ? "" : may.field()},
                    {"grade", GradeView::Json(grade)}};
     return out;
   }

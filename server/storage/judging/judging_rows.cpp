@@ -124,7 +124,9 @@ Status JudgingRows::Rescore(const Uuid& attempt, const std::string& cause, const
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
     ENAMEL_RETURN_IF_ERROR(QueueAgain(db, attempt, cause));
     return WriteAudit(db, by, "attempt.rescore", attempt.Text(),
-                      JsonOf({{"state", AttemptStateName(row.state)}, {"problem", row.problem}}),
+                      JsonOf({{"state", AttemptStateName(row.state)},
+                              {"problem", row.problem},
+                              {"problem_field", row.problem_field}}),
                       JsonOf({{"cause", cause}}));
   });
 }

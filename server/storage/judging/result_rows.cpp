@@ -255,7 +255,7 @@ Status ResultRows::FailAttempt(const Uuid& attempt, const Status& problem, const
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",
-                      JsonOf({{"problem", problem.message()}}));
+                      JsonOf({{"problem", problem.message()}, {"problem_field", problem.field()}}));
   });
 }
 

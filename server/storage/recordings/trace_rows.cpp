@@ -108,7 +108,7 @@ Status Quarantine(Db& db, const Uuid& attempt, const Status& problem) {
                   ", problem = ?3, problem_field = ?4 WHERE tenant = ?1 AND id = ?2");
   ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
   return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
-                    JsonOf({{"problem", problem.message()}}));
+                    JsonOf({{"problem", problem.message()}, {"problem_field", problem.field()}}));
 }
 
 Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {

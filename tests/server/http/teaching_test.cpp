@@ -474,9 +474,7 @@ TEST_F(TeachingTest, InstructorAssignsToOwnCohortsAndAdminToEverybody) {
   const json::value& first = mine.at("assignments").at(0);
   EXPECT_EQ(first.at("exam"), true) << "exams first";
   EXPECT_EQ(first.at("mine").at("attempts_left"), 2);
-  EXPECT_NE(std::string(first.at("mine").at("refusal").as_string()).find("opens 2096-10-02"),
-            std::string::npos)
-      << json::serialize(first);
+  EXPECT_EQ(first.at("mine").at("refusal"), "opens") << json::serialize(first);
   EXPECT_EQ(Parsed(By("ada").Get("/api/v1/assignments")).at("assignments").as_array().size(), 3u);
   EXPECT_EQ(Parsed(By("ben").Get("/api/v1/assignments")).at("assignments").as_array().size(), 1u);
   EXPECT_EQ(Parsed(By("root").Get("/api/v1/assignments?cohort=" + school_.cohort_a.Text()))

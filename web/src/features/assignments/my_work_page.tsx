@@ -2,7 +2,7 @@ import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { unreachable } from "../../base/assert";
-import { formatDateTime, sentence } from "../../base/format";
+import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Brief, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { part } from "../../widgets/part";
@@ -90,7 +90,7 @@ function AssignmentCard({ client, assignment, now }: CardProps) {
         )}
       </dl>
       {assignment.exam && <p class="hint">{say("my_work.exam")}</p>}
-      {mine !== null && mine.refusal !== "" && <p class="hint">{sentence(mine.refusal)}</p>}
+      {mine !== null && mine.refusal !== "" && <p class="hint">{say(`refusal.${mine.refusal}`)}</p>}
       {used > 0 && (
         <Scores show={({ MyProgress }) => <MyProgress client={client} assignment={assignment.id} used={used} />} />
       )}
