@@ -186,11 +186,12 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
   }
 }
 
-// Where something is in a state that everybody meets, the field names the state and the page has words for it.
+// Where something is in a state that everybody meets, the field names the state and the page has words for it. Some
+// refusals are known by their code and the member that they refuse.
 // Otherwise: the server's messages are English, and other languages show a sentence for the code instead, followed by
 // the message where the code alone says too little.
 function errorText(code: string | undefined, field: string | undefined, said: string): string {
-  const state = sayIf(`error_state.${field ?? ""}`);
+  const state = sayIf(`error_state.${field ?? ""}`) ?? sayIf(`error_code.${code ?? ""}_${field ?? ""}`);
   if (state !== undefined) return state;
   return spokenLanguage() === "en" ? sentence(said) : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
 }

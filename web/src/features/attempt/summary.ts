@@ -119,7 +119,7 @@ function disturbance({ disturbance: d }: Score): string[] {
 export function heldBy({ kind, device, driver, unit }: Hand): string {
   switch (kind) {
     case "program":
-      return say("hand.simulated", { driver });
+      return say("hand.simulated", { driver: driver.replace(/^operator /, "") });
     case "haptic":
       return unit === "" ? device : `${device} (${unit})`;
     case "pointer":

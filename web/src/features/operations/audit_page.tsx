@@ -14,7 +14,7 @@ import { Button } from "../../widgets/button";
 import { TextField, TimeField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
-import { type Detail, detailsOf, peopleIn, personOf, shortId, thingOf } from "./audit_text";
+import { type Detail, detailsOf, peopleIn, personOf, shortId, thingOf, whereText } from "./audit_text";
 
 const kPageSize = 100;
 
@@ -124,7 +124,7 @@ function Sentence({ entry, known }: { readonly entry: AuditEntry; readonly known
         ) : (
           <>
             {linked(person, shortId(person))}
-            {entry.actor.slice(person.length).replace(" (page)", "")}
+            {whereText(entry.actor, person)}
           </>
         ),
         thing === undefined ? (

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { detailsOf, peopleIn, shortId, thingOf } from "./audit_text";
+import { detailsOf, peopleIn, shortId, thingOf, whereText } from "./audit_text";
 
 const id = (number: number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 const entry = (action: string, object: string, before = "", after = "") => ({
@@ -36,6 +36,24 @@ test("values are shown as people read them: times as dates, people by name, yes 
   assert.match(details[0]?.after ?? "", /2026/);
   assert.equal(details[1]?.after, "yes");
   assert.equal(details[2]?.after, "Student Seven");
+});
+
+test("why an attempt has no score is told in words where the server names the reason", () => {
+  const after = (field: string) => JSON.stringify({ problem: "no reference yet: …", problem_field: field });
+  assert.match(
+    detailsOf({ before: "", after: after("no_reference") })[0]?.after ?? "",
+    /^This exercise has no reference/,
+  );
+  assert.deepEqual(
+    detailsOf({ before: "", after: after("") }).map(({ after: text }) => text),
+    ["no reference yet: …"],
+  );
+});
+
+test("where somebody was is told in words, and not where it was the page", () => {
+  assert.equal(whereText(`${id(3)} (page)`, id(3)), "");
+  assert.equal(whereText(`${id(3)} (station Chair 1)`, id(3)), " (station Chair 1)");
+  assert.equal(whereText(`${id(3)} (elsewhere)`, id(3)), " (elsewhere)");
 });
 
 test("text that is no JSON object is shown unchanged", () => {

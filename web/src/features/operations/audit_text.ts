@@ -12,6 +12,14 @@ export function personOf(actor: string): string | undefined {
   return new RegExp(`^${kUuid.source}(?= |$)`).exec(actor)?.[0];
 }
 
+// "(station Chair 1)", after the person's name; nothing where they used the page.
+export function whereText(actor: string, person: string): string {
+  const where = actor.slice(person.length).replace(/^ \((.*)\)$/, "$1");
+  const [, station] = /^station (.*)$/.exec(where) ?? [];
+  if (where === "" || where === "page") return "";
+  return ` ${station === undefined ? `(${where})` : say("audit.at_station", { station })}`;
+}
+
 const kOnAttempts = ["attempt", "annotation", "appeal", "job"];
 
 export interface Thing {
@@ -70,9 +78,17 @@ export function detailsOf(
 ): Detail[] {
   const [was, is] = [membersOf(before), membersOf(after)];
   return [...new Set([...Object.keys(was), ...Object.keys(is)])].flatMap((key) => {
-    const [old, now] = [valueText(key, was[key], nameOf), valueText(key, is[key], nameOf)];
+    if (key === "problem_field") return []; // names the problem
+    const text = (members: typeof is) => problemText(key, members) ?? valueText(key, members[key], nameOf);
+    const [old, now] = [text(was), text(is)];
     return old === now ? [] : [{ name: nameText(key), before: old, after: now }];
   });
+}
+
+// Why an attempt has no score, in words where the server names the reason.
+function problemText(key: string, members: Readonly<Record<string, unknown>>): string | undefined {
+  const reason = members["problem_field"];
+  return key === "problem" && typeof reason === "string" ? sayIf(`refusal.${reason}`) : undefined;
 }
 
 function membersOf(text: string): Readonly<Record<string, unknown>> {
