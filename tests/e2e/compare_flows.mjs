@@ -8,6 +8,7 @@ export const compareFlows = [
   { name: "two attempts are shown side by side", run: beside },
   { name: "a student sees the reference beside their own attempt", anywhere: true, run: besideTheReference },
   { name: "two attempts fit a small window, with nothing over the teeth", run: besideInASmallWindow },
+  { name: "an attempt to compare with is found by its person and exercise", run: found },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
 ];
 
@@ -42,6 +43,30 @@ async function beside(world) {
   await world.picture(page, "beside");
   await choice.selectOption("");
   await page.locator(".other-tooth").waitFor({ state: "detached" });
+}
+
+// Of everybody and every exercise, not only among the newest of this one.
+async function found(world) {
+  const page = await signedIn(world, "instructor", world.attempt("shown"));
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel("Compare with").selectOption({ label: "Find another…" });
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Exercise").selectOption({ label: "Class I occlusal cavity" });
+  await dialog.getByLabel("Student").fill("kovacova");
+  const { score } = await (await world.as("instructor")).get(world.attempt("class3"));
+  const rows = dialog.locator("tbody tr");
+  const theirs = rows.filter({ hasText: /^Žofia Kováčová-Szczepańska/ });
+  await theirs.filter({ hasText: score.toFixed(1) }).waitFor();
+  await eventually(async () => assert.equal(await rows.count(), await theirs.count()));
+  await accessible(page, "the search for an attempt");
+  await theirs
+    .filter({ hasText: score.toFixed(1) })
+    .getByRole("button", { name: /^Compare with Žofia / })
+    .click();
+  await dialog.waitFor({ state: "detached" });
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  assert.equal(await page.getByLabel("Compare with").inputValue(), world.school.attempts.class3);
+  assert.match(await page.locator(".tooth-name").last().innerText(), /^Žofia /);
 }
 
 async function besideTheReference(world) {

@@ -4,9 +4,13 @@ import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
+import { part } from "../../widgets/part";
 
 const kMostOwn = 200;
 const kMostOthers = 50;
+const kSearch = "search"; // the choice that opens the search
+
+const Search = part("compare_search", () => import("./compare_search"));
 
 interface ChoiceProps {
   readonly client: Client;
@@ -31,45 +35,76 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const own = mine.loaded.state === "ready" ? mine.loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
   const others =
     loaded.state === "ready" ? loaded.value.items.filter(({ person }) => person.id !== attempt.person.id) : [];
+  const [searching, setSearching] = useState(false);
+  const [found, setFound] = useState<Attempt>(); // by searching; neither the person's own nor among the newest
+  const listed = [...own, ...others];
+  if (found !== undefined && !listed.some(({ id }) => id === found.id))
+    (found.person.id === attempt.person.id ? own : others).unshift(found);
   const reference = comparable(attempt, staff);
+  const choose = (select: HTMLSelectElement) => {
+    if (select.value !== kSearch) {
+      onChoose(select.value || undefined, select.selectedOptions[0]?.title ?? "");
+      return;
+    }
+    select.value = chosen ?? "";
+    setSearching(true);
+  };
+  const search = (
+    <Search
+      show={({ CompareSearch }) => (
+        <CompareSearch
+          client={client}
+          attempt={attempt}
+          onClose={() => setSearching(false)}
+          onFound={(other) => {
+            setFound(other);
+            setSearching(false);
+            onChoose(other.id, attemptName(other));
+          }}
+        />
+      )}
+    />
+  );
   return (
-    <select
-      aria-label={say("compare.with")}
-      value={chosen ?? ""}
-      onFocus={() => setAsked(true)}
-      onPointerDown={() => setAsked(true)}
-      onChange={({ currentTarget: { value, selectedOptions } }) =>
-        onChoose(value || undefined, selectedOptions[0]?.title ?? "")
-      }
-    >
-      <option value="">{say("compare.nothing")}</option>
-      {reference !== undefined && (
-        <option value={reference.attempt_id} title={referenceName(reference)}>
-          {referenceName(reference)}
-        </option>
-      )}
-      {own.length > 0 && (
-        <optgroup label={say("compare.same_person")}>
-          {own.map((other) => (
-            <option key={other.id} value={other.id} title={attemptName(other)}>
-              {title(other)}
-            </option>
-          ))}
-        </optgroup>
-      )}
-      {others.length > 0 && (
-        <optgroup label={say("compare.others")}>
-          {others.map((other) => (
-            <option key={other.id} value={other.id} title={attemptName(other)}>
-              {attemptName(other)}
-            </option>
-          ))}
-        </optgroup>
-      )}
-      {asked && (mine.loaded.state === "loading" || (staff && loaded.state === "loading")) && (
-        <option disabled>{say("loading.short")}</option>
-      )}
-    </select>
+    <>
+      <select
+        aria-label={say("compare.with")}
+        value={chosen ?? ""}
+        onFocus={() => setAsked(true)}
+        onPointerDown={() => setAsked(true)}
+        onChange={({ currentTarget }) => choose(currentTarget)}
+      >
+        <option value="">{say("compare.nothing")}</option>
+        {reference !== undefined && (
+          <option value={reference.attempt_id} title={referenceName(reference)}>
+            {referenceName(reference)}
+          </option>
+        )}
+        {own.length > 0 && (
+          <optgroup label={say("compare.same_person")}>
+            {own.map((other) => (
+              <option key={other.id} value={other.id} title={attemptName(other)}>
+                {title(other)}
+              </option>
+            ))}
+          </optgroup>
+        )}
+        {others.length > 0 && (
+          <optgroup label={say("compare.others")}>
+            {others.map((other) => (
+              <option key={other.id} value={other.id} title={attemptName(other)}>
+                {attemptName(other)}
+              </option>
+            ))}
+          </optgroup>
+        )}
+        {asked && (mine.loaded.state === "loading" || (staff && loaded.state === "loading")) && (
+          <option disabled>{say("loading.short")}</option>
+        )}
+        {staff && <option value={kSearch}>{say("compare.search")}</option>}
+      </select>
+      {searching && search}
+    </>
   );
 }
 
