@@ -6,6 +6,7 @@ import { accessible, signedIn } from "./session.mjs";
 export const markingFlows = [
   { name: "two people mark an assignment blind, and see their agreement when both are done", run: blind },
   { name: "a mark that was begun outlives a reload, and a marking is given up", run: begunAndGivenUp },
+  { name: "somebody else marks in the place of a marker", run: otherMarkers },
 ];
 
 async function begin(page) {
@@ -101,4 +102,23 @@ async function begunAndGivenUp(world) {
   await page.getByRole("cell", { name: "Given up", exact: true }).waitFor();
   await page.goto(address);
   await page.getByText("Nothing can be marked any more.").waitFor();
+}
+
+async function otherMarkers(world) {
+  const page = await signedIn(world, "admin", world.assignment("marked"));
+  await page.getByRole("cell", { name: /Instructor One: 1 of 2/ }).waitFor();
+  await page.getByRole("button", { name: "Change markers…" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Instructor One").uncheck();
+  await dialog.getByRole("button", { name: "Save", exact: true }).click();
+  await dialog.getByText("Choose two people at least.").waitFor();
+  await accessible(page, "other markers");
+  await dialog.getByLabel("Admin One").check();
+  await dialog.getByRole("button", { name: "Save", exact: true }).click();
+  await dialog.waitFor({ state: "detached" });
+  const cell = page.getByRole("cell", { name: /Admin One: 0 of 2/ });
+  await cell.waitFor();
+  assert.doesNotMatch(await cell.innerText(), /Instructor One/);
+  const removed = await signedIn(world, "instructor", `/markings/${world.school.marking}`);
+  await removed.getByText("You are not one of those who mark.").waitFor();
 }

@@ -13,6 +13,7 @@ export const teachingFlows = [
     name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted",
     run: assignmentLife,
   },
+  { name: "an assignment is ended at once, and opened again", run: endNow },
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
   { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
   { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
@@ -187,6 +188,23 @@ async function assignmentLife(world) {
   await page.getByText(/\d+ scores released/).waitFor();
   const { attempts } = await teacher.get(`/attempts?assignment=${world.school.assignments.graded}&limit=100`);
   assert.ok(attempts.filter(({ state }) => state === "scored").every(({ released }) => released));
+}
+
+async function endNow(world) {
+  const path = world.assignment("graded");
+  const page = await signedIn(world, "instructor", path);
+  const teacher = await world.as("instructor");
+  const before = await teacher.get(path);
+  await page.getByRole("button", { name: "End now" }).click();
+  const ended = page.getByRole("status").filter({ hasText: "The assignment has ended." });
+  await ended.waitFor();
+  await accessible(page, "an assignment that has just ended");
+  const after = await teacher.get(path);
+  assert.ok(after.due_ms < before.due_ms && !after.late_allowed, JSON.stringify(after));
+  await ended.getByRole("button", { name: "Undo" }).click();
+  await page.getByRole("button", { name: "End now" }).waitFor();
+  const { due_ms, late_allowed } = await teacher.get(path);
+  assert.deepEqual({ due_ms, late_allowed }, { due_ms: before.due_ms, late_allowed: before.late_allowed });
 }
 
 async function remarks(world) {
