@@ -161,6 +161,11 @@ async function fill({ url, link }) {
       ({ state }) => !["recording", "sealed", "scoring", "ticketed"].includes(state),
       kMostMs,
     );
+  // The reference before has the others scored again, in the server's own time.
+  const isBeingScored = (refused) => {
+    if (!/: 409 .*is scoring/.test(refused.message)) throw refused;
+    return false;
+  };
   said("people and chairs are there");
 
   // Three dentists' cuts of the graded exercise and one of its practice.
@@ -177,7 +182,12 @@ async function fill({ url, link }) {
   );
   // One after the other: of two dentists who give the same points, their order decides who judges.
   for (const { who, id, dentist } of dentistsCuts)
-    await who.post(`/attempts/${id}/reference`, { dentist, consent: true });
+    await until(
+      `the cut of ${dentist} is a reference`,
+      () => who.post(`/attempts/${id}/reference`, { dentist, consent: true }).then(() => true, isBeingScored),
+      Boolean,
+      kMostMs,
+    );
   const references = { first: dentistsCuts[0].id, second: dentistsCuts[1].id };
   said("references are there");
 
