@@ -68,6 +68,12 @@ async function runFlow(flow, { pages, newPage, ...world }, failedPicture) {
   }
 }
 
+// Lays out what waits until somebody comes there: it would be an empty tail of a picture.
+function whole() {
+  for (const element of document.querySelectorAll("main *"))
+    if (getComputedStyle(element).contentVisibility === "auto") element.style.contentVisibility = "visible";
+}
+
 // `waiting`: numbers and flows, of which every lane takes the next.
 async function runLane(waiting, world, pictures) {
   let failed = 0;
@@ -75,7 +81,9 @@ async function runLane(waiting, world, pictures) {
     const begun = performance.now();
     const pathOf = (folder, name) => join(folder, `${String(index + 1).padStart(2, "0")}_${name}.png`);
     const picture = async (shown, name, options = {}) => {
-      if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options });
+      if (pictures === undefined) return;
+      await shown.evaluate(whole);
+      await shown.screenshot({ path: pathOf(pictures, name), ...options });
     };
     try {
       await runFlow(flow, { ...world, newPage: () => newPage(world.browser, world.baseUrl), picture }, (i) =>
