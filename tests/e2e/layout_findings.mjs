@@ -1,6 +1,6 @@
 // What nobody may ever see on a page. Runs in the browser, on the page as it is drawn: `findings` is sent there as text,
 // so it uses nothing from outside.
-export function findings({ language, words }) {
+export function findings({ language, words, typed, least_px }) {
   const kSlack_px = 1.5; // of fractions of pixels
   const kOverlap_px = 3; // line boxes reach beyond their letters
   const [kLines, kLetters] = [4, 5]; // so many lines of so few letters
@@ -43,6 +43,18 @@ export function findings({ language, words }) {
     }
     return false;
   };
+
+  // Room that one scrolls into and finds empty.
+  const kTail_px = 300;
+  const drawn =
+    "body :is(h1, h2, h3, p, li, td, th, dt, dd, a, button, input, select, textarea, canvas, svg, img, label)";
+  const lowest = Math.max(
+    ...[...document.querySelectorAll(drawn)]
+      .filter((element) => element.checkVisibility({ visibilityProperty: true }) && !isHidden(element))
+      .map((element) => element.getBoundingClientRect().bottom + scrollY),
+  );
+  const tail_px = root.scrollHeight - Math.max(lowest, least_px);
+  if (tail_px > kTail_px) note("empty tail", root, `${Math.round(tail_px)} px`);
 
   // Every piece of text, its boxes on the screen.
   const pieces = [];
@@ -101,6 +113,25 @@ export function findings({ language, words }) {
     const isName = element.closest("[translate=no], .brand, .sign-in-brand, code") !== null;
     if (languages !== undefined && !isName && !languages.includes(language))
       note(`in ${languages.join(", ")}`, element, text);
+  }
+
+  // A sentence or label in English, wherever it comes from: by its small words; between Chinese signs any two words do.
+  const kEnglish =
+    language === "zh"
+      ? /[a-z]{3,}[ ,;:]+[a-z]{3,}/i
+      : /(?<![\p{L}\d.-])(?:the|of|is|are|and|with|from|to|for|be|by|on|that|this|has|as|or|its|it|at|until)(?![\p{L}\d-])/u;
+  const kCommand = /enamel-(?:server|station|lab)(?: [a-z-]+)*(?: --[a-z-]+)*/g;
+  const told = [
+    ...pieces.map(({ element, text }) => [element, text]),
+    ...[...document.querySelectorAll("option")].map((option) => [option, option.text]),
+    ...["aria-label", "title", "placeholder", "alt", "aria-valuetext"].flatMap((name) =>
+      [...document.querySelectorAll(`[${name}]`)].map((element) => [element, element.getAttribute(name)]),
+    ),
+  ];
+  for (const [element, text] of language === "en" ? [] : told) {
+    if (element.closest("[translate=no], .brand, .sign-in-brand, code") !== null) continue;
+    const rest = typed.reduce((left, one) => left.replaceAll(one, "…"), text.replaceAll(kCommand, "…"));
+    if (kEnglish.test(rest)) note("in English", element, text);
   }
 
   // Text over text. Only what is beside each other in height is compared.
