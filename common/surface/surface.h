@@ -24,7 +24,7 @@ namespace enamel::surface {
 
 struct Mesh {
   std::vector<glm::vec3> position_m;  // (n x 3), scene frame
-  std::vector<glm::vec3> normal;      // (n x 3), unit, outward, from the volume's gradient
+  std::vector<glm::vec3> normal;      // (n x 3), unit, outward, from the gradient in its cell
   std::vector<uint8_t> tissue;        // (n), cutting::Tissue just under the surface
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
 };
@@ -33,6 +33,16 @@ struct Mesh {
 // each vertex, named by its first sample; below 0 where the surface closes the grid. Not real-time.
 // Thread safety: reads the volume only.
 Mesh ExtractSurface(const cutting::Volume& volume, std::vector<ivec3>* cells = nullptr);
+
+// A normal for pictures, at a point in sample coordinates: the direction of the gradient of a cubic
+// B-spline over the 64 samples around it, which count as at most a voxel away, as in a timeline.
+// `otherwise` where the gradient vanishes. Along the edge of two walls at right angles it leans at most
+// 8 degrees to either end of the edge. A normal of Mesh, which knows one cell, leans up to 40, and light
+// shows facets. On balls from 3 voxels and on planes it is off by at most 2 degrees.
+glm::vec3 SmoothNormal(const cutting::Volume& volume, const dvec3& sample,
+                       const glm::vec3& otherwise);
+// Of each vertex of the volume's mesh.
+std::vector<glm::vec3> SmoothNormals(const cutting::Volume& volume, const Mesh& mesh);
 
 // Only the quads of the edges that start in this brick, with vertices of their own (those on the
 // brick's lower faces are repeated by its neighbours): for incremental display. The parts of all

@@ -13,6 +13,8 @@ using cutting::kBrickSide;
 using cutting::kBrickVoxels;
 
 constexpr std::string_view kBlob = "changing part";
+// Samples that a vertex on a brick's border reads beyond the brick: two for its normal.
+constexpr int kReach = 2;
 constexpr uint8_t kKnown =
     Changing::kTissue | Changing::kSampled | Changing::kLabelled | Changing::kTriangles;
 
@@ -30,14 +32,14 @@ void AroundBrick(int brick, const ivec3& n, Each&& each) {
         each((z * n.y + y) * n.x + x, ivec3(x, y, z) - at);
 }
 
-// Which samples of a brick lie within one of a brick that is set.
+// Which samples of a brick lie within kReach of a brick that is set.
 std::array<bool, kBrickVoxels> NextTo(const std::vector<uint8_t>& set, int brick, const ivec3& n) {
   std::array<bool, kBrickVoxels> out{};
   AroundBrick(brick, n, [&](int other, const ivec3& step) {
     if (!set[static_cast<size_t>(other)]) return;
     const auto range = [](int s) {
-      return s < 0   ? std::pair(0, 1)
-             : s > 0 ? std::pair(kBrickSide - 1, kBrickSide)
+      return s < 0   ? std::pair(0, kReach)
+             : s > 0 ? std::pair(kBrickSide - kReach, kBrickSide)
                      : std::pair(0, kBrickSide);
     };
     const auto [x0, x1] = range(step.x);

@@ -19,9 +19,6 @@ using cutting::kBrickVoxels;
 // large on a ball of a millimetre (parts_test.cpp).
 constexpr double kMeanOfMost = 0.5;
 
-// Of normals with those of the neighbouring vertices: over 0.15 mm at 0.05 mm voxels. A gradient of
-// samples in steps of 1/64 is off by some degrees, which shows where a triangle is large.
-constexpr int kSmoothings = 10;
 // Meshed between two questions whether to keep going; some milliseconds.
 constexpr size_t kBricksBetween = 256;
 
@@ -84,26 +81,6 @@ void Weld(Dense& mesh) {
                            remap.data());
 }
 
-void SmoothNormals(Dense& mesh) {
-  std::vector<glm::vec3> sums;
-  for (int i = 0; i < kSmoothings; ++i) {
-    sums = mesh.normals;
-    for (size_t k = 0; k < mesh.indices.size(); k += 3) {
-      const uint32_t a = mesh.indices[k], b = mesh.indices[k + 1], c = mesh.indices[k + 2];
-      sums[a] += mesh.normals[b];
-      sums[b] += mesh.normals[c];
-      sums[c] += mesh.normals[a];
-    }
-    for (size_t v = 0; v < sums.size(); ++v) {
-      const float length = glm::length(sums[v]);
-      if (length > 0) mesh.normals[v] = sums[v] / length;
-    }
-  }
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    mesh.vertices[v].normal = Octahedral(mesh.normals[v]);
-  }
-}
-
 // Voxels.
 std::vector<glm::vec3> PlacesOf(const Dense& mesh) {
   std::vector<glm::vec3> out;
@@ -125,8 +102,8 @@ void AppendFewer(const std::vector<glm::vec3>& places, const std::vector<uint32_
   out.insert(out.end(), fewer.begin(), fewer.end());
 }
 
-// In strips, without vertices that no triangle names.
-PartMesh Packed(const Dense& mesh, std::vector<uint32_t> indices) {
+// In strips, without vertices that no triangle names, and with the volume's normals.
+PartMesh Packed(const Dense& mesh, const cutting::Volume& tooth, std::vector<uint32_t> indices) {
   PartMesh out;
   if (indices.empty()) return out;
   meshopt_optimizeVertexCacheStrip(indices.data(), indices.data(), indices.size(),
@@ -141,16 +118,18 @@ PartMesh Packed(const Dense& mesh, std::vector<uint32_t> indices) {
     uint32_t& place = becomes[vertex];
     if (place == kNone) {
       place = static_cast<uint32_t>(out.vertices.size());
-      out.vertices.push_back(mesh.vertices[vertex]);
+      PartMesh::Vertex& added = out.vertices.emplace_back(mesh.vertices[vertex]);
+      const dvec3 sample =
+          dvec3(added.at[0], added.at[1], added.at[2]) / double{PartMesh::kSteps} - 1.0;
+      added.normal = Octahedral(surface::SmoothNormal(tooth, sample, mesh.normals[vertex]));
     }
     vertex = place;
   }
   return out;
 }
 
-PartMesh StillMesh(Dense mesh, const cutting::GridSpec& spec) {
+PartMesh StillMesh(Dense mesh, const cutting::Volume& volume) {
   Weld(mesh);
-  SmoothNormals(mesh);
   constexpr auto kNeighbour = static_cast<uint8_t>(cutting::Tissue::kNeighbour);
   std::vector<uint32_t> tooth, neighbours, fewer;
   for (auto corner = mesh.indices.begin(); corner != mesh.indices.end(); corner += 3) {
@@ -160,18 +139,18 @@ PartMesh StillMesh(Dense mesh, const cutting::GridSpec& spec) {
     part.insert(part.end(), corner, corner + 3);
   }
   const std::vector<glm::vec3> places = PlacesOf(mesh);
-  const double voxel_um = spec.voxel_nm * 1e-3;
+  const double voxel_um = volume.spec().voxel_nm * 1e-3;
   AppendFewer(places, tooth, kTriangleError_um / voxel_um, fewer);
   AppendFewer(places, neighbours, kNeighbourError_um / voxel_um, fewer);
-  return Packed(mesh, std::move(fewer));
+  return Packed(mesh, volume, std::move(fewer));
 }
 
-PartMesh EndMesh(Dense mesh, const cutting::GridSpec& spec) {
+PartMesh EndMesh(Dense mesh, const cutting::Volume& volume) {
   Weld(mesh);
-  SmoothNormals(mesh);
   std::vector<uint32_t> fewer;
-  AppendFewer(PlacesOf(mesh), mesh.indices, kTriangleError_um / (spec.voxel_nm * 1e-3), fewer);
-  return Packed(mesh, std::move(fewer));
+  AppendFewer(PlacesOf(mesh), mesh.indices, kTriangleError_um / (volume.spec().voxel_nm * 1e-3),
+              fewer);
+  return Packed(mesh, volume, std::move(fewer));
 }
 
 }  // namespace
@@ -186,8 +165,8 @@ PartMeshes MeshesOf(const cutting::Volume& tooth, const std::vector<uint8_t>& ch
            changing[b] ? end : still);
   }
   PartMeshes out;
-  out.end = EndMesh(std::move(end), tooth.spec());
-  if (!stopped()) out.still = StillMesh(std::move(still), tooth.spec());
+  out.end = EndMesh(std::move(end), tooth);
+  if (!stopped()) out.still = StillMesh(std::move(still), tooth);
   return out;
 }
 

@@ -160,6 +160,64 @@ TEST(SurfaceTest, SphereNormalsPointOutward) {
   EXPECT_GT(worst, std::cos(3 * kPi / 180));
 }
 
+const dvec3 kMiddle(15.7, 16.2, 15.4);
+
+// Samples count as at most a voxel away, which turns a normal a little.
+TEST(SmoothNormalTest, BallAndPlaneAreTheClosedForm) {
+  for (const double radius : {3.0, 5.0, 12.0, 1e4}) {
+    const dvec3 centre = kMiddle - glm::normalize(dvec3(1, 2, 3)) * (radius > 100 ? radius : 0.0);
+    const Volume volume =
+        Sampled(Grid({4, 4, 4}), [&](const dvec3& p) { return glm::length(p - centre) - radius; });
+    const Mesh mesh = ExtractSurface(volume);
+    const std::vector<glm::vec3> normals = SmoothNormals(volume, mesh);
+    ASSERT_EQ(normals.size(), mesh.normal.size());
+    double worst = 1;
+    size_t checked = 0;
+    for (size_t i = 0; i < normals.size(); ++i) {
+      const dvec3 p = dvec3(mesh.position_m[i]) / kVoxel_m;
+      if (std::min({p.x, p.y, p.z}) < 3 || std::max({p.x, p.y, p.z}) > 28) continue;
+      ++checked;
+      worst = std::min(worst, Dot(dvec3(normals[i]), glm::normalize(p - centre)));
+    }
+    EXPECT_GT(checked, 150u) << radius;
+    EXPECT_GT(worst, std::cos(2 * kPi / 180)) << radius;
+  }
+}
+
+// Two walls at right angles, whichever way they lie on the grid: their edge is known.
+TEST(SmoothNormalTest, AlongTheEdgeOfTwoWallsItLeansToNeitherEnd) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> any;
+  const auto direction = [&] {
+    return glm::normalize(dvec3(any(random), any(random), any(random)));
+  };
+  double worst = 0, worst_of_cells = 0;
+  for (int turn = 0; turn < 20; ++turn) {
+    const dvec3 a = direction(), edge = glm::normalize(glm::cross(a, direction())),
+                b = glm::cross(edge, a);
+    const Volume volume = Sampled(Grid({4, 4, 4}), [&](const dvec3& p) {
+      return std::max(Dot(p - kMiddle, a), Dot(p - kMiddle, b));
+    });
+    const Mesh mesh = ExtractSurface(volume);
+    const std::vector<glm::vec3> normals = SmoothNormals(volume, mesh);
+    for (size_t i = 0; i < normals.size(); ++i) {
+      const dvec3 p = dvec3(mesh.position_m[i]) / kVoxel_m;
+      if (std::min({p.x, p.y, p.z}) < 4 || std::max({p.x, p.y, p.z}) > 27) continue;
+      worst = std::max(worst, std::fabs(Dot(dvec3(normals[i]), edge)));
+      worst_of_cells = std::max(worst_of_cells, std::fabs(Dot(dvec3(mesh.normal[i]), edge)));
+    }
+  }
+  EXPECT_LT(worst, std::sin(8 * kPi / 180));
+  EXPECT_GT(worst_of_cells, std::sin(25 * kPi / 180));
+}
+
+// Thinner than a voxel: there is no gradient in its middle.
+TEST(SmoothNormalTest, WhereTheGradientVanishesTheOtherNormalStays) {
+  const Volume volume(Grid({1, 1, 1}));
+  const glm::vec3 otherwise(0, 1, 0);
+  EXPECT_EQ(SmoothNormal(volume, dvec3(3.2, 4.1, 3.7), otherwise), otherwise);
+}
+
 TEST(SurfaceTest, TrianglesFaceTheWayTheirNormalsDo) {
   Mesh mesh = ExtractSurface(Ball());
   for (const auto& t : mesh.triangles) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "common/cutting/tissue.h"
@@ -167,6 +169,23 @@ TEST_F(PartsTest, WhatStaysIsOffByAtMostWhatTheHeaderSaysAndHasFewTriangles) {
   EXPECT_GT(worst_um, 0.1);
 }
 
+// As the steps of its samples let them be: distances are kept within a voxel, in steps of 1/64.
+TEST_F(PartsTest, NormalsOfWhatStaysAreThoseOfTheBall) {
+  double worst = 1;
+  for (const PartMesh::Vertex& vertex : still_.vertices) {
+    const double x = vertex.normal[0] / 127.0, y = vertex.normal[1] / 127.0,
+                 z = 1 - std::abs(x) - std::abs(y);
+    const dvec3 n = z >= 0 ? dvec3(x, y, z)
+                           : dvec3((1 - std::abs(y)) * (x < 0 ? -1 : 1),
+                                   (1 - std::abs(x)) * (y < 0 ? -1 : 1), z);
+    const dvec3 out = dvec3(vertex.at[0], vertex.at[1], vertex.at[2]) / 64.0 - 33.0;
+    // Where the bur went in there is an edge.
+    if (out.z > 4) continue;
+    worst = std::min(worst, Dot(glm::normalize(n), glm::normalize(out)));
+  }
+  EXPECT_GT(worst, std::cos(2.5 * std::numbers::pi / 180));
+}
+
 TEST_F(PartsTest, ReadersNeedNoBrickThatIsNotListed) {
   // All others are noise.
   const cutting::Volume whole = ToothAt(0);
@@ -196,6 +215,10 @@ TEST_F(PartsTest, ReadersNeedNoBrickThatIsNotListed) {
     const surface::Mesh found = surface::ExtractBrick(listed, changing_.bricks[i]);
     ASSERT_EQ(found.position_m, expected.position_m) << changing_.bricks[i];
     ASSERT_EQ(found.tissue, expected.tissue) << changing_.bricks[i];
+    const auto wanted = surface::SmoothNormals(whole, expected),
+               read = surface::SmoothNormals(listed, found);
+    // A vertex on its cell's border counts to either side, but for rounding.
+    for (size_t v = 0; v < wanted.size(); ++v) ASSERT_GT(glm::dot(read[v], wanted[v]), 0.9999f);
     vertices += expected.position_m.size();
   }
   EXPECT_GT(vertices, 1000u);

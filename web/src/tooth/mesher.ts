@@ -9,7 +9,8 @@ import { kBrickSide, kCoarse, kDeep, kFarOut, kSteps } from "./samples";
 
 const kBlockBricks = 4; // along each axis
 const kBlock = kBlockBricks * kBrickSide;
-const kSide = kBlock + 2; // with a layer of the neighbours' samples around
+const kMargin = 2; // layers of the neighbours' samples around a block
+const kSide = kBlock + 2 * kMargin;
 const kNear = kBlockBricks + 2; // bricks of a block along each axis, with a layer of its neighbours around
 const kCells = kBlock + 1; // of a block along each axis; the outer ones are its neighbours' too
 
@@ -44,13 +45,15 @@ export class ToothMesher {
   private readonly normal = new Int8Array(4 * kCells ** 3);
   private readonly tissue = new Uint8Array(kCells ** 3);
   private readonly cut = new Uint8Array(kCells ** 3);
+  private readonly along = [new Float64Array(8), new Float64Array(8), new Float64Array(8)] as const; // splineAt
+  private readonly slope = new Float64Array(3);
   private readonly compared = new Float32Array(2 * kCells ** 3);
   // Of the tooth at its end; vertices of cells that it knows carry it, at whatever moment.
   deviation: ToothDeviation | undefined;
   private triangle = new Uint16Array(1 << 16);
   private vertices = 0;
   private corners = 0; // of triangles
-  private readonly first = new Int32Array(3); // voxel of local sample (0, 0, 0)
+  private readonly first = new Int32Array(3); // voxel at which cell (0, 0, 0) begins
   private readonly blocks: readonly [number, number, number];
 
   constructor(private readonly part: ChangingPart) {
@@ -162,7 +165,7 @@ export class ToothMesher {
   // outside the block is left out. Bit 0: some are solid; bit 1: some are air.
   private copyBrick(from: Int8Array | number, x: number, y: number, z: number): number {
     const to = this.samples;
-    const [ox, oy, oz] = [(x - 1) * kBrickSide + 1, (y - 1) * kBrickSide + 1, (z - 1) * kBrickSide + 1];
+    const [ox, oy, oz] = [x, y, z].map((n) => (n - 1) * kBrickSide + kMargin) as [number, number, number];
     const x0 = Math.max(0, ox);
     const x1 = Math.min(kSide, ox + kBrickSide);
     const y0 = Math.max(0, oy);
@@ -234,8 +237,9 @@ export class ToothMesher {
   // Of the crossed edges whose first sample is the brick's; with those one voxel below the grid, where the brick
   // is the grid's first.
   private brickQuads(i: number, j: number, k: number, first: readonly [boolean, boolean, boolean]): void {
-    for (let z = k * kBrickSide + (first[2] ? 0 : 1); z <= (k + 1) * kBrickSide; ++z) {
-      for (let y = j * kBrickSide + (first[1] ? 0 : 1); y <= (j + 1) * kBrickSide; ++y) {
+    const [oy, oz] = [j * kBrickSide + kMargin, k * kBrickSide + kMargin];
+    for (let z = first[2] ? oz - 1 : oz; z < oz + kBrickSide; ++z) {
+      for (let y = first[1] ? oy - 1 : oy; y < oy + kBrickSide; ++y) {
         if (first[0]) this.rowQuads(0, y, z, kLastOfRow);
         this.rowQuads(i + 1, y, z, kWholeRow);
       }
@@ -251,7 +255,7 @@ export class ToothMesher {
     const alongZ = own ^ solid[at + kNear * kSide]!;
     for (let left = (alongX | alongY | alongZ) & which; left !== 0; left &= left - 1) {
       const bit = 31 - Math.clz32(left & -left);
-      const x = (nx - 1) * kBrickSide + 1 + bit;
+      const x = (nx - 1) * kBrickSide + kMargin + bit;
       const inside = ((own >> bit) & 1) === 1;
       if ((alongX >> bit) & 1) this.quad(x, y, z, 0, inside);
       if ((alongY >> bit) & 1) this.quad(x, y, z, 1, inside);
@@ -262,7 +266,7 @@ export class ToothMesher {
   private quad(x: number, y: number, z: number, axis: number, inside: boolean): void {
     const u = kCellStep[(axis + 1) % 3]!;
     const w = kCellStep[(axis + 2) % 3]!;
-    const cell = (z * kCells + y) * kCells + x;
+    const cell = ((z - 1) * kCells + y - 1) * kCells + x - 1;
     // Counter-clockwise seen from the far end of the edge, since u x w is along it.
     const a = this.vertex(cell - u - w);
     const b = this.vertex(inside ? cell - w : cell - u);
@@ -299,7 +303,7 @@ export class ToothMesher {
     const row = (cell - x) / kCells;
     const y = row % kCells;
     const z = (row - y) / kCells;
-    const n = (z * kSide + y) * kSide + x;
+    const n = ((z + 1) * kSide + y + 1) * kSide + x + 1;
     const index = this.vertices++;
     this.vertexOf[cell] = index;
     const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
@@ -361,11 +365,8 @@ export class ToothMesher {
     this.position[3 * index] = originMm[0] + (vx + Math.round(kSteps * px) / kSteps) * voxelMm;
     this.position[3 * index + 1] = originMm[1] + (vy + Math.round(kSteps * py) / kSteps) * voxelMm;
     this.position[3 * index + 2] = originMm[2] + (vz + Math.round(kSteps * pz) / kSteps) * voxelMm;
-    // The direction of the trilinear interpolation's gradient there.
-    const [qx, qy, qz] = [1 - px, 1 - py, 1 - pz];
-    let gx = (v1 - v0) * qy * qz + (v3 - v2) * py * qz + (v5 - v4) * qy * pz + (v7 - v6) * py * pz;
-    let gy = (v2 - v0) * qx * qz + (v3 - v1) * px * qz + (v6 - v4) * qx * pz + (v7 - v5) * px * pz;
-    let gz = (v4 - v0) * qx * qy + (v5 - v1) * px * qy + (v6 - v2) * qx * py + (v7 - v3) * px * py;
+    this.gradient(n, px, py, pz);
+    let [gx, gy, gz] = [this.slope[0]!, this.slope[1]!, this.slope[2]!];
     let length = Math.sqrt(gx * gx + gy * gy + gz * gz);
     // Where it vanishes, from the inside corners to the outside ones.
     if (length < kFlat) {
@@ -379,7 +380,8 @@ export class ToothMesher {
     this.normal[4 * index + 1] = Math.round((127 * gy) / length);
     this.normal[4 * index + 2] = Math.round((127 * gz) / length);
     // Squares of the distances to the corners that are inside.
-    const [x0, x1, y0, y1, z0, z1] = [px * px, qx * qx, py * py, qy * qy, pz * pz, qz * qz];
+    const [x0, y0, z0] = [px * px, py * py, pz * pz];
+    const [x1, y1, z1] = [(1 - px) ** 2, (1 - py) ** 2, (1 - pz) ** 2];
     const d0 = v0 < 0 ? x0 + y0 + z0 : Infinity;
     const d1 = v1 < 0 ? x1 + y0 + z0 : Infinity;
     const d2 = v2 < 0 ? x0 + y1 + z0 : Infinity;
@@ -397,6 +399,57 @@ export class ToothMesher {
     if (least === d5) return 5;
     return least === d6 ? 6 : 7;
   }
+
+  // Of a cubic B-spline over the samples, in the cell of sample `n`, into `slope`. The samples are held within a voxel
+  // of the surface, and where two walls meet those of one cell alone point anywhere along the edge: over four along
+  // each axis both even out.
+  private gradient(n: number, px: number, py: number, pz: number): void {
+    const { samples, slope } = this;
+    const [x, y, z] = this.along;
+    splineAt(px, x);
+    splineAt(py, y);
+    splineAt(pz, z);
+    const [x0, x1, x2, x3] = [x[0]!, x[1]!, x[2]!, x[3]!];
+    const [s0, s1, s2, s3] = [x[4]!, x[5]!, x[6]!, x[7]!];
+    let gx = 0;
+    let gy = 0;
+    let gz = 0;
+    for (let k = 0; k < 4; ++k) {
+      let value = 0;
+      let alongX = 0;
+      let alongY = 0;
+      let at = n - 1 + ((k - 1) * kSide - 1) * kSide;
+      for (let j = 0; j < 4; ++j, at += kSide) {
+        const a = samples[at]!;
+        const b = samples[at + 1]!;
+        const c = samples[at + 2]!;
+        const d = samples[at + 3]!;
+        const row = x0 * a + x1 * b + x2 * c + x3 * d;
+        value += y[j]! * row;
+        alongX += y[j]! * (s0 * a + s1 * b + s2 * c + s3 * d);
+        alongY += y[4 + j]! * row;
+      }
+      gx += z[k]! * alongX;
+      gy += z[k]! * alongY;
+      gz += z[4 + k]! * value;
+    }
+    slope[0] = gx;
+    slope[1] = gy;
+    slope[2] = gz;
+  }
+}
+
+// Of a cubic B-spline's four weights at `p` between its middle two samples, and of their slopes.
+function splineAt(p: number, out: Float64Array): void {
+  const q = 1 - p;
+  out[0] = (q * q * q) / 6;
+  out[1] = 2 / 3 - p * p * (1 - p / 2);
+  out[2] = 2 / 3 - q * q * (1 - q / 2);
+  out[3] = (p * p * p) / 6;
+  out[4] = (-q * q) / 2;
+  out[5] = p * (1.5 * p - 2);
+  out[6] = q * (2 - 1.5 * q);
+  out[7] = (p * p) / 2;
 }
 
 // How far along an edge with these ends the surface crosses it; 0: not.
