@@ -5,6 +5,7 @@
 #include <array>
 
 #include "server/auth/guesses.h"
+#include "server/training/names.h"
 
 namespace enamel::server::auth {
 Status CheckPasswordPolicy(std::string_view password, std::string_view login,
@@ -28,7 +29,8 @@ Status CheckPasswordPolicy(std::string_view password, std::string_view login,
   return Status::Ok();
 }
 
-Result<std::string> HashPassword(std::string_view password, const PasswordCost& cost) {
+Result<std::string> HashPassword(std::string_view typed, const PasswordCost& cost) {
+  const std::string password = Composed(typed);
   std::array<char, crypto_pwhash_STRBYTES> out{};
   if (crypto_pwhash_str_alg(out.data(), password.data(), password.size(), cost.passes,
                             cost.memory_bytes, crypto_pwhash_ALG_ARGON2ID13) != 0) {
@@ -58,7 +60,8 @@ bool CostsAsMuch(const std::string& verifier, const PasswordCost& cost) {
   return crypto_pwhash_str_needs_rehash(verifier.c_str(), cost.passes, cost.memory_bytes) == 0;
 }
 
-bool VerifyPassword(std::string_view password, const std::string& verifier) {
+bool VerifyPassword(std::string_view typed, const std::string& verifier) {
+  const std::string password = Composed(typed);
   return crypto_pwhash_str_verify(verifier.c_str(), password.data(), password.size()) == 0;
 }
 

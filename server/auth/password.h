@@ -7,7 +7,8 @@
 #include "common/base/password.h"
 #include "common/base/result.h"
 
-// Passwords: argon2id by libsodium. Thread safety: functions, any thread. Blocks for about 50 ms
+// Passwords: argon2id by libsodium, over what was typed in composed form (RFC 8265, 4.2.2: NFC, one
+// kind of space): keyboards of two systems write the same letter in two ways. Thread safety: functions, any thread. Blocks for about 50 ms
 // and takes `memory_bytes`: callers bound how many run at once (Authenticator does).
 namespace enamel::server::auth {
 

@@ -4,6 +4,9 @@
 #include <string>
 
 namespace enamel::server::http {
+
+using namespace std::string_literals;
+
 namespace {
 
 constexpr size_t kMaxLengthDigits = 18;  // below 2^63
@@ -203,6 +206,25 @@ Status CheckFraming(const Framing& framing) {
 }
 
 }  // namespace
+
+Status NotAnotherProtocol(std::string_view bytes) {
+  // RFC 8446, 5.1: a record of the kind handshake.
+  if (bytes.starts_with("\x16\x03")) {
+    return Refuse("tls",
+                  "expected HTTP, found TLS; this port speaks plain HTTP: use http://, or give "
+                  "the server a certificate");
+  }
+  // The PROXY protocol, versions 1 and 2, section 2.
+  if (bytes.starts_with("PROXY ") || bytes.starts_with("\r\n\r\n\0\r\nQUIT\n"s)) {
+    return Refuse("proxy",
+                  "expected HTTP, found the PROXY protocol; switch it off for this port: the "
+                  "proxy names its peer in X-Forwarded-For");
+  }
+  // RFC 9113, 3.4.
+  if (bytes.starts_with("PRI * HTTP/2.0"))
+    return Refuse("http2", "expected HTTP/1.1, found HTTP/2; let the proxy speak HTTP/1.1");
+  return Status::Ok();
+}
 
 size_t FindHeadEnd(std::string_view bytes, size_t from) {
   for (size_t i = from; i < bytes.size(); ++i) {

@@ -11,6 +11,10 @@
 // Source: RFC 9110, RFC 9112; verdicts of the http-desync-guardian suite in the tests.
 namespace enamel::server::http {
 
+// Whether a connection begins with another protocol than HTTP/1.1, as a wrongly set proxy or client
+// sends it: TLS, the PROXY protocol (either version), HTTP/2. Says what to do. Ok also while too
+// little has come to tell.
+Status NotAnotherProtocol(std::string_view bytes);
 // Where the head ends (one past its last byte), or npos when more bytes are needed. It ends at the
 // first empty line, however that is spelt, and at the first byte that no head contains, so that the
 // check below sees both at once. Scans from `from`, an earlier size of the same buffer or 0.

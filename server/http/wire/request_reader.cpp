@@ -167,6 +167,10 @@ RequestReader::Step RequestReader::Refuse(Response refusal) {
 RequestReader::Step RequestReader::Feed(std::string_view bytes, size_t& used) {
   used = 0;
   if (in_head()) {
+    if (searched_ == 0) {
+      const Status spoken = NotAnotherProtocol(bytes);
+      if (!spoken.ok()) return Refuse(ErrorResponse(spoken));
+    }
     // From where the last search ended, so that a head that comes byte by byte is not searched
     // quadratically.
     size_t end = FindHeadEnd(bytes, searched_);

@@ -365,6 +365,14 @@ TEST(PasswordTest, VerifierIsArgon2idWithTheStatedCost) {
   EXPECT_FALSE(VerifyPassword("correct horse", *verifier));
 }
 
+TEST(PasswordTest, OnePasswordIsTypedOnTheKeyboardsOfTwoSystems) {
+  const auto verifier = HashPassword("Caf\u00e9 am\u00a0Zoo, viermal", kCheap);
+  ASSERT_TRUE(verifier.ok());
+  EXPECT_TRUE(VerifyPassword("Cafe\u0301 am Zoo, viermal", *verifier)) << "decomposed";
+  EXPECT_FALSE(VerifyPassword("Cafe am Zoo, viermal", *verifier));
+  EXPECT_FALSE(VerifyPassword("caf\u00e9 am Zoo, viermal", *verifier));
+}
+
 TEST(PasswordTest, PolicyRefusesShortCommonAndOwnLogin) {
   EXPECT_FALSE(CheckPasswordPolicy("short", "ada").ok());
   EXPECT_FALSE(CheckPasswordPolicy("Password123", "ada").ok());

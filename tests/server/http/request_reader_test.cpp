@@ -44,6 +44,22 @@ TEST(RequestReaderTest, FindsTheSameRequestInWhateverPiecesItArrives) {
   }
 }
 
+TEST(RequestReaderTest, AnotherProtocolIsNamedWithWhatToDo) {
+  const std::string kRequest = "GET /readyz HTTP/1.1\r\nHost: a\r\n\r\n";
+  const std::pair<std::string, const char*> kOthers[] = {
+      {std::string("\x16\x03\x01\0\xa5\x01", 6) + std::string(160, 'a'), "found TLS"},
+      {"PROXY TCP4 192.0.2.7 192.0.2.8 51234 443\r\n" + kRequest, "found the PROXY protocol"},
+      {std::string("\r\n\r\n\0\r\nQUIT\n\x21\x11\0\x0c", 16) + kRequest,
+       "found the PROXY protocol"},
+      {"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", "found HTTP/2"}};
+  for (const auto& [bytes, what] : kOthers) {
+    RequestReader reader;
+    size_t used = 0;
+    ASSERT_EQ(reader.Feed(bytes, used), RequestReader::Step::kRefused) << what;
+    EXPECT_NE(reader.refusal().body.find(what), std::string::npos) << reader.refusal().body;
+  }
+}
+
 TEST(RequestReaderTest, LeavesTheNextRequestAlone) {
   RequestReader reader;
   size_t used = 0;
