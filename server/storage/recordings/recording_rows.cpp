@@ -100,6 +100,11 @@ Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
   return whole;
 }
 
+void RecordingRows::NoteWritten(const Uuid& attempt) {
+  MutexLock lock(mutex_);
+  seen_.erase(attempt);
+}
+
 Result<uint32_t> RecordingRows::NextChunk(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(const bool whole, IsWhole(attempt));
   return rows_.Read([&](Db& db) -> Result<uint32_t> {

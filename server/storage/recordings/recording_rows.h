@@ -36,6 +36,8 @@ class RecordingRows {
   // Reads it at most once in kLookAgain, and asks each time whether it is there. Errors: kUnavailable
   // (cannot be told now).
   Result<bool> IsWhole(const Uuid& attempt);
+  // It was written again: what was known of it holds no more.
+  void NoteWritten(const Uuid& attempt);
   // The number of the chunk that the station is to send next: what follows the committed ones, or of
   // a recording that is lost (IsWhole) those that came again.
   Result<uint32_t> NextChunk(const Uuid& attempt);

@@ -55,9 +55,8 @@ Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha25
 
 }  // namespace
 
-// Outside the transaction that ends the attempt: after a crash in between, the blob is written
-// again.
-Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
+// What is committed, as a trace file.
+Result<Bytes> SealRows::TraceFileOf(const trace::Seal& seal) {
   auto file = rows_.Read([&](Db& db) -> Result<trace::TraceFile> {
     ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(db, seal.attempt));
     ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunksOf(db, seal.attempt));
@@ -69,12 +68,20 @@ Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
     ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(chunk)));
     chunk = std::move(opened);
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto hash,
-                          stored_.PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file)));
-  blob = hash;
+  return trace::EncodeTraceFile(*file);
+}
+
+// Outside the transaction that ends the attempt: after a crash in between, the blob is written
+// again.
+Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
+  {
+    // Each copy of it ends before the next but one is made: it may be large.
+    ENAMEL_ASSIGN_OR_RETURN(const Bytes file, TraceFileOf(seal));
+    ENAMEL_ASSIGN_OR_RETURN(blob, stored_.PutAttemptBlob(seal.attempt, file));
+  }
   // The rows go once the blob is named. A store that says yes and keeps half would then have had the
   // last copy.
-  const auto kept = blobs_.Get(hash);
+  const auto kept = blobs_.Get(blob);
   if (kept.ok()) return Status::Ok();
   if (kept.status().code() == Code::kUnavailable) return kept.status();
   return Status(Code::kUnavailable, "the store of blobs did not keep what it was given (" +
@@ -96,6 +103,7 @@ Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
   }
   Sha256 blob;
   ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  recordings_.NoteWritten(seal.attempt);
   const Status status = rows_.WriteRow([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto ingest, FindIngest(db, seal.attempt, Look::kToDecide));
     if (ingest.trace_blob != before.trace_blob) return Status::Ok();

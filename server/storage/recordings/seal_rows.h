@@ -44,6 +44,7 @@ class SealRows {
   Status SealAttempt(const trace::Seal& seal, UnixMs now_ms);
 
  private:
+  Result<Bytes> TraceFileOf(const trace::Seal& seal);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
   Status HealIfLost(const trace::Seal& seal, const Ingest& before);
   // Flags the attempt when the seal is of a recording other than the committed one.

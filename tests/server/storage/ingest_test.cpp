@@ -301,6 +301,7 @@ TEST_P(IngestTest, ARecordingThatTheStoreHasLostIsTakenOnceMoreAndNothingElseCha
     ASSERT_TRUE(store_->ingest.AppendChunk(chunks[3]).ok());
     ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok());
     EXPECT_TRUE(*store_->recordings.IsWhole(attempt)) << blob;
+    EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok()) << "sent again";
     EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->back(), chunks[3].bytes);
   }
   const AttemptRow after = *store_->attempts.AttemptById(attempt);
