@@ -65,19 +65,16 @@ export function MarkingResultsView({ marking, results }: Props) {
   );
 }
 
-// "0.82 (0.64 to 0.92)", or why there is no such figure.
-function figureText({ value, low, high, why }: AgreementFigure): string {
-  if (value === null) return why ?? "–";
+// "0.82 (0.64 to 0.92)".
+function figureText({ value, low, high }: AgreementFigure): string {
+  if (value === null) return "–";
   const form = formatCoefficient;
   return low === undefined || high === undefined
     ? form(value)
     : say("marking.interval", { value: form(value), low: form(low), high: form(high) });
 }
 
-function noPassMark(
-  { why = "", needs }: MarkingResults["standard"]["borderline"],
-  works: MarkingResults["works"],
-): string {
+function noPassMark({ needs }: MarkingResults["standard"]["borderline"], works: MarkingResults["works"]): string {
   if (works.length < needs.works)
     return say("marking.too_few", {
       count: works.length,
@@ -87,7 +84,7 @@ function noPassMark(
   const ratings = new Set(works.flatMap(({ marks }) => marks.map(({ rating }) => rating)));
   return ratings.size < needs.ratings
     ? say("marking.too_alike", { least: String(needs.ratings) })
-    : say("marking.no_pass_mark", { reason: why });
+    : say("marking.no_pass_mark");
 }
 
 function PassMark({ results: { standard, works } }: { readonly results: MarkingResults }) {
@@ -153,6 +150,11 @@ function Agreement({ results: { agreement } }: { readonly results: MarkingResult
           },
         ]}
       />
+      {rows.some(lacksFigure) && <p class="hint">{say("marking.no_figure")}</p>}
     </Card>
   );
+}
+
+function lacksFigure({ icc_2_1: icc, phi, computed }: MarkingResults["agreement"][number]): boolean {
+  return [icc, phi, computed?.icc_2_1_with_mean].some((figure) => figure?.value === null);
 }
