@@ -15,6 +15,8 @@ export const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
   ["lingual", [0, -1, 0]],
 ];
 const kLabelMarginPx = [38, 18] as const; // half a label and a little air
+const kAxesPx = { right: 170, top: 56 }; // from the left and the bottom of the picture
+const kPinPx = 30; // with the outline of a chosen one
 const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
 const kWidePx = 560;
 const kBesideTooth = 1.05; // of the radius of the ball around it
@@ -43,7 +45,7 @@ export function place(
   };
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
   placeLabels(labels, [width, height], anatomy, project, extent.centreMm, extent.radiusMm);
-  placePins(element, project);
+  placePins(element, [width, height], project);
   placeAxes(element, anatomy, project, extent.centreMm);
   placeScale(element, pxPerMm(projection, middle, width));
   element.dataset["tooth"] = detail;
@@ -75,8 +77,11 @@ function placeLabels(
     );
     const visible = Math.hypot(dx, dy) > kLabelMinShare * height && Number.isFinite(toEdge);
     label.style.visibility = visible ? "visible" : "hidden";
-    if (visible)
-      label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
+    if (!visible) return;
+    const [left, top] = [half[0] + dx * toEdge, half[1] + dy * toEdge];
+    const aboveAxes = height - kAxesPx.top - kLabelMarginPx[1];
+    const shown = left < kAxesPx.right + kLabelMarginPx[0] ? Math.min(top, aboveAxes) : top;
+    label.style.transform = `translate(-50%, -50%) translate(${left}px, ${shown}px)`;
   });
 }
 
@@ -123,11 +128,18 @@ function placeAxes(
   });
 }
 
-function placePins(frame: HTMLElement, project: (point: PointMm) => PointMm): void {
+// Whole at the edge of the picture, and not beyond it.
+function placePins(
+  frame: HTMLElement,
+  [width, height]: readonly [number, number],
+  project: (point: PointMm) => PointMm,
+): void {
   for (const pin of frame.querySelectorAll<HTMLElement>(".tooth-pin")) {
     const [x = 0, y = 0, z = 0] = (pin.dataset["point"] ?? "").split(" ").map(Number);
     const [left, top] = project([x, y, z]);
-    pin.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+    const kept = (at: number, size: number) => Math.min(Math.max(at, kPinPx / 2), size - kPinPx / 2).toFixed(1);
+    pin.style.visibility = left >= 0 && left <= width && top >= 0 && top <= height ? "" : "hidden";
+    pin.style.transform = `translate(-50%, -50%) translate(${kept(left, width)}px, ${kept(top, height)}px)`;
   }
 }
 
