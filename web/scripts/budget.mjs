@@ -50,12 +50,7 @@ async function grade(page, most) {
   await click(page.getByRole("link", { name: /^Grade/ }).first());
   await page.locator("table.grading .lost-much, table.grading .lost-some").first().waitFor();
   await click(page.getByRole("button", { name: most, exact: true }));
-  await click(
-    page
-      .locator("table.grading tr", { has: page.getByLabel("Not released") })
-      .first()
-      .locator("th a"),
-  );
+  await click(page.locator("table.grading tr", { hasText: "To release" }).first().locator("th a"));
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".plot canvas").waitFor();
   await click(page.locator(".criteria button").first());
