@@ -2,12 +2,10 @@ import { fail, ok, type Result } from "../base/result";
 import { ChangingPart, decodeChanging } from "./changing";
 import { type ToothDeviation, decodeDeviation, kNotCompared } from "./deviation";
 import { boxBall, comparedIn, joined } from "./film_parts";
-import type { Compared, Detail, Extent, FilmAsk, FilmTold, Plane } from "./messages";
+import type { Compared, Detail, Extent, FilmAsk, FilmTold, ModelFormat, Plane } from "./messages";
 import { type BlockMesh, ToothMesher } from "./mesher";
 import { decodeMesh } from "./part_mesh";
-import { glbOf } from "./glb";
-import type { Opened, opened, plansOf } from "./opened";
-import { stlOf } from "./stl";
+import type { Opened, opened, plansOf, savers } from "./opened";
 import { decodeSurface, type Surface } from "./surface";
 import { kTissues } from "./tissue_color";
 import {
@@ -45,7 +43,11 @@ export interface FilmOptions {
   // Resolves when messages that have come meanwhile were taken.
   readonly pause: () => Promise<void>;
   // Loads opened.ts.
-  readonly opener: () => Promise<{ readonly opened: typeof opened; readonly plansOf: typeof plansOf }>;
+  readonly opener: () => Promise<{
+    readonly opened: typeof opened;
+    readonly plansOf: typeof plansOf;
+    readonly savers: typeof savers;
+  }>;
   readonly nowMs?: () => number;
 }
 
@@ -110,11 +112,8 @@ export class Film {
         return this.readInterior(asked.bytes);
       case "plans":
         return this.drawPlans(asked.bytes, asked.planes);
-      case "model": {
-        const bytes = (asked.as === "stl" ? stlOf : glbOf)([...this.meshes.values()]);
-        this.tell({ told: "model", bytes }, [bytes]);
-        return Promise.resolve();
-      }
+      case "model":
+        return this.save(asked.as, [...this.meshes.values()]);
       case "close":
         this.closed = true;
         this.screens.clear();
@@ -287,6 +286,10 @@ export class Film {
   private async readInterior(bytes: ArrayBuffer): Promise<void> {
     const made = await this.open(({ opened }) => opened(bytes));
     if (this.closed) return;
+  private async save(as: ModelFormat, meshes: readonly BlockMesh[]): Promise<void> {
+    const model = await this.open(({ savers }) => ok(savers[as](meshes)));
+    this.tell({ told: "model", model }, model.ok ? [model.value] : []);
+  }
     if (made.ok) {
       this.inside = made.value;
       for (const screen of this.screens) screen.setOpened(made.value);

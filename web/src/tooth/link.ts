@@ -61,7 +61,7 @@ export class StudioLink {
       () => this.films.delete(film),
     );
     this.films.set(film, (message) => {
-      if (message.told === "model") link.gave(message.bytes);
+      if (message.told === "model") link.gave(message.model);
       else if (message.told === "interior") link.opened(message.tissues);
       else if (message.told === "plans") link.drew(message.plans);
       else told(message);
@@ -97,7 +97,7 @@ export class StudioLink {
 }
 
 export class FilmLink {
-  private readonly waiting: ((bytes: ArrayBuffer) => void)[] = [];
+  private readonly waiting: ((model: Result<ArrayBuffer, string>) => void)[] = [];
   opened: (tissues: Result<readonly number[], string>) => void = () => undefined;
   drew: (plans: Result<readonly ToothPlan[], string>) => void = () => undefined;
 
@@ -122,12 +122,12 @@ export class FilmLink {
     this.ask({ ask: "seek", frames });
   }
   // The tooth as it is shown, as STL (stl.ts) or GLB (glb.ts).
-  model(as: ModelFormat): Promise<ArrayBuffer> {
+  model(as: ModelFormat): Promise<Result<ArrayBuffer, string>> {
     this.ask({ ask: "model", as });
     return new Promise((resolve) => this.waiting.push(resolve));
   }
-  gave(bytes: ArrayBuffer): void {
-    this.waiting.shift()?.(bytes);
+  gave(model: Result<ArrayBuffer, string>): void {
+    this.waiting.shift()?.(model);
   }
   // The start tooth, whose tissues fill sections from then on. Resolves to those that are in it.
   interior(bytes: ArrayBuffer): Promise<Result<readonly number[], string>> {

@@ -59,7 +59,7 @@ export type FilmTold =
   | { readonly told: "detail"; readonly detail: Detail; readonly extent: Extent; readonly tissues: readonly number[] }
   | { readonly told: "compared"; readonly compared: Result<Compared | undefined, string> } // undefined: with nothing
   | { readonly told: "shown"; readonly frames: number; readonly tissues: readonly number[] } // on all its screens
-  | { readonly told: "model"; readonly bytes: ArrayBuffer }
+  | { readonly told: "model"; readonly model: Result<ArrayBuffer, string> }
   | { readonly told: "interior"; readonly tissues: Result<readonly number[], string> } // all that are in it
   | { readonly told: "plans"; readonly plans: Result<readonly ToothPlan[], string> } // in the order that was asked for
   | { readonly told: "failed"; readonly message: string }; // the file is damaged there

@@ -1,15 +1,19 @@
 import { ok, type Result } from "../base/result";
+import { glbOf } from "./glb";
 import { decodeInterior, tissuesIn } from "./interior";
 import type { Plane, ToothPlan } from "./messages";
 import { CutFill } from "./scene/cut_fill";
 import type { Gl } from "./scene/gl";
 import { Looks } from "./scene/looks";
 import type { BlockMesh } from "./mesher";
+import { stlOf } from "./stl";
 import { decodeSurface } from "./surface";
 import { toothPlan } from "./tooth_plan";
 
 // What few pictures need: a script of its own with all that it uses (scripts/build.mjs). The worker loads it when a
-// tooth is first cut open, or seen in a plan.
+// tooth is first cut open, seen in a plan or saved.
+
+export const savers = { stl: stlOf, glb: glbOf };
 
 export interface Opened {
   readonly tissues: readonly number[]; // all that are in it

@@ -294,12 +294,15 @@ const kModelTypes = { stl: "model/stl", glb: "model/gltf-binary" } as const;
 // there.
 function MomentLinkButton({ link, review }: { readonly link: () => string; readonly review: Review }) {
   const [shown, setShown] = useState<string>();
+  const [lost, setLost] = useState(false); // what saves the tooth could not be loaded
   const { control, attempt } = review;
   const { film } = control?.playback ?? {};
   const names = [exerciseTitle(attempt.exercise), attempt.person.display_name] as const;
   const save = async (from: FilmLink, as: ModelFormat) => {
     const name = fileName(...names, formatMoment(review.momentS).replace(":", "m"));
-    downloadFile(`${name}.${as}`, kModelTypes[as], await from.model(as));
+    const model = await from.model(as);
+    setLost(!model.ok);
+    if (model.ok) downloadFile(`${name}.${as}`, kModelTypes[as], model.value);
   };
   return (
     <div class="moment-link no-print">
@@ -320,6 +323,7 @@ function MomentLinkButton({ link, review }: { readonly link: () => string; reado
         {say("force.link")}
       </button>
       {shown !== undefined && <CopyText key={shown} text={shown} what={say("copy.link")} />}
+      {lost && <p role="alert">{say("error.unreachable")}</p>}
     </div>
   );
 }
