@@ -19,6 +19,7 @@ export const reviewFlows = [
   { name: "an instructor releases a graded score and the student then sees it", run: release },
   { name: "long names of criteria are readable, and their card stays beside the tooth", run: longNames },
   { name: "a lost point leads to its moment", run: lostPointLeadsToItsMoment },
+  { name: "the bur that took too much is glass over the colours of the deviation", run: burIsGlass },
   { name: "a pointer over the plot leaves the moment where it is, a press sets it", run: plotPointer },
   { name: "slider, plot and remarks share one axis of time", run: oneTimeAxis },
   { name: "a link opens the same moment from the same side", run: momentLink },
@@ -98,6 +99,30 @@ async function lostPointLeadsToItsMoment(world) {
   await page.getByRole("heading", { name: "Compared with 2 dentists" }).waitFor();
   await page.getByText(/The closest cut is by Dentist (One|Two)/).waitFor();
   await accessible(page, "an attempt among dentists");
+}
+
+// Clear but for its outline: what is seen through it has the colours that it has without it.
+async function burIsGlass(world) {
+  const page = await openScoredAttempt(world);
+  await page.locator(".playback[data-shown]").waitFor();
+  const isOutline = ([r, g, b]) => r < 75 && g < 85 && b < 100;
+  const counted = async () => {
+    await toothAtRest(page);
+    return countColors(page, ".tooth-frame canvas", { deep: isDeep, outline: isOutline });
+  };
+  await page.getByRole("button", { name: /^Show me Mesial wall: .* too much/ }).click();
+  await page.locator(".way-back").waitFor({ state: "attached" });
+  const shown = await counted();
+  await world.picture(page, "glass_bur");
+  await accessible(page, "a bur of glass");
+  // From the same place without it.
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("End");
+  await page.getByText("After the attempt").waitFor();
+  const alone = await counted();
+  const found = JSON.stringify({ shown, alone });
+  assert.ok(shown.outline > alone.outline + 1500, found);
+  assert.ok(shown.deep > 0.8 * alone.deep && alone.deep > 5000, found);
 }
 
 // Names and values as a school may write them, and two places for each.

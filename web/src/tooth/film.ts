@@ -22,13 +22,19 @@ import {
 // A tooth as its screens draw it, block by block: reads its file as it comes, and makes triangles of any moment. Knows
 // neither of workers nor of drawing.
 
+// A bur and where it is.
+export interface Placed {
+  readonly outline: Outline;
+  readonly pose: FramePose;
+}
+
 export interface FilmScreen {
   // More comes soon: another moment was asked for.
   expect(): void;
   // A part of the tooth; undefined: no surface there.
   setBlock(index: number, mesh: BlockMesh | undefined): void;
-  // The bur and where it is; undefined: it is not shown.
-  setBur(outline: Outline | undefined, pose: FramePose | undefined): void;
+  // Undefined: none is shown.
+  setBur(bur: Placed | undefined): void;
   // Where the tooth is, and how much of it is there.
   setDetail(detail: Detail, extent: Extent): void;
   // What is inside.
@@ -280,16 +286,16 @@ export class Film {
   private open<T>(use: (script: Awaited<ReturnType<FilmOptions["opener"]>>) => T) {
     return this.opener().then(use, () => fail("what reads it could not be loaded"));
   }
+  private async save(as: ModelFormat, meshes: readonly BlockMesh[]): Promise<void> {
+    const model = await this.open(({ savers }) => ok(savers[as](meshes)));
+    this.tell({ told: "model", model }, model.ok ? [model.value] : []);
+  }
   private async drawPlans(bytes: ArrayBuffer, planes: readonly Plane[]): Promise<void> {
     this.tell({ told: "plans", plans: await this.open(({ plansOf }) => plansOf(bytes, planes)) }, []);
   }
   private async readInterior(bytes: ArrayBuffer): Promise<void> {
     const made = await this.open(({ opened }) => opened(bytes));
     if (this.closed) return;
-  private async save(as: ModelFormat, meshes: readonly BlockMesh[]): Promise<void> {
-    const model = await this.open(({ savers }) => ok(savers[as](meshes)));
-    this.tell({ told: "model", model }, model.ok ? [model.value] : []);
-  }
     if (made.ok) {
       this.inside = made.value;
       for (const screen of this.screens) screen.setOpened(made.value);
@@ -428,10 +434,14 @@ export class Film {
   }
   // At the end there is none.
   private showBur(screen: FilmScreen): void {
-    const { head, player, shown } = this;
-    const during = head !== undefined && shown !== undefined && shown < head.frames;
-    const pose = during ? player?.pose(shown) : undefined;
-    screen.setBur(head?.outlines[pose?.bur ?? 0], pose);
+    const { head, shown } = this;
+    screen.setBur(this.burAt(head !== undefined && shown !== undefined && shown < head.frames ? shown : undefined));
+  }
+  // Undefined: there is none, or it is not here yet.
+  burAt(frames: number | undefined): Placed | undefined {
+    const pose = frames === undefined ? undefined : this.player?.pose(frames);
+    const outline = this.head?.outlines[pose?.bur ?? 0];
+    return pose === undefined || outline === undefined ? undefined : { outline, pose };
   }
 
   // False: overtaken by a later wish. What is left stays dirty and comes first the next time, so that nothing waits

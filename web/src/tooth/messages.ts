@@ -108,6 +108,7 @@ export interface ScreenState {
   readonly anatomy: Anatomy | undefined; // undefined: not known yet
   readonly tool: PointMm | undefined;
   readonly path: readonly PointMm[];
+  readonly burAt: number | undefined; // frames: over the tooth at its end, the bur as it was then, like glass
   readonly forceN: PointMm | undefined; // on the hand
   readonly lines: ToothLines | undefined;
   readonly section: SectionPlane | undefined;

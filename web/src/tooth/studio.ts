@@ -75,7 +75,7 @@ class Screen {
   constructor(
     { state, look }: Open,
     paint: Paint | undefined,
-    film: Film,
+    private readonly film: Film,
     private readonly film_: (number: number) => Film,
     private readonly tell: (told: ScreenTold) => void,
   ) {
@@ -92,6 +92,7 @@ class Screen {
 
   private set(state: Partial<ScreenState>): void {
     this.scene?.set(state, this.film_);
+    if ("burAt" in state) this.scene?.setGlass(this.film.burAt(state.burAt));
   }
 
   take(asked: Exclude<ScreenAsk, Open>): void {

@@ -227,6 +227,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           lines={drawnLines}
           pins={pins}
           {...(points === undefined ? {} : { points })}
+          burAt={control.held}
           look={look}
           onPick={pick}
           onPin={(key) => {

@@ -21,6 +21,7 @@ export interface PlaybackControl {
   readonly playback: Playback;
   readonly clock: FrameClock | undefined;
   readonly speeds: readonly number[];
+  readonly held: number | undefined; // frames of the moment, while the tooth stays as it is at its end
   readonly playing: boolean;
   readonly speed: number;
   readonly loop: Loop | undefined;
@@ -110,6 +111,10 @@ export function usePlayback(
     [],
   );
 
+  const held =
+    clock !== undefined && playback?.whole === true && timeS !== undefined && timeS === heldS
+      ? clock.framesAt(timeS)
+      : undefined;
   const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
   useEffect(() => {
     if (!playing || playback === undefined) return undefined;
@@ -148,6 +153,7 @@ export function usePlayback(
     return {
       playback,
       clock,
+      held,
       playing,
       speed,
       setSpeed,
@@ -170,7 +176,7 @@ export function usePlayback(
         ),
       loopOff: () => setLoop(undefined),
     };
-  }, [playback, clock, playing, speed, loop, ready, rate, changes, stop, tell]);
+  }, [playback, clock, held, playing, speed, loop, ready, rate, changes, stop, tell]);
 }
 
 // The frame at which playing ends or begins again.

@@ -7,6 +7,7 @@ import {
   kFullFragment,
   kFullVertex,
   kGhostFragment,
+  kGlassFragment,
   kPlainFragment,
   kPlainVertex,
   kQuickFragment,
@@ -22,6 +23,8 @@ import { kUnmoved, type Matrix } from "./vec";
 const kInsideColor = "#b98a5e"; // of a cut whose tissues are not known
 const kScalePixels = 256;
 const kTooth = { roughness: 0.45, metal: 0 };
+const kGlassColor = "#1f2937";
+const kGlassEdge = 0.8; // opacity
 const kSteel = { color: "#8a94a0", roughness: 0.35, metal: 0.6 };
 
 // Of the picture that is drawn.
@@ -33,7 +36,7 @@ export interface Frame {
   readonly toSlice: readonly number[]; // three rows (cut_fill.ts), where there is a plane; 0: the tissues behind it are not known
 }
 
-type Kind = "full" | "quick" | "ghost" | "count" | "stripes" | "plain";
+type Kind = "full" | "glass" | "quick" | "ghost" | "count" | "stripes" | "plain";
 
 export class Paint {
   private readonly programs = new Map<string, Program>();
@@ -103,10 +106,12 @@ export class Paint {
       this.heat ? "HEAT" : "TISSUE",
     );
   }
-  bur(frame: Frame, model: Matrix): void {
+  // `glass`: nothing of it but its outline covers what is behind it.
+  bur(frame: Frame, model: Matrix, glass: boolean): void {
     const { color, roughness, metal } = kSteel;
     const whole = { ...frame, plane: undefined };
-    this.use("full", whole, { roughness, metal, model, palette: linearColor(color) }, "TISSUE");
+    if (glass) this.use("glass", whole, { model, tint: [...screenColor(kGlassColor), kGlassEdge] });
+    else this.use("full", whole, { roughness, metal, model, palette: linearColor(color) }, "TISSUE");
   }
   ghost(frame: Frame, tint: readonly number[]): void {
     this.use("ghost", frame, { tint });
@@ -145,6 +150,8 @@ export class Paint {
     switch (kind) {
       case "full":
         return new Program(this.gl, kFullVertex, kFullFragment, defines);
+      case "glass":
+        return new Program(this.gl, kFullVertex, kGlassFragment, defines);
       case "quick":
         return new Program(this.gl, kQuickVertex, kQuickFragment, defines);
       // A little towards the side on which it counts as the same.

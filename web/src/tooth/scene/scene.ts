@@ -1,11 +1,11 @@
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
-import type { Film, FilmScreen } from "../film";
+import type { Film, FilmScreen, Placed } from "../film";
 import type { CameraPreset, Detail, Extent, PointMm, ScreenState, ScreenTold, SurfacePoint } from "../messages";
 import type { Opened } from "../opened";
 import type { BlockMesh } from "../mesher";
-import type { FramePose, Outline } from "../timeline";
+import type { Outline } from "../timeline";
 import { type BlockHit, boxOf, ToothBlocks } from "./blocks";
 import type { CutFill } from "./cut_fill";
 import { screenColor } from "./colors";
@@ -48,9 +48,9 @@ export class ToothScene implements FilmScreen {
   private readonly blocks: ToothBlocks;
   private readonly mark: Shape;
   private tool: PointMm | undefined;
-  private bur: Shape | undefined;
-  private outline: Outline | undefined; // the bur's
-  private pose: FramePose | undefined; // of the bur; undefined: it is not shown
+  private readonly burs = new Map<Outline, Shape>();
+  private bur: Placed | undefined; // that cuts
+  private glass: Placed | undefined; // that has cut
   private trail: Shape | undefined;
   private readonly arrow: ForceArrow;
   private readonly lines: LineGroup;
@@ -91,7 +91,9 @@ export class ToothScene implements FilmScreen {
     this.cleanup.add(() => this.pace.stop());
     this.cleanup.add(() => this.endGhost());
     this.cleanup.add(() => this.trail?.dispose());
-    this.cleanup.add(() => this.bur?.dispose());
+    this.cleanup.add(() => {
+      for (const bur of this.burs.values()) bur.dispose();
+    });
     this.sight = new Sight(state.angled, () => this.frame.request());
     this.cleanup.add(() => this.frame.cancel());
   }
@@ -161,17 +163,22 @@ export class ToothScene implements FilmScreen {
     this.target = body === undefined ? [] : [{ mesh: body, box: boxOf(body.positionMm) }];
     this.targetCut.changed();
   }
-  setBur(outline: Outline | undefined, pose: FramePose | undefined): void {
-    if (outline === undefined) return;
-    if (pose !== undefined && outline !== this.outline) {
-      this.bur?.dispose();
-      this.bur = revolved(this.gl, outline);
-      this.outline = outline;
-    }
-    if (this.bur === undefined) return;
-    this.pose = pose;
+  setBur(bur: Placed | undefined): void {
+    if (bur === this.bur) return;
+    this.bur = bur;
     if (this.follows) this.follow();
     this.moved();
+  }
+  // Over the finished tooth, whose colours stay as they are under it.
+  setGlass(bur: Placed | undefined): void {
+    this.glass = bur;
+    this.frame.request();
+  }
+  // What is drawn, and where.
+  private solid({ outline, pose }: Placed): readonly [Shape, Matrix] {
+    const shape = this.burs.get(outline) ?? revolved(this.gl, outline);
+    this.burs.set(outline, shape);
+    return [shape, placed(turnBetween([0, 0, 1], unit(pose.axis)), pose.tipMm)];
   }
 
   // Another tooth over this one, translucent; undefined: none. It can neither be pointed at nor
@@ -211,7 +218,7 @@ export class ToothScene implements FilmScreen {
     if (on) this.follow();
   }
   private follow(): void {
-    if (this.pose !== undefined) this.sight.follow(this.pose.tipMm);
+    if (this.bur !== undefined) this.sight.follow(this.bur.pose.tipMm);
   }
 
   // What lies over the picture has moved without it.
@@ -323,7 +330,7 @@ export class ToothScene implements FilmScreen {
     this.gl.viewport(0, 0, width, height);
   }
   private drawFrame(frame: Frame): void {
-    const { gl, paint, ghost, bur, pose } = this;
+    const { gl, paint, ghost } = this;
     beginPicture(gl);
     paint.tooth(this.pace.effort, frame);
     // Behind a section's plane one looks at the inside of the surface: painted flat it is the cut.
@@ -333,22 +340,26 @@ export class ToothScene implements FilmScreen {
     });
     this.blocks.draw(frame.picture);
     ghost?.drawn.draw(paint, frame);
-    if (bur !== undefined && pose !== undefined) {
-      paint.bur(frame, placed(turnBetween([0, 0, 1], unit(pose.axis)), pose.tipMm));
-      drawOver(gl, {});
-      bur.draw();
+    const bur = this.bur ?? this.glass;
+    if (bur !== undefined) {
+      const [shape, model] = this.solid(bur);
+      const glass = bur === this.glass;
+      paint.bur(frame, model, glass);
+      drawOver(gl, { hides: !glass, mixed: glass });
+      shape.draw();
     }
     this.drawOnTop(paint.plain(frame), frame.projection);
   }
   // What is seen through the tooth.
   private drawOnTop(plain: Program, projection: Matrix): void {
     const { gl, tool, sight } = this;
+    const bur = this.bur ?? this.glass;
     drawOver(gl, { depth: false, mixed: true });
     plain.set("tint", kTrailTint);
     this.trail?.draw();
     this.lines.draw(plain);
     drawOver(gl, { depth: false });
-    for (const { color, radiusMm } of tool === undefined ? [] : kMarks) {
+    for (const { color, radiusMm } of tool === undefined || bur !== undefined ? [] : kMarks) {
       plain.set("tint", [...screenColor(color), 1]);
       const size = radiusMm * Math.min(1, kMarkShare * sight.halfHighMm);
       plain.set("model", placed(kUnturned, tool!, [size, size, size]));
@@ -357,7 +368,7 @@ export class ToothScene implements FilmScreen {
     plain.set("model", kUnmoved);
     for (const cut of [this.ghost?.drawn.section, this.targetCut, this.section]) cut?.draw(plain, projection);
     // At the bur or, where none is shown, at the tool's mark.
-    this.arrow.draw(plain, this.bur === undefined ? tool : (this.pose?.tipMm ?? tool), this.sight.halfHighMm);
+    this.arrow.draw(plain, bur?.pose.tipMm ?? tool, sight.halfHighMm);
   }
 
   look(look: Look): void {

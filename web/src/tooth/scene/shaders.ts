@@ -228,6 +228,18 @@ ${kDiscard}
   pixel = vec4(color, 1.0);
 }`;
 
+// A bur over colours that are values: clear but for its outline, where the surface turns away from the eye.
+export const kGlassFragment = `
+in vec3 vNormal;
+in vec3 vPlace;
+uniform vec4 tint;
+out vec4 pixel;
+void main() {
+  float turned = 1.0 - abs(dot(normalize(vNormal), normalize(vPlace)));
+  if (turned < 0.6) discard;
+  pixel = vec4(tint.rgb, tint.a * smoothstep(0.6, 0.9, turned));
+}`;
+
 export const kGhostFragment = `
 ${kCutFragment}
 uniform vec4 tint;

@@ -58,6 +58,7 @@ interface Props {
   readonly angled: AngledView; // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
+  readonly burAt?: number | undefined; // ScreenState
   readonly lines?: ToothLines | undefined;
   readonly forceN?: PointMm | undefined; // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
@@ -131,6 +132,7 @@ export function ToothView({
   instead,
   tool,
   path = kNoPath,
+  burAt,
   forceN,
   lines,
   pins = kNoPins,
@@ -153,6 +155,7 @@ export function ToothView({
     anatomy,
     tool,
     path,
+    burAt,
     forceN: felt,
     lines,
     section,
