@@ -1,12 +1,13 @@
 // Two attempts, side by side and one over the other.
 import assert from "node:assert/strict";
 import { eventually } from "./browser.mjs";
-import { differing, toothPixels, toothPixelsBecome } from "./pixels.mjs";
+import { countColors, differing, toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";
 
 export const compareFlows = [
   { name: "two attempts are shown side by side", run: beside },
   { name: "a student sees the reference beside their own attempt", anywhere: true, run: besideTheReference },
+  { name: "two teeth side by side have the same kind of colours", run: besideAlike },
   { name: "two attempts fit a small window, with nothing over the teeth", run: besideInASmallWindow },
   { name: "an attempt to compare with is found by its person and exercise", run: found },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
@@ -67,6 +68,43 @@ async function found(world) {
   await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
   assert.equal(await page.getByLabel("Compare with").inputValue(), world.school.attempts.class3);
   assert.match(await page.locator(".tooth-name").last().innerText(), /^Žofia /);
+}
+
+// Of the deviation's colours; no tissue has it.
+const isUntouched = ([r, g, b]) => r > 100 && r < 200 && b > r && b - r < 30 && Math.abs(r - g) < 16;
+
+// On the way both show tissues, at the end both the deviation: also where the other one took longer.
+async function besideAlike(world) {
+  const page = await signedIn(world, "instructor", world.attempt("shown", "?t=30"));
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  const choice = page.getByLabel("Compare with");
+  await choice.focus();
+  const other = choice.locator(`option[value$="${world.school.attempts.slow}"]`);
+  await other.waitFor({ state: "attached" });
+  await choice.selectOption(await other.getAttribute("value"));
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  const own = ".teeth > .tooth canvas";
+  const both = (check) =>
+    eventually(async () => {
+      await page.waitForFunction(() => document.querySelectorAll("canvas[data-drawn=full]").length === 2);
+      for (const canvas of [own, ".other-tooth canvas"])
+        check((await countColors(page, canvas, { found: isUntouched })).found, canvas);
+    });
+  const coloured = (count, canvas) => assert.ok(count > 5000, `${canvas}: ${count} pixels of untouched tooth`);
+  const plain = (count, canvas) => assert.ok(count < 2500, `${canvas}: ${count} pixels of untouched tooth`);
+  await both(plain);
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("End");
+  await both(coloured);
+  await world.picture(page, "beside_end");
+  await accessible(page, "two finished teeth");
+  await page.getByLabel("Tissues").check();
+  await both(plain);
+  await page.getByLabel("Deviation").check();
+  // One step before the end.
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("ArrowLeft");
+  await both(plain);
 }
 
 async function besideTheReference(world) {

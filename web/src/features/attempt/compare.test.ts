@@ -12,6 +12,16 @@ test("by time another attempt is at the same time, or at its end", () => {
   assert.equal(momentInOther("time", own, series([0, 1], [0, 9]), 3.5), 2);
 });
 
+test("at the end of one, another attempt that took longer is at its end too", () => {
+  const longer = series([0, 1, 2, 3, 4, 5], [0, 1, 2, 3, 4, 5]);
+  for (const sync of ["time", "removed", "path"] as const)
+    assert.equal(
+      momentInOther(sync, own, longer, 4, () => 2),
+      6,
+      sync,
+    );
+});
+
 test("by removed volume it is where as much was first gone", () => {
   const slow = series([0, 1, 2, 3, 4, 5], [0, 1, 2, 2, 4, 5]);
   assert.deepEqual(

@@ -11,7 +11,7 @@ export type Placement = "side" | "top";
 // The moment of `other` that belongs to `timeS` of `own`: the same time, the first at which as much
 // was removed, or when the bur was at the same place on its way (`path`: how the two ways belong
 // together; undefined while it is not known). An attempt that has ended, or never removes as much,
-// is at its end.
+// is at its end. The end belongs to the end, so that two finished teeth are compared.
 export function momentInOther(
   sync: Sync,
   own: Series,
@@ -19,10 +19,10 @@ export function momentInOther(
   timeS: number,
   path?: PathMatch,
 ): number | undefined {
-  if (sync === "path") return path?.(timeS);
   const endS = seriesEndS(other);
+  if (timeS > (own.t_s.at(-1) ?? 0)) return endS; // in the last step
+  if (sync === "path") return path?.(timeS);
   if (sync === "time") return Math.min(timeS, endS);
-  if (timeS >= seriesEndS(own)) return endS;
   const removed = own.removed_mm3[stepAt(own, timeS)] ?? 0;
   let low = 0;
   let high = other.removed_mm3.length;

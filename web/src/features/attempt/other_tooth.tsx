@@ -1,7 +1,7 @@
 import type { Anatomy } from "../../api/tooth_number";
 import { formatMoment } from "../../base/format";
 import { say } from "../../base/words";
-import type { AngledView } from "../../tooth/messages";
+import type { AngledView, ColorMode } from "../../tooth/messages";
 import { Loading, Segmented } from "../../widgets/basics";
 import { GhostLegend } from "../../widgets/tooth/legend";
 import { type LookHandle, ToothView } from "../../widgets/tooth/tooth_view";
@@ -69,14 +69,14 @@ interface Props {
   readonly other: Other;
   readonly anatomy: Anatomy | undefined; // of the same exercise
   readonly choices: ToothChoices;
+  readonly mode: ColorMode; // of both
   readonly angled: AngledView;
   readonly look: LookHandle; // both are looked at alike
 }
 
 // Another attempt, at the moment that belongs to this one's.
-export function OtherTooth({ name, other, anatomy, choices, angled, look }: Props) {
+export function OtherTooth({ name, other, anatomy, choices, mode, angled, look }: Props) {
   const { playback } = other;
-  const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
   if (!other.ready || playback.film === undefined) return <OtherMissing other={other} />;
   return (
     <div class="other-tooth">
@@ -85,7 +85,7 @@ export function OtherTooth({ name, other, anatomy, choices, angled, look }: Prop
         film={playback.film}
         anatomy={anatomy}
         busy={!playback.drawn}
-        mode={compared === undefined || playback.showing ? "tissue" : choices.mode}
+        mode={mode}
         label={`${say("compare.other")} ${name}`}
         name={name}
         angled={angled}

@@ -181,9 +181,13 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
     setOtherName(referenceName(reference));
     setPlacement("top");
   };
-  // On the way there is nothing to compare with: a reference is of a finished tooth.
+  // On the way there is nothing to compare with: a reference is of a finished tooth. Two teeth side by side have the
+  // same kind of colours.
   const during = control.playback.showing;
-  const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
+  const { playback: theirs } = beside ?? {};
+  const alike = theirs === undefined || (theirs.deviation.state === "ready" && !theirs.showing);
+  const coloured = summary !== undefined && !during && alike;
+  const mode: ColorMode = coloured ? choices.mode : "tissue";
   // What lies inside shines through the surface once somebody looks at it for a while.
   const { whole } = control.playback;
   useEffect(() => {
@@ -223,11 +227,11 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           angled={angled}
           tool={during ? undefined : path.at(-1)}
           path={path}
+          burAt={control.held}
           forceN={forceN}
           lines={drawnLines}
           pins={pins}
           {...(points === undefined ? {} : { points })}
-          burAt={control.held}
           look={look}
           onPick={pick}
           onPin={(key) => {
@@ -243,7 +247,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
           <ToothTools
             choices={choices}
             onChoices={setChoices}
-            compared={summary !== undefined && !during}
+            compared={coloured}
             played={played}
             measures={measured !== undefined}
             onMeasures={(on) => setMeasured(on ? [] : undefined)}
@@ -271,6 +275,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
                 other={beside}
                 anatomy={anatomy}
                 choices={choices}
+                mode={mode}
                 angled={angled}
                 look={otherLook}
               />
