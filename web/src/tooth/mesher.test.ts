@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ChangingPart, kTriangles } from "./changing";
+import { kNotCompared } from "./deviation";
 import { type BlockMesh, ToothMesher } from "./mesher";
 import { kBrickSamples, kDeep, kFarOut } from "./samples";
 import { cross, dot, lengthOf, scaled, sub, unit, type Vec } from "./scene/vec";
@@ -9,10 +10,11 @@ import { cross, dot, lengthOf, scaled, sub, unit, type Vec } from "./scene/vec";
 
 const kBricks = 6; // along each axis
 const kEnamelSampled = 1 + 8 + kTriangles;
+const kGrid = { voxelMm: 1, bricks: [kBricks, kBricks, kBricks], originMm: [0, 0, 0] } as const;
 const kMiddle: Vec = [23.3, 23.6, 23.8];
 
 // What the surface of a solid is meshed to. `distance` is below 0 inside.
-function meshesOf(distance: (at: Vec) => number): BlockMesh[] {
+function meshesOf(distance: (at: Vec) => number, bricks?: ReadonlyMap<number, Int32Array>): BlockMesh[] {
   const count = kBricks ** 3;
   const samples = new Int8Array(count * kBrickSamples);
   for (let b = 0; b < count; ++b)
@@ -27,7 +29,7 @@ function meshesOf(distance: (at: Vec) => number): BlockMesh[] {
   const all = Uint32Array.from({ length: count }, (_, b) => b);
   const mesher = new ToothMesher(
     new ChangingPart({
-      grid: { voxelMm: 1, bricks: [kBricks, kBricks, kBricks], originMm: [0, 0, 0] },
+      grid: kGrid,
       flags: new Uint8Array(count).fill(kEnamelSampled),
       samples,
       slot: Int32Array.from(all),
@@ -36,6 +38,7 @@ function meshesOf(distance: (at: Vec) => number): BlockMesh[] {
       changing: all,
     }),
   );
+  if (bricks !== undefined) mesher.deviation = { grid: kGrid, values: 0, bricks };
   return mesher.allBlocks().flatMap((block) => mesher.mesh(block) ?? []);
 }
 
@@ -104,4 +107,45 @@ test("along the rim of a cut normals lean to neither side of it", () => {
   assert.ok(rim > 100 && walls > 500, `${rim} vertices at the rim, ${walls} beside it`);
   assert.ok(leaning < 8, `${leaning} degrees along the rim`);
   assert.ok(off < 2.5, `${off} degrees off face and wall`);
+});
+
+// Where two vertices of a triangle have a share of more and of less than one half, how far from the middle it is one half.
+function borderOf(meshes: readonly BlockMesh[], share: (mesh: BlockMesh, vertex: number) => number): number[] {
+  const out: number[] = [];
+  for (const mesh of meshes)
+    for (let i = 0; i < mesh.triangle.length; ++i) {
+      const [a, b] = [mesh.triangle[i]!, mesh.triangle[i % 3 === 2 ? i - 2 : i + 1]!];
+      const [one, other] = [share(mesh, a), share(mesh, b)];
+      if (one < 0.5 === other < 0.5) continue;
+      const along = (axis: number) => {
+        const [from, to] = [mesh.positionMm[3 * a + axis]!, mesh.positionMm[3 * b + axis]!];
+        return from + ((0.5 - one) / (other - one)) * (to - from) - kMiddle[axis]!;
+      };
+      out.push(Math.hypot(along(0), along(1)));
+    }
+  return out;
+}
+
+test("the colours of what was compared end along its border, not along its cells", () => {
+  const bricks = new Map<number, Int32Array>();
+  for (let b = 0; b < kBricks ** 3; ++b) {
+    const [x, y] = [8 * (b % kBricks), 8 * (Math.floor(b / kBricks) % kBricks)];
+    const within = (i: number) =>
+      Math.hypot(x + (i & 7) + 0.5 - kMiddle[0], y + ((i >> 3) & 7) + 0.5 - kMiddle[1]) < 15;
+    bricks.set(
+      b,
+      new Int32Array(kBrickSamples).map((_, i) => (within(i) ? 250 : kNotCompared)),
+    );
+  }
+  const meshes = meshesOf((at) => at[2] - 23.4, bricks);
+  const torn = (radii: readonly number[]) => {
+    const mean = radii.reduce((sum, one) => sum + one, 0) / radii.length;
+    return Math.max(...radii.map((one) => Math.abs(one - mean)));
+  };
+  const cells = torn(borderOf(meshes, ({ deviation }, v) => deviation![2 * v + 1]!));
+  const colors = torn(borderOf(meshes, ({ colored }, v) => colored![2 * v + 1]!));
+  assert.ok(cells > 0.6 && colors < 0.45, `${cells} and ${colors} voxels`);
+  for (const { colored } of meshes)
+    for (let i = 0; i < colored!.length; i += 2)
+      assert.ok(Math.abs(colored![i]! - 0.25 * colored![i + 1]!) < 1e-6, "no value is another one at the border");
 });

@@ -20,6 +20,8 @@ export interface BlockMesh {
   readonly tissue: Uint8Array<ArrayBuffer>; // (n)
   readonly cut?: Uint8Array<ArrayBuffer>; // (n): other than 0 where a bur was
   readonly deviation: Float32Array<ArrayBuffer> | undefined; // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
+  // (n x 2): the deviation times a share, and that share: one half along the border of what was compared.
+  readonly colored?: Float32Array<ArrayBuffer> | undefined;
   readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
 
@@ -48,6 +50,8 @@ export class ToothMesher {
   private readonly along = [new Float64Array(8), new Float64Array(8), new Float64Array(8)] as const; // splineAt
   private readonly slope = new Float64Array(3);
   private readonly compared = new Float32Array(2 * kCells ** 3);
+  private readonly colored = new Float32Array(2 * kCells ** 3);
+  private readonly values = new Int32Array(kSide ** 3); // of the deviation, in the cell at each sample
   // Of the tooth at its end; vertices of cells that it knows carry it, at whatever moment.
   deviation: ToothDeviation | undefined;
   private triangle = new Uint16Array(1 << 16);
@@ -124,7 +128,12 @@ export class ToothMesher {
       normal: this.normal.slice(0, 4 * this.vertices),
       tissue: this.tissue.slice(0, this.vertices),
       cut: this.cut.slice(0, this.vertices),
-      deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices),
+      ...(this.deviation === undefined
+        ? { deviation: undefined }
+        : {
+            deviation: this.compared.slice(0, 2 * this.vertices),
+            colored: this.colored.slice(0, 2 * this.vertices),
+          }),
       triangle: this.triangle.slice(0, this.corners),
     };
   }
@@ -146,6 +155,7 @@ export class ToothMesher {
     const [bx, by, bz] = this.part.bricks.grid.bricks;
     const [fx, fy, fz] = [this.first[0]! >> 3, this.first[1]! >> 3, this.first[2]! >> 3];
     let all = 0;
+    if (this.deviation !== undefined) this.values.fill(kNotCompared);
     for (let z = 0, n = 0; z < kNear; ++z) {
       for (let y = 0; y < kNear; ++y) {
         for (let x = 0; x < kNear; ++x, ++n) {
@@ -154,17 +164,19 @@ export class ToothMesher {
           const j = fy + y;
           const k = fz + z;
           const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
-          all |= this.sides[n] = this.copyBrick(inside ? this.part.samples((k * by + j) * bx + i) : kFarOut, x, y, z);
+          const brick = inside ? (k * by + j) * bx + i : -1;
+          const cells = this.deviation?.bricks.get(brick);
+          all |= this.sides[n] = this.copyBrick(inside ? this.part.samples(brick) : kFarOut, cells, x, y, z);
         }
       }
     }
     return all === 3;
   }
 
-  // `from`: its samples, or what all of them are; `x`, `y`, `z`: which one it is of those near the block. What lies
+  // `from`: its samples, or what all of them are; `cells`: its deviation; `x`, `y`, `z`: which one it is of those near the block. What lies
   // outside the block is left out. Bit 0: some are solid; bit 1: some are air.
-  private copyBrick(from: Int8Array | number, x: number, y: number, z: number): number {
-    const to = this.samples;
+  private copyBrick(from: Int8Array | number, cells: Int32Array | undefined, x: number, y: number, z: number): number {
+    const { samples: to, values } = this;
     const [ox, oy, oz] = [x, y, z].map((n) => (n - 1) * kBrickSide + kMargin) as [number, number, number];
     const x0 = Math.max(0, ox);
     const x1 = Math.min(kSide, ox + kBrickSide);
@@ -179,6 +191,10 @@ export class ToothMesher {
       for (let j = y0; j < y1; ++j) {
         const row = k * kSide + j;
         const end = row * kSide + x1;
+        if (cells !== undefined) {
+          let cell = (k - oz) * 64 + (j - oy) * 8 + x0 - ox;
+          for (let at = row * kSide + x0; at < end; ++at, ++cell) values[at] = cells[cell]!;
+        }
         let at = row * kSide + x0;
         let solid = 0;
         if (typeof from === "number") {
@@ -318,18 +334,40 @@ export class ToothMesher {
     const now = this.samples[n + (uz * kSide + uy) * kSide + ux]!;
     // Of the same level: before the last segment no more is known.
     this.cut[index] = now >> kCoarse === (typeof start === "number" ? start : start[sample]!) >> kCoarse ? 0 : 1;
-    if (this.deviation !== undefined) this.compare(index, vx, vy, vz, this.deviation);
+    if (this.deviation !== undefined) this.compare(index, n);
     return index;
   }
-  private compare(index: number, x: number, y: number, z: number, deviation: ToothDeviation): void {
-    const um = this.deviationOf(x, y, z, deviation);
-    this.compared[2 * index] = um === undefined ? 0 : um / 1000;
-    this.compared[2 * index + 1] = um === undefined ? 0 : 1;
+  private isCrossed(n: number): boolean {
+    const s = this.samples;
+    const m = n + kSide * kSide;
+    const all =
+      s[n]! & s[n + 1]! & s[n + kSide]! & s[n + kSide + 1]! & s[m]! & s[m + 1]! & s[m + kSide]! & s[m + kSide + 1]!;
+    const any =
+      s[n]! | s[n + 1]! | s[n + kSide]! | s[n + kSide + 1]! | s[m]! | s[m + 1]! | s[m + kSide]! | s[m + kSide + 1]!;
+    return (all ^ any) < 0; // their signs differ
   }
-  private deviationOf(x: number, y: number, z: number, { bricks }: ToothDeviation): number | undefined {
-    if (x < 0 || y < 0 || z < 0) return undefined;
-    const um = bricks.get(this.brickOf(x, y, z))?.[sampleOf(x, y, z)];
-    return um === kNotCompared ? undefined : um;
+  // Cell by cell the border of what was compared is torn. Its colours end where as many of the cells around have none.
+  private compare(index: number, n: number): void {
+    const { values } = this;
+    const own = values[n]!;
+    let [known, sum, all] = [0, 0, 0];
+    for (let k = -1; k < 2; ++k)
+      for (let j = -1; j < 2; ++j)
+        for (let i = -1; i < 2; ++i) {
+          const m = n + (k * kSide + j) * kSide + i;
+          const weight = (2 - k * k) * (2 - j * j) * (2 - i * i);
+          if (values[m] !== kNotCompared) {
+            known += weight;
+            sum += weight * values[m]!;
+          } else if (!this.isCrossed(m)) continue;
+          all += weight;
+        }
+    const mm = (own === kNotCompared ? sum / (known || 1) : own) / 1000;
+    const share = known / all;
+    this.compared[2 * index] = own === kNotCompared ? 0 : mm;
+    this.compared[2 * index + 1] = own === kNotCompared ? 0 : 1;
+    this.colored[2 * index] = share * mm;
+    this.colored[2 * index + 1] = share;
   }
   private brickOf(x: number, y: number, z: number): number {
     const { bricks } = this.part.bricks.grid;

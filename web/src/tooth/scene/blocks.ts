@@ -43,14 +43,14 @@ export class ToothBlocks {
     this.blocks.get(index)?.drawn.dispose();
     this.blocks.delete(index);
     if (mesh === undefined) return;
-    const { positionMm, normal, deviation, triangle } = mesh;
+    const { positionMm, normal, colored = mesh.deviation, triangle } = mesh;
     const drawn = new Shape(
       this.gl,
       {
         position: { data: positionMm, size: 3 },
         normal: { data: normal, size: 4, normalized: true },
         tissue: { data: withStain(mesh), size: 1 },
-        deviation: deviation === undefined ? undefined : { data: deviation, size: 2 },
+        deviation: colored === undefined ? undefined : { data: colored, size: 2 },
       },
       triangle,
     );
