@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
+#include <initializer_list>
 #include <optional>
 #include <span>
 
@@ -22,8 +23,8 @@ struct StatePart {
   bool keyed = false;
 };
 
-// A text, a UUID, or two with a space between them.
-enum class Key { kText, kId, kTwoIds };
+// A text, a UUID, two with a space between them, or a SHA-256.
+enum class Key { kText, kId, kTwoIds, kHash };
 
 struct SubjectKind {
   const char* name;
@@ -32,20 +33,33 @@ struct SubjectKind {
   std::vector<StatePart> of;  // the first says whether it is there
 };
 
-// During a recording, chunks set two of the flags without a row of their own; the seal's row has
-// them. Of an attempt's state, only decisions of people and rules; the rest follows from the stored
-// parts (verify/verify_stage.h).
+// Columns that have a value under a condition.
+std::string Where(const std::string& condition, std::initializer_list<const char*> columns) {
+  std::string out;
+  for (const std::string column : columns) {
+    out += ", CASE WHEN " + condition + " THEN " + column + " END AS " + column;
+  }
+  return out;
+}
+
+// During a recording, chunks set two of the flags and count themselves without a row of their own;
+// the seal's row has both. Of an attempt's state, only decisions of people and rules; the rest
+// follows from the stored parts (verify/verify_stage.h).
 std::string AttemptColumns() {
-  return "SELECT person, station, exercise, assignment, exam, due_ms, rate_hz, limit_ticks, hands, "
-         "sign_off, ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN "
-         "sealed_ms = 0 THEN "
+  const std::string quarantined = "state = " + Sql(AttemptState::kQuarantined);
+  return "SELECT person, station, exercise, profile_content, ticket, assignment, exam, due_ms, "
+         "rate_hz, limit_ticks, hands, sign_off, ticketed_ms, sealed_ms, as_reference, expired_ms, "
+         "released, facts, CASE WHEN sealed_ms = 0 THEN "
          "flags - (flags & " +
          Sql(kFasterThanTime | kOverTime) +
          ") ELSE flags END AS flags, override_score, override_reason, override_by, override_ms, "
-         "CASE WHEN state = " +
-         Sql(AttemptState::kQuarantined) +
-         " THEN 1 END AS quarantined "
-         "FROM attempts WHERE tenant = ?1 AND id = ?2";
+         "CASE WHEN " +
+         quarantined + " THEN 1 END AS quarantined" +
+         Where(quarantined, {"problem", "problem_field"}) +
+         Where("(sealed_ms <> 0 OR expired_ms <> 0)",
+               {"header", "head_hash", "head_state_hash", "chunks", "ticks", "gap_ticks",
+                "trace_bytes", "last_chunk_ms"}) +
+         " FROM attempts WHERE tenant = ?1 AND id = ?2";
 }
 
 const std::vector<SubjectKind>& Kinds() {
@@ -64,13 +78,22 @@ const std::vector<SubjectKind>& Kinds() {
         {"reference",
          "SELECT id, exercise, version, dentist, consent, created_ms, withdrawn_ms FROM "
          "reference_cuts WHERE tenant = ?1 AND attempt = ?2 ORDER BY id",
+         true},
+        // A new reference has runs queued for all that have none, without a row about each.
+        {"job",
+         "SELECT id, kind, cause, batch FROM jobs WHERE tenant = ?1 AND attempt = ?2 AND cause <> "
+         "'reference' ORDER BY id",
+         true},
+        {"evidence",
+         "SELECT hash, seq, received_ms FROM contradicting_chunks WHERE tenant = ?1 AND attempt = "
+         "?2 ORDER BY hash",
          true}}},
       {"annotation",
        Key::kId,
        "SELECT id, attempt FROM annotations WHERE tenant = ?1",
        {{"",
-         "SELECT attempt, author, tick, x_um, y_um, z_um, text, created_ms, edited_ms, revision "
-         "FROM annotations WHERE tenant = ?1 AND id = ?2"}}},
+         "SELECT attempt, author, tick, x_um, y_um, z_um, text, created_ms, edited_ms, revision, "
+         "to_chair, remark_id FROM annotations WHERE tenant = ?1 AND id = ?2"}}},
       {"exercise",
        Key::kId,
        "SELECT id FROM exercises WHERE tenant = ?1",
@@ -104,14 +127,25 @@ const std::vector<SubjectKind>& Kinds() {
        Key::kText,
        "SELECT name || ' ' || scope FROM station_settings WHERE tenant = ?1",
        {{"",
-         "SELECT value, fixed FROM station_settings WHERE tenant = ?1 AND name || ' ' || scope = "
+         "SELECT value, fixed, changed_ms FROM station_settings WHERE tenant = ?1 AND name || ' ' "
+         "|| scope = "
          "?2"}}},
       {"person",
        Key::kId,
        "SELECT id FROM people WHERE tenant = ?1",
        {{"",
-         "SELECT login, display_name, role, disabled, verifier, pin FROM people WHERE tenant = ?1 "
-         "AND id = ?2"}}},
+         "SELECT login, display_name, role, disabled, created_ms, verifier, must_change_password, "
+         "password_ms, pin FROM people WHERE tenant = ?1 AND id = ?2"}}},
+      {"session",
+       Key::kId,
+       "SELECT id FROM sessions WHERE tenant = ?1",
+       {{"",
+         "SELECT token_hash, person, created_ms, expires_ms, confirmed_ms, via, address, device "
+         "FROM sessions WHERE tenant = ?1 AND id = ?2"}}},
+      {"erasure",
+       Key::kHash,
+       "SELECT person_hash FROM erasures WHERE tenant = ?1",
+       {{"", "SELECT erased_ms FROM erasures WHERE tenant = ?1 AND person_hash = ?2"}}},
       {"cohort",
        Key::kId,
        "SELECT id FROM cohorts WHERE tenant = ?1",
@@ -133,20 +167,59 @@ const std::vector<SubjectKind>& Kinds() {
        {{"version",
          "SELECT version, title, content, created_ms FROM profile_versions WHERE tenant = ?1 AND "
          "name = ?2 ORDER BY version",
+         true},
+        {"newest", "SELECT title, content FROM profiles WHERE tenant = ?1 AND name = ?2"},
+        {"report",
+         "SELECT id, version, media_type, content, bytes, created_ms FROM profile_reports WHERE "
+         "tenant = ?1 AND name = ?2 ORDER BY id",
+         true},
+        {"calibration",
+         "SELECT id, device, measured_ms, added_ms, document FROM calibrations WHERE tenant = ?1 "
+         "AND profile = ?2 ORDER BY id",
          true}}},
+      {"scene",
+       Key::kHash,
+       "SELECT content FROM scenes WHERE tenant = ?1",
+       {{"", "SELECT name, title, volume FROM scenes WHERE tenant = ?1 AND content = ?2"}}},
+      {"marking",
+       Key::kId,
+       "SELECT id FROM markings WHERE tenant = ?1",
+       {{"", "SELECT assignment, created_ms, ended_ms FROM markings WHERE tenant = ?1 AND id = ?2"},
+        {"marker",
+         "SELECT person, removed_ms FROM marking_people WHERE tenant = ?1 AND marking = ?2 ORDER "
+         "BY person",
+         true}}},
+      // Each by itself: one goes with its attempt.
+      {"work",
+       Key::kId,
+       "SELECT id FROM marking_works WHERE tenant = ?1",
+       {{"", "SELECT marking, attempt FROM marking_works WHERE tenant = ?1 AND id = ?2"},
+        {"mark",
+         "SELECT marker, rating, criteria, made_ms FROM marks WHERE tenant = ?1 AND work = ?2 "
+         "ORDER BY marker",
+         true}}},
+      {"code",
+       Key::kId,
+       "SELECT id FROM enrol_codes WHERE tenant = ?1",
+       {{"",
+         "SELECT code_hash, created_ms, expires_ms, used_ms, withdrawn_ms FROM enrol_codes WHERE "
+         "tenant = ?1 AND id = ?2"}}},
       {"station",
        Key::kId,
        "SELECT id FROM stations WHERE tenant = ?1",
        {{"",
-         "SELECT name, public_key, revoked, enrolled_ms FROM stations WHERE tenant = ?1 AND id = "
-         "?2"}}}};
+         "SELECT name, public_key, credential_hash, revoked, revoked_ms, enrolled_ms FROM stations "
+         "WHERE tenant = ?1 AND id = ?2"}}}};
   return kKinds;
 }
 
 // Not repeated: words may be long, and the trail must not name further people.
-constexpr const char* kWords[] = {"override_reason", "text",         "answer",
-                                  "dentist",         "reason",       "login",
-                                  "verifier",        "display_name", "pin"};
+constexpr const char* kWords[] = {
+    "override_reason", "text",     "answer",       "dentist",  "reason",
+    "login",           "verifier", "display_name", "pin",      "facts",
+    "problem",         "address",  "device",       "criteria", "document"};
+// Ids, hashes and keys are repeated; what is longer (a ticket, a header) is not.
+constexpr size_t kLongestRepeated = 32;
 
 std::string ValueOf(const Query& q, int column, const std::string& name) {
   switch (q.TypeOf(column)) {
@@ -161,6 +234,7 @@ std::string ValueOf(const Query& q, int column, const std::string& name) {
     }
     case sql::Type::kBlob: {
       const Bytes bytes = q.Blob(column);
+      if (bytes.size() > kLongestRepeated) return "sha256 " + HashSha256(bytes).Hex();
       return bytes.size() == 16 ? q.Id(column).Text() : ToHex(bytes);
     }
     case sql::Type::kText:
@@ -177,6 +251,9 @@ Result<bool> AddPart(Db& db, const StatePart& part, const SubjectKind& kind, con
   Query q(db, part.sql);
   if (kind.key == Key::kText) {
     q.Bind(key);
+  } else if (kind.key == Key::kHash) {
+    ENAMEL_ASSIGN_OR_RETURN(const Sha256 hash, Sha256::FromHex(key));
+    q.Bind(hash);
   } else {
     const size_t space = key.find(' ');
     ENAMEL_ASSIGN_OR_RETURN(const Uuid id, Uuid::Parse(key.substr(0, space)));
@@ -210,15 +287,29 @@ Result<bool> AddPart(Db& db, const StatePart& part, const SubjectKind& kind, con
 std::string SubjectOf(const std::string& kind, const std::string& key) { return kind + " " + key; }
 
 std::string SubjectOfAction(const std::string& action, const std::string& object) {
-  static const std::pair<const char*, const char*> kPrefixes[] = {
-      {"attempt.", "attempt"},      {"appeal.", "attempt"},        {"reference.", "attempt"},
-      {"exercise.", "exercise"},    {"owner.", "owner"},           {"assignment.", "assignment"},
-      {"device.", "device"},        {"setting.", "setting"},       {"person.", "person"},
-      {"station.enrol", "station"}, {"station.rename", "station"}, {"station.revoke", "station"},
-      {"cohort.create", "cohort"},  {"cohort.edit", "cohort"},     {"retention.set", "retention"},
-      {"profile.put", "profile"}};
-  // Its object is no id any more.
-  if (action == "person.erase") return "";
+  static const std::pair<const char*, const char*> kPrefixes[] = {{"attempt.", "attempt"},
+                                                                  {"appeal.", "attempt"},
+                                                                  {"reference.", "attempt"},
+                                                                  {"exercise.", "exercise"},
+                                                                  {"owner.", "owner"},
+                                                                  {"assignment.", "assignment"},
+                                                                  {"device.", "device"},
+                                                                  {"setting.", "setting"},
+                                                                  {"person.erase", "erasure"},
+                                                                  {"person.", "person"},
+                                                                  {"station.enrol", "station"},
+                                                                  {"station.rename", "station"},
+                                                                  {"station.revoke", "station"},
+                                                                  {"station.code", "code"},
+                                                                  {"cohort.create", "cohort"},
+                                                                  {"cohort.edit", "cohort"},
+                                                                  {"retention.set", "retention"},
+                                                                  {"profile.", "profile"},
+                                                                  {"marking.begin", "marking"},
+                                                                  {"marking.markers", "marking"},
+                                                                  {"marking.end", "marking"},
+                                                                  {"marking.work", "work"},
+                                                                  {"marking.mark", "work"}};
   for (const auto& [prefix, kind] : kPrefixes) {
     if (action.starts_with(prefix)) return SubjectOf(kind, object);
   }
@@ -257,7 +348,9 @@ Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {
   for (const SubjectKind& kind : Kinds()) {
     Query q(db, kind.present);
     while (q.Next()) {
-      std::string key = kind.key == Key::kText ? q.Text(0) : q.Id(0).Text();
+      std::string key = kind.key == Key::kText   ? q.Text(0)
+                        : kind.key == Key::kHash ? q.Hash(0).Hex()
+                                                 : q.Id(0).Text();
       std::string object = key;
       if (kind.key == Key::kTwoIds) {
         key += " " + q.Id(1).Text();

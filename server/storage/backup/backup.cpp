@@ -299,7 +299,6 @@ class Restorer {
     ENAMEL_RETURN_IF_ERROR(CopyFiles(manifest));
     ENAMEL_RETURN_IF_ERROR(TakeKeys());
     ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.data));
-    ENAMEL_RETURN_IF_ERROR(EndSessions());
     // After the keys: the newest list of erasures decides who comes back.
     ENAMEL_RETURN_IF_ERROR(EraseAgain());
     // Reports the findings without judging: a school may have to live with what is left.
@@ -380,9 +379,16 @@ class Restorer {
   }
 
   // Sessions and codes of that time may have been ended since.
-  Status EndSessions() {
-    ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(options_.data / "enamel.db", DbMode::kExisting));
-    return db->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");
+  static Status EndSessions(Store& store, const Actor& by) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto people, store.people.People());
+    for (const Person& person : people) {
+      ENAMEL_RETURN_IF_ERROR(store.sessions.EndSessionsOf(person.id, by).status());
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto codes, store.stations.OpenEnrolCodes(/*now_ms=*/0));
+    for (const EnrolCodeRow& code : codes) {
+      ENAMEL_RETURN_IF_ERROR(store.stations.WithdrawEnrolCode(code.id, by));
+    }
+    return Status::Ok();
   }
 
   // Opening does it: what the key ring says is erased is erased.
@@ -397,9 +403,11 @@ class Restorer {
     ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore(open));
     ENAMEL_ASSIGN_OR_RETURN(auto people, store->people.People());
     report_.erased_again = before - people.size();
+    const Actor by{{}, "command line"};
+    ENAMEL_RETURN_IF_ERROR(EndSessions(*store, by));
     // What fails is in the log, and the server finishes it.
     (void)store->erasures.FinishErasures();
-    return store->audit.NoteAudit(Actor{{}, "command line"}, "store.restore", "",
+    return store->audit.NoteAudit(by, "store.restore", "",
                                   JsonOf({{"backup_of_ms", std::to_string(report_.created_ms)},
                                           {"erased_again", std::to_string(report_.erased_again)}}));
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/storage/audit/audit_trail.h"
+#include "server/storage/audit/decisions.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/row_checks.h"
 
@@ -34,6 +35,12 @@ Result<SessionRow> OneSession(Query& q) {
   return Status(Code::kNotFound, "no such session");
 }
 
+Result<SessionRow> FindSessionByToken(Db& db, const Sha256& token_hash) {
+  static const std::string kSql = std::string(kSessionSelect) + "token_hash = ?2";
+  Query q(db, kSql.c_str());
+  return OneSession(q.Bind(token_hash));
+}
+
 Result<SessionRow> FindSessionById(Db& db, const Uuid& id) {
   static const std::string kSql = std::string(kSessionSelect) + "id = ?2";
   Query q(db, kSql.c_str());
@@ -47,6 +54,7 @@ Status DeleteSessions(Db& db, const Uuid& person) {
 }
 
 Status SessionRows::CreateSession(const SessionRow& session) {
+  const Uuid id = session.id.IsZero() ? Uuid::New() : session.id;
   return rows_.Write([&](Db& db) -> Status {
     // The only sweep there is: every sign-in drops what ended.
     ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND expires_ms < ?2")
@@ -59,22 +67,19 @@ Status SessionRows::CreateSession(const SessionRow& session) {
             "?9, ?10, ?11)");
     q.Bind(session.token_hash).Bind(session.person).Bind(session.created_ms);
     q.Bind(session.last_used_ms).Bind(session.expires_ms).Bind(session.via);
-    q.Bind(session.id.IsZero() ? Uuid::New() : session.id);
+    q.Bind(id);
     q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
     q.Bind(session.address).Bind(session.device);
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, Actor{session.person, WhereOf(session)}, "session.begin",
-                      session.person.Text(), "{}",
-                      session.address.empty() ? "{}" : JsonOf({{"address", session.address}}));
+    return WriteAuditAbout(db, SubjectOf("session", id.Text()),
+                           Actor{session.person, WhereOf(session)}, "session.begin",
+                           session.person.Text(), "{}",
+                           session.address.empty() ? "{}" : JsonOf({{"address", session.address}}));
   });
 }
 
 Result<SessionRow> SessionRows::FindSession(const Sha256& token_hash) {
-  return rows_.Read([&](Db& db) -> Result<SessionRow> {
-    static const std::string kSql = std::string(kSessionSelect) + "token_hash = ?2";
-    Query q(db, kSql.c_str());
-    return OneSession(q.Bind(token_hash));
-  });
+  return rows_.Read([&](Db& db) { return FindSessionByToken(db, token_hash); });
 }
 
 Result<SessionRow> SessionRows::SessionById(const Uuid& id) {
@@ -107,7 +112,11 @@ Status SessionRows::ConfirmSession(const Sha256& token_hash, UnixMs now_ms) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE sessions SET confirmed_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(token_hash).Bind(now_ms).Run());
-    return MustHaveChanged(db, "such session");
+    ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "such session"));
+    ENAMEL_ASSIGN_OR_RETURN(const auto session, FindSessionByToken(db, token_hash));
+    return WriteAuditAbout(db, SubjectOf("session", session.id.Text()),
+                           Actor{session.person, WhereOf(session)}, "session.confirm",
+                           session.person.Text(), "{}", "{}");
   });
 }
 

@@ -72,6 +72,13 @@ Status PutStation(Db& db, const StationRow& station, const Sha256& credential_ha
   return q.Bind(station.enrolled_ms).Run();
 }
 
+Result<Uuid> IdOfEnrolCode(Db& db, const Sha256& code_hash) {
+  Query q(db, "SELECT id FROM enrol_codes WHERE tenant = ?1 AND code_hash = ?2");
+  if (q.Bind(code_hash).Next()) return q.Id(0);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no such enrolment code");
+}
+
 }  // namespace
 
 Result<Uuid> StationRows::AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms,
@@ -150,9 +157,12 @@ Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow
     }
     if (again) ENAMEL_RETURN_IF_ERROR(MayComeBack(db, station));
     ENAMEL_RETURN_IF_ERROR(PutStation(db, station, credential_hash));
-    return WriteAudit(db, Actor{{}, "station " + station.name},
-                      again ? "station.enrol_again" : "station.enrol", station.id.Text(), "{}",
-                      JsonOf({{"name", station.name}}));
+    const Actor by{{}, "station " + station.name};
+    ENAMEL_ASSIGN_OR_RETURN(const Uuid code, IdOfEnrolCode(db, code_hash));
+    ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "station.code_used", code.Text(), "{}",
+                                      JsonOf({{"name", station.name}})));
+    return WriteAudit(db, by, again ? "station.enrol_again" : "station.enrol", station.id.Text(),
+                      "{}", JsonOf({{"name", station.name}}));
   });
   if (!status.ok()) return status;
   return station;

@@ -172,8 +172,8 @@ Status TicketRows::KeepFacts(const Uuid& attempt, const std::string& facts) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE attempts SET facts = ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(facts).Run());
-    if (db.Changes() > 0) return Status::Ok();
-    return Status(Code::kNotFound, "no attempt " + attempt.Text());
+    ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "attempt " + attempt.Text()));
+    return WriteAudit(db, Actor{{}, "station link"}, "attempt.facts", attempt.Text(), "{}", "{}");
   });
 }
 

@@ -100,7 +100,10 @@ Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed) {
           "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE (SELECT count(*) FROM contradicting_chunks "
           "WHERE tenant = ?1 AND attempt = ?2) < ?7 ON CONFLICT DO NOTHING");
   q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
-  return q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run();
+  ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run());
+  if (db.Changes() == 0) return Status::Ok();
+  return WriteAudit(db, Actor{{}, "station link"}, "attempt.evidence", chunk.attempt.Text(), "{}",
+                    JsonOf({{"content", chunk.hash.Hex()}}));
 }
 
 Status Quarantine(Db& db, const Uuid& attempt, const Status& problem) {

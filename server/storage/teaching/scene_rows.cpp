@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/storage/audit/audit_trail.h"
+#include "server/storage/audit/decisions.h"
 #include "server/storage/engine/query.h"
 
 // Scenes.
@@ -21,8 +22,8 @@ Status SceneRows::PutScene(const SceneRow& row, const Actor& by) {
         q.Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.volume).Run());
     // A scene is named by its content: the same content is the existing scene.
     if (db.Changes() == 0) return Status::Ok();
-    return WriteAudit(db, by, "scene.put", row.name, "{}",
-                      JsonOf({{"content", row.content.Hex()}}));
+    return WriteAuditAbout(db, SubjectOf("scene", row.content.Hex()), by, "scene.put", row.name,
+                           "{}", JsonOf({{"content", row.content.Hex()}}));
   });
 }
 

@@ -18,8 +18,10 @@ struct AttemptFacts {
   Uuid id, person, station;
   AttemptState state = AttemptState::kTicketed;
   Bytes header;
+  Bytes ticket;
   bool has_header = false, expired = false;
   Hand hand;
+  int64_t last_chunk_ms = 0;
   Sha256 head, trace_blob;
   uint64_t head_state_hash = 0, chunks = 0, ticks = 0, gap_ticks = 0, trace_bytes = 0;
 };
@@ -41,6 +43,8 @@ AttemptFacts FactsOf(const Query& q) {
   out.trace_blob = q.Hash(11);
   out.expired = q.Int(12) != 0;
   out.hand = {static_cast<HandKind>(q.Int(13)), q.Text(14), q.Text(15), q.Text(16)};
+  out.ticket = q.Blob(17);
+  out.last_chunk_ms = q.Int(18);
   return out;
 }
 
@@ -58,7 +62,7 @@ class AttemptCheck {
     Query q(db_,
             "SELECT id, person, station, state, header, head_hash, head_state_hash, chunks, ticks, "
             "gap_ticks, trace_bytes, trace_blob, expired_ms, hand_kind, hand_device, hand_driver, "
-            "hand_unit FROM attempts WHERE tenant = ?1");
+            "hand_unit, ticket, last_chunk_ms FROM attempts WHERE tenant = ?1");
     while (q.Next()) {
       AttemptFacts facts = FactsOf(q);
       ++report_.attempts;
@@ -82,8 +86,12 @@ class AttemptCheck {
   }
 
   Status CheckAttempt(const AttemptFacts& facts) {
-    if (!facts.has_header) return Status::Ok();
+    if (!facts.has_header) {
+      CheckNothingRecorded(facts);
+      return Status::Ok();
+    }
     CheckHeader(facts);
+    ENAMEL_RETURN_IF_ERROR(CheckEvidence(facts));
     // A retention rule has removed the recording; the header stays with the score.
     if (facts.expired) return Status::Ok();
     if (!facts.trace_blob.IsZero()) {
@@ -98,13 +106,74 @@ class AttemptCheck {
                    "none named", kFromBackup);
       return Status::Ok();
     }
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, ChunkRowsOf(facts.id, "trace_chunks"));
+    const int64_t last_ms = rows.empty() ? 0 : rows.back().received_ms;
+    if (last_ms != facts.last_chunk_ms) {
+      report_.Find("chain", facts.id.Text(),
+                   "the time of the last chunk, " + std::to_string(last_ms) + " ms",
+                   std::to_string(facts.last_chunk_ms) + " ms in the attempt's row", kFromBackup);
+    }
+    if (!OpenChunks(facts, rows)) return Status::Ok();
     std::vector<Bytes> chunks;
-    Query q(db_, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
-    q.Bind(facts.id);
-    while (q.Next()) chunks.push_back(q.Blob(0));
-    ENAMEL_RETURN_IF_ERROR(q.status());
-    if (OpenChunks(facts, chunks)) CheckChain(facts, chunks, std::nullopt);
+    for (ChunkRow& row : rows) {
+      CheckChunkRow(facts, row, "trace_chunks");
+      chunks.push_back(std::move(row.bytes));
+    }
+    CheckChain(facts, chunks, std::nullopt);
     return Status::Ok();
+  }
+
+  // A chunk as a row, with what the row says of it.
+  struct ChunkRow {
+    int64_t seq = 0, received_ms = 0;
+    Sha256 hash;
+    Bytes bytes;
+  };
+
+  Result<std::vector<ChunkRow>> ChunkRowsOf(const Uuid& attempt, const std::string& table) {
+    Query q(db_, "SELECT seq, received_ms, hash, bytes FROM " + table +
+                     " WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+    std::vector<ChunkRow> out;
+    for (q.Bind(attempt); q.Next();) out.push_back({q.Int(0), q.Int(1), q.Hash(2), q.Blob(3)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  }
+
+  void CheckChunkRow(const AttemptFacts& facts, const ChunkRow& row, const char* table) {
+    const auto head = trace::DecodeChunkHead(row.bytes);
+    if (head.ok() && head->hash == row.hash && head->head.seq == row.seq &&
+        head->head.attempt == facts.id) {
+      return;
+    }
+    report_.Find("chain", facts.id.Text(),
+                 "in " + std::string(table) + " chunk " + std::to_string(row.seq) + " with hash " +
+                     row.hash.Hex(),
+                 head.ok()
+                     ? "chunk " + std::to_string(head->head.seq) + " with hash " + head->hash.Hex()
+                     : head.status().message(),
+                 kFromBackup);
+  }
+
+  // Which ones there are is in the attempt's state in the audit trail.
+  Status CheckEvidence(const AttemptFacts& facts) {
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, ChunkRowsOf(facts.id, "contradicting_chunks"));
+    if (!OpenChunks(facts, rows)) return Status::Ok();
+    for (const ChunkRow& row : rows) {
+      CheckChunkRow(facts, row, "contradicting_chunks");
+      if (!IsSigned(facts, row.bytes)) FindUnsigned(facts, 1, static_cast<uint64_t>(row.seq), 1);
+    }
+    return Status::Ok();
+  }
+
+  void CheckNothingRecorded(const AttemptFacts& facts) {
+    if (facts.head.IsZero() && facts.trace_blob.IsZero() && facts.hand == Hand() &&
+        facts.head_state_hash + facts.chunks + facts.ticks + facts.gap_ticks + facts.trace_bytes ==
+            0 &&
+        facts.last_chunk_ms == 0) {
+      return;
+    }
+    report_.Find("chain", facts.id.Text(), "nothing recorded, as there is no header",
+                 RowText(facts), kFromBackup);
   }
 
   void CheckHeader(const AttemptFacts& facts) {
@@ -122,6 +191,10 @@ class AttemptCheck {
                        ", station " + ticket.station.Text(),
                    kFromBackup);
     }
+    if (trace::EncodeTicket(ticket) != facts.ticket) {
+      report_.Find("ticket", facts.id.Text(), "in the attempt's row the ticket of its header",
+                   "another one", kFromBackup);
+    }
     if (header->hand != facts.hand) {
       report_.Find("hand", facts.id.Text(),
                    "in the attempt's row the hand of its header, " + HandText(header->hand),
@@ -133,19 +206,20 @@ class AttemptCheck {
     }
   }
 
-  bool OpenChunks(const AttemptFacts& facts, std::vector<Bytes>& chunks) {
-    if (!stored_.has_keys &&
-        std::ranges::any_of(chunks, [](const Bytes& c) { return PersonOfSealed(c).has_value(); })) {
+  bool OpenChunks(const AttemptFacts& facts, std::vector<ChunkRow>& chunks) {
+    if (!stored_.has_keys && std::ranges::any_of(chunks, [](const ChunkRow& c) {
+          return PersonOfSealed(c.bytes).has_value();
+        })) {
       return false;  // noted: the keys are apart
     }
-    for (Bytes& chunk : chunks) {
-      auto opened = OpenPersonal(stored_.keyring, std::move(chunk));
+    for (ChunkRow& chunk : chunks) {
+      auto opened = OpenPersonal(stored_.keyring, std::move(chunk.bytes));
       if (!opened.ok()) {
         report_.Find("key", facts.id.Text(), "chunks that the person's key opens",
                      opened.status().message(), "restore the key ring");
         return false;
       }
-      chunk = std::move(opened).value();
+      chunk.bytes = std::move(opened).value();
     }
     return true;
   }

@@ -4,6 +4,7 @@
 #include <boost/json.hpp>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "common/base/counted.h"
 #include "server/storage/audit/audit_row.h"
@@ -56,6 +57,11 @@ TrailRow TrailRowOf(const Query& q) {
 }
 
 std::string Rows(uint64_t count) { return Counted(count, "row"); }
+
+std::string ValueIn(const std::map<std::string, std::string>& columns, const std::string& name) {
+  const auto at = columns.find(name);
+  return at == columns.end() ? "" : at->second;
+}
 
 class AuditCheck {
  public:
@@ -288,7 +294,7 @@ class AuditCheck {
     }
     const size_t space = subject.find(' ');
     const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
-    if (now->empty()) return CheckGone(kind, key, object, row);
+    if (now->empty()) return CheckGone(kind, key, object, row, ColumnsOf(state));
     if (state.empty()) {
       report_.Find("decision", key, "no " + kind + ", as the audit trail says (" + row + ")", "one",
                    kLookIntoBackup);
@@ -298,9 +304,12 @@ class AuditCheck {
     return Status::Ok();
   }
 
-  // A person is erased, an attempt goes with its person, and its remarks with the attempt.
+  // A person is erased, an attempt goes with its person, its remarks and blind marks with the
+  // attempt, a blind marking with its assignment. A session ends without a row, and its end gives
+  // nobody anything.
   Status CheckGone(const std::string& kind, const std::string& key, const std::string& object,
-                   const std::string& row) {
+                   const std::string& row, const std::map<std::string, std::string>& stated) {
+    if (kind == "session") return Status::Ok();
     if (kind == "person" || kind == "attempt" || kind == "annotation") {
       ENAMEL_ASSIGN_OR_RETURN(const bool erased, PersonIsErased(object));
       if (erased) return Status::Ok();
@@ -309,9 +318,14 @@ class AuditCheck {
       ENAMEL_ASSIGN_OR_RETURN(const bool erased, PersonIsErased(key.substr(key.find(' ') + 1)));
       if (erased) return Status::Ok();
     }
-    if (kind == "annotation") {
-      ENAMEL_ASSIGN_OR_RETURN(const auto attempt, StateOf(db_, SubjectOf("attempt", object)));
-      if (attempt.empty()) return Status::Ok();
+    for (const auto& [of, whole, id] :
+         {std::tuple("annotation", "attempt", object),
+          std::tuple("work", "attempt", ValueIn(stated, "attempt")),
+          std::tuple("work", "marking", ValueIn(stated, "marking")),
+          std::tuple("marking", "assignment", ValueIn(stated, "assignment"))}) {
+      if (kind != of) continue;
+      ENAMEL_ASSIGN_OR_RETURN(const auto there, StateOf(db_, SubjectOf(whole, id)));
+      if (there.empty()) return Status::Ok();
     }
     report_.Find("decision", key, "the " + kind + " that the audit trail records (" + row + ")",
                  "none", kLookIntoBackup);

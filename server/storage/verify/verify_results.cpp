@@ -21,14 +21,15 @@ struct Run {
   UnixMs scored_ms = 0;
   double score = 0;
   bool critical_fail = false;
-  Sha256 score_json;
+  std::string cause;
+  Sha256 score_json, tooth, deviation, series;
   std::optional<Uuid> reference;
   Bytes document;
 
   // Of the attempt's row.
   double row_score = 0;
   bool row_critical_fail = false, expired = false;
-  Sha256 row_score_json, tooth, deviation, series, recording, profile, exercise;
+  Sha256 row_score_json, row_tooth, row_deviation, row_series, recording, profile, exercise;
   std::optional<Uuid> row_reference;
   Bytes header;
   uint32_t flags = 0;
@@ -38,8 +39,9 @@ constexpr char kRuns[] =
     "SELECT r.attempt, r.run, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = r.tenant "
     "AND n.attempt = r.attempt), r.scored_ms, r.score, r.critical_fail, r.score_json, r.reference, "
     "r.document, a.score, a.critical_fail, a.score_json, a.final_volume, a.deviation, a.series, "
-    "a.reference, a.head_hash, a.header, a.profile_content, e.content, a.flags, a.expired_ms "
-    "FROM attempt_results r JOIN attempts a ON a.tenant = r.tenant AND "
+    "a.reference, a.head_hash, a.header, a.profile_content, e.content, a.flags, a.expired_ms, "
+    "r.cause, r.final_volume, r.deviation, r.series FROM attempt_results r JOIN attempts a ON "
+    "a.tenant = r.tenant AND "
     "a.id = r.attempt JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE "
     "r.tenant = ?1 ORDER BY r.attempt, r.run";
 
@@ -61,9 +63,9 @@ Run RunOf(const Query& q) {
   out.row_score = q.Real(9);
   out.row_critical_fail = q.Int(10) != 0;
   out.row_score_json = q.Hash(11);
-  out.tooth = q.Hash(12);
-  out.deviation = q.Hash(13);
-  out.series = q.Hash(14);
+  out.row_tooth = q.Hash(12);
+  out.row_deviation = q.Hash(13);
+  out.row_series = q.Hash(14);
   out.row_reference = OptionalId(q, 15);
   out.recording = q.Hash(16);
   out.header = q.Blob(17);
@@ -71,6 +73,10 @@ Run RunOf(const Query& q) {
   out.exercise = q.Hash(19);
   out.flags = static_cast<uint32_t>(q.Int(20));
   out.expired = q.Int(21) != 0;
+  out.cause = q.Text(22);
+  out.tooth = q.Hash(23);
+  out.deviation = q.Hash(24);
+  out.series = q.Hash(25);
   return out;
 }
 
@@ -130,6 +136,17 @@ class RunCheck {
     Same("points", d.points, run_.score);
     Same("critical fail", d.critical_fail, run_.critical_fail);
     Same("score document", d.score_document, run_.score_json);
+    // Of the two newest runs all is kept, of earlier ones only the score; a retention rule removes
+    // all of it.
+    const bool may_be_gone = run_.expired || run_.run < run_.newest - 1;
+    SameFile("final tooth", d.tooth, run_.tooth, may_be_gone);
+    SameFile("deviation", d.deviation, run_.deviation, may_be_gone);
+    SameFile("curves over time", d.series, run_.series, may_be_gone);
+  }
+
+  void SameFile(const std::string& what, const Sha256& is_signed, const Sha256& is_there,
+                bool may_be_gone) {
+    if (!may_be_gone || !is_there.IsZero()) Same(what, is_signed, is_there);
   }
 
   Status CheckReference(const ResultDocument& d) {
@@ -166,9 +183,9 @@ class RunCheck {
 
   void CheckNewest(const ResultDocument& d) {
     if (run_.expired) return;
-    Same("final tooth", d.tooth, run_.tooth);
-    Same("deviation", d.deviation, run_.deviation);
-    Same("curves over time", d.series, run_.series);
+    Same("final tooth of the attempt", d.tooth, run_.row_tooth);
+    Same("deviation of the attempt", d.deviation, run_.row_deviation);
+    Same("curves over time of the attempt", d.series, run_.row_series);
   }
 
   Db& db_;
@@ -199,6 +216,42 @@ Status CheckTrail(Db& db, const Run& run, VerifyReport& report) {
   return Status::Ok();
 }
 
+// Each run has a row of the trail, in their order: what it says of the run, and whether one is
+// missing.
+Status CheckRuns(Db& db, const Uuid& attempt, const std::map<int64_t, Run>& runs,
+                 VerifyReport& report) {
+  Query q(db,
+          "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN (?3, ?4) "
+          "ORDER BY id");
+  q.Bind(attempt.Text()).Bind(std::string(kAuditScore)).Bind(std::string(kAuditRestore));
+  const auto find = [&](int64_t run, const std::string& expected, const std::string& found) {
+    report.findings.push_back({"result", attempt.Text(),
+                               "run " + std::to_string(run) + ": " + expected, found, kScoreAgain});
+  };
+  int64_t run = 0;
+  while (q.Next()) {
+    const auto at = runs.find(++run);
+    if (at == runs.end()) {
+      find(run, "a run, which the audit trail names", "none");
+      continue;
+    }
+    auto stated = ColumnsOf(q.Text(0));
+    const std::pair<const char*, std::string> present[] = {
+        {"score_json", at->second.score_json.Hex()},
+        {"result", HashSha256(at->second.document).Hex()},
+        {"cause", at->second.cause}};
+    for (const auto& [name, value] : present) {
+      if (stated[name] == value) continue;
+      find(run, std::string(name) + " " + stated[name] + ", as the audit trail says", value);
+    }
+  }
+  if (!q.status().ok()) return q.status();
+  for (const auto& [number, unused] : runs) {
+    if (number > run) find(number, "a row of the audit trail that names it", "none");
+  }
+  return Status::Ok();
+}
+
 // Scored, and no run says how.
 Status CheckUnexplained(Db& db, VerifyReport& report) {
   Query q(db,
@@ -215,10 +268,15 @@ Status CheckUnexplained(Db& db, VerifyReport& report) {
 
 Status CheckResults(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report) {
   Query q(db, kRuns);
+  std::map<int64_t, Run> runs;  // of the attempt that is looked at
   while (q.Next()) {
     Run run = RunOf(q);
     ENAMEL_RETURN_IF_ERROR(RunCheck(db, run, key, report).Check());
-    if (run.run == run.newest) ENAMEL_RETURN_IF_ERROR(CheckTrail(db, run, report));
+    runs[run.run] = run;
+    if (run.run != run.newest) continue;
+    ENAMEL_RETURN_IF_ERROR(CheckTrail(db, run, report));
+    ENAMEL_RETURN_IF_ERROR(CheckRuns(db, run.attempt, runs, report));
+    runs.clear();
   }
   ENAMEL_RETURN_IF_ERROR(q.status());
   return CheckUnexplained(db, report);

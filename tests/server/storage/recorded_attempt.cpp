@@ -16,7 +16,7 @@ RecordedSchool::RecordedSchool(const std::filesystem::path& folder)
 Uuid RecordedSchool::Record(uint32_t chunks) { return RecordOf(world.student, chunks); }
 
 Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
-  AttemptRow row = world.NewAttemptOf(person);
+  AttemptRow row = world.AttemptOf(person);
   trace::Header header;
   header.ticket.attempt = row.id;
   header.ticket.person = person;
@@ -26,6 +26,7 @@ Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
   header.ticket.issued_unix_ms = 5;
   header.ticket.expires_unix_ms = 6;
   trace::SignTicket(header.ticket, ticket_key.secret_key);
+  EXPECT_TRUE(store->tickets.CreateAttempt(row, trace::EncodeTicket(header.ticket), kSystem).ok());
   header.scene = world.scene;
   header.params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
   header.station_software = "test";
@@ -78,6 +79,10 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   result.final_volume = put("volume", document.tooth_file);
   result.deviation = put("deviation", document.surface_file);
   result.series = put("series", document.series_file);
+  if (with_motion) {
+    result.motion = *store->blobs.PutAttemptBlob(attempt, AsBytes("motion of " + attempt.Text()));
+    result.near = NearAttempt{reference.value_or(Uuid()), 3, 10, 20, 30, false, {}, 0, 0};
+  }
   AttemptRow row = *store->attempts.AttemptById(attempt);
   document.attempt = attempt;
   document.scored_ms = result.scored_ms;

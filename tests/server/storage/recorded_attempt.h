@@ -25,6 +25,8 @@ struct RecordedSchool {
   // Once more, with other points.
   void ScoreAgain(const Uuid& attempt, double points);
   Bytes TraceOf(const Uuid& attempt);  // as the store has it
+  // What is scored from now on has a motion too.
+  bool with_motion = false;
 
   std::filesystem::path data;
   std::unique_ptr<Store> store;
