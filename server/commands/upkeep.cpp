@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <boost/json.hpp>
 #include <chrono>
@@ -18,6 +20,7 @@
 #include "server/commands/say.h"
 #include "server/jobs/backup_run.h"
 #include "server/storage/backup/backup.h"
+#include "server/storage/verify/manifest.h"
 
 namespace enamel::server::app {
 namespace {
@@ -119,22 +122,29 @@ const char* PhaseOf(const std::string& what) {
   return what == "keys" ? "keys" : "database";
 }
 
-Status BackupForServer(const BackupCommand& command) {
-  constexpr int kNice = 10;  // as enamel-backup.service
-  constexpr std::chrono::milliseconds kEvery{200};
+// This process ends with the server that started it, and makes room for it.
+void BeChildOfServer(int nice) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  (void)::setpriority(PRIO_PROCESS, 0, kNice);
-  std::string phase;
-  std::chrono::steady_clock::time_point next;
-  const auto progress = [&](const std::string& what, uint64_t done, uint64_t all) {
+  (void)::setpriority(PRIO_PROCESS, 0, nice);
+}
+
+// Prints a line when the phase changes, and now and then.
+UpkeepProgress PrintingLines() {
+  static constexpr std::chrono::milliseconds kEvery{200};
+  return [phase = std::string(), next = std::chrono::steady_clock::time_point()](
+             const std::string& what, uint64_t done, uint64_t all) mutable {
     const auto now = std::chrono::steady_clock::now();
     if (phase == PhaseOf(what) && now < next) return;
     phase = PhaseOf(what);
     next = now + kEvery;
     PrintLine({{"phase", phase}, {"done", done}, {"all", all}});
   };
-  const auto report = BackUp(
-      {command.data, command.target, command.keyring, command.copy, SoftwareName(), progress});
+}
+
+Status BackupForServer(const BackupCommand& command) {
+  BeChildOfServer(10);  // as enamel-backup.service
+  const auto report = BackUp({command.data, command.target, command.keyring, command.copy,
+                              SoftwareName(), PrintingLines()});
   PrintLine(report.ok() ? Outcome(*report)
                         : json::object{{"problem", AsUtf8(report.status().message())}});
   return report.status();
@@ -206,7 +216,7 @@ Status BackUpSchools(const BackupCommand& command) {
   }
   const std::string name = BackupName();
   BackupCommand own = command;
-  own.target = command.into / name;
+  ENAMEL_ASSIGN_OR_RETURN(own.target, NewBackupIn(command.into, name));
   Status all = Backup(own);
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
   ENAMEL_ASSIGN_OR_RETURN(const auto schools, store->schools.Schools());
@@ -214,9 +224,13 @@ Status BackUpSchools(const BackupCommand& command) {
     if (row.state != SchoolState::kServed && row.state != SchoolState::kSuspended) continue;
     BackupCommand other = command;
     other.data = SchoolFolder(command.data, row.name);
-    other.target = SchoolFolder(command.into, row.name) / name;
     if (!command.keyring.empty()) other.keyring = SchoolFolder(command.keyring, row.name);
     Status made = EnsureSchoolFolder(command.data, row, SchoolData::kExpect).status();
+    if (made.ok()) {
+      auto target = NewBackupIn(SchoolFolder(command.into, row.name), name);
+      made = target.status();
+      if (target.ok()) other.target = *target;
+    }
     if (made.ok()) made = Backup(other);
     if (made.ok()) continue;
     Say("school {}: {}\n", row.name, made.message());
@@ -246,16 +260,56 @@ Status SuspendListedSchools(const std::filesystem::path& data) {
 
 }  // namespace
 
-Status RestoreBackup(const RestoreCommand& command) {
+namespace {
+
+RestoreOptions OptionsOf(const RestoreCommand& command, UpkeepProgress progress) {
+  RestoreOptions options;
+  options.backup = command.backup;
+  options.data = command.data;
+  options.keyrings = command.keyrings;
+  options.accept_damage = command.accept_damage;
+  options.progress = std::move(progress);
+  return options;
+}
+
+Status DrillForServer(const RestoreCommand& command) {
+  constexpr int kIdleClass = 3 << 13, kThisProcess = 1;  // linux/ioprio.h
+  BeChildOfServer(19);
+  (void)::syscall(SYS_ioprio_set, kThisProcess, 0, kIdleClass);
+  const auto report = Restore(OptionsOf(command, PrintingLines()));
+  if (!report.ok()) {
+    PrintLine({{"problem", AsUtf8(report.status().message())}});
+    return report.status();
+  }
+  json::object outcome{{"files", report->files},
+                       {"bytes", report->bytes},
+                       {"findings", report->verified.findings.size()}};
+  if (!report->verified.findings.empty()) {
+    const Finding& first = report->verified.findings.front();
+    outcome["first"] = AsUtf8(first.kind + " " + first.object + ": expected " + first.expected +
+                              ", found " + first.found);
+  }
+  PrintLine(outcome);
+  return Status::Ok();
+}
+
+// Replaces an empty `folder` with the newest backup in `newest`.
+Status TakeNewest(const std::filesystem::path& newest, std::filesystem::path& folder) {
+  if (newest.empty()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(folder, NewestBackup(newest));
+  Say("the newest backup: {}\n", folder.string());
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status RestoreBackup(const RestoreCommand& asked) {
+  RestoreCommand command = asked;
+  if (command.report) return DrillForServer(command);
+  ENAMEL_RETURN_IF_ERROR(TakeNewest(command.newest, command.backup));
   Result<RestoreReport> report = [&] {
     ConsoleProgress progress;
-    RestoreOptions options;
-    options.backup = command.backup;
-    options.data = command.data;
-    options.keyrings = command.keyrings;
-    options.accept_damage = command.accept_damage;
-    options.progress = Telling(progress);
-    return Restore(options);
+    return Restore(OptionsOf(command, Telling(progress)));
   }();
   if (!report.ok()) return report.status();
   Say("restored the backup of {}: {}, {}\n", UtcText(report->created_ms) + " UTC",
@@ -286,10 +340,13 @@ Status RestoreBackup(const RestoreCommand& command) {
   return Verdict(report->verified);
 }
 
-Status VerifyFolder(const VerifyCommand& command) {
+Status VerifyFolder(const VerifyCommand& asked) {
+  VerifyCommand command = asked;
+  ENAMEL_RETURN_IF_ERROR(TakeNewest(command.newest, command.folder));
   Result<VerifyReport> report = [&] {
     ConsoleProgress progress;
-    return Verify({command.folder, command.keyring, Telling(progress), command.since});
+    return Verify({command.folder, command.keyring, Telling(progress), command.since,
+                   command.is_backup || !command.newest.empty()});
   }();
   if (!report.ok()) return report.status();
   Print(*report);
@@ -334,6 +391,14 @@ Status Retention(const RetentionCommand& command) {
   return Status::Ok();
 }
 
+namespace {
+
+constexpr char kNewestHelp[] =
+    "Instead of BACKUP: the newest finished one in this folder, by its audit trail and not by its "
+    "name";
+
+}  // namespace
+
 void DeclareBackup(CommandGroup root) {
   auto [backup, b] = Declare<BackupCommand>(
       root, "backup", "Copy the data folder; the server may be running",
@@ -359,14 +424,21 @@ void DeclareBackup(CommandGroup root) {
   backup->add_flag("--report", b.report)->group("");
   backup->footer(
       "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
-      "Hard links save space but are lost with the disk: back up to another disk.\n\n"
+      "Hard links save space but are lost with the disk: back up to another disk.\n"
+      "It is written to TARGET.part, and gets its name when it is whole.\n\n"
       "  enamel-server backup /mnt/backup/2026-09-01 --data /var/lib/enamel\n"
       "  enamel-server verify /mnt/backup/2026-09-01\n"
       "  enamel-server restore /mnt/backup/2026-09-01 --data /var/lib/enamel-new");
 
   auto [restore, r] = Declare<RestoreCommand>(
-      root, "restore", "Make a data folder from a backup, and verify it", RestoreBackup);
-  restore->add_option("BACKUP", r.backup, "What `backup` made")->required();
+      root, "restore", "Make a data folder from a backup, and verify it",
+      [](const RestoreCommand& command) {
+        if (!command.backup.empty() || !command.newest.empty()) return RestoreBackup(command);
+        return Status(Code::kInvalidInput, "expected BACKUP or --newest FOLDER, found neither");
+      });
+  auto* from = restore->add_option("BACKUP", r.backup, "What `backup` made");
+  restore->add_option("--newest", r.newest, kNewestHelp)->excludes(from);
+  restore->add_flag("--report", r.report)->group("");
   AddData(restore, r.data)->description("Folder to make; absent or empty");
   restore->add_option(
       "--keyring", r.keyrings,
@@ -383,12 +455,20 @@ void DeclareBackup(CommandGroup root) {
   auto [verify, v] =
       Declare<Asked>(root, "verify", "Check every hash, chain, signature, seal and key",
                      [](Asked& asked) -> Status {
-                       if (asked.verify.folder.empty()) asked.verify.folder = asked.data;
-                       if (!asked.verify.folder.empty()) return VerifyFolder(asked.verify);
-                       return Status(Code::kInvalidInput,
-                                     "verify needs a backup, or a data folder with --data DIR");
+                       asked.verify.is_backup = !asked.verify.folder.empty();
+                       if (!asked.verify.is_backup && asked.verify.newest.empty()) {
+                         asked.verify.folder = asked.data;
+                         if (asked.data.empty()) {
+                           return Status(Code::kInvalidInput,
+                                         "verify needs a backup, --newest FOLDER, or a data folder "
+                                         "with --data DIR");
+                         }
+                       }
+                       return VerifyFolder(asked.verify);
                      });
-  verify->add_option("BACKUP", v.verify.folder, "A backup; without: the data folder");
+  auto* backed_up =
+      verify->add_option("BACKUP", v.verify.folder, "A backup; without: the data folder");
+  verify->add_option("--newest", v.verify.newest, kNewestHelp)->excludes(backed_up);
   AddData(verify, v.data)->required(false)->description("Data folder, in use or not");
   verify->add_option("--keyring", v.verify.keyring, "Key ring of a backup that has none inside");
   verify->add_option("--since", v.verify.since,

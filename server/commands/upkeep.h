@@ -32,12 +32,19 @@ struct RestoreCommand {
   std::filesystem::path backup, data, json;
   std::vector<std::filesystem::path> keyrings;
   bool accept_damage = false;
+  std::filesystem::path newest{};  // instead of `backup`: the newest in this folder
+  // For the server's restore drill (jobs/backup_run.h), which notes how it ends: as
+  // BackupCommand::report, {"files", "bytes", "findings"} or {"problem"} last. Has no effect on
+  // whatever else this machine does.
+  bool report = false;
 };
 // Errors: those of Restore; kStorage also when the restored data disagrees with itself.
 Status RestoreBackup(const RestoreCommand& command);
 
 struct VerifyCommand {
   std::filesystem::path folder, keyring, json, since;
+  bool is_backup = false;          // `folder` must be one
+  std::filesystem::path newest{};  // instead of `folder`: the newest backup in this folder
 };
 // Errors: those of Verify; kStorage when anything disagrees, after all of it was printed.
 Status VerifyFolder(const VerifyCommand& command);

@@ -282,6 +282,25 @@ void Proxy(const ServeOptions& serve, Findings& out) {
   if (link.ok()) out.push_back(StationsThrough(serve, host, link->port));
 }
 
+Finding RestoreDrill(const ServeOptions& serve, AuditRows& audit) {
+  const std::string what = "restore drill";
+  if (serve.backups.empty()) {
+    return {what, Verdict::kWarn, "the server makes none, as it knows no folder for backups",
+            "backups = \"/var/backups/enamel\" in the settings, and restart the server"};
+  }
+  const auto last = BackupRun::LastDrill(audit);
+  if (!last.ok()) return Failed(what, last.status());
+  if (!*last) return {what, Verdict::kOk, "none yet; the server makes one every week", ""};
+  const std::string when = TimeText((*last)->at_ms), problem = (*last)->problem;
+  if (!problem.empty()) {
+    return {what, Verdict::kWarn, "the one of " + when + " failed: " + problem,
+            "enamel-server verify --newest " + serve.backups.string() + "; then make a backup"};
+  }
+  const bool old = enamel::UnixMs() - (*last)->at_ms > 3 * 7 * kDayMs;
+  return {what, old ? Verdict::kWarn : Verdict::kOk, "the last was passed on " + when,
+          old ? "look for \"restore drill\" in journalctl -u enamel-server" : ""};
+}
+
 void Backups(const ServeOptions& serve, Findings& out) {
   const std::string what = "backup";
   // Opening the store would mend the folder, and bring the schema up to date.
@@ -312,6 +331,7 @@ void Backups(const ServeOptions& serve, Findings& out) {
   const bool old = age_ms > 2 * kDayMs;
   out.push_back({what, old ? Verdict::kWarn : Verdict::kOk,
                  "the newest is of " + TimeText((*newest)->at_ms), old ? mend : ""});
+  out.push_back(RestoreDrill(serve, (*store)->audit));
 }
 
 }  // namespace examined

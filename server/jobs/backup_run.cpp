@@ -11,8 +11,10 @@
 #include <array>
 #include <boost/json.hpp>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -22,7 +24,10 @@
 #include "common/base/stoppable_sleep.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
+#include "server/storage/backup/backup.h"
+#include "server/storage/folder/disk.h"
 #include "server/storage/store_engine.h"
+#include "server/storage/verify/manifest.h"
 
 extern char** environ;
 
@@ -37,7 +42,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kLook{50};
 // After SIGKILL only a system call that hangs keeps a process.
 constexpr std::chrono::seconds kDies{2};
-constexpr size_t kMostRows = 20;  // of the audit trail's kind "store.", all of them rare
+constexpr char kDrillFolder[] = "drill";  // in the data folder, while one runs
+constexpr size_t kMostRows = 20;          // of the audit trail's kind "store.", all of them rare
 
 uint64_t Number(const json::object& line, const char* name) {
   const json::value* value = line.if_contains(name);
@@ -51,7 +57,7 @@ std::string Text(const json::object& line, const char* name) {
   return value != nullptr && value->is_string() ? std::string(value->get_string()) : "";
 }
 
-// `enamel-server backup --report` and what it says, a line at a time.
+// `enamel-server … --report` and what it says, a line at a time.
 class Child {
  public:
   Child() = default;
@@ -118,11 +124,12 @@ class Child {
     return pid_ < 0;
   }
   bool said_all() const { return over_ && said_.find('\n') == std::string::npos; }
-  std::string HowItEnded() const {
+  std::string HowItEnded(const std::string& what) const {
     if (WIFSIGNALED(status_))
-      return "the backup's process was ended by signal " + std::to_string(WTERMSIG(status_)) +
-             ", by somebody or for want of memory; start the backup again";
-    return "the backup's process ended with " + std::to_string(WEXITSTATUS(status_)) +
+      return "the process of the " + what + " was ended by signal " +
+             std::to_string(WTERMSIG(status_)) +
+             ", by somebody or for want of memory; start it again";
+    return "the process of the " + what + " ended with " + std::to_string(WEXITSTATUS(status_)) +
            " and no reason; see the server's log";
   }
 
@@ -134,12 +141,66 @@ class Child {
   int status_ = 0;
 };
 
-std::string HungText(const std::optional<BackupRun::Running>& at, std::chrono::milliseconds time) {
-  std::string where = at && !at->phase.empty() ? " while it copied the " + at->phase : "";
+std::string HungText(const std::string& what, const std::string& phase,
+                     std::chrono::milliseconds time) {
+  std::string where = phase.empty() ? "" : " while it copied the " + phase;
   const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(time).count();
-  return "the backup was ended after " + Counted(static_cast<size_t>(minutes), "minute") +
+  return "the " + what + " was ended after " + Counted(static_cast<size_t>(minutes), "minute") +
          " without progress" + where +
          "; check the disk of the backup folder, and the S3 store if there is one";
+}
+
+std::string ProgramOf(const BackupRun::Place& place) {
+  return (place.program.empty() ? OwnFolder() / "enamel-server" : place.program).string();
+}
+
+// How long a child may take, and where what it says goes.
+struct Watch {
+  const char* what;  // "backup"
+  std::chrono::milliseconds silence, most;
+  std::function<void(const std::string& phase, uint64_t done, uint64_t all)> progress;
+};
+
+// The child's last word, which has "files". Errors: what it said was the problem, or how it ended.
+Result<json::object> Follow(std::vector<std::string> words, const Watch& watch,
+                            const std::stop_token& stop) {
+  Child child;
+  ENAMEL_RETURN_IF_ERROR(child.Start(std::move(words)));
+  const std::string what = watch.what;
+  const auto begun = Clock::now();
+  auto heard = begun;
+  std::optional<json::object> outcome;
+  std::string problem, phase;
+  while (!child.said_all() || !child.HasEnded()) {
+    if (stop.stop_requested()) return Status(Code::kUnavailable, "the server stops");
+    const auto now = Clock::now();
+    if (now - heard >= watch.silence) {
+      return Status(Code::kUnavailable, HungText(what, phase, watch.silence));
+    }
+    if (now - begun >= watch.most) {
+      const auto hours = std::chrono::duration_cast<std::chrono::hours>(watch.most).count();
+      return Status(Code::kUnavailable, "the " + what + " was ended because it took longer than " +
+                                            Counted(static_cast<size_t>(hours), "hour") +
+                                            "; back up to a faster disk");
+    }
+    const auto line = child.Line();
+    if (!line) continue;
+    heard = Clock::now();
+    boost::system::error_code error;
+    const json::value said = json::parse(*line, error);
+    if (error || !said.is_object()) continue;
+    const json::object& facts = said.get_object();
+    if (facts.contains("files")) {
+      outcome = facts;
+    } else if (facts.contains("problem")) {
+      problem = Text(facts, "problem");
+    } else {
+      phase = Text(facts, "phase");
+      if (watch.progress) watch.progress(phase, Number(facts, "done"), Number(facts, "all"));
+    }
+  }
+  if (outcome) return *outcome;
+  return Status(Code::kStorage, problem.empty() ? child.HowItEnded(what) : problem);
 }
 
 }  // namespace
@@ -173,7 +234,8 @@ Status BackupRun::Start(const Actor& by) {
   MutexLock lock(mutex_);
   if (running_) return Status(Code::kConflict, "a backup is running; wait until it is done");
   ENAMEL_RETURN_IF_ERROR(MustBeFree());
-  const fs::path target = fs::absolute(place_.folder) / place_.within / BackupName();
+  ENAMEL_ASSIGN_OR_RETURN(const fs::path target,
+                          NewBackupIn(fs::absolute(place_.folder) / place_.within, BackupName()));
   ENAMEL_RETURN_IF_ERROR(store_.audit.NoteAudit(by, kBackupStarted, target.string(), "{}"));
   // Not in place: clang 14 takes it for something that cannot be made so.
   running_.emplace(Running{enamel::UnixMs()});
@@ -190,6 +252,7 @@ std::optional<BackupRun::Running> BackupRun::running() const {
 Result<BackupRun::State> BackupRun::Look() const {
   State out;
   out.folder = place_.folder / place_.within;
+  ENAMEL_ASSIGN_OR_RETURN(out.drill, LastDrill(store_.audit));
   // First: when this one ends, its row is there already.
   out.running = running();
   if (out.running) return out;
@@ -221,7 +284,7 @@ Result<BackupRun::State> BackupRun::Look() const {
 
 void BackupRun::Work(const fs::path& target, const Actor& by, const std::stop_token& stop) {
   spdlog::info("backup: writing {}", target.string());
-  const Result<Made> made = Follow(target, stop);
+  const Result<Made> made = Make(target, stop);
   // As after a crash: the row of its beginning stays the last one.
   if (stop.stop_requested() && !made.ok()) {
     spdlog::warn("backup: {} is unfinished: the server stops", target.string());
@@ -246,58 +309,124 @@ void BackupRun::Work(const fs::path& target, const Actor& by, const std::stop_to
   running_.reset();
 }
 
-Result<BackupRun::Made> BackupRun::Follow(const fs::path& target, const std::stop_token& stop) {
-  const fs::path program = place_.program.empty() ? OwnFolder() / "enamel-server" : place_.program;
+Result<BackupRun::Made> BackupRun::Make(const fs::path& target, const std::stop_token& stop) {
   std::vector<std::string> words = {
-      program.string(), "backup", target.string(), "--data", store_.engine->folder.string(),
+      ProgramOf(place_), "backup", target.string(), "--data", store_.engine->folder.string(),
       "--report"};
   if (!place_.keyring.empty()) {
     words.insert(words.end(), {"--keyring", place_.keyring.string()});
   }
-  Child child;
-  ENAMEL_RETURN_IF_ERROR(child.Start(std::move(words)));
-  const auto begun = Clock::now();
-  auto heard = begun;
-  std::optional<Made> made;
-  std::string problem;
-  while (!child.said_all() || !child.HasEnded()) {
-    if (stop.stop_requested()) return Status(Code::kUnavailable, "the server stops");
-    const auto now = Clock::now();
-    if (now - heard >= place_.silence) {
-      return Status(Code::kUnavailable, HungText(running(), place_.silence));
-    }
-    if (now - begun >= place_.most) {
-      return Status(
-          Code::kUnavailable,
-          "the backup was ended because it took longer than " +
-              Counted(static_cast<size_t>(
-                          std::chrono::duration_cast<std::chrono::hours>(place_.most).count()),
-                      "hour") +
-              "; back up to a faster disk");
-    }
-    const auto line = child.Line();
-    if (!line) continue;
-    heard = Clock::now();
-    boost::system::error_code error;
-    const json::value said = json::parse(*line, error);
-    if (error || !said.is_object()) continue;
-    const json::object& facts = said.get_object();
-    if (facts.contains("files")) {
-      made = {Number(facts, "files"), Number(facts, "bytes"), Number(facts, "missing")};
-    } else if (facts.contains("problem")) {
-      problem = Text(facts, "problem");
-    } else {
-      MutexLock lock(mutex_);
-      running_->phase = Text(facts, "phase");
-      running_->done = Number(facts, "done");
-      running_->all = Number(facts, "all");
-    }
+  const auto progress = [this](const std::string& phase, uint64_t done, uint64_t all) {
+    MutexLock lock(mutex_);
+    running_->phase = phase;
+    running_->done = done;
+    running_->all = all;
+  };
+  const auto outcome =
+      Follow(std::move(words), {"backup", place_.silence, place_.most, progress}, stop);
+  if (outcome.ok()) {
+    return Made{Number(*outcome, "files"), Number(*outcome, "bytes"), Number(*outcome, "missing")};
   }
-  if (made) return *made;
-  // Of no use, and a full disk needs the room.
+  // Of no use, and a full disk needs the room: a process that was killed cannot remove it.
   std::error_code error;
-  fs::remove_all(target, error);
-  return Status(Code::kStorage, problem.empty() ? child.HowItEnded() : problem);
+  if (!stop.stop_requested()) fs::remove_all(target.string() + kPartSuffix, error);
+  return outcome.status();
+}
+
+void BackupRun::Into(Place place) {
+  place_ = std::move(place);
+  if (place_.folder.empty()) return;
+  drills_ = std::jthread([this](const std::stop_token& stop) { Drills(stop); });
+}
+
+// Apart from the caretaker: a drill takes hours.
+void BackupRun::Drills(const std::stop_token& stop) {
+  std::error_code error;
+  // Of a server that was killed in one: people's data is in it.
+  fs::remove_all(store_.engine->folder / kDrillFolder, error);
+  while (!SleepUntilStopped(stop, place_.look)) {
+    const auto due = DrillIsDue();
+    if (due.ok() && *due) DrillOnce(stop);
+  }
+}
+
+Result<std::optional<BackupRun::Drill>> BackupRun::LastDrill(AuditRows& audit) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto passed, audit.NewestOf(kDrillPassed));
+  ENAMEL_ASSIGN_OR_RETURN(const auto failed, audit.NewestOf(kDrillFailed));
+  const auto& last = !passed || (failed && passed->id < failed->id) ? failed : passed;
+  if (!last) return std::optional<Drill>();
+  Drill out{last->at_ms, last->object, {}};
+  boost::system::error_code error;
+  const json::value after = json::parse(last->after_json, error);
+  if (!error && after.is_object()) out.problem = Text(after.get_object(), "problem");
+  return std::optional(out);
+}
+
+Result<bool> BackupRun::DrillIsDue() const {
+  if (running()) return false;
+  ENAMEL_ASSIGN_OR_RETURN(const auto made, store_.audit.NewestOf(kBackupMade));
+  if (!made) return false;
+  // Also one that another server has under way, or that a stop broke off.
+  ENAMEL_ASSIGN_OR_RETURN(const auto started, store_.audit.NewestOf(kDrillStarted));
+  if (!started) return true;
+  ENAMEL_ASSIGN_OR_RETURN(const auto passed, store_.audit.NewestOf(kDrillPassed));
+  const auto wait = passed && started->id < passed->id ? place_.drill : place_.drill_again;
+  // Either way: a clock that was set back must not end the drills.
+  return std::abs(enamel::UnixMs() - started->at_ms) >= wait.count();
+}
+
+void BackupRun::DrillOnce(const std::stop_token& stop) {
+  const auto backup = NewestBackup(fs::absolute(place_.folder) / place_.within);
+  const std::string place = backup.ok() ? backup->string() : "";
+  const Actor by{{}, "restore drill"};
+  if (!store_.audit.NoteAudit(by, kDrillStarted, place, "{}").ok()) return;
+  const Status tried = backup.ok() ? TryRestore(*backup, stop) : backup.status();
+  if (stop.stop_requested()) return;
+  Status noted;
+  if (tried.ok()) {
+    spdlog::info("restore drill: {} can be restored, and all of it agrees", place);
+    noted = store_.audit.NoteAudit(by, kDrillPassed, place, "{}");
+  } else {
+    spdlog::error("restore drill: {} cannot be relied on: {}", place, tried.message());
+    noted =
+        store_.audit.NoteAudit(by, kDrillFailed, place,
+                               json::serialize(json::object{{"problem", AsUtf8(tried.message())}}));
+  }
+  if (!noted.ok()) spdlog::error("restore drill: it could not be noted: {}", noted.message());
+}
+
+Status BackupRun::TryRestore(const fs::path& backup, const std::stop_token& stop) {
+  const fs::path into = store_.engine->folder / kDrillFolder;
+  std::error_code error;
+  fs::remove_all(into, error);
+  ENAMEL_ASSIGN_OR_RETURN(const auto manifest, ReadManifest(backup));
+  uint64_t needed = 0;
+  for (const Manifest::File& file : manifest.files) needed += file.bytes;
+  // Twice what recordings need: they go on meanwhile.
+  needed += needed / 10 + 2 * store_.health.Health().min_free_bytes;
+  ENAMEL_ASSIGN_OR_RETURN(const uint64_t free, SystemDisk().FreeBytes(store_.engine->folder));
+  if (free < needed) {
+    return Status(Code::kStorage, "restoring " + backup.string() + " to try it needs " +
+                                      std::to_string(needed >> 20) +
+                                      " MiB on the data disk, which "
+                                      "has " +
+                                      std::to_string(free >> 20) +
+                                      " MiB free; try it on another machine");
+  }
+  std::vector<std::string> words = {ProgramOf(place_), "restore",     backup.string(),
+                                    "--data",          into.string(), "--report"};
+  if (!place_.keyring.empty()) {
+    words.insert(words.end(), {"--keyring", place_.keyring.string()});
+  }
+  const auto outcome =
+      Follow(std::move(words), {"restore drill", place_.silence, place_.drill_most, {}}, stop);
+  fs::remove_all(into, error);
+  if (!outcome.ok()) return outcome.status();
+  if (const uint64_t findings = Number(*outcome, "findings"); findings > 0) {
+    return Status(Code::kStorage, Counted(findings, "finding") + " in what was restored from " +
+                                      backup.string() + ", the first: " + Text(*outcome, "first"));
+  }
+  return Status::Ok();
 }
 
 }  // namespace enamel::server

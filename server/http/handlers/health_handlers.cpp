@@ -87,7 +87,7 @@ Result<json::value> LastBackup(Store& store) {
 
 Result<json::object> BackupsJson(const BackupRun& backups) {
   ENAMEL_ASSIGN_OR_RETURN(const auto now, backups.Look());
-  json::value running, failed;
+  json::value running, failed, drill;
   if (now.running) {
     running = {{"since_ms", now.running->since_ms},
                {"here", now.running->here},
@@ -96,9 +96,15 @@ Result<json::object> BackupsJson(const BackupRun& backups) {
                {"all", now.running->all}};
   }
   if (now.failed) failed = {{"at_ms", now.failed->at_ms}, {"problem", now.failed->problem}};
+  if (now.drill) {
+    drill = {{"at_ms", now.drill->at_ms},
+             {"place", AsUtf8(now.drill->place)},
+             {"problem", now.drill->problem}};
+  }
   return json::object{{"folder", AsUtf8(now.folder.string())},
                       {"running", std::move(running)},
-                      {"failed", std::move(failed)}};
+                      {"failed", std::move(failed)},
+                      {"drill", std::move(drill)}};
 }
 
 Result<json::array> RetentionJson(RetentionRows& retention) {

@@ -1,9 +1,17 @@
 #include "server/storage/backup/backup.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "common/base/counted.h"
+#include "common/base/fd.h"
 #include "server/storage/audit/actor.h"
 #include "server/storage/audit/audit_trail.h"
 #include "server/storage/blobs/blobs.h"
@@ -12,6 +20,7 @@
 #include "server/storage/engine/query.h"
 #include "server/storage/folder/database_file.h"
 #include "server/storage/folder/disk.h"
+#include "server/storage/folder/folder_lock.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/keys/folder_keyring.h"
 #include "server/storage/keys/keyring.h"
@@ -39,10 +48,54 @@ Status MustBeFree(const fs::path& folder, const char* what) {
                                      ", found files in " + folder.string() + "; name another one");
 }
 
+// "backups/today/" names the folder "backups/today".
+fs::path WithoutSlash(const fs::path& folder) {
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+fs::path PartOf(const fs::path& backup) { return backup.string() + kPartSuffix; }
+
+// Files of a backup, and none of somebody's who has a folder of that name.
+bool IsOfBackup(const std::string& name) {
+  return name == "blobs" || name == "keyring" || name.starts_with("enamel.db") ||
+         name.starts_with("rows.tmp") || name.starts_with(kManifestName) ||
+         std::ranges::find(kIdentityFiles, name) != std::end(kIdentityFiles);
+}
+
+// The folder that a backup is written to, empty. One that a killed backup left is emptied.
+// Whoever has it open has it locked.
+Result<std::unique_ptr<Fd>> TakePart(const fs::path& part, Disk& disk) {
+  ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(part));
+  auto lock = std::make_unique<Fd>(::open(part.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (lock->get() < 0) {
+    return Status(Code::kStorage, "cannot open " + part.string() + ": " + std::strerror(errno));
+  }
+  if (::flock(lock->get(), LOCK_EX | LOCK_NB) != 0) {
+    return Status(Code::kUnavailable,
+                  "another backup is being written to " + part.string() + "; name another folder");
+  }
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(part, error)) {
+    if (!IsOfBackup(entry.path().filename().string())) {
+      return Status(Code::kConflict, "expected no files but a backup's in " + part.string() +
+                                         ", found " + entry.path().filename().string() +
+                                         "; name another folder");
+    }
+    left.push_back(entry.path());
+  }
+  for (const fs::path& path : left) fs::remove_all(path, error);
+  return lock;
+}
+
 class BackupMaker {
  public:
   explicit BackupMaker(const BackupOptions& options)
-      : options_(options), disk_(DiskOf(options.disk)), blobs_(options.data / "blobs", disk_) {}
+      : options_(options),
+        disk_(DiskOf(options.disk)),
+        whole_(WithoutSlash(options.target)),
+        part_(PartOf(whole_)),
+        blobs_(options.data / "blobs", disk_) {}
 
   Result<BackupReport> Run() {
     std::error_code error;
@@ -51,7 +104,7 @@ class BackupMaker {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.data.string() +
                                          "; name the server's data folder");
     }
-    ENAMEL_RETURN_IF_ERROR(MustBeFree(options_.target, "backup"));
+    ENAMEL_RETURN_IF_ERROR(MustBeFree(whole_, "backup"));
     std::optional<FolderLock> shared;
     std::optional<Rewriter::Upkeep> alone;
     if (file_) {
@@ -64,7 +117,18 @@ class BackupMaker {
       if (!lock.ok()) return lock.status();
       shared.emplace(std::move(*lock));
     }
-    ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.target));
+    ENAMEL_ASSIGN_OR_RETURN(const auto ours, TakePart(part_, disk_));
+    if (const Status made = Make(); !made.ok()) {
+      // Of no use, and a full disk needs the room.
+      fs::remove_all(part_, error);
+      return made;
+    }
+    return Finished();
+  }
+
+ private:
+  Status Make() {
+    std::error_code error;
     std::set<Sha256> named;
     // The database first: blobs are written before the rows that name them, so every blob that the
     // copy names exists by now. No row of the copy names later blobs.
@@ -75,14 +139,24 @@ class BackupMaker {
       if (fs::exists(options_.data / name, error)) ENAMEL_RETURN_IF_ERROR(Add(name, false));
     }
     // The manifest last, when all it lists is on the disk: a backup without one was not finished.
-    ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.target));
+    ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(part_));
     std::ranges::sort(manifest_.files, {}, &Manifest::File::path);
-    ENAMEL_RETURN_IF_ERROR(
-        disk_.Replace(options_.target / kManifestName, AsBytes(ToJson(manifest_))));
-    return Finished();
+    ENAMEL_RETURN_IF_ERROR(disk_.Replace(part_ / kManifestName, AsBytes(ToJson(manifest_))));
+    return Rename();
   }
 
- private:
+  // To the name that says that it is whole.
+  Status Rename() {
+    std::error_code error;
+    fs::rename(part_, whole_, error);
+    if (error) {
+      return Status(Code::kStorage, "cannot rename " + part_.string() + ": " + error.message());
+    }
+    const Status synced = disk_.SyncFolder(whole_.parent_path());
+    if (!synced.ok()) fs::rename(whole_, part_, error);
+    return synced;
+  }
+
   void Tell(const std::string& what, uint64_t done, uint64_t all) const {
     if (options_.progress) options_.progress(what, done, all);
   }
@@ -94,7 +168,7 @@ class BackupMaker {
   }
 
   Status Add(const std::string& path, bool link) {
-    fs::path to = options_.target / path;
+    fs::path to = part_ / path;
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
     ENAMEL_ASSIGN_OR_RETURN(auto copied, disk_.Copy(options_.data / path, to, link));
     Note(path, copied);
@@ -113,7 +187,7 @@ class BackupMaker {
   Status CopyRowsOut(const fs::path& copy) {
     manifest_.schema = LatestSchemaVersion();
     // A database that was written has a log beside it; CopyTo leaves one file.
-    const fs::path written = options_.target / "rows.tmp";
+    const fs::path written = part_ / "rows.tmp";
     {
       ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(written, DbMode::kCreate));
       ENAMEL_RETURN_IF_ERROR(db->Migrate(SqliteMigrations()));
@@ -123,7 +197,7 @@ class BackupMaker {
       ENAMEL_RETURN_IF_ERROR(CopyPages(*db, copy));
     }
     for (const char* name : {"rows.tmp", "rows.tmp-wal", "rows.tmp-shm"}) {
-      ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.target / name));
+      ENAMEL_RETURN_IF_ERROR(disk_.Remove(part_ / name));
     }
     return Status::Ok();
   }
@@ -149,7 +223,7 @@ class BackupMaker {
   }
 
   Status CopyDatabase(std::set<Sha256>& named) {
-    fs::path copy = options_.target / "enamel.db";
+    fs::path copy = part_ / "enamel.db";
     if (file_) {
       ENAMEL_RETURN_IF_ERROR(CopyRowsOut(copy));
     } else {
@@ -200,7 +274,7 @@ class BackupMaker {
       if (manifest_.files.back().hash == hash) continue;
       manifest_.files.pop_back();
       report_.missing.push_back(hash);
-      ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.target / path));
+      ENAMEL_RETURN_IF_ERROR(disk_.Remove(part_ / path));
     }
     return Status::Ok();
   }
@@ -217,7 +291,7 @@ class BackupMaker {
       report_.missing.push_back(hash);
       return Status::Ok();
     }
-    const fs::path to = options_.target / PathOf(hash);
+    const fs::path to = part_ / PathOf(hash);
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
     ENAMEL_RETURN_IF_ERROR(disk_.Replace(to, *bytes));
     Note(PathOf(hash), {{hash, bytes->size()}, false});
@@ -226,7 +300,7 @@ class BackupMaker {
 
   // Keys that are in a bucket.
   Status FetchKeys() {
-    FolderKeyring inside(options_.target / "keyring", disk_);
+    FolderKeyring inside(part_ / "keyring", disk_);
     ENAMEL_RETURN_IF_ERROR(Join(inside, *store_->engine->keyring,
                                 [this](uint64_t done, uint64_t all) { Tell("keys", done, all); }));
     ENAMEL_ASSIGN_OR_RETURN(const auto people, inside.People());
@@ -237,7 +311,7 @@ class BackupMaker {
       paths.push_back("keyring/gone/" + tombstone.person.Hex());
     }
     for (const std::string& path : paths) {
-      ENAMEL_ASSIGN_OR_RETURN(auto content, disk_.Hash(options_.target / path));
+      ENAMEL_ASSIGN_OR_RETURN(auto content, disk_.Hash(part_ / path));
       Note(path, {content, false});
     }
     return Status::Ok();
@@ -277,6 +351,7 @@ class BackupMaker {
 
   const BackupOptions& options_;
   Disk& disk_;
+  const fs::path whole_, part_;
   FolderBlobs blobs_;
   std::optional<DatabaseFile> file_;  // none: SQLite
   std::unique_ptr<Store> store_;      // of what is not in the folder
@@ -428,6 +503,28 @@ class Restorer {
 }  // namespace
 
 Result<BackupReport> BackUp(const BackupOptions& options) { return BackupMaker(options).Run(); }
+
+Result<fs::path> NewBackupIn(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::vector<fs::path> parts;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    // An empty one is somebody's who begins in this moment.
+    const bool is_left = it->path().extension() == kPartSuffix && !fs::is_empty(it->path(), error);
+    if (is_left) parts.push_back(it->path());
+  }
+  for (const fs::path& part : parts) {
+    if (TakePart(part, SystemDisk()).ok()) fs::remove(part, error);
+  }
+  for (int n = 1; n < 1000; ++n) {
+    const fs::path whole = folder / (n == 1 ? name : name + "-" + std::to_string(n));
+    if (fs::exists(whole, error)) continue;
+    if (fs::create_directory(PartOf(whole), error)) return whole;
+    if (error) break;
+  }
+  return Status(Code::kStorage, "cannot make a folder in " + folder.string() + ": " +
+                                    (error ? error.message() : "all names are taken"));
+}
 
 Result<RestoreReport> Restore(const RestoreOptions& options) { return Restorer(options).Run(); }
 

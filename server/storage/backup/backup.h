@@ -35,10 +35,16 @@ struct BackupReport {
 };
 
 // Consistent as of one moment, while a server writes. Ok with `missing` not empty: the caller must
-// report it. Errors: kConflict (target not empty), kNotFound (no data folder), kUnavailable
-// (recordings are being removed), kStorage; after an error the target has no manifest and Restore
-// refuses it.
+// report it. Written to `target`.part, and renamed when all of it is on the disk. Errors: kConflict
+// (target not empty, or files of somebody's in its .part), kNotFound (no data folder), kUnavailable
+// (recordings are being removed; another backup is being written there), kStorage; after an error
+// there is neither.
 Result<BackupReport> BackUp(const BackupOptions& options);
+
+// A place in this folder that no other backup has: by this name, or with "-2", "-3" … after it. Its
+// .part is there, so that nobody else gets it. Removes what killed backups left. Errors: kStorage.
+Result<std::filesystem::path> NewBackupIn(const std::filesystem::path& folder,
+                                          const std::string& name);
 
 struct RestoreOptions {
   std::filesystem::path backup;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <optional>
+#include <tuple>
+#include <utility>
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
@@ -209,6 +212,41 @@ Result<Manifest> ReadManifest(const std::filesystem::path& backup) {
   }
   if (!text.ok()) return text.status();
   return ManifestFromJson(AsText(*text));
+}
+
+namespace {
+
+// Where a database was. The ids of its trail's rows rise, also after a clock was set back, and rise
+// again after a restore. The clock alone decides nothing.
+std::tuple<Uuid, uint64_t, int64_t> PositionOf(const Manifest& manifest) {
+  Uuid last;
+  uint64_t rows = 0;
+  for (const AuditHead& head : manifest.trail) {
+    last = std::max(last, head.last_id);
+    rows += head.number;
+  }
+  return {last, rows, manifest.created_ms};
+}
+
+}  // namespace
+
+Result<std::filesystem::path> NewestBackup(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::optional<std::pair<std::tuple<Uuid, uint64_t, int64_t>, fs::path>> newest;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == kPartSuffix) continue;
+    const auto manifest = ReadManifest(it->path());
+    if (!manifest.ok()) continue;
+    std::pair found(PositionOf(*manifest), it->path());
+    if (!newest || *newest < found) newest = std::move(found);
+  }
+  if (error) {
+    return Status(Code::kStorage, "cannot read " + folder.string() + ": " + error.message());
+  }
+  if (newest) return newest->second;
+  return Status(Code::kNotFound, "there is no finished backup in " + folder.string() +
+                                     ": no folder in it has a manifest.json; make a backup");
 }
 
 }  // namespace enamel::server

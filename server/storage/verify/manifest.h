@@ -12,6 +12,7 @@
 namespace enamel::server {
 
 inline constexpr char kManifestName[] = "manifest.json";
+inline constexpr char kPartSuffix[] = ".part";  // of a backup that is being written
 
 // schemas/backup.md, "manifest.json".
 struct Manifest {
@@ -34,5 +35,8 @@ std::string ToJson(const Manifest& manifest);
 Result<Manifest> ManifestFromJson(std::string_view text);
 // Errors: those, and kInvalidInput when the folder is no finished backup.
 Result<Manifest> ReadManifest(const std::filesystem::path& backup);
+// The newest of the finished backups that are directly in this folder: schemas/backup.md, "The
+// newest". Errors: kNotFound (there is none), kStorage.
+Result<std::filesystem::path> NewestBackup(const std::filesystem::path& folder);
 
 }  // namespace enamel::server

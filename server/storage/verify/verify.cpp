@@ -39,6 +39,12 @@ class Verifier {
   Result<VerifyReport> Run() {
     fs::path path = options_.folder / "enamel.db";
     std::error_code error;
+    report_.is_backup = fs::exists(options_.folder / kManifestName, error);
+    // A database without a manifest is what a backup leaves that failed: it may be empty, and agree
+    // with itself.
+    if (options_.must_be_backup && !report_.is_backup) {
+      return ReadManifest(options_.folder).status();
+    }
     ENAMEL_RETURN_IF_ERROR(MustHaveRowsInFolder(options_.folder, "verify"));
     if (!fs::exists(path, error)) {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.folder.string() +
@@ -48,7 +54,6 @@ class Verifier {
       ENAMEL_ASSIGN_OR_RETURN(auto manifest, ReadManifest(options_.since));
       earlier_ = std::move(manifest.trail);
     }
-    report_.is_backup = fs::exists(options_.folder / kManifestName, error);
     if (report_.is_backup) CheckManifest();
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(path, DbMode::kReadOnly));
     // One reading transaction over all: a server may write meanwhile.

@@ -33,6 +33,7 @@ struct VerifyOptions {
   UpkeepProgress progress{};
   // An earlier backup, which the audit trail must continue; empty: none.
   std::filesystem::path since{};
+  bool must_be_backup = false;  // `folder` is no data folder
 };
 
 struct VerifyReport {
@@ -69,7 +70,7 @@ struct VerifyReport {
 // * a backup's files with its manifest
 // Findings in a data folder are checked again while nothing may be removed from it, so that a
 // person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound (the folder
-// is empty), kInvalidInput (`since` is no backup), kVersion (a newer database). Every disagreement
+// is empty), kInvalidInput (`since`, or what must be one, is no finished backup), kVersion (a newer database). Every disagreement
 // is a finding.
 Result<VerifyReport> Verify(const VerifyOptions& options);
 

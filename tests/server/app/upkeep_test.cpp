@@ -88,8 +88,27 @@ TEST_F(UpkeepTest, BackupThatTheServerStartsIsWholeAndNotedOnce) {
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(json::parse(rows[0].after_json).at("missing"), 0);
   Status status;
-  Said([&] { return VerifyFolder({rows[0].object, {}, {}}); }, status);
+  const std::string said = Said([&] { return VerifyFolder({.newest = Path("backups")}); }, status);
   EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_NE(said.find(rows[0].object), std::string::npos) << said;
+  // And it can be restored.
+  BackupRun drills(*school_.store);
+  drills.Into({.folder = Path("backups"),
+               .program = ENAMEL_SERVER_PROGRAM,
+               .look = std::chrono::milliseconds(1)});
+  ASSERT_TRUE(test::Becomes([&] { return drills.Look()->drill.has_value(); }));
+  EXPECT_EQ(drills.Look()->drill->problem, "");
+  EXPECT_EQ(drills.Look()->drill->place, rows[0].object);
+  EXPECT_FALSE(fs::exists(Path("data") / "drill"));
+}
+
+TEST_F(UpkeepTest, BackupThatFailedIsNotVerified) {
+  fs::create_directory(Path("failed"));
+  fs::copy_file(Path("data") / "enamel.db", Path("failed") / "enamel.db");
+  const Status refused = VerifyFolder({.folder = Path("failed"), .is_backup = true});
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("has no manifest.json"), std::string::npos);
+  EXPECT_EQ(VerifyFolder({.newest = folder_.path()}).code(), Code::kNotFound);
 }
 
 TEST_F(UpkeepTest, BackupOfTheCommandLineThatFailsIsSeenByTheServer) {

@@ -104,6 +104,24 @@ TEST_F(DoctorTest, ANewServerHasNothingWrongButWhatIsStillToDo) {
   EXPECT_EQ(Of("server").verdict, Verdict::kWarn) << "it does not run";
 }
 
+TEST_F(DoctorTest, RestoreDrillThatFailedIsAWarningWithItsReason) {
+  const auto note = [&](const char* action, const char* after) {
+    EXPECT_TRUE(OpenForCommand(serve_.data)
+                    .value()
+                    ->audit.NoteAudit({{}, "test"}, action, "/b/1", after)
+                    .ok());
+  };
+  note("store.backup", "{}");
+  EXPECT_NE(Of("restore drill").found.find("no folder for backups"), std::string::npos);
+  serve_.backups = "/b";
+  EXPECT_EQ(Of("restore drill").verdict, Verdict::kOk) << "none was due";
+  note("store.drill_failed", R"({"problem":"a key is missing"})");
+  EXPECT_EQ(Of("restore drill").verdict, Verdict::kWarn);
+  EXPECT_NE(Of("restore drill").found.find("a key is missing"), std::string::npos);
+  note("store.drill", "{}");
+  EXPECT_EQ(Of("restore drill").verdict, Verdict::kOk);
+}
+
 TEST_F(DoctorTest, AFolderThatOthersMayEnterOrThatIsNotThereFails) {
   std::filesystem::permissions(serve_.data, std::filesystem::perms(0755));
   EXPECT_EQ(Of("data folder").verdict, Verdict::kFail);

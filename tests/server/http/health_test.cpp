@@ -82,7 +82,15 @@ TEST_F(HealthTest, LastBackupAndRulesAreTold) {
       school_.store->audit.NoteAudit(kBy, "store.backup", "/b/2", R"({"missing":2,"bytes":7})")
           .ok());
   ASSERT_TRUE(school_.store->retention.SetRetention({"recordings", 730}, kBy).ok());
+  EXPECT_TRUE(Health().at("backups").at("drill").is_null());
+  ASSERT_TRUE(school_.store->audit.NoteAudit(kBy, "store.drill", "/b/1", "{}").ok());
+  EXPECT_EQ(Health().at("backups").at("drill").at("problem"), "");
+  ASSERT_TRUE(
+      school_.store->audit.NoteAudit(kBy, "store.drill_failed", "/b/2", R"({"problem":"no key"})")
+          .ok());
   const json::value health = Health();
+  EXPECT_EQ(health.at("backups").at("drill").at("place"), "/b/2");
+  EXPECT_EQ(health.at("backups").at("drill").at("problem"), "no key");
   EXPECT_EQ(health.at("backup").at("missing"), 2) << "of the newest";
   EXPECT_EQ(health.at("backup").at("place"), "/b/2");
   EXPECT_EQ(health.at("backup").at("bytes"), 7);

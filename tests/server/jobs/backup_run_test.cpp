@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "server/storage/backup/backup.h"
 #include "server/storage/folder/folder_lock.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/open_store.h"
@@ -78,7 +79,7 @@ echo '{"files":9,"bytes":4000,"missing":1}')");
 }
 
 TEST_F(BackupRunTest, FailureIsKeptWithItsReasonAndTakesNoRoom) {
-  Program(R"(mkdir "$target"; echo '{"problem":"the disk is full"}'; exit 1)");
+  Program(R"(mkdir "$target.part/blobs"; echo '{"problem":"the disk is full"}'; exit 1)");
   const auto run = Made();
   ASSERT_TRUE(StartOf(*run).ok());
   EXPECT_EQ(Problem(*run), "the disk is full");
@@ -145,6 +146,71 @@ TEST_F(BackupRunTest, IsRefusedWhileTheCommandLineMakesOneOrDataIsRemoved) {
   EXPECT_NE(refused(FolderLock::Mode::kShared).find("a backup of"), std::string::npos);
   EXPECT_NE(refused(FolderLock::Mode::kExclusive).find("are being removed"), std::string::npos);
   EXPECT_FALSE(*store_->audit.NewestOf(kBackupStarted)) << "what is refused was not started";
+}
+
+// A restore drill of the newest backup, in place of `enamel-server restore BACKUP --data INTO
+// --report`.
+class RestoreDrillTest : public BackupRunTest {
+ protected:
+  RestoreDrillTest() {
+    BackupOptions options;
+    options.data = folder_.path() / "data";
+    options.target = place_.folder / "b1";
+    EXPECT_TRUE(BackUp(options).ok());
+    EXPECT_TRUE(store_->audit.NoteAudit({{}, "command line"}, kBackupMade, "b1", "{}").ok());
+    place_.look = 5ms;
+  }
+  // How the next one ends.
+  BackupRun::Drill Tried(const std::string& script) {
+    Program("[ $1 = restore ] && mkdir \"$4\" || exit 1\n" + script);
+    const auto before = *BackupRun::LastDrill(store_->audit);
+    auto run = Made();
+    const auto ended = [&] {
+      const auto now = run->Look()->drill;
+      return now && (!before || now->problem != before->problem);
+    };
+    EXPECT_TRUE(test::Becomes(ended));
+    run.reset();
+    EXPECT_FALSE(fs::exists(folder_.path() / "data" / "drill"));
+    return BackupRun::LastDrill(store_->audit)->value_or(BackupRun::Drill());
+  }
+};
+
+TEST_F(RestoreDrillTest, IsMadeOfTheNewestBackupAndItsResultIsKept) {
+  const BackupRun::Drill passed = Tried(R"(echo '{"files":3,"bytes":9,"findings":0}')");
+  EXPECT_EQ(passed.problem, "");
+  EXPECT_EQ(passed.place, (place_.folder / "b1").string());
+  place_.drill = 0ms;
+  const BackupRun::Drill found =
+      Tried(R"(echo '{"files":3,"bytes":9,"findings":2,"first":"blob 7"}')");
+  EXPECT_NE(found.problem.find("2 findings in what was restored"), std::string::npos);
+  EXPECT_NE(found.problem.find("the first: blob 7"), std::string::npos);
+  place_.drill_again = 0ms;
+  EXPECT_EQ(Tried(R"(echo '{"problem":"a key is missing"}'; exit 1)").problem, "a key is missing");
+  fs::remove_all(place_.folder / "b1");
+  EXPECT_NE(Tried("").problem.find("no finished backup"), std::string::npos);
+}
+
+TEST_F(RestoreDrillTest, IsNotMadeWhereTheDataDiskHasNoRoomForIt) {
+  store_.reset();
+  StoreOptions options;
+  options.folder = folder_.path() / "data";
+  options.min_free_bytes = uint64_t{1} << 60;
+  store_ = *OpenStore(options);
+  EXPECT_NE(Tried("").problem.find("MiB free"), std::string::npos);
+}
+
+TEST_F(RestoreDrillTest, IsDueOnceAWeekAndAgainTheDayAfterOneThatFailed) {
+  Tried(R"(echo '{"problem":"a key is missing"}'; exit 1)");
+  AuditFilter begun;
+  begun.action = kDrillStarted;
+  const auto begun_so_far = [&] { return store_->audit.FindAudit(begun)->size(); };
+  const auto run = Made();
+  // A backup of the page is begun after many looks at whether a drill is due.
+  Program("exit 1");
+  ASSERT_TRUE(StartOf(*run).ok());
+  Problem(*run);
+  EXPECT_EQ(begun_so_far(), 1u);
 }
 
 TEST_F(BackupRunTest, NeedsAFolderThatIsThere) {

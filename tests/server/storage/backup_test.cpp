@@ -144,6 +144,9 @@ TEST_F(BackupTest, WhateverOfItFailsABackupIsWholeOrUnfinished) {
     restore.data = target.path() / "data";
     EXPECT_FALSE(Restore(restore).ok());
     EXPECT_FALSE(fs::exists(restore.data)) << "refused before anything is written";
+    EXPECT_EQ(Verify({.folder = options.target, .must_be_backup = true}).status().code(),
+              Code::kInvalidInput);
+    EXPECT_FALSE(fs::exists(target.path() / "backup.part")) << "a full disk needs the room";
   }
   FAIL() << "never went through";
 }
@@ -199,6 +202,54 @@ TEST_F(BackupTest, OfASchoolWithoutBlobsIsWhole) {
   ASSERT_TRUE(BackUp(options).ok());
   ASSERT_FALSE(fs::exists(Path("backup") / "blobs")) << "this test is of a backup without them";
   ExpectWhole(Path("backup"));
+}
+
+// What a backup left that failed before this program wrote into a .part, or a copy that broke off.
+TEST_F(BackupTest, DatabaseWithoutAManifestIsNoBackup) {
+  ASSERT_TRUE(Back("backup").ok());
+  fs::remove(Path("backup") / kManifestName);
+  const Status refused = Verify({.folder = Path("backup"), .must_be_backup = true}).status();
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("has no manifest.json"), std::string::npos) << refused.message();
+  EXPECT_EQ(NewestBackup(folder_.path()).status().code(), Code::kNotFound);
+}
+
+TEST_F(BackupTest, TheNewestIsOfTheDatabaseThatIsFurthestAlongWhateverTheClockSaid) {
+  fs::create_directory(Path("all"));
+  ASSERT_TRUE(Back("all/2031-01-01T000000").ok());
+  ASSERT_TRUE(school_.store->audit.NoteAudit(kSystem, "test.row", "", "{}").ok());
+  ASSERT_TRUE(Back("all/2026-01-01T000000").ok());
+  fs::create_directories(Path("all") / "2032-01-01T000000.part");
+  fs::create_directories(Path("all") / "2033-01-01T000000");
+  EXPECT_EQ(*NewestBackup(Path("all")), Path("all") / "2026-01-01T000000");
+  // Restored, the school has fewer rows, and goes on.
+  ASSERT_TRUE(Bring("all/2031-01-01T000000", "data2").ok());
+  BackupOptions options;
+  options.data = Path("data2");
+  options.target = Path("all") / "2020-01-01T000000";
+  ASSERT_TRUE(BackUp(options).ok());
+  EXPECT_EQ(*NewestBackup(Path("all")), options.target);
+}
+
+TEST_F(BackupTest, TwoOfOneSecondAreBothMade) {
+  const auto first = NewBackupIn(Path("all"), "night"), second = NewBackupIn(Path("all"), "night");
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_EQ(*first, Path("all") / "night");
+  EXPECT_EQ(*second, Path("all") / "night-2");
+  ASSERT_TRUE(Back("all/night").ok());
+  ASSERT_TRUE(Back("all/night-2").ok());
+  EXPECT_EQ(*NewBackupIn(Path("all"), "night"), Path("all") / "night-3");
+}
+
+TEST_F(BackupTest, WhatAKilledBackupLeftIsReplacedAndFilesOfOthersAreNot) {
+  fs::create_directories(Path("backup.part") / "blobs");
+  ASSERT_TRUE(WriteFileDurably(Path("backup.part") / "enamel.db", AsBytes("half")).ok());
+  ASSERT_TRUE(Back("backup").ok());
+  ExpectWhole(Path("backup"));
+  fs::create_directories(Path("other.part"));
+  ASSERT_TRUE(WriteFileDurably(Path("other.part") / "mine", AsBytes("x")).ok());
+  EXPECT_EQ(Back("other").status().code(), Code::kConflict);
+  EXPECT_TRUE(fs::exists(Path("other.part") / "mine"));
 }
 
 // An update that migrates, and the way back: docs/for_it.md, "Downgrade".

@@ -20,7 +20,7 @@ export function BackupCard({
   readonly onStart: () => void;
 }) {
   const { backup, backups, retention } = health;
-  const { running, failed, folder } = backups;
+  const { running, failed, drill, folder } = backups;
   const change = useChange();
   const ago = (at: number) => <span title={formatDateTime(at)}>{relativeTime(at, health.now_ms)}</span>;
   const start = async () => {
@@ -45,6 +45,16 @@ export function BackupCard({
                 [
                   say("health.backup_failed"),
                   say("health.backup_failed_at", { when: relativeTime(failed.at_ms, health.now_ms) }),
+                ] as const,
+              ]),
+          ...(drill === null
+            ? []
+            : [
+                [
+                  say("health.drill"),
+                  say(drill.problem === "" ? "health.drill_passed_at" : "health.drill_failed_at", {
+                    when: relativeTime(drill.at_ms, health.now_ms),
+                  }),
                 ] as const,
               ]),
           ...(retention.length === 0

@@ -19,7 +19,7 @@ const well: ServerHealth = {
   recordings: { open: 1, late: [] },
   sign_ins: { signed_in: 5, refused: 3, throttled: 0, busy: 0 },
   backup: made,
-  backups: { folder: "/b", running: null, failed: null },
+  backups: { folder: "/b", running: null, failed: null, drill: null },
   retention: [],
 };
 const titles = (health: ServerHealth) => findingsOf(health).map(({ tone, title }) => `${tone}: ${title}`);
@@ -49,6 +49,14 @@ test("the navigation counts what is bad here", () => {
       JSON.stringify(changes),
     );
   }
+});
+
+test("a restore drill that failed is shown with its reason", () => {
+  const drill = { at_ms: 99 * kDayMs, place: "/b/1", problem: "1 file of the backup is missing" };
+  const told = (problem: string) =>
+    findingsOf({ ...well, backups: { ...well.backups, drill: { ...drill, problem } } }).map(({ text }) => text);
+  assert.deepEqual(told(drill.problem), ["1 file of the backup is missing."]);
+  assert.deepEqual(told(""), []);
 });
 
 test("a backup that failed is shown with its reason", () => {

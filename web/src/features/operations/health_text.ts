@@ -123,11 +123,13 @@ function workFindings({ jobs }: ServerHealth): Finding[] {
   return out;
 }
 
-function backupFindings({ backup, backups: { failed }, now_ms: now }: ServerHealth): Finding[] {
+function backupFindings({ backup, backups: { failed, drill }, now_ms: now }: ServerHealth): Finding[] {
   const todo = say("finding.backup_todo");
   const out: Finding[] = [];
   if (failed !== null)
     out.push({ tone: "warning", title: say("finding.backup_failed"), text: sentence(failed.problem) });
+  if (drill !== null && drill.problem !== "")
+    out.push({ tone: "warning", title: say("finding.drill_failed"), text: sentence(drill.problem) });
   if (backup === null) return [...out, { tone: "warning", title: say("finding.no_backup"), text: todo }];
   if (backup.missing > 0)
     out.push({
