@@ -135,7 +135,7 @@ class Session {
   struct Seen {
     Person person;
     AttemptRow row;
-    bool shares_cohort = false;
+    bool teaches = false;
   };
   Result<Seen> SeenAttempt(const std::string& session_token, const std::string& attempt);
   Result<bool> MaySeeScore(const Seen& seen);

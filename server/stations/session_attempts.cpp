@@ -399,11 +399,10 @@ Result<wire::Reply> Session::Do(const wire::SignOff& request, const Person& sign
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
   const LogAttempt logged(attempt);
   ENAMEL_ASSIGN_OR_RETURN(const auto row, services_.store.attempts.AttemptById(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(const bool shares,
-                          services_.store.cohorts.ShareCohort(signer.id, row.person));
-  if (!CanSignOff(signer, row, shares)) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool teaches, services_.store.attempts.Teaches(signer.id, attempt));
+  if (!CanSignOff(signer, row, teaches)) {
     return Status(Code::kForbidden,
-                  "only instructors of this student's cohort and admins can sign this", "signer");
+                  "only instructors of this attempt's cohort and admins can sign this", "signer");
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.sign_offs.Sign(
       attempt, *at, services_.clock(), Actor{signer.id, "station " + station_->name}));
@@ -420,9 +419,8 @@ Result<Session::Seen> Session::SeenAttempt(const std::string& session_token,
   Seen seen;
   ENAMEL_ASSIGN_OR_RETURN(seen.person, PersonOf(session_token));
   ENAMEL_ASSIGN_OR_RETURN(seen.row, services_.store.attempts.AttemptById(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(seen.shares_cohort,
-                          services_.store.cohorts.ShareCohort(seen.person.id, seen.row.person));
-  if (CanSeeAttempt(seen.person, seen.row, seen.shares_cohort)) {
+  ENAMEL_ASSIGN_OR_RETURN(seen.teaches, services_.store.attempts.Teaches(seen.person.id, attempt));
+  if (CanSeeAttempt(seen.person, seen.row, seen.teaches)) {
     about_ = attempt;
     return seen;
   }

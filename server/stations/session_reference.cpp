@@ -33,7 +33,7 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
   ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeenAttempt(request.session(), request.attempt()));
   const AttemptRow& row = seen.row;
   const LogAttempt logged(row.id);
-  if (!CanMarkReference(seen.person, row, seen.shares_cohort)) {
+  if (!CanMarkReference(seen.person, row, seen.teaches)) {
     return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
                   "as_reference");
   }

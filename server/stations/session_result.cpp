@@ -16,7 +16,7 @@ constexpr size_t kMostDeviationBytes = 3 << 20;
 Result<bool> Session::MaySeeScore(const Seen& seen) {
   ENAMEL_ASSIGN_OR_RETURN(const auto exercise,
                           services_.store.exercises.ExerciseById(seen.row.exercise));
-  if (!CanSeeScore(seen.person, seen.row, exercise.graded, seen.shares_cohort)) return false;
+  if (!CanSeeScore(seen.person, seen.row, exercise.graded, seen.teaches)) return false;
   if (seen.person.role == Role::kStudent) return true;
   // A blind marker sees no score before every marker is done.
   ENAMEL_ASSIGN_OR_RETURN(const auto hidden, services_.store.markings.HiddenFrom(seen.person.id));
@@ -39,7 +39,7 @@ Status Session::AddScores(const Seen& seen, wire::AttemptState& out) {
     const std::optional<double> score =
         row.overridden ? std::optional(row.overridden->score) : row.score;
     if (!score || (row.flags & (kExcused | kReturned)) != 0) continue;
-    if (!CanSeeScore(seen.person, row, exercise.graded, seen.shares_cohort)) continue;
+    if (!CanSeeScore(seen.person, row, exercise.graded, seen.teaches)) continue;
     wire::EarlierScore& earlier = *out.add_scores();
     earlier.set_attempt(protocol::ToField(row.id.view()));
     earlier.set_score(*score);

@@ -7,8 +7,8 @@ namespace {
 // or asks itself.
 bool Is(const Person& viewer, Role role) { return !viewer.disabled && viewer.role == role; }
 
-bool Supervises(const Person& viewer, bool shares_cohort) {
-  return Is(viewer, Role::kAdmin) || (Is(viewer, Role::kInstructor) && shares_cohort);
+bool Supervises(const Person& viewer, bool teaches) {
+  return Is(viewer, Role::kAdmin) || (Is(viewer, Role::kInstructor) && teaches);
 }
 
 bool Owns(const Person& viewer, const AttemptRow& attempt) {
@@ -24,27 +24,27 @@ bool IsReleasedFirst(const AttemptRow& attempt, bool graded) {
   return graded || attempt.exam || unknown_terms;
 }
 
-bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
-  return Owns(viewer, attempt) || Supervises(viewer, shares_cohort);
+bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool teaches) {
+  return Owns(viewer, attempt) || Supervises(viewer, teaches);
 }
 
-bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort) {
-  if (Supervises(viewer, shares_cohort)) return true;
+bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool teaches) {
+  if (Supervises(viewer, teaches)) return true;
   if (!Owns(viewer, attempt)) return false;
   // Instructors who try an exercise themselves wait for nobody.
   return !IsReleasedFirst(attempt, graded) || attempt.released || !Is(viewer, Role::kStudent);
 }
 
-bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
-  return Supervises(viewer, shares_cohort);
+bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool teaches) {
+  return Supervises(viewer, teaches);
 }
 
-bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
-  return Supervises(viewer, shares_cohort);
+bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool teaches) {
+  return Supervises(viewer, teaches);
 }
 
-bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool shares_cohort) {
-  return Supervises(signer, shares_cohort) && !Owns(signer, attempt);
+bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool teaches) {
+  return Supervises(signer, teaches) && !Owns(signer, attempt);
 }
 
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review) {
@@ -56,8 +56,8 @@ bool CanAppeal(const Person& viewer, const AttemptRow& attempt) {
   return Owns(viewer, attempt) && attempt.released && attempt.state == AttemptState::kScored;
 }
 
-bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
-  return Supervises(viewer, shares_cohort) ||
+bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool teaches) {
+  return Supervises(viewer, teaches) ||
          // An instructor's own cut needs no cohort.
          (Is(viewer, Role::kInstructor) && Owns(viewer, attempt));
 }

@@ -6,26 +6,26 @@
 // Who may do what: the one place that decides. Pure functions; callers fetch the facts first.
 //   student: own attempts, assigned exercises. instructor: attempts and references of own cohorts.
 //   admin: all. A disabled person: nothing.
-// `shares_cohort` is CohortRows::ShareCohort(viewer, owner of the attempt).
+// `teaches` is AttemptRows::Teaches(viewer, attempt): its cohort is the viewer's.
 namespace enamel::server {
 
-bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
+bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool teaches);
 // Whether the student sees the score only after release: graded work, exams, and attempts whose
 // terms a restore forgot. `graded`: its exercise is.
 bool IsReleasedFirst(const AttemptRow& attempt, bool graded);
 // Score, surface, series, annotations: a student sees them at once, or after release.
-bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort);
-bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
+bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool teaches);
+bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool teaches);
 // Overriding, annotating, flagging, scoring again, answering an appeal.
 // Whether this person may sign the attempt at the chair as its second person.
-bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool shares_cohort);
-bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
+bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool teaches);
+bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool teaches);
 // Own remarks only; who wrote one and may no longer review cannot.
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review);
 // The attempt's person, once the score is released.
 bool CanAppeal(const Person& viewer, const AttemptRow& attempt);
 // Making an attempt the exercise's reference, and withdrawing it.
-bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
+bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool teaches);
 // Asking for a ticket whose attempt is meant as a reference cut.
 bool CanRecordReference(const Person& viewer);
 // A cut becomes a reference only when its dentist agrees to being named and to the cut being used.

@@ -96,11 +96,10 @@ Result<AttemptFilter> FilterFor(const Call& call) {
     filter.order = AttemptFilter::Order::kNewest;
     // Their own attempts need no cohort, and one that they are not in would show them none.
     filter.cohort.reset();
-  } else if (viewer.role == Role::kInstructor && filter.person != viewer.id) {
-    // Their own they see in any case, those of others by a shared cohort.
-    filter.visible_to_instructor = viewer.id;
+  } else {
+    NarrowToTaught(call, filter);
+    filter.not_to_be_marked_by = viewer.id;
   }
-  if (viewer.role != Role::kStudent) filter.not_to_be_marked_by = viewer.id;
   return filter;
 }
 
@@ -115,7 +114,7 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
     if (reference) return store.results.ResultOf(call.id);
   }
   if (!seen.ok()) return seen.status();
-  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
     return Status{Code::kForbidden,
                   "this work is graded: the result shows after the instructor has released it"};
   }
@@ -175,8 +174,8 @@ class LiveEvents final : public EventSource {
     // A failure of the store ends the stream as well: showing on needs a yes.
     Result<AttemptRow> row = store_.attempts.AttemptById(attempt_);
     if (!row.ok()) return false;
-    Result<bool> shares = store_.cohorts.ShareCohort(viewer->id, row->person);
-    return shares.ok() && CanSeeAttempt(*viewer, *row, *shares);
+    Result<bool> teaches = store_.attempts.Teaches(viewer->id, attempt_);
+    return teaches.ok() && CanSeeAttempt(*viewer, *row, *teaches);
   }
   Event Take() override {
     Event event{watch_->Next()};
@@ -333,9 +332,9 @@ Response GetTicks(const Call& call, Store& store) {
 Response ReleaseAttempt(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
+  if (!CanReleaseAttempt(call.caller->person, seen->row, seen->teaches)) {
     return ErrorResponse(
-        {Code::kForbidden, "only instructors of this student's cohort can do this"});
+        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   // Nobody releases what has been scored again or overridden since they looked at it.
@@ -359,9 +358,9 @@ Response MakeReference(const Call& call, Store& store) {
   if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {
+  if (!CanMarkReference(call.caller->person, seen->row, seen->teaches)) {
     return ErrorResponse(
-        {Code::kForbidden, "only instructors of this person's cohort can do this"});
+        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   Result<ReferenceRow> row =

@@ -7,6 +7,7 @@
 #include "common/base/csv.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/views/grade_view.h"
 #include "server/training/access.h"
@@ -171,9 +172,8 @@ Response GetAttemptsFile(const Call& call, Store& store) {
   if (!cohort.ok()) return ErrorResponse(cohort.status());
   AttemptFilter filter;
   filter.cohort = cohort->id;
-  const Person& viewer = call.caller->person;
-  if (viewer.role == Role::kInstructor) filter.visible_to_instructor = viewer.id;
-  filter.not_to_be_marked_by = viewer.id;
+  NarrowToTaught(call, filter);
+  filter.not_to_be_marked_by = call.caller->person.id;
   return CsvResponse(AttemptLines(call, store).Read(filter));
 }
 

@@ -6,6 +6,7 @@
 #include "common/scoring/score.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/training/access.h"
@@ -70,7 +71,7 @@ class Grading {
 
   Status Read(AttemptFilter filter) {
     const Person& viewer = call_.caller->person;
-    if (viewer.role == Role::kInstructor) filter.visible_to_instructor = viewer.id;
+    NarrowToTaught(call_, filter);
     filter.not_to_be_marked_by = viewer.id;
     filter.limit = kMostGraded + 1;
     ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.attempts.Attempts(filter));

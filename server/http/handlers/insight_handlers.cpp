@@ -170,14 +170,15 @@ json::object InsightJson(const Insight& insight, const Class& people) {
 
 // What those who teach the class tried of the exercise version themselves: beside the class, in
 // none of its figures.
-Result<json::array> StaffJson(AttemptRows& attempts_rows, const AssignmentRow& row,
-                              const Class& people) {
+Result<json::array> StaffJson(const Call& call, AttemptRows& attempts_rows,
+                              const AssignmentRow& row, const Class& people) {
   json::array out;
   for (const Person& person : people.staff) {
     AttemptFilter filter;
     filter.person = person.id;
     filter.exercise = row.version_id;
     filter.limit = kMaxTries;
+    NarrowToTaught(call, filter);
     ENAMEL_ASSIGN_OR_RETURN(auto attempts, attempts_rows.Attempts(filter));
     for (const AttemptRow& attempt : attempts) {
       json::value score;
@@ -237,7 +238,7 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
   out["assignment_id"] = row.id.Text();
   out["counting"] = CountingName(row.counting);
   out["students"] = std::move(students);
-  ENAMEL_ASSIGN_OR_RETURN(out["staff"], StaffJson(store.attempts, row, people));
+  ENAMEL_ASSIGN_OR_RETURN(out["staff"], StaffJson(call, store.attempts, row, people));
   out["left_out"] = people.left_out;
   out["unread"] = unread;
   return out;

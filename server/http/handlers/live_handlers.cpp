@@ -40,9 +40,9 @@ json::object SentJson(const ChairRemark& sent) {
           {"shown_ms", sent.shown_ms == 0 ? json::value() : json::value(sent.shown_ms)}};
 }
 
-// Anybody who may watch an attempt may send a remark; in an exam only an instructor of its person.
+// Anybody who may watch an attempt may send a remark; in an exam only an instructor of its cohort.
 bool MaySpeak(const Call& call, const SeenAttempt& seen) {
-  return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.shares_cohort);
+  return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.teaches);
 }
 
 Status MustBeMade(const AttemptRow& row, const char* instead) {
@@ -79,7 +79,7 @@ Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& giv
   ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeeAttempt(call, store, call.id));
   if (!MaySpeak(call, seen)) {
     return Status(Code::kForbidden,
-                  "this is an exam: only instructors of this person's cohort can do this");
+                  "this is an exam: only instructors of this attempt's cohort can do this");
   }
   ENAMEL_ASSIGN_OR_RETURN(const std::string text, protocol::CheckedRemark(given));
   ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row, "write a remark on the attempt instead"));

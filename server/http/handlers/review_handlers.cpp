@@ -74,7 +74,7 @@ Result<AnnotationRow> OwnAnnotation(const Call& call, Store& store) {
   // Of an attempt that the caller may not see: the remark counts as missing.
   if (!seen.ok()) return seen.status().code() == Code::kNotFound ? none : seen.status();
   const Person& viewer = call.caller->person;
-  bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
+  bool reviews = CanReviewAttempt(viewer, seen->row, seen->teaches);
   if (CanEditAnnotation(viewer, *row, reviews)) return row;
   return Status{Code::kForbidden,
                 "only its author may change a remark; write one of your own instead"};
@@ -172,7 +172,7 @@ Response RestoreResult(const Call& call, Store& store) {
 Response ListResults(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
     return ErrorResponse(
         {Code::kForbidden,
          "this work is graded: the results show after the instructor has released it"});
@@ -214,7 +214,7 @@ Response ListResults(const Call& call, Store& store) {
 Response ListAnnotations(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
     return ErrorResponse(
         {Code::kForbidden,
          "this work is graded: remarks show after the instructor has released it"});
@@ -313,11 +313,11 @@ Response WithdrawReference(const Call& call, Store& store) {
   Result<AttemptRow> attempt = store.attempts.AttemptById(row->attempt);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   const Person& viewer = call.caller->person;
-  Result<bool> shares = store.cohorts.ShareCohort(viewer.id, attempt->person);
-  if (!shares.ok()) return ErrorResponse(shares.status());
-  if (!CanMarkReference(viewer, *attempt, *shares)) {
+  Result<bool> teaches = store.attempts.Teaches(viewer.id, attempt->id);
+  if (!teaches.ok()) return ErrorResponse(teaches.status());
+  if (!CanMarkReference(viewer, *attempt, *teaches)) {
     return ErrorResponse(
-        {Code::kForbidden, "only instructors of this dentist's cohort can do this"});
+        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
   }
   return DoneOr(store.references.WithdrawReference(call.id, ActorOf(call)));
 }

@@ -8,6 +8,7 @@
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
@@ -164,11 +165,9 @@ Response PreviewRubricChange(const Call& call, Store& store) {
   if (!rubric.ok()) return ErrorResponse(rubric.status());
   Result<std::optional<bool>> attempts = QueryFlag(call.request, "attempts");
   if (!attempts.ok()) return ErrorResponse(attempts.status());
-  // As everywhere: of the attempts of others, an instructor sees those of their own cohorts.
   AttemptFilter which;
   which.exercise = row->id;
-  const Person& viewer = call.caller->person;
-  if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
+  NarrowToTaught(call, which);
   Result<std::vector<ReferenceRow>> counting = store.references.Counting(row->id);
   if (!counting.ok()) return ErrorResponse(counting.status());
   Result<RubricPreview> preview = attempts->value_or(true)
@@ -222,6 +221,7 @@ Response RescoreCohort(const Call& call, Store& store) {
   AttemptFilter which;
   which.cohort = call.id;
   which.exercise = body.MaybeId("exercise_id");
+  NarrowToTaught(call, which);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   BatchRow wanted;
   wanted.title = cohort->name;

@@ -11,10 +11,10 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   Result<AttemptRow> row = store.attempts.AttemptById(attempt);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   const Person& viewer = call.caller->person;
-  Result<bool> shares = store.cohorts.ShareCohort(viewer.id, row->person);
-  if (!shares.ok()) return shares.status();
+  Result<bool> teaches = store.attempts.Teaches(viewer.id, row->id);
+  if (!teaches.ok()) return teaches.status();
   // As if it did not exist: an id must not reveal whether somebody has made an attempt.
-  if (!CanSeeAttempt(viewer, *row, *shares)) return none;
+  if (!CanSeeAttempt(viewer, *row, *teaches)) return none;
   if (viewer.role != Role::kStudent) {
     ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(viewer.id));
     const auto found = hidden.find(attempt);
@@ -26,14 +26,20 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   // Whether it counts is the exercise version's to say that the attempt was made of.
   Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();
-  return SeenAttempt{std::move(*row), *shares, exercise->graded};
+  return SeenAttempt{std::move(*row), *teaches, exercise->graded};
 }
 
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, attempt);
   if (!seen.ok()) return seen;
-  if (CanReviewAttempt(call.caller->person, seen->row, seen->shares_cohort)) return seen;
-  return Status{Code::kForbidden, "only instructors of this student's cohort can do this"};
+  if (CanReviewAttempt(call.caller->person, seen->row, seen->teaches)) return seen;
+  return Status{Code::kForbidden, "only instructors of this attempt's cohort can do this"};
+}
+
+void NarrowToTaught(const Call& call, AttemptFilter& filter) {
+  const Person& viewer = call.caller->person;
+  // Their own they see in any case.
+  if (viewer.role == Role::kInstructor && filter.person != viewer.id) filter.taught_by = viewer.id;
 }
 
 Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& attempt) {

@@ -9,13 +9,16 @@ namespace enamel::server::http {
 // An attempt the caller may see, with the facts that access.h needs.
 struct SeenAttempt {
   AttemptRow row;
-  bool shares_cohort = false;
+  bool teaches = false;
   bool graded = true;
 };
 // Errors: kNotFound, the same for a missing attempt and one that the caller may not see.
 Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attempt);
 // The same for callers who may also review it (CanReviewAttempt); kForbidden for others.
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
+
+// The rule of SeeAttempt for a list of others' attempts: an instructor sees those that they teach.
+void NarrowToTaught(const Call& call, AttemptFilter& filter);
 
 // Whether `attempt` is its exercise's reference and the caller may play it back (CanSeeReferenceCut).
 // The rest of that attempt stays hidden. Looks at the caller's newest 200 scored attempts. Errors: the store's.

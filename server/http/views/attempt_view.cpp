@@ -91,24 +91,24 @@ Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
   return profiles_.emplace(content, std::move(names)).first->second;
 }
 
-Result<bool> AttemptView::SharesCohort(const AttemptRow& row) {
-  auto known = shares_cohort_.find(row.person);
-  if (known == shares_cohort_.end()) {
-    Result<bool> shares = store_.cohorts.ShareCohort(viewer_.id, row.person);
-    if (!shares.ok()) return shares.status();
-    known = shares_cohort_.emplace(row.person, *shares).first;
+Result<bool> AttemptView::Teaches(const AttemptRow& row) {
+  const auto key = std::pair(row.person, row.assignment);
+  auto known = teaches_.find(key);
+  if (known == teaches_.end()) {
+    ENAMEL_ASSIGN_OR_RETURN(const bool teaches, store_.attempts.Teaches(viewer_.id, row.id));
+    known = teaches_.emplace(key, teaches).first;
   }
   return known->second;
 }
 
 Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
-  Result<bool> shares = SharesCohort(row);
-  if (!shares.ok()) return shares.status();
+  Result<bool> teaches = Teaches(row);
+  if (!teaches.ok()) return teaches.status();
   if (viewer_.role != Role::kStudent && !hidden_) {
     ENAMEL_ASSIGN_OR_RETURN(hidden_, store_.markings.HiddenFrom(viewer_.id));
   }
   if (hidden_ && hidden_->contains(row.id)) return false;
-  return CanSeeScore(viewer_, row, graded, *shares);
+  return CanSeeScore(viewer_, row, graded, *teaches);
 }
 
 Result<json::object> AttemptView::Json(const AttemptRow& row) {
@@ -129,10 +129,10 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
     critical_fail = row.critical_fail;
   }
   if (row.assignment) assignment = row.assignment->Text();
-  Result<bool> shares = SharesCohort(row);
-  if (!shares.ok()) return shares.status();
+  Result<bool> teaches = Teaches(row);
+  if (!teaches.ok()) return teaches.status();
   ENAMEL_ASSIGN_OR_RETURN(json::value origin, DeviceOriginJson(row));
-  const uint32_t hidden = CanReviewAttempt(viewer_, row, *shares) ? 0 : kReviewFlags;
+  const uint32_t hidden = CanReviewAttempt(viewer_, row, *teaches) ? 0 : kReviewFlags;
   json::array flags;
   for (const char* name : AttemptFlagNames(row.flags & ~hidden)) flags.emplace_back(name);
   return json::object{{"id", row.id.Text()},
@@ -228,18 +228,18 @@ Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
 // The nearest earlier motion, for reviewers. Its owner only for viewers who may review that attempt
 // too.
 Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
-  Result<bool> shares = SharesCohort(row);
-  if (!shares.ok()) return shares.status();
-  if (!CanReviewAttempt(viewer_, row, *shares)) return json::value();
+  Result<bool> teaches = Teaches(row);
+  if (!teaches.ok()) return teaches.status();
+  if (!CanReviewAttempt(viewer_, row, *teaches)) return json::value();
   Result<std::optional<NearAttempt>> near = store_.motions.NearestTo(row.id);
   if (!near.ok()) return near.status();
   if (!*near) return json::value();
   constexpr double kMm = 1e-3;
   json::value attempt, person;
   if (Result<AttemptRow> other = store_.attempts.AttemptById((*near)->attempt); other.ok()) {
-    Result<bool> shares_other = SharesCohort(*other);
-    if (!shares_other.ok()) return shares_other.status();
-    if (CanReviewAttempt(viewer_, *other, *shares_other)) {
+    Result<bool> teaches_other = Teaches(*other);
+    if (!teaches_other.ok()) return teaches_other.status();
+    if (CanReviewAttempt(viewer_, *other, *teaches_other)) {
       attempt = other->id.Text();
       person = PersonJson(*other);
     }
@@ -283,8 +283,8 @@ Result<json::array> AttemptView::SignInsJson(const AttemptRow& row) {
 // How the hand moved in an exam, for reviewers, beside the other attempts of the assignment.
 Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
   if (!row.exam || !row.assignment || row.sealed_ms == 0) return json::value();
-  ENAMEL_ASSIGN_OR_RETURN(const bool shares, SharesCohort(row));
-  if (!CanReviewAttempt(viewer_, row, shares)) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const bool teaches, Teaches(row));
+  if (!CanReviewAttempt(viewer_, row, teaches)) return json::value();
   ENAMEL_ASSIGN_OR_RETURN(const auto rows,
                           store_.motions.MotionsUnder(*row.assignment, kMostCompared));
   std::vector<scoring::HandRecord> records;
@@ -314,8 +314,8 @@ Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
 // Who signed at the chair, for reviewers; null where nobody had to.
 Result<json::value> AttemptView::SignOffJson(const AttemptRow& row) {
   if (!row.sign_off) return json::value();
-  ENAMEL_ASSIGN_OR_RETURN(const bool shares, SharesCohort(row));
-  if (!CanReviewAttempt(viewer_, row, shares)) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(const bool teaches, Teaches(row));
+  if (!CanReviewAttempt(viewer_, row, teaches)) return json::value();
   ENAMEL_ASSIGN_OR_RETURN(const auto signatures, store_.sign_offs.SignOffsOf(row.id));
   json::object out{{"start", nullptr}, {"end", nullptr}};
   for (const SignOffRow& each : signatures) {
@@ -328,9 +328,9 @@ Result<json::value> AttemptView::SignOffJson(const AttemptRow& row) {
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
   if ((row.flags & kContradicted) == 0) return out;
-  Result<bool> shares = SharesCohort(row);
-  if (!shares.ok()) return shares.status();
-  if (!CanReviewAttempt(viewer_, row, *shares)) return out;
+  Result<bool> teaches = Teaches(row);
+  if (!teaches.ok()) return teaches.status();
+  if (!CanReviewAttempt(viewer_, row, *teaches)) return out;
   Result<std::vector<ContradictionRow>> rows = store_.recordings.ContradictionsOf(row.id);
   if (!rows.ok()) return rows.status();
   for (const ContradictionRow& chunk : *rows) {
@@ -342,11 +342,11 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
 
 // What the viewer may do with it now, so that a page need not know the rules.
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
-  Result<bool> shares = SharesCohort(row);
-  if (!shares.ok()) return shares.status();
+  Result<bool> teaches = Teaches(row);
+  if (!teaches.ok()) return teaches.status();
   Result<std::optional<AppealRow>> appeal = store_.appeals.AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
-  bool reviews = CanReviewAttempt(viewer_, row, *shares);
+  bool reviews = CanReviewAttempt(viewer_, row, *teaches);
   bool scored = row.state == AttemptState::kScored;
   // A recording that is whole and still here, which a new score or a reference needs.
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
@@ -363,7 +363,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
       {"rescore", reviews && (sealed || acceptable) && row.state != AttemptState::kScoring},
       {"excuse", reviews && row.assignment && (row.flags & (kExcused | kReturned)) == 0},
       {"unexcuse", reviews && (row.flags & kExcused) != 0},
-      {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *shares)},
+      {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *teaches)},
       {"appeal", CanAppeal(viewer_, row) && !*appeal},
       {"answer_appeal", reviews && *appeal && (*appeal)->state == "open"},
   };

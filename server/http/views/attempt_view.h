@@ -37,7 +37,7 @@ class AttemptView {
   Result<const Exercise*> ExerciseOf(const AttemptRow& row);
   Result<std::string> StationName(const Uuid& id);
   Result<std::pair<std::string, std::string>> ProfileNameAndTitle(const Sha256& content);
-  Result<bool> SharesCohort(const AttemptRow& row);  // with whose work it is
+  Result<bool> Teaches(const AttemptRow& row);
   Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
   Result<boost::json::value> ComparedWithJson(const AttemptResult& result,
                                               const Exercise& exercise);
@@ -54,7 +54,8 @@ class AttemptView {
   Store& store_;
   const Person& viewer_;
   std::map<Uuid, Exercise> exercises_;
-  std::map<Uuid, bool> shares_cohort_;
+  // By whose work it is and its assignment, which decide.
+  std::map<std::pair<Uuid, std::optional<Uuid>>, bool> teaches_;
   std::optional<std::map<Uuid, std::string>> stations_;
   std::optional<std::map<Uuid, MarkingRows::Hidden>> hidden_;  // what the viewer marks blind
   std::map<Sha256, std::pair<std::string, std::string>> profiles_;

@@ -70,6 +70,21 @@ AttemptRow AttemptOf(const Query& q) {
   return out;
 }
 
+// AttemptRows::Teaches as a condition on an attempt `a`, for one attempt and for lists. `person` is a parameter. An
+// assignment for everybody names no cohort that there is.
+std::string TaughtBy(const std::string& person) {
+  return "CASE WHEN EXISTS (SELECT 1 FROM assignments s JOIN cohorts c ON c.tenant = s.tenant AND "
+         "c.id = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment) "
+         "THEN EXISTS (SELECT 1 FROM assignments s JOIN cohort_members i ON i.tenant = s.tenant "
+         "AND i.cohort = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment AND i.person "
+         "= " +
+         person +
+         ") ELSE EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = "
+         "i.tenant AND m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND "
+         "i.person = " +
+         person + ") END";
+}
+
 // An order of the list, and the condition for what comes after an attempt whose id is between both.
 struct Ordering {
   const char *by, *before, *after;
@@ -103,6 +118,18 @@ Result<AttemptRow> AttemptRows::AttemptById(const Uuid& id) {
   return rows_.Read([&](Db& db) { return FindAttempt(db, id); });
 }
 
+// An archived cohort counts too: people still look at its attempts.
+Result<bool> AttemptRows::Teaches(const Uuid& person, const Uuid& attempt) {
+  return rows_.Read([&](Db& db) -> Result<bool> {
+    static const std::string kSql =
+        "SELECT 1 FROM attempts a WHERE a.tenant = ?1 AND a.id = ?2 AND " + TaughtBy("?3");
+    Query q(db, kSql.c_str());
+    const bool found = q.Bind(attempt).Bind(person).Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  });
+}
+
 Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filter) {
   std::string sql = kAttemptSelect;
   std::vector<Uuid> ids;
@@ -124,10 +151,10 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
         "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.person = a.person "
         "AND m.cohort = ",
         ")");
-  where(filter.visible_to_instructor,
-        "EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
-        "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = ",
-        ")");
+  if (filter.taught_by) {
+    ids.push_back(*filter.taught_by);
+    sql += " AND " + TaughtBy(next());
+  }
   where(filter.not_to_be_marked_by,
         "NOT EXISTS (SELECT 1 FROM marking_works w JOIN markings m ON m.tenant = w.tenant AND m.id "
         "= w.marking JOIN marking_people b ON b.tenant = m.tenant AND b.marking = m.id WHERE "

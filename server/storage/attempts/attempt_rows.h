@@ -15,8 +15,8 @@ namespace enamel::server {
 
 struct AttemptFilter {
   std::optional<Uuid> person{};
-  std::optional<Uuid> cohort{};                 // attempts of its students
-  std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
+  std::optional<Uuid> cohort{};     // attempts of its students
+  std::optional<Uuid> taught_by{};  // those that this person teaches (Teaches)
   // Without those that this person has yet to mark blind: a list says whose they are.
   std::optional<Uuid> not_to_be_marked_by{};
   std::optional<Uuid> exercise{};
@@ -39,6 +39,9 @@ class AttemptRows {
   explicit AttemptRows(Transactions& rows) : rows_(rows) {}
 
   Result<AttemptRow> AttemptById(const Uuid& id);
+  // Whether the person is in the attempt's cohort. An assignment to one cohort decides alone: a student may be in several,
+  // and instructors of another have no say in it. Practice, and work for everybody, belongs to every cohort of its student.
+  Result<bool> Teaches(const Uuid& person, const Uuid& attempt);
   Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter);
 
  private:

@@ -163,18 +163,6 @@ Result<std::vector<Cohort>> CohortRows::Cohorts() {
   });
 }
 
-// An archived cohort counts too: people still look at its attempts.
-Result<bool> CohortRows::ShareCohort(const Uuid& a, const Uuid& b) {
-  return rows_.Read([&](Db& db) -> Result<bool> {
-    Query q(db,
-            "SELECT 1 FROM cohort_members x JOIN cohort_members y ON x.tenant = y.tenant AND "
-            "x.cohort = y.cohort WHERE x.tenant = ?1 AND x.person = ?2 AND y.person = ?3 LIMIT 1");
-    bool found = q.Bind(a).Bind(b).Next();
-    if (!q.status().ok()) return q.status();
-    return found;
-  });
-}
-
 // Those who teach come before those who are taught.
 Result<std::vector<Person>> CohortRows::CohortMembers(const Uuid& cohort) {
   return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {

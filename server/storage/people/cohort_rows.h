@@ -31,8 +31,6 @@ class CohortRows {
   Result<std::vector<Cohort>> CohortsOf(const Uuid& person);  // as student or instructor
   Result<std::vector<Cohort>> Cohorts();
   Result<std::vector<Person>> CohortMembers(const Uuid& cohort);
-  // True when the two share a cohort (a person shares one with itself only as a member of any).
-  Result<bool> ShareCohort(const Uuid& a, const Uuid& b);
 
  private:
   Transactions& rows_;

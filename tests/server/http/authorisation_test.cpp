@@ -593,6 +593,98 @@ TEST_F(AuthorisationTest, OfAnotherSchoolNothingIsThere) {
   EXPECT_GT(in_bodies, 2u);
 }
 
+// Cohort A's students are in ben's cohort too, which gives ben nothing of what was assigned to cohort A.
+class SecondCohortTest : public AuthorisationTest {
+ protected:
+  SecondCohortTest() {
+    for (const Uuid& id : {school_.sam, school_.sue}) {
+      EXPECT_TRUE(store_.cohorts.AddToCohort(school_.cohort_b, id, {}).ok());
+    }
+  }
+  void MakeAllUnder(const std::optional<Uuid>& assignment) {
+    const Status made = store_.engine->rows.Write([&](sql::Db& db) {
+      return Query(db, "UPDATE attempts SET assignment = ?2 WHERE tenant = ?1 AND person <> ?3")
+          .Bind(assignment)
+          .Bind(school_.tom)
+          .Run();
+    });
+    EXPECT_TRUE(made.ok()) << made.message();
+  }
+  Uuid AssignedTo(const Uuid& cohort) {
+    AssignmentRow row;
+    row.exercise = "class-1-occlusal";
+    row.cohort = cohort;
+    return store_.assignments.AddAssignment(row, {})->id;
+  }
+  Response By(const char* who, Method method, const std::string& path,
+              const std::string& query = {}, const std::string& body = {}) {
+    Request request;
+    request.method = method;
+    request.path = path;
+    request.body = body;
+    request.headers = {{"host", "localhost"}, {"content-type", "application/json"}};
+    if (!query.empty()) request.query["limit"] = query;
+    GiveOf(request, made_->passes.at(who));
+    return case_.Handle(request);
+  }
+  // Whether each attempt of the school is in the list of `who` exactly if it opens.
+  void ExpectListsAgree(const char* who) {
+    const std::string list = By(who, Method::kGet, "/api/v1/attempts", "200").body;
+    for (const AttemptRow& row : *store_.attempts.Attempts({.limit = 200})) {
+      const int status = By(who, Method::kGet, "/api/v1/attempts/" + row.id.Text()).status;
+      // Of what they mark blind the page is closed, and lists leave it out.
+      EXPECT_EQ(list.find("{\"id\":\"" + row.id.Text()) != std::string::npos, status == 200) << who;
+    }
+  }
+  // Lines that say something of one of these attempts.
+  static bool IsAboutWork(const Line& line) {
+    const std::set<std::string> work{"attempt", "appealed", "recording", "annotation", "reference"};
+    return work.contains(line.what) &&
+           std::string_view(line.route).find("tooth-imports") == std::string_view::npos;
+  }
+
+  School& school_ = made_->school;
+  Case case_{*made_, true};
+  Store& store_ = case_.store();
+};
+
+TEST_F(SecondCohortTest, WorkAssignedToAnotherCohortIsNotTheirs) {
+  MakeAllUnder(AssignedTo(school_.cohort_a));
+  size_t routes = 0;
+  for (const Line& line : kLines) {
+    if (!IsAboutWork(line)) continue;
+    Request request = RequestOf(*made_, line);
+    GiveOf(request, made_->passes.at("ben"));
+    const Response response = case_.Handle(request);
+    EXPECT_EQ(response.status, Statuses(line.expected)[5]) << line.route << ": " << response.body;
+    ++routes;
+  }
+  EXPECT_GT(routes, 25u);
+  for (const char* who : {"ada", "ben", "root"}) ExpectListsAgree(who);
+  const std::string cohort = "/api/v1/cohorts/" + school_.cohort_b.Text();
+  for (const char* list : {"/attempts.csv", "/grading"}) {
+    const std::string body = By("ben", Method::kGet, cohort + list).body;
+    EXPECT_NE(body.find(school_.toms_scored.Text()), std::string::npos) << body;
+    EXPECT_EQ(body.find(school_.sams_scored.Text()), std::string::npos) << body;
+  }
+  // 409: of those that ben may score again each has a run waiting.
+  EXPECT_EQ(By("ben", Method::kPost, cohort + "/rescore", {}, "{}").status, 409);
+}
+
+TEST_F(SecondCohortTest, PracticeAndWorkForEverybodyIsAnyCohortsOfTheStudent) {
+  for (const std::optional<Uuid>& assignment :
+       {std::optional<Uuid>(), std::optional(AssignedTo({}))}) {
+    MakeAllUnder(assignment);
+    for (const Line& line : kLines) {
+      if (!IsAboutWork(line) || !std::string_view(line.route).starts_with("GET ")) continue;
+      Request request = RequestOf(*made_, line);
+      GiveOf(request, made_->passes.at("ben"));
+      EXPECT_EQ(case_.Handle(request).status, Statuses(line.expected)[4]) << line.route;
+    }
+    for (const char* who : {"ada", "ben", "root"}) ExpectListsAgree(who);
+  }
+}
+
 TEST_F(AuthorisationTest, WhatMayNotBeSeenLooksLikeWhatIsNotThere) {
   Case shared(*made_, false);
   for (const Line& line : kLines) {

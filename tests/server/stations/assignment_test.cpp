@@ -510,7 +510,7 @@ TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleas
   EXPECT_EQ(row.flags, uint32_t{kReadmitted});
   EXPECT_FALSE(row.released);
   Person student = *world_.store->people.PersonById(world_.student);
-  EXPECT_FALSE(CanSeeScore(student, row, /*graded=*/false, /*shares_cohort=*/false));
+  EXPECT_FALSE(CanSeeScore(student, row, /*graded=*/false, /*teaches=*/false));
   row.released = true;
   EXPECT_TRUE(CanSeeScore(student, row, false, false));
 }

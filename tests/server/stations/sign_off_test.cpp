@@ -143,7 +143,12 @@ TEST_F(SignOffTest, WrongPinsSlowDownAsWrongPasswordsDoAndAreAudited) {
 }
 
 TEST_F(SignOffTest, OnlyStaffOfTheCohortSignAndNeverTheStudent) {
-  AddInstructor("elsewhere", false);
+  // The student is in that instructor's cohort too, which the exam was not assigned to.
+  const Uuid elsewhere = AddInstructor("elsewhere", false);
+  const Uuid other = *world_.store->cohorts.CreateCohort("year 2", kSystem);
+  for (const Uuid& person : {elsewhere, world_.student}) {
+    ASSERT_TRUE(world_.store->cohorts.AddToCohort(other, person, kSystem).ok());
+  }
   world_.GivePin(world_.student);
   Recording recording = Begin();
   for (const char* login : {"elsewhere", "student"}) {

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "tests/server/storage/backends.h"
 
 // What every backend of Store must do: people, stations, content, results, references, jobs, audit.
@@ -61,16 +64,13 @@ TEST_P(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
   EXPECT_FALSE(store_->sessions.FindSession(token).ok());
 }
 
-TEST_P(StoreTest, CohortSharingIsWhatMembershipSays) {
+TEST_P(StoreTest, MembersAreAddedOnceAndToKnownCohorts) {
   Uuid a = AddPerson(*store_, "a", Role::kStudent), b = AddPerson(*store_, "b", Role::kInstructor);
-  Uuid c = AddPerson(*store_, "c", Role::kInstructor);
   Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
   ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, a, kSystem).ok());
   ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, b, kSystem).ok());
   ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, b, kSystem).ok())
       << "adding twice changes nothing";
-  EXPECT_TRUE(*store_->cohorts.ShareCohort(a, b));
-  EXPECT_FALSE(*store_->cohorts.ShareCohort(a, c));
   EXPECT_EQ(store_->cohorts.CohortMembers(cohort)->size(), 2u);
   EXPECT_EQ(store_->cohorts.AddToCohort(Uuid::New(), a, kSystem).code(), Code::kNotFound);
 }
@@ -139,12 +139,64 @@ TEST_P(StoreTest, AttemptFiltersNarrowAndPage) {
   EXPECT_EQ(count({}), 2u);
   EXPECT_EQ(count({.person = world.student}), 1u);
   EXPECT_EQ(count({.cohort = cohort}), 1u);
-  EXPECT_EQ(store_->attempts.Attempts({.visible_to_instructor = instructor})->front().person,
-            other);
-  EXPECT_EQ(count({.visible_to_instructor = world.student}), 0u);
+  EXPECT_EQ(store_->attempts.Attempts({.taught_by = instructor})->front().person, other);
+  EXPECT_EQ(count({.taught_by = world.student}), 0u);
   EXPECT_EQ(count({.person = other, .cohort = cohort, .exercise = world.exercise.id}), 1u);
   AttemptRow newest = store_->attempts.Attempts({.limit = 1})->front();
   EXPECT_EQ(count({.before = newest.id}), 1u);
+}
+
+// Cohorts A and B; students of A, of both, of none; work of each under A's, B's and everybody's assignment, and practice.
+TEST_P(StoreTest, AssignmentsCohortSaysWhoTeachesAnAttemptInListsAndAlone) {
+  World world(*store_);
+  const Uuid a = *store_->cohorts.CreateCohort("A", kSystem);
+  const Uuid b = *store_->cohorts.CreateCohort("B", kSystem);
+  auto person = [&](const char* login, Role role, const std::vector<Uuid>& cohorts) {
+    const Uuid id = AddPerson(*store_, login, role);
+    for (const Uuid& in : cohorts) EXPECT_TRUE(store_->cohorts.AddToCohort(in, id, kSystem).ok());
+    return id;
+  };
+  const Uuid ada = person("ada", Role::kInstructor, {a}),
+             ben = person("ben", Role::kInstructor, {b});
+  const Uuid sam = person("sam", Role::kStudent, {a}), sue = person("sue", Role::kStudent, {a, b});
+  const Uuid left = person("left", Role::kStudent, {});
+  auto assigned = [&](const Uuid& cohort) {
+    AssignmentRow row;
+    row.exercise = world.exercise.name;
+    row.cohort = cohort;
+    return store_->assignments.AddAssignment(row, kSystem)->id;
+  };
+  const struct {
+    const char* what;
+    std::optional<Uuid> assignment;
+    bool ada_of_sam, ben_of_sam, ada_of_sue, ben_of_sue, ada_of_left, ben_of_left;
+  } cases[] = {{"A's", assigned(a), true, false, true, false, true, false},
+               {"B's", assigned(b), false, true, false, true, false, true},
+               {"everybody's", assigned({}), true, false, true, true, false, false},
+               {"practice", {}, true, false, true, true, false, false}};
+  // A cohort that is archived still has its work.
+  ASSERT_TRUE(store_->cohorts.EditCohort(a, {{}, true}, 1, kSystem).ok());
+  std::map<Uuid, std::set<Uuid>> alone, listed;
+  for (const auto& c : cases) {
+    auto expect = [&](const Uuid& student, bool adas, bool bens) {
+      AttemptRow row = world.AttemptOf(student);
+      row.assignment = c.assignment;
+      ASSERT_TRUE(store_->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+      EXPECT_EQ(*store_->attempts.Teaches(ada, row.id), adas) << c.what;
+      EXPECT_EQ(*store_->attempts.Teaches(ben, row.id), bens) << c.what;
+      if (adas) alone[ada].insert(row.id);
+      if (bens) alone[ben].insert(row.id);
+    };
+    expect(sam, c.ada_of_sam, c.ben_of_sam);
+    expect(sue, c.ada_of_sue, c.ben_of_sue);
+    expect(left, c.ada_of_left, c.ben_of_left);
+  }
+  for (const Uuid& instructor : {ada, ben}) {
+    for (const AttemptRow& row : *store_->attempts.Attempts({.taught_by = instructor})) {
+      listed[instructor].insert(row.id);
+    }
+  }
+  EXPECT_EQ(listed, alone);
 }
 
 TEST_P(StoreTest, AttemptsAreFoundByNameAndComeInOrderPageByPage) {
