@@ -271,6 +271,7 @@ CREATE TABLE assignments (
   PRIMARY KEY (tenant, id)
 );
 CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);
+CREATE INDEX assignments_by_cohort ON assignments (tenant, cohort);
 
 CREATE TABLE assignment_stations (
   tenant     BIGINT NOT NULL,

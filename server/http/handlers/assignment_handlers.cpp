@@ -276,7 +276,7 @@ Response ListAssignments(const Call& call, Store& store) {
         CutPage(*rows, *page, [](const AssignedRow& row) { return PlaceOf(row.assignment); });
     GradeView grades(store, viewer);
     for (const AssignedRow& row : *rows) {
-      Result<std::map<Uuid, Grade>> grade = grades.Of(row.assignment, viewer.id);
+      Result<std::map<Uuid, Grade>> grade = grades.Of(row.assignment, {.person = viewer.id});
       if (!grade.ok()) return ErrorResponse(grade.status());
       assignments.push_back(view->Json(row, (*grade)[viewer.id], enamel::UnixMs()));
     }

@@ -41,6 +41,15 @@ Result<json::object> CohortJson(CohortRows& cohorts, const Cohort& cohort) {
   return out;
 }
 
+// A school has hundreds of cohorts, of some 30 members each: a list counts the students.
+Result<json::object> ListedJson(CohortRows& cohorts, const Cohort& cohort) {
+  ENAMEL_ASSIGN_OR_RETURN(const CohortSize size, cohorts.SizeOf(cohort.id));
+  json::object out = SummaryJson(cohort);
+  out["students"] = size.students;
+  out["instructors"] = json::value_from(size.instructors);
+  return out;
+}
+
 Response CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 200) {
   Result<json::object> out = CohortJson(cohorts, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
@@ -77,7 +86,7 @@ Response ListCohorts(const Call& call, CohortRows& cohorts_rows) {
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
   json::array cohorts;
   for (const Cohort& row : *rows) {
-    Result<json::object> cohort = CohortJson(cohorts_rows, row);
+    Result<json::object> cohort = ListedJson(cohorts_rows, row);
     if (!cohort.ok()) return ErrorResponse(cohort.status());
     cohorts.push_back(std::move(*cohort));
   }

@@ -198,7 +198,7 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
                                     const std::optional<Uuid>& asked) {
   ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store.cohorts, row, asked));
   GradeView view(store, call.caller->person);
-  ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {}));
+  ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {.cohort = asked}));
   for (const auto& [person, work] : made) {
     for (const AttemptRow& attempt : work.attempts) {
       ENAMEL_RETURN_IF_ERROR(ScoreMustNotBeHidden(call, store, attempt.id));

@@ -38,7 +38,7 @@ Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
 }
 
 Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
-                                                          const std::optional<Uuid>& person) {
+                                                          const Whose& whose) {
   std::map<Uuid, std::vector<GradedAttempt>> attempts;
   std::map<Uuid, MarkingRows::Hidden> hidden;
   if (viewer_.role != Role::kStudent) {
@@ -47,7 +47,8 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
   std::map<Uuid, Work> out;
   AttemptFilter filter;
   filter.assignment = assignment.id;
-  filter.person = person;
+  filter.person = whose.person;
+  filter.cohort = whose.cohort;
   filter.limit = kAttemptsAtOnce;
   for (bool more = true; more;) {
     Result<std::vector<AttemptRow>> rows = store_.attempts.Attempts(filter);
@@ -73,18 +74,17 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
       out[row.person].attempts.push_back(std::move(row));
     }
   }
-  for (auto& [whose, made] : attempts) {
-    out[whose].grade = GradeOver(assignment.counting, std::move(made));
+  for (auto& [person, made] : attempts) {
+    out[person].grade = GradeOver(assignment.counting, std::move(made));
   }
   return out;
 }
 
-Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
-                                            const std::optional<Uuid>& person) {
-  Result<std::map<Uuid, Work>> work = WorkOf(assignment, person);
+Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment, const Whose& whose) {
+  Result<std::map<Uuid, Work>> work = WorkOf(assignment, whose);
   if (!work.ok()) return work.status();
   std::map<Uuid, Grade> out;
-  for (const auto& [whose, each] : *work) out.emplace(whose, each.grade);
+  for (const auto& [person, each] : *work) out.emplace(person, each.grade);
   return out;
 }
 
@@ -92,12 +92,13 @@ Result<GradeView::Book> GradeView::BookOf(const Uuid& cohort) {
   Book out;
   ENAMEL_ASSIGN_OR_RETURN(out.students, store_.cohorts.CohortMembers(cohort));
   std::erase_if(out.students, [](const Person& person) { return person.role != Role::kStudent; });
-  ENAMEL_ASSIGN_OR_RETURN(out.assignments, store_.assignments.Assignments({}));
-  std::erase_if(out.assignments, [&](const AssignmentRow& row) {
-    return row.cohort != cohort && !row.cohort.IsZero();
-  });
+  AssignmentFilter which;
+  which.cohort = cohort;
+  which.or_everybody = true;
+  ENAMEL_ASSIGN_OR_RETURN(out.assignments, store_.assignments.Assignments(which));
   for (const AssignmentRow& row : out.assignments) {
-    ENAMEL_ASSIGN_OR_RETURN(auto by_person, Of(row, {}));
+    // Of work for everybody, this class's alone is read.
+    ENAMEL_ASSIGN_OR_RETURN(auto by_person, Of(row, {.cohort = cohort}));
     std::vector<Grade>& results = out.results.emplace_back();
     for (const Person& student : out.students) results.push_back(by_person[student.id]);
   }

@@ -22,12 +22,13 @@ class GradeView {
     Grade grade;
     std::vector<AttemptRow> attempts;  // newest first
   };
-  // By person; `person`: of this one only. Requires: the viewer may see those people's attempts.
-  // Errors: the store's.
-  Result<std::map<Uuid, Work>> WorkOf(const AssignmentRow& assignment,
-                                      const std::optional<Uuid>& person);
-  Result<std::map<Uuid, Grade>> Of(const AssignmentRow& assignment,
-                                   const std::optional<Uuid>& person);
+  // Whose work: of all, of one person, of a cohort's members.
+  struct Whose {
+    std::optional<Uuid> person{}, cohort{};
+  };
+  // By person. Requires: the viewer may see those people's attempts. Errors: the store's.
+  Result<std::map<Uuid, Work>> WorkOf(const AssignmentRow& assignment, const Whose& whose);
+  Result<std::map<Uuid, Grade>> Of(const AssignmentRow& assignment, const Whose& whose);
   // A cohort's students, its assignments and those for everybody, and a result for each of both.
   struct Book {
     std::vector<Person> students;

@@ -147,9 +147,9 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
     return next();
   };
   where(filter.person, "a.person = ", "");
+  // IN and not EXISTS: the planner then begins with the members.
   where(filter.cohort,
-        "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.person = a.person "
-        "AND m.cohort = ",
+        "a.person IN (SELECT m.person FROM cohort_members m WHERE m.tenant = ?1 AND m.cohort = ",
         ")");
   if (filter.taught_by) {
     ids.push_back(*filter.taught_by);
@@ -176,8 +176,7 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
   }
   if (filter.open_appeal) {
     sql +=
-        " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
-        "o.state = 'open')";
+        " AND a.id IN (SELECT o.attempt FROM appeals o WHERE o.tenant = ?1 AND o.state = 'open')";
   }
   const std::vector<std::string> words = SearchWords(filter.name);
   const size_t first_word = ids.size() + numbers.size() + 2;

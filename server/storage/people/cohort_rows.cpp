@@ -7,6 +7,7 @@
 #include "server/storage/audit/decisions.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/row_checks.h"
+#include "server/storage/engine/sql_names.h"
 #include "server/storage/people/people_rows.h"
 
 // Cohorts and their members.
@@ -160,6 +161,25 @@ Result<std::vector<Cohort>> CohortRows::Cohorts() {
         std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1 ORDER BY name";
     Query q(db, kSql.c_str());
     return CohortsIn(q);
+  });
+}
+
+Result<CohortSize> CohortRows::SizeOf(const Uuid& cohort) {
+  return rows_.Read([&](Db& db) -> Result<CohortSize> {
+    CohortSize out;
+    Query q(db, "SELECT p.role, CASE WHEN p.role = " + Sql(Role::kInstructor) +
+                    " THEN p.display_name ELSE '' END AS name, count(*) FROM cohort_members m JOIN "
+                    "people p ON p.tenant = m.tenant AND p.id = m.person WHERE m.tenant = ?1 AND "
+                    "m.cohort = ?2 GROUP BY 1, 2 ORDER BY 2");
+    for (q.Bind(cohort); q.Next();) {
+      const auto role = static_cast<Role>(q.Int(0));
+      const auto count = static_cast<uint32_t>(q.Int(2));
+      if (role == Role::kStudent) out.students = count;
+      if (role == Role::kInstructor)
+        out.instructors.insert(out.instructors.end(), count, q.Text(1));
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
   });
 }
 

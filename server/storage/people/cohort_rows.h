@@ -13,6 +13,11 @@
 
 namespace enamel::server {
 
+struct CohortSize {
+  uint32_t students = 0;
+  std::vector<std::string> instructors{};  // by name
+};
+
 // Cohorts and their members.
 class CohortRows {
  public:
@@ -31,6 +36,7 @@ class CohortRows {
   Result<std::vector<Cohort>> CohortsOf(const Uuid& person);  // as student or instructor
   Result<std::vector<Cohort>> Cohorts();
   Result<std::vector<Person>> CohortMembers(const Uuid& cohort);
+  Result<CohortSize> SizeOf(const Uuid& cohort);
 
  private:
   Transactions& rows_;

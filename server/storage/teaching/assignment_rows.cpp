@@ -301,14 +301,27 @@ Result<std::vector<AssignmentRow>> AssignmentRows::Assignments(const AssignmentF
   return rows_.Read([&](Db& db) -> Result<std::vector<AssignmentRow>> {
     std::vector<AssignmentRow> out;
     {
-      // A zero id stands for no filter.
-      Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
-                  " WHERE a.tenant = ?1 AND (a.cohort = ?2 OR ?2 = ?4) AND (?3 = ?4 OR a.cohort = "
-                  "?4 OR a.cohort IN (SELECT m.cohort FROM "
-                  "cohort_members m WHERE m.tenant = ?1 AND m.person = ?3)) "
-                  "ORDER BY a.due_ms = 0, a.due_ms, a.id");
-      q.Bind(filter.cohort.value_or(Uuid{})).Bind(filter.of_instructor.value_or(Uuid{}));
-      q.Bind(Uuid{});
+      std::string sql =
+          "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS " WHERE a.tenant = ?1";
+      std::vector<Uuid> ids;
+      auto place = [&](const Uuid& id) {
+        ids.push_back(id);
+        return "?" + std::to_string(ids.size() + 1);
+      };
+      const Uuid everybody;
+      if (filter.cohort) {
+        sql += " AND a.cohort IN (" + place(*filter.cohort);
+        sql += (filter.or_everybody ? ", " + place(everybody) : "") + ")";
+      }
+      if (filter.of_instructor) {
+        sql += " AND (a.cohort = " + place(everybody);
+        sql +=
+            " OR a.cohort IN (SELECT m.cohort FROM cohort_members m WHERE m.tenant = ?1 AND "
+            "m.person = " +
+            place(*filter.of_instructor) + "))";
+      }
+      Query q(db, sql + " ORDER BY a.due_ms = 0, a.due_ms, a.id");
+      for (const Uuid& id : ids) q.Bind(id);
       while (q.Next()) out.push_back(AssignmentOf(q));
       if (!q.status().ok()) return q.status();
     }

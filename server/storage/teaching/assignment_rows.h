@@ -15,6 +15,7 @@ namespace enamel::server {
 
 struct AssignmentFilter {
   std::optional<Uuid> cohort{};
+  bool or_everybody = false;            // with a cohort: those for everybody too
   std::optional<Uuid> of_instructor{};  // of this person's cohorts, and those for everybody
 };
 

@@ -297,6 +297,10 @@ TEST_F(PeopleTest, CohortIsMadeRenamedFilledAndArchived) {
     }
     return out;
   };
+  const json::value first = Parsed(root_.Get("/api/v1/cohorts")).at("cohorts").at(0);
+  EXPECT_EQ(first.at("students"), 2);
+  EXPECT_EQ(json::serialize(first.at("instructors")), R"(["Person ada"])");
+  EXPECT_FALSE(first.as_object().contains("members")) << "a school has thousands";
   EXPECT_EQ(names(""), "A B ");
   EXPECT_EQ(names("?archived=true"), "2030 ");
 }

@@ -35,7 +35,7 @@ Columns OfSqlite(sql::Db& db) {
   Columns out;
   sql::Query q(db,
                "SELECT t.name || '.' || c.name, c.type, c.\"notnull\", c.pk FROM sqlite_master t, "
-               "pragma_table_info(t.name) c WHERE t.type = 'table'");
+               "pragma_table_info(t.name) c WHERE t.type = 'table' AND t.name NOT LIKE 'sqlite%'");
   while (q.Next()) {
     out[q.Text(0)] = words.at(q.Text(1)) + (q.Int(2) != 0 ? " NOT NULL" : "") +
                      (q.Int(3) != 0 ? " KEY " + std::to_string(q.Int(3)) : "");

@@ -3,6 +3,7 @@ import { type ApiResult, type Http, queryText, segment } from "./http";
 import type {
   Cohort,
   FirstAdmin,
+  ListedCohort,
   PersonDetail,
   PersonWithCohorts,
   PersonWithPassword,
@@ -95,10 +96,10 @@ export class PeopleApi {
     query: { readonly archived?: boolean; readonly cursor?: string | undefined; readonly limit?: number },
     signal?: AbortSignal,
   ) {
-    return this.http.page<Cohort>("/cohorts", "cohorts", { ...query }, signal);
+    return this.http.page<ListedCohort>("/cohorts", "cohorts", { ...query }, signal);
   }
   allCohorts(signal?: AbortSignal) {
-    return this.http.all<Cohort>("/cohorts", "cohorts", {}, signal);
+    return this.http.all<ListedCohort>("/cohorts", "cohorts", {}, signal);
   }
   cohort(id: string, signal?: AbortSignal) {
     return this.http.tagged<Cohort>("GET", cohortPath(id), { signal });

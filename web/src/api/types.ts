@@ -17,6 +17,7 @@ export type PersonWithCohorts = Schemas["PersonWithCohorts"];
 export type PersonWithPassword = Schemas["PersonWithPassword"];
 export type RosterOutcome = Schemas["RosterOutcome"];
 export type Cohort = Schemas["Cohort"];
+export type ListedCohort = Schemas["ListedCohort"];
 export type CohortMember = Cohort["members"][number];
 export type Station = Schemas["Station"];
 export type EnrolCode = Schemas["EnrolCode"];

@@ -1,7 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { AttemptQuery, Client } from "../../api/client";
-import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
+import type { Attempt, AttemptFlag, AttemptState, ExerciseSummary, ListedCohort } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
@@ -116,13 +116,13 @@ function Filters({
   filter,
   onQuery,
 }: {
-  readonly cohorts: readonly Cohort[];
+  readonly cohorts: readonly ListedCohort[];
   readonly exercises: readonly ExerciseSummary[];
   readonly filter: Filter;
   readonly onQuery: Props["onQuery"];
 }) {
   const chosen = cohorts.find((cohort) => cohort.id === filter.cohort);
-  const students = chosen?.members.filter((member) => member.role === "student").length;
+  const students = chosen?.students;
   return (
     <div class="filters">
       <TextField

@@ -1,6 +1,5 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Cohort } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { say } from "../../base/words";
@@ -15,7 +14,6 @@ const kPageSize = 100;
 export function CohortsPage({ client, admin }: { readonly client: Client; readonly admin: boolean }) {
   const pages = usePages("cohorts", (cursor, signal) => client.people.cohorts({ cursor, limit: kPageSize }, signal));
   const [adding, setAdding] = useState(false);
-  const students = (cohort: Cohort) => cohort.members.filter((member) => member.role === "student").length;
   return (
     <>
       <div class="toolbar">
@@ -35,14 +33,10 @@ export function CohortsPage({ client, admin }: { readonly client: Client; readon
               rowKey={(cohort) => cohort.id}
               columns={[
                 { title: say("common.cohort"), cell: (cohort) => <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a> },
-                { title: say("cohorts.students"), number: true, cell: (cohort) => students(cohort) },
+                { title: say("cohorts.students"), number: true, cell: (cohort) => cohort.students },
                 {
                   title: say("cohorts.instructors"),
-                  cell: (cohort) =>
-                    cohort.members
-                      .filter((member) => member.role === "instructor")
-                      .map((member) => member.display_name)
-                      .join(", ") || "–",
+                  cell: (cohort) => cohort.instructors.join(", ") || "–",
                 },
                 {
                   title: say("common.state"),
