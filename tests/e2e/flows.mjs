@@ -12,11 +12,13 @@ import { playbackFlows } from "./playback_flows.mjs";
 import { reviewFlows } from "./review_flows.mjs";
 import { screenFlows } from "./screens.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
+import { turningFlows } from "./turning_flows.mjs";
 
 export const flows = [
   ...generalFlows,
   ...accessFlows,
   ...reviewFlows,
+  ...turningFlows,
   ...compareFlows,
   ...playbackFlows,
   ...screenFlows,
