@@ -54,6 +54,7 @@ async function found(world) {
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("Exercise").selectOption({ label: "Class I occlusal cavity" });
   await dialog.getByLabel("Student").fill("kovacova");
+  await dialog.getByRole("button", { name: "Search" }).click();
   const { score } = await (await world.as("instructor")).get(world.attempt("class3"));
   const rows = dialog.locator("tbody tr");
   const theirs = rows.filter({ hasText: /^Žofia Kováčová-Szczepańska/ });

@@ -2,19 +2,15 @@ import { useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, AttemptDetail } from "../../api/types";
-import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
-import { useSettled } from "../../api/use_settled";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { Brief } from "../../widgets/basics";
+import { Brief, Empty, ErrorNotice, Loading } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
 import { SelectField, TextField } from "../../widgets/form";
-import { PagedList } from "../../widgets/pages";
 import { DataTable } from "../../widgets/table";
 
-const kPageSize = 20;
-const kTypingMs = 250; // after which somebody has finished typing
+const kMost = 50;
 
 interface Props {
   readonly client: Client;
@@ -27,15 +23,23 @@ interface Props {
 export function CompareSearch({ client, attempt, onFound, onClose }: Props) {
   const [text, setText] = useState("");
   const [exercise, setExercise] = useState(attempt.exercise.id);
-  const name = useSettled(text, kTypingMs);
+  const [name, setName] = useState(""); // that is searched
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
-  const pages = usePages(`${exercise} ${name}`, (cursor, signal) =>
-    client.attempts({ exercise, name, state: "scored", cursor, limit: kPageSize }, signal),
+  const { loaded, reload } = useRequest(`${exercise} ${name}`, (signal) =>
+    client.attempts({ exercise, name, state: "scored", limit: kMost }, signal),
   );
+  const found = loaded.state === "ready" ? loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
   return (
     <Dialog title={say("compare.search_title")} onClose={onClose} wide>
-      <div class="filters" role="search">
+      <form
+        class="filters"
+        role="search"
+        onSubmit={(event) => {
+          event.preventDefault();
+          setName(text);
+        }}
+      >
         <TextField label={say("common.student")} value={text} onValue={setText} maxLength={100} />
         <SelectField
           label={say("common.exercise")}
@@ -46,28 +50,37 @@ export function CompareSearch({ client, attempt, onFound, onClose }: Props) {
             title: exerciseTitle(each),
           }))}
         />
-      </div>
-      <PagedList pages={pages} list="attempts" empty={say(name === "" ? "attempts.none" : "common.nobody_named")}>
-        {(attempts) => (
+        <button type="submit" class="button">
+          {say("people.search")}
+        </button>
+      </form>
+      {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (found.length === 0 ? (
+          <Empty>{say(name === "" ? "attempts.none" : "common.nobody_named")}</Empty>
+        ) : (
           <DataTable
             label={say("nav.attempts")}
-            items={attempts.filter(({ id }) => id !== attempt.id)}
+            items={found}
             rowKey={({ id }) => id}
             dense
             columns={[
-              { title: say("common.student"), cell: (found) => found.person.display_name },
-              { title: say("common.when"), cell: (found) => formatDateTime(found.ticketed_ms) },
-              { title: say("common.score"), number: true, cell: (found) => formatScore(found.score) },
+              { title: say("common.student"), cell: (other) => other.person.display_name },
+              { title: say("common.when"), cell: (other) => formatDateTime(other.ticketed_ms) },
+              { title: say("common.score"), number: true, cell: (other) => formatScore(other.score) },
               {
                 title: say("compare.choose"),
                 hideTitle: true,
-                cell: (found) => (
-                  <button type="button" class="button small" onClick={() => onFound(found)}>
+                cell: (other) => (
+                  <button type="button" class="button small" onClick={() => onFound(other)}>
                     <Brief
                       shown={say("compare.choose")}
                       full={say("compare.choose_which", {
-                        name: found.person.display_name,
-                        when: formatDateTime(found.ticketed_ms),
+                        name: other.person.display_name,
+                        when: formatDateTime(other.ticketed_ms),
                       })}
                     />
                   </button>
@@ -75,8 +88,10 @@ export function CompareSearch({ client, attempt, onFound, onClose }: Props) {
               },
             ]}
           />
-        )}
-      </PagedList>
+        ))}
+      {loaded.state === "ready" && loaded.value.next !== null && (
+        <p class="hint">{say("grading.more", { count: kMost })}</p>
+      )}
       <div class="button-row end">
         <button type="button" class="button" onClick={onClose}>
           {say("common.cancel")}
