@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { placeText } from "./place_text";
 import { placedMessage, plainMessage } from "./placed";
 
 test("a place is named once, in words where there are some, and bounds are plain numbers", () => {
@@ -8,7 +9,7 @@ test("a place is named once, in words where there are some, and bounds are plain
     message: "/criteria/0/points: expected a number from 0E0 to 1E3, found -5",
   };
   assert.equal(plainMessage(error), "expected a number from 0 to 1000, found -5");
-  assert.equal(placedMessage(error), "Criteria, 1, points: expected a number from 0 to 1000, found -5");
+  assert.equal(placedMessage(error), "/criteria/0/points: expected a number from 0 to 1000, found -5");
   assert.equal(
     placedMessage(error, "Mesial wall, points"),
     "Mesial wall, points: expected a number from 0 to 1000, found -5",
@@ -19,9 +20,13 @@ test("a place is named once, in words where there are some, and bounds are plain
   );
   assert.equal(
     placedMessage({ field: "title", message: "expected 1 to 200 bytes, found none" }),
-    "Title: expected 1 to 200 bytes, found none",
+    "title: expected 1 to 200 bytes, found none",
   );
-  assert.equal(placedMessage({ field: "max_stiffness_mn_per_mm", message: "too high" }), "Max stiffness: too high");
-  assert.equal(placedMessage({ field: "no_such_thing", message: "unknown" }), "no_such_thing: unknown");
   assert.equal(placedMessage({ field: "", message: "Too large." }), "Too large.");
+});
+
+test("a place in a form is told in words", () => {
+  assert.equal(placeText("/criteria/0/points"), "Criteria, 1, points");
+  assert.equal(placeText("max_stiffness_mn_per_mm"), "Max stiffness");
+  assert.equal(placeText("no_such_thing"), "no_such_thing");
 });

@@ -90,7 +90,7 @@ function AssignmentCard({ client, assignment, now }: CardProps) {
         )}
       </dl>
       {assignment.exam && <p class="hint">{say("my_work.exam")}</p>}
-      {mine !== null && mine.refusal !== "" && <p class="hint">{say(`refusal.${mine.refusal}`)}</p>}
+      {mine !== null && mine.refusal !== "" && <p class="hint">{refusalText(mine.refusal)}</p>}
       {used > 0 && (
         <Scores show={({ MyProgress }) => <MyProgress client={client} assignment={assignment.id} used={used} />} />
       )}
@@ -106,6 +106,19 @@ function AssignmentCard({ client, assignment, now }: CardProps) {
       )}
     </article>
   );
+}
+
+function refusalText(term: "opens" | "due" | "attempt_limit"): string {
+  switch (term) {
+    case "opens":
+      return say("refusal.opens");
+    case "due":
+      return say("refusal.due");
+    case "attempt_limit":
+      return say("refusal.attempt_limit");
+    default:
+      return unreachable(term);
+  }
 }
 
 function madeText(left: string, made: number): string {

@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
@@ -71,7 +72,10 @@ export function CopyForm({ client, from, onDone, onCancel }: Props) {
         maxLength={64}
       />
       {change.error !== undefined && (
-        <ErrorNotice title={say("common.not_saved")} message={placedMessage(change.error)} />
+        <ErrorNotice
+          title={say("common.not_saved")}
+          message={placedMessage(change.error, placeText(change.error.field))}
+        />
       )}
       <FormButtons
         action={say("copy_exercise.do")}

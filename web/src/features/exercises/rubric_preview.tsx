@@ -5,6 +5,7 @@ import { useChange } from "../../api/use_change";
 import type { Json } from "../../base/document";
 import { formatScore } from "../../base/format";
 import { say } from "../../base/words";
+import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import { Badge, Card, Empty, ErrorNotice, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -37,7 +38,10 @@ export function RubricPreviewCard({
         </button>
       </div>
       {change.error !== undefined && (
-        <ErrorNotice title={say("preview.failed")} message={placedMessage(change.error)} />
+        <ErrorNotice
+          title={say("preview.failed")}
+          message={placedMessage(change.error, placeText(change.error.field))}
+        />
       )}
       {preview !== undefined && (
         <div class={preview.of === rubric ? "stack" : "stack stale"} aria-live="polite">

@@ -2,6 +2,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import { tryExercise } from "../../api/trial";
 import type { ExerciseTrial, TrialScore } from "../../api/types";
@@ -35,7 +36,7 @@ export function TrialCard({ client, text, blocked }: Props) {
     const result = await tryExercise(client, text, setNow, kPollMs, controller.signal);
     if (controller.signal.aborted) return;
     setNow(result.ok ? result.value : undefined);
-    if (!result.ok) setRefused(placedMessage(result.error));
+    if (!result.ok) setRefused(placedMessage(result.error, placeText(result.error.field)));
   };
   const stop = () => {
     running.current?.abort();

@@ -1,5 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
 import { useCheck } from "../../api/use_check";
@@ -113,7 +114,7 @@ function Editor({
       <div aria-live="polite" class="edit-notices">
         {form.wrong !== undefined && (
           <Notice tone="bad" title={say("editor.not_right")}>
-            <p>{placedMessage(form.wrong)}</p>
+            <p>{placedMessage(form.wrong, placeText(form.wrong.field))}</p>
           </Notice>
         )}
         {refused && (
