@@ -25,15 +25,15 @@ const kOfHttp = ["connection", "content-encoding", "content-length", "date", "ke
 
 // Members of answers that this school has no occasion for.
 const kUnseen = [
-  // Faults: of other servers, of a tooth, of a trial, of a recording, of a backup.
-  ...["Health.peers", "ToothImport.problem", "ExerciseTrial.problem", "AttemptDetail.contradictions", "Backups.failed"],
+  // Faults: of other servers, of a tooth, of a trial, of a recording.
+  ...["Health.peers", "ToothImport.problem", "ExerciseTrial.problem", "AttemptDetail.contradictions"],
   // Of classes, of which there is one of two.
   ...["AssignmentInsight.outliers", "StandardSetting.borderline", "StandardSetting.angoff", "TrialScore.named"],
   "Marking.results.agreement.limits_of_agreement",
   // Of exams, which take a station with somebody at it.
   ...["AttemptDetail.evidence", "AttemptDetail.sign_off"],
-  // Of other devices, teeth and settings.
-  ...["Score.metrics", "ServerHealth.recordings.late", "ServerHealth.retention", "Handpiece", "TargetPart"],
+  // Of other devices and clocks.
+  ...["Score.metrics", "ServerHealth.recordings.late"],
 ];
 
 export class Asking {

@@ -1,4 +1,5 @@
 // One successful call of each operation about people, cohorts, stations, devices and the server: see run.mjs.
+import { rmSync, symlinkSync } from "node:fs";
 import { golden } from "./contract.mjs";
 import { Person, until } from "./client.mjs";
 
@@ -48,6 +49,21 @@ export const server = [
         () => w.admin.ask("GET", "/api/v1/health"),
         ({ json }) => json.backup !== null,
       ),
+  },
+  // A backup that fails: nothing can be put into this folder.
+  {
+    of: "serverHealth",
+    by: "admin",
+    before: async (w) => {
+      rmSync(w.backups, { recursive: true });
+      symlinkSync("/proc", w.backups);
+      await w.admin.need("POST", "/api/v1/backups");
+      await until(
+        "the backup has failed",
+        () => w.admin.ask("GET", "/api/v1/health"),
+        ({ json }) => json.backups.failed !== null,
+      );
+    },
   },
 ];
 

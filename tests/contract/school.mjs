@@ -18,8 +18,7 @@ async function startNewServer(folder, shown) {
 
 const kDemo = { admin: "admin", ben: "instructor", sam: "student1", sue: "student2" };
 
-// `page`: the folder of the built page; without it the server shows one line.
-export async function startSchool({ page } = {}) {
+export async function startSchool() {
   const folder = mkdtempSync(join(tmpdir(), "enamel-contract-"));
   const running = [];
   const close = async () => {
@@ -29,18 +28,25 @@ export async function startSchool({ page } = {}) {
   try {
     for (const name of ["page", "backups"]) mkdirSync(join(folder, name));
     writeFileSync(join(folder, "page", "index.html"), "<!doctype html><title>Enamel</title>\n");
-    const shown = page ?? join(folder, "page");
+    const shown = join(folder, "page");
     const data = ["--data", join(folder, "school")];
     const seed = join(folder, "seed.json");
     const fresh = startNewServer(folder, shown);
     await program("enamel-server", ["seed-demo", ...data, "--voxel-um", "150", "--json", seed]);
+    await program("enamel-server", ["retention", ...data, "--set", "recordings", "--days", "730"]);
     const { exercise_id: exercise } = JSON.parse(readFileSync(seed, "utf8"));
-    const backups = ["--backups", join(folder, "backups")];
-    const { url, link, child } = await startedServer(join(folder, "school"), shown, ...kOnAnyDisk, ...backups);
+    const backups = join(folder, "backups");
+    const { url, link, child } = await startedServer(
+      join(folder, "school"),
+      shown,
+      ...kOnAnyDisk,
+      "--backups",
+      backups,
+    );
     running.push(child);
     const { child: other, newcomer, token } = await fresh;
     running.push(other);
-    const w = { url, exercise, newcomer, token };
+    const w = { url, exercise, newcomer, token, backups };
     w.nobody = new Person(url, "nobody");
     w.guest = new Person(url, "guest");
     for (const [name, login] of Object.entries(kDemo))

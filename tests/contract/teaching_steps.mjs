@@ -1,6 +1,7 @@
 // One successful call of each operation about exercises, assignments and attempts: see run.mjs.
 import assert from "node:assert/strict";
 import { until } from "./client.mjs";
+import { golden } from "./contract.mjs";
 
 const kDay_ms = 86_400_000;
 const later = () => Date.now() + kDay_ms;
@@ -83,6 +84,22 @@ export const exercises = [
       w.draft = (await draft(w, "thrown-away")).id;
     },
     at: (w) => w.draft,
+  },
+  // A handpiece, and parts of a target: of what is left standing, and as wide as the bur.
+  {
+    of: "getExercise",
+    by: "ben",
+    alone: true,
+    before: async (w) => {
+      const { handpiece, target } = golden("scene_exercise_relief");
+      const { landmark } = w.document.target;
+      const wide = ({ corners_um, ...part }) =>
+        corners_um === undefined ? part : { ...part, corners_um: corners_um.map((at) => at.map((um) => 3 * um)) };
+      const parts = target.parts.filter(({ outline }) => outline !== "box").map(wide);
+      const body = { ...w.document, name: "of-parts", handpiece, target: { ...target, landmark, parts } };
+      w.ofParts = (await w.ben.need("POST", "/api/v1/exercises", { body })).json.id;
+    },
+    at: (w) => w.ofParts,
   },
   {
     of: "scoringMetrics",
