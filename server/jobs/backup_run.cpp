@@ -327,7 +327,7 @@ Result<BackupRun::Made> BackupRun::Make(const fs::path& target, const std::stop_
   if (outcome.ok()) {
     return Made{Number(*outcome, "files"), Number(*outcome, "bytes"), Number(*outcome, "missing")};
   }
-  // Of no use, and a full disk needs the room: a process that was killed cannot remove it.
+  // A process that was killed cannot remove its part, and a full disk needs the room.
   std::error_code error;
   if (!stop.stop_requested()) fs::remove_all(target.string() + kPartSuffix, error);
   return outcome.status();
@@ -342,7 +342,7 @@ void BackupRun::Into(Place place) {
 // Apart from the caretaker: a drill takes hours.
 void BackupRun::Drills(const std::stop_token& stop) {
   std::error_code error;
-  // Of a server that was killed in one: people's data is in it.
+  // A server that was killed during a drill leaves people's data there.
   fs::remove_all(store_.engine->folder / kDrillFolder, error);
   while (!SleepUntilStopped(stop, place_.look)) {
     const auto due = DrillIsDue();
@@ -402,7 +402,7 @@ Status BackupRun::TryRestore(const fs::path& backup, const std::stop_token& stop
   ENAMEL_ASSIGN_OR_RETURN(const auto manifest, ReadManifest(backup));
   uint64_t needed = 0;
   for (const Manifest::File& file : manifest.files) needed += file.bytes;
-  // Twice what recordings need: they go on meanwhile.
+  // Twice what recordings need: they continue meanwhile.
   needed += needed / 10 + 2 * store_.health.Health().min_free_bytes;
   ENAMEL_ASSIGN_OR_RETURN(const uint64_t free, SystemDisk().FreeBytes(store_.engine->folder));
   if (free < needed) {

@@ -62,8 +62,8 @@ bool IsOfBackup(const std::string& name) {
          std::ranges::find(kIdentityFiles, name) != std::end(kIdentityFiles);
 }
 
-// The folder that a backup is written to, empty. One that a killed backup left is emptied.
-// Whoever has it open has it locked.
+// Locks the folder that a backup is written to, until the descriptor closes. Removes what a killed
+// backup left in it.
 Result<std::unique_ptr<Fd>> TakePart(const fs::path& part, Disk& disk) {
   ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(part));
   auto lock = std::make_unique<Fd>(::open(part.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -119,7 +119,7 @@ class BackupMaker {
     }
     ENAMEL_ASSIGN_OR_RETURN(const auto ours, TakePart(part_, disk_));
     if (const Status made = Make(); !made.ok()) {
-      // Of no use, and a full disk needs the room.
+      // Nobody can use half a backup, and a full disk needs the room.
       fs::remove_all(part_, error);
       return made;
     }

@@ -204,7 +204,7 @@ TEST_F(BackupTest, OfASchoolWithoutBlobsIsWhole) {
   ExpectWhole(Path("backup"));
 }
 
-// What a backup left that failed before this program wrote into a .part, or a copy that broke off.
+// A copy of a backup that broke off looks like this.
 TEST_F(BackupTest, DatabaseWithoutAManifestIsNoBackup) {
   ASSERT_TRUE(Back("backup").ok());
   fs::remove(Path("backup") / kManifestName);
@@ -222,7 +222,7 @@ TEST_F(BackupTest, TheNewestIsOfTheDatabaseThatIsFurthestAlongWhateverTheClockSa
   fs::create_directories(Path("all") / "2032-01-01T000000.part");
   fs::create_directories(Path("all") / "2033-01-01T000000");
   EXPECT_EQ(*NewestBackup(Path("all")), Path("all") / "2026-01-01T000000");
-  // Restored, the school has fewer rows, and goes on.
+  // After a restore the school has fewer rows, and continues from there.
   ASSERT_TRUE(Bring("all/2031-01-01T000000", "data2").ok());
   BackupOptions options;
   options.data = Path("data2");
