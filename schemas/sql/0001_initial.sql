@@ -302,6 +302,7 @@ CREATE TABLE attempt_results (
   PRIMARY KEY (tenant, attempt, run),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT, WITHOUT ROWID;
+CREATE INDEX attempt_results_by_reference ON attempt_results (tenant, reference) WHERE reference IS NOT NULL;
 
 CREATE TABLE annotations (
   tenant       INTEGER NOT NULL,
@@ -387,6 +388,7 @@ CREATE TABLE marks (
   PRIMARY KEY (tenant, work, marker),
   FOREIGN KEY (tenant, work) REFERENCES marking_works (tenant, id) ON DELETE CASCADE
 ) STRICT, WITHOUT ROWID;
+CREATE INDEX marks_by_marker ON marks (tenant, marker, made_ms);
 
 CREATE TABLE jobs (
   tenant         INTEGER NOT NULL,
@@ -429,6 +431,7 @@ CREATE TABLE sessions (
   UNIQUE (tenant, id),
   FOREIGN KEY (tenant, person) REFERENCES people (tenant, id) ON DELETE CASCADE
 ) STRICT, WITHOUT ROWID;
+CREATE INDEX sessions_by_end ON sessions (tenant, expires_ms);
 CREATE INDEX sessions_by_person ON sessions (tenant, person);
 
 CREATE TABLE enrol_codes (
@@ -731,7 +734,7 @@ END;
 -- The planner's statistics are a school's of 5 000 people and 20 000 attempts, in every file and for good, so that plans
 -- depend on no data. Not PRAGMA optimize: with its limit, ANALYZE reads only the first rows of an index, and takes the
 -- tenant, the same in every row, for selective; a full ANALYZE reads whole tables. A new index needs its line; a test
--- (plans_test.cpp) shows the plans.
+-- (tests/server/storage/plans.py) looks at the plans of all statements.
 ANALYZE sqlite_schema;
 INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('annotations', 'annotations', '10000 10000 1'),
@@ -744,6 +747,7 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('assignments', 'assignments_by_cohort', '2000 2000 10'),
   ('assignments', 'assignments_by_exercise', '2000 2000 100 5'),
   ('attempt_results', 'attempt_results', '20000 20000 1 1'),
+  ('attempt_results', 'attempt_results_by_reference', '6667 6667 84'),
   ('attempts', 'attempts', '20000 20000 1'),
   ('attempts', 'attempts_by_assignment', '15000 15000 100 5'),
   ('attempts', 'attempts_by_exercise', '20000 20000 250 1'),
@@ -788,6 +792,7 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('markings', 'markings', '100 100 1'),
   ('markings', 'markings_by_assignment', '100 100 1'),
   ('marks', 'marks', '2000 2000 1 1'),
+  ('marks', 'marks_by_marker', '2000 2000 10 1'),
   ('motions', 'motions', '20000 20000 1'),
   ('motions', 'motions_by_nearest', '20000 20000 2'),
   ('motions', 'motions_by_preset', '20000 20000 200'),
@@ -810,6 +815,7 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('schools', 'schools', '10 10 1'),
   ('server_identity', 'server_identity', '3 3 1'),
   ('sessions', 'sessions', '2000 2000 1'),
+  ('sessions', 'sessions_by_end', '2000 2000 1'),
   ('sessions', 'sessions_by_person', '2000 2000 1'),
   ('sessions', 'sqlite_autoindex_sessions_2', '2000 2000 1'),
   ('sign_in_counters', 'sign_in_counters', '1000 1000 1'),

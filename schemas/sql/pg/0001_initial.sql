@@ -300,6 +300,7 @@ CREATE TABLE attempt_results (
   PRIMARY KEY (tenant, attempt, run),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 );
+CREATE INDEX attempt_results_by_reference ON attempt_results (tenant, reference) WHERE reference IS NOT NULL;
 
 CREATE TABLE annotations (
   tenant       BIGINT NOT NULL,
@@ -381,6 +382,7 @@ CREATE TABLE marks (
   PRIMARY KEY (tenant, work, marker),
   FOREIGN KEY (tenant, work) REFERENCES marking_works (tenant, id) ON DELETE CASCADE
 );
+CREATE INDEX marks_by_marker ON marks (tenant, marker, made_ms);
 
 CREATE TABLE jobs (
   tenant         BIGINT NOT NULL,
@@ -420,6 +422,7 @@ CREATE TABLE sessions (
   UNIQUE (tenant, id),
   FOREIGN KEY (tenant, person) REFERENCES people (tenant, id) ON DELETE CASCADE
 );
+CREATE INDEX sessions_by_end ON sessions (tenant, expires_ms);
 CREATE INDEX sessions_by_person ON sessions (tenant, person);
 
 CREATE TABLE enrol_codes (
