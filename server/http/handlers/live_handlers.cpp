@@ -40,7 +40,7 @@ json::object SentJson(const ChairRemark& sent) {
           {"shown_ms", sent.shown_ms == 0 ? json::value() : json::value(sent.shown_ms)}};
 }
 
-// Anybody who may watch an attempt may send a remark; in an exam only an instructor of its cohort.
+// Anybody who may watch an attempt may send a remark. During an exam, only an instructor of the attempt's cohort may.
 bool MaySpeak(const Call& call, const SeenAttempt& seen) {
   return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.teaches);
 }

@@ -17,7 +17,7 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
 // The same for callers who may also review it (CanReviewAttempt); kForbidden for others.
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
 
-// The rule of SeeAttempt for a list of others' attempts: an instructor sees those that they teach.
+// Narrows an instructor's list to the attempts that SeeAttempt would open.
 void NarrowToTaught(const Call& call, AttemptFilter& filter);
 
 // Whether `attempt` is its exercise's reference and the caller may play it back (CanSeeReferenceCut).

@@ -97,7 +97,7 @@ Result<GradeView::Book> GradeView::BookOf(const Uuid& cohort) {
   which.or_everybody = true;
   ENAMEL_ASSIGN_OR_RETURN(out.assignments, store_.assignments.Assignments(which));
   for (const AssignmentRow& row : out.assignments) {
-    // Of work for everybody, this class's alone is read.
+    // An assignment for everybody has the whole school's work: this reads the class's.
     ENAMEL_ASSIGN_OR_RETURN(auto by_person, Of(row, {.cohort = cohort}));
     std::vector<Grade>& results = out.results.emplace_back();
     for (const Person& student : out.students) results.push_back(by_person[student.id]);

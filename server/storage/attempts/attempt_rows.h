@@ -39,8 +39,9 @@ class AttemptRows {
   explicit AttemptRows(Transactions& rows) : rows_(rows) {}
 
   Result<AttemptRow> AttemptById(const Uuid& id);
-  // Whether the person is in the attempt's cohort. An assignment to one cohort decides alone: a student may be in several,
-  // and instructors of another have no say in it. Practice, and work for everybody, belongs to every cohort of its student.
+  // True if the person is a member of the attempt's cohort. An assignment to one cohort decides alone: the student may be
+  // in several, and instructors of another cohort have no say in that work. Practice, and work for everybody, belongs to
+  // every cohort of its student.
   Result<bool> Teaches(const Uuid& person, const Uuid& attempt);
   Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter);
 

@@ -627,12 +627,11 @@ class SecondCohortTest : public AuthorisationTest {
     GiveOf(request, made_->passes.at(who));
     return case_.Handle(request);
   }
-  // Whether each attempt of the school is in the list of `who` exactly if it opens.
+  // The list of `who` holds exactly the attempts that open for `who`.
   void ExpectListsAgree(const char* who) {
     const std::string list = By(who, Method::kGet, "/api/v1/attempts", "200").body;
     for (const AttemptRow& row : *store_.attempts.Attempts({.limit = 200})) {
       const int status = By(who, Method::kGet, "/api/v1/attempts/" + row.id.Text()).status;
-      // Of what they mark blind the page is closed, and lists leave it out.
       EXPECT_EQ(list.find("{\"id\":\"" + row.id.Text()) != std::string::npos, status == 200) << who;
     }
   }
@@ -667,7 +666,7 @@ TEST_F(SecondCohortTest, WorkAssignedToAnotherCohortIsNotTheirs) {
     EXPECT_NE(body.find(school_.toms_scored.Text()), std::string::npos) << body;
     EXPECT_EQ(body.find(school_.sams_scored.Text()), std::string::npos) << body;
   }
-  // 409: of those that ben may score again each has a run waiting.
+  // 409: each attempt that ben may score again has a run waiting.
   EXPECT_EQ(By("ben", Method::kPost, cohort + "/rescore", {}, "{}").status, 409);
 }
 

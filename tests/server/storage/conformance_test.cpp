@@ -146,7 +146,8 @@ TEST_P(StoreTest, AttemptFiltersNarrowAndPage) {
   EXPECT_EQ(count({.before = newest.id}), 1u);
 }
 
-// Cohorts A and B; students of A, of both, of none; work of each under A's, B's and everybody's assignment, and practice.
+// Students of cohort A, of both cohorts, and of none, each with work under A's, B's and everybody's assignment, and with
+// practice.
 TEST_P(StoreTest, AssignmentsCohortSaysWhoTeachesAnAttemptInListsAndAlone) {
   World world(*store_);
   const Uuid a = *store_->cohorts.CreateCohort("A", kSystem);
@@ -174,7 +175,7 @@ TEST_P(StoreTest, AssignmentsCohortSaysWhoTeachesAnAttemptInListsAndAlone) {
                {"B's", assigned(b), false, true, false, true, false, true},
                {"everybody's", assigned({}), true, false, true, true, false, false},
                {"practice", {}, true, false, true, true, false, false}};
-  // A cohort that is archived still has its work.
+  // Instructors of an archived cohort still see its work.
   ASSERT_TRUE(store_->cohorts.EditCohort(a, {{}, true}, 1, kSystem).ok());
   std::map<Uuid, std::set<Uuid>> alone, listed;
   for (const auto& c : cases) {
