@@ -630,7 +630,8 @@ class SecondCohortTest : public AuthorisationTest {
   // The list of `who` holds exactly the attempts that open for `who`.
   void ExpectListsAgree(const char* who) {
     const std::string list = By(who, Method::kGet, "/api/v1/attempts", "200").body;
-    for (const AttemptRow& row : *store_.attempts.Attempts({.limit = 200})) {
+    const auto rows = store_.attempts.Attempts({.limit = 200});
+    for (const AttemptRow& row : *rows) {
       const int status = By(who, Method::kGet, "/api/v1/attempts/" + row.id.Text()).status;
       EXPECT_EQ(list.find("{\"id\":\"" + row.id.Text()) != std::string::npos, status == 200) << who;
     }

@@ -193,9 +193,8 @@ TEST_P(StoreTest, AssignmentsCohortSaysWhoTeachesAnAttemptInListsAndAlone) {
     expect(left, c.ada_of_left, c.ben_of_left);
   }
   for (const Uuid& instructor : {ada, ben}) {
-    for (const AttemptRow& row : *store_->attempts.Attempts({.taught_by = instructor})) {
-      listed[instructor].insert(row.id);
-    }
+    const auto rows = store_->attempts.Attempts({.taught_by = instructor});
+    for (const AttemptRow& row : *rows) listed[instructor].insert(row.id);
   }
   EXPECT_EQ(listed, alone);
 }
