@@ -17,6 +17,7 @@
 #include "server/http/etag.h"
 #include "server/http/routes.h"
 #include "server/storage/open_store.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/http/school.h"
 
 // The access rights of every route, in one table. A route without a line here fails the test, and
