@@ -234,8 +234,11 @@ Status BackupRun::Start(const Actor& by) {
   MutexLock lock(mutex_);
   if (running_) return Status(Code::kConflict, "a backup is running; wait until it is done");
   ENAMEL_RETURN_IF_ERROR(MustBeFree());
-  ENAMEL_ASSIGN_OR_RETURN(const fs::path target,
-                          NewBackupIn(fs::absolute(place_.folder) / place_.within, BackupName()));
+  const fs::path folder = fs::absolute(place_.folder) / place_.within;
+  const auto made = NewBackupIn(folder, BackupName());
+  // A backup that fails at its first step is seen where later failures are.
+  if (!made.ok()) return NoteFailure(by, folder, made.status());
+  const fs::path target = *made;
   ENAMEL_RETURN_IF_ERROR(store_.audit.NoteAudit(by, kBackupStarted, target.string(), "{}"));
   // Not in place: clang 14 takes it for something that cannot be made so.
   running_.emplace(Running{enamel::UnixMs()});
@@ -299,14 +302,18 @@ void BackupRun::Work(const fs::path& target, const Actor& by, const std::stop_to
         json::serialize(json::object{
             {"files", made->files}, {"bytes", made->bytes}, {"missing", made->missing}}));
   } else {
-    const std::string& problem = made.status().message();
-    spdlog::error("backup: {} failed: {}", target.string(), problem);
-    noted = store_.audit.NoteAudit(by, kBackupFailed, target.string(),
-                                   json::serialize(json::object{{"problem", AsUtf8(problem)}}));
+    noted = NoteFailure(by, target, made.status());
   }
   if (!noted.ok()) spdlog::error("backup: its end could not be noted: {}", noted.message());
   MutexLock lock(mutex_);
   running_.reset();
+}
+
+Status BackupRun::NoteFailure(const Actor& by, const fs::path& target, const Status& problem) {
+  spdlog::error("backup: {} failed: {}", target.string(), problem.message());
+  return store_.audit.NoteAudit(
+      by, kBackupFailed, target.string(),
+      json::serialize(json::object{{"problem", AsUtf8(problem.message())}}));
 }
 
 Result<BackupRun::Made> BackupRun::Make(const fs::path& target, const std::stop_token& stop) {

@@ -105,6 +105,7 @@ class BackupRun {
   };
   Status MustBeFree() const;
   void Work(const std::filesystem::path& target, const Actor& by, const std::stop_token& stop);
+  Status NoteFailure(const Actor& by, const std::filesystem::path& target, const Status& problem);
   Result<Made> Make(const std::filesystem::path& target, const std::stop_token& stop);
   void Drills(const std::stop_token& stop);
   Result<bool> DrillIsDue() const;

@@ -32,6 +32,8 @@ const kUnseen = [
   "Marking.results.agreement.limits_of_agreement",
   // Of exams, which take a station with somebody at it.
   ...["AttemptDetail.evidence", "AttemptDetail.sign_off"],
+  // What the server does once a week.
+  "Backups.drill",
   // Of other devices and clocks.
   ...["Score.metrics", "ServerHealth.recordings.late"],
 ];

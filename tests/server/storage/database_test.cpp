@@ -56,7 +56,7 @@ TEST_F(DatabaseTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
   Status busy = db->Exec("INSERT INTO a VALUES (2)");  // what it has read is no longer so
   EXPECT_EQ(busy.code(), Code::kUnavailable);
   Status wrong = other->Exec("SELECT nothing FROM nowhere");
-  EXPECT_EQ(wrong.code(), Code::kStorage);
+  EXPECT_EQ(wrong.code(), Code::kInternal);
   for (const Status& status : {missing, busy, wrong}) {
     EXPECT_FALSE(status.message().empty());
     for (const char* inner : {"enamel.db", "/tmp", "constraint", "locked", "SQL", "nowhere"}) {
