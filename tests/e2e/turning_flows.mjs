@@ -71,8 +71,11 @@ async function byFingers(world) {
   assert.equal(await scrolled(page), 0, "nothing on the tooth scrolls the page");
 
   const { x, y, width } = await page.locator(".score-card").boundingBox();
-  await drag([{ x: x + width / 2, y: y + 200 }], [{ x: x + width / 2, y: y + 20 }]);
-  await eventually(async () => assert.ok((await scrolled(page)) > 50, "beside the tooth a finger scrolls the page"));
+  // Again where a loaded machine lets the finger rest so long that Chromium takes it for a long press.
+  await eventually(async () => {
+    await drag([{ x: x + width / 2, y: y + 200 }], [{ x: x + width / 2, y: y + 20 }]);
+    assert.ok((await scrolled(page)) > 50, "beside the tooth a finger scrolls the page");
+  });
   await session.send("Emulation.setTouchEmulationEnabled", { enabled: false });
 }
 

@@ -33,10 +33,10 @@ export async function freePorts() {
 }
 
 // Runs a program to its end. `input` is what it reads. Throws with what it said where it fails.
-export async function program(name, args, { input, environment = {} } = {}) {
+export async function program(name, args, { input, environment = {}, mostMs = kMostMs } = {}) {
   const running = run(join(kPrograms, name), args, {
     env: { ...process.env, ...environment },
-    timeout: kMostMs,
+    timeout: mostMs,
     maxBuffer: kMostBytes,
   });
   running.child.stdin.end(input);
