@@ -24,6 +24,7 @@ Uploader::Uploader(Credentials credentials, Spool& spool, const UploaderOptions&
       refused_backoff_(options.refused_first, Backoff::kRefusedLongest),
       retention_(options.retention),
       prune_every_(options.prune_every),
+      offer_every_(options.offer_every),
       thread_([this] { Run(); }) {}
 
 Uploader::~Uploader() { Stop(); }
@@ -185,11 +186,11 @@ Status Uploader::RunConnection() {
   }
   ENAMEL_RETURN_IF_ERROR(sender.Offer().status());
   backoff_.Reset();
-  offer_due_ = Clock::now() + kOfferEvery;
+  offer_due_ = Clock::now() + offer_every_;
   while (true) {
     if (Clock::now() >= offer_due_) {
       ENAMEL_RETURN_IF_ERROR(sender.Offer().status());
-      offer_due_ = Clock::now() + kOfferEvery;
+      offer_due_ = Clock::now() + offer_every_;
     }
     {
       MutexLock lock(mutex_);
@@ -339,7 +340,7 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
     bool watched = preferred_ && live_ && sender.watched(*preferred_);
     // A mailbox wakes no thread, because the tick must not; so it is polled at four times its rate.
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
-    if (changed_.wait_until(mutex_, until, [&]() ENAMEL_REQUIRES(mutex_) {
+    if (changed_.wait_until(mutex_, std::min(until, offer_due_), [&]() ENAMEL_REQUIRES(mutex_) {
           return wake_ || look_for_tickets_ || stop_;
         }))
       return Status::Ok();

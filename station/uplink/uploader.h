@@ -26,12 +26,14 @@ struct UploaderOptions {
   std::optional<Retention> retention = {};
   std::chrono::steady_clock::duration prune_every = std::chrono::hours(24);
   Backoff::Duration refused_first = Backoff::kRefusedFirst;  // wait after the station was refused
+  // While a connection lasts, what the server may have lost since is offered this often.
+  std::chrono::steady_clock::duration offer_every = std::chrono::hours(1);
 };
 
 // Sends the spool to the server on its own thread, during recording and across broken connections:
-// first the attempt being made, then earlier ones. On every connection it first asks which attempts
-// the server lost (AttemptSender::Offer), sends those again, and returns tickets that were handed
-// back (AttemptSender::ReturnTickets).
+// first the attempt being made, then earlier ones. On every connection, and now and then while it
+// lasts, it asks which attempts the server lost (AttemptSender::Offer) and sends those again. It
+// returns tickets that were handed back (AttemptSender::ReturnTickets).
 //
 // Waits between tries as in Backoff. A refusal that trying again cannot change stops the upload of
 // that attempt only. A refusal of the whole station (unknown, another certificate, another protocol
@@ -46,8 +48,6 @@ class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};
   static constexpr std::chrono::seconds kPingEvery{20};
-  // What the server may have lost since: with each connection, and so often while one lasts.
-  static constexpr std::chrono::minutes kOfferEvery{60};
   // Recordings that wait for an admin or for salvage (IsOfOneRecording) are offered again this
   // often, at the next ping.
   static constexpr std::chrono::minutes kAwaitedEvery{5};
@@ -118,11 +118,12 @@ class Uploader {
   RemarkBox remarks_;
   const std::optional<Retention> retention_;
   const std::chrono::steady_clock::duration prune_every_;
+  const std::chrono::steady_clock::duration offer_every_;
   std::chrono::steady_clock::time_point prune_due_{};                 // of the thread
   std::string said_;                                                  // of the thread
   std::chrono::steady_clock::time_point live_due_{}, ping_due_{};     // of the thread
   std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
-  std::chrono::steady_clock::time_point offer_due_{};                 // the thread's
+  std::chrono::steady_clock::time_point offer_due_{};                 // of the thread
 
   mutable Mutex mutex_;
   std::condition_variable_any changed_;

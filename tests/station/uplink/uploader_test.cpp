@@ -10,6 +10,7 @@
 
 #include "station/spool/recorder.h"
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/becomes.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station {
@@ -470,6 +471,20 @@ TEST_F(UploaderTest, WhatTheServerLostIsSentAgainAsSoonAsItIsAsked) {
   ExpectWholeAt(server);
   EXPECT_TRUE(spool_->Get(id())->complete());
   EXPECT_EQ(*sender.Offer(), 0u);
+}
+
+TEST_F(UploaderTest, WhatTheServerLosesWhileTheConnectionLastsIsSentAgain) {
+  Record(9);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  FakeServer server(folder_);
+  UploaderOptions options;
+  options.offer_every = std::chrono::milliseconds(20);
+  Uploader uploader(server.NewStation(), *spool_, options);
+  uploader.WaitUntilDone(id(), kSoon);
+  server.Forget(0);
+  ASSERT_TRUE(test::Becomes([&] { return server.chunks().size() == 9; }));
+  ExpectWholeAt(server);
+  EXPECT_EQ(server.connections(), 1);
 }
 
 TEST_F(UploaderTest, ServerIsToldThatAnAttemptWasResumed) {
