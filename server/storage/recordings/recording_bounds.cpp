@@ -7,11 +7,13 @@ namespace enamel::server {
 
 std::string FitsSql(const std::string& ticks, const std::string& gap_ticks,
                     const std::string& bytes, const std::string& received_ms) {
-  const std::string all_ticks = "ticks + gap_ticks + " + ticks + " + " + gap_ticks,
-                    all_bytes = "trace_bytes + " + bytes,
-                    // A clock that was set back loses nobody's recording.
-      most_ms = "rate_hz * ((CASE WHEN " + received_ms + " > ticketed_ms THEN " + received_ms +
-                " - ticketed_ms ELSE 0 END) + " + std::to_string(kMostAheadMs) + ")";
+  const std::string all_ticks = "ticks + gap_ticks + " + ticks + " + " + gap_ticks;
+  const std::string all_bytes = "trace_bytes + " + bytes;
+  // A clock that was set back loses nobody's recording.
+  const std::string since_ms = "CASE WHEN " + received_ms + " > ticketed_ms THEN " + received_ms +
+                               " - ticketed_ms ELSE 0 END";
+  const std::string most_ms =
+      "rate_hz * ((" + since_ms + ") + " + std::to_string(kMostAheadMs) + ")";
   return all_ticks + " <= " + std::to_string(kMostTicks) + " AND " + all_bytes +
          " <= " + std::to_string(kMostTraceBytes) + " AND (rate_hz = 0 OR (" + all_ticks +
          ") * 1000 <= " + most_ms + " AND (" + all_bytes +
@@ -31,20 +33,15 @@ Status MustFit(const Ingest& ingest, const ChunkPut& chunk) {
     most_ticks = std::min(most_ticks, by_time);
     most_bytes = std::min(most_bytes, kMostBytesPerTick * by_time);
   }
-  if (ticks > most_ticks) {
+  const auto refuse = [&](const char* what, int64_t most, int64_t found) {
     return Status(Code::kTooLarge,
-                  "this recording may have " + std::to_string(most_ticks) +
-                      " ticks by now, gaps counted; with chunk " + std::to_string(chunk.head.seq) +
-                      " it would have " + std::to_string(ticks),
-                  "ticks");
-  }
-  if (bytes > most_bytes) {
-    return Status(Code::kTooLarge,
-                  "this recording may have " + std::to_string(most_bytes) +
-                      " bytes by now; with chunk " + std::to_string(chunk.head.seq) +
-                      " it would have " + std::to_string(bytes),
-                  "bytes");
-  }
+                  "this recording may have " + std::to_string(most) + " " + what +
+                      " by now; with chunk " + std::to_string(chunk.head.seq) + " it would have " +
+                      std::to_string(found),
+                  what);
+  };
+  if (ticks > most_ticks) return refuse("ticks", most_ticks, ticks);
+  if (bytes > most_bytes) return refuse("bytes", most_bytes, bytes);
   return Status::Ok();
 }
 
