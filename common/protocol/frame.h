@@ -36,7 +36,7 @@ class FrameReader {
   // `n` bytes of the prepared space were filled. Errors: kTooLarge (for good).
   // Requires: n <= Prepare().size().
   Status Resume(size_t n);
-  // Of the message that is coming, as announced; 0: that has not come yet.
+  // The size that the coming message announces; 0 until its length has come.
   size_t announced() const { return header_have_ < header_.size() ? 0 : size_; }
   // A whole message is here (it may be empty).
   bool done() const { return done_; }

@@ -22,15 +22,16 @@ bool IsFull(long status, const std::string& code) {
          code.find("QuotaExceeded") != std::string::npos;
 }
 
-// RequestTimeout comes with 400: what was sent came too slowly. OperationAborted comes with 409:
-// another request for the same key was under way; the answer to HEAD names no code (S3 API Reference, "Error responses").
+// S3 API Reference, "Error responses": RequestTimeout comes with 400, where what was sent came too
+// slowly; OperationAborted with 409, while another request for the same key is under way. The answer
+// to HEAD names no code.
 bool MayPass(long status, const std::string& code) {
   return status == 408 || status == 429 || status == 500 || status == 502 || status == 503 ||
          status == 504 || code == "SlowDown" || code == "RequestTimeout" ||
          code == "OperationAborted" || (status == 409 && code.empty());
 }
 
-// Of a question about the bucket's settings, by a store that has no such setting.
+// Whether the store answers that it knows no such setting of a bucket.
 bool IsUnknownSetting(long status, const std::string& code) {
   return status == 501 || status == 405 || code == "NotImplemented" || code == "MethodNotAllowed";
 }

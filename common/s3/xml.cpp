@@ -115,7 +115,7 @@ Result<ListPage> ReadListPage(std::string_view document) {
     page.objects.push_back(std::move(object));
   }
   ENAMEL_ASSIGN_OR_RETURN(const std::string truncated, TextOf(root, "IsTruncated"));
-  // XML Schema's booleans, and those of stores that print their own language's.
+  // XML Schema writes true and 1. Some stores print True, as Python does.
   if (truncated == "false" || truncated == "0" || truncated == "False") return page;
   if (truncated != "true" && truncated != "1" && truncated != "True")
     return BadMember("IsTruncated, true or false", truncated);

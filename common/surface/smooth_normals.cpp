@@ -9,8 +9,8 @@ namespace {
 
 using cutting::kPhiPerVoxel;
 
-// Of a cubic B-spline at `p` between the middle two of four samples: what each weighs, and how that
-// grows with p.
+// A cubic B-spline at `p` between the middle two of four samples: the weight of each sample, and the
+// derivative of that weight by p.
 struct Spline {
   std::array<double, 4> weight, slope;
 };

@@ -41,7 +41,7 @@ Mesh ExtractSurface(const cutting::Volume& volume, std::vector<ivec3>* cells = n
 // shows facets. On balls from 3 voxels and on planes it is off by at most 2 degrees.
 glm::vec3 SmoothNormal(const cutting::Volume& volume, const dvec3& sample,
                        const glm::vec3& otherwise);
-// Of each vertex of the volume's mesh.
+// The SmoothNormal of each vertex of the volume's mesh.
 std::vector<glm::vec3> SmoothNormals(const cutting::Volume& volume, const Mesh& mesh);
 
 // Only the quads of the edges that start in this brick, with vertices of their own (those on the
