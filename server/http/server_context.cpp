@@ -1,5 +1,6 @@
 #include "server/http/server_context.h"
 
+#include <algorithm>
 #include <boost/asio/ip/address.hpp>
 #include <utility>
 
@@ -103,6 +104,12 @@ asio::awaitable<Response> ServerContext::AnswerKnown(Request request) {
                                  "this server was started without the page; start it with --web "
                                  "and the folder of the built page, "
                                  "such as --web web/dist"});
+}
+
+std::string ServerContext::PeerOf(const Request& request, const std::string& peer) const {
+  const auto& proxies = options.trusted_proxies;
+  if (std::ranges::find(proxies, peer) == proxies.end()) return peer;
+  return ForwardedFor(request).value_or(peer);
 }
 
 Status ServerContext::Prepare() {

@@ -32,6 +32,10 @@ struct ServerContext {
   // what the peer wrote.
   void NoteRefusal(const std::string& peer, const std::string& reason);
 
+  // Whoever sends this request over a connection from `peer`: behind a trusted proxy, whom that
+  // names.
+  std::string PeerOf(const Request& request, const std::string& peer) const;
+
   // The browser's end of the line is TLS, here or at the proxy.
   bool secure() const { return options.tls.has_value() || !options.trusted_proxies.empty(); }
 
@@ -42,7 +46,8 @@ struct ServerContext {
 
   const std::shared_ptr<Api> api;
   ops::RepeatLog refusals;
-  // As many bodies of 1 MiB, of whoever is not known yet, at once.
+  // Bodies that have begun to come, by the address that sends them: nobody is signed in for this
+  // server before the whole request is here.
   static constexpr size_t kMostComingBytes = size_t{48} << 20;
   HeldBytes coming{kMostComingBytes};
 

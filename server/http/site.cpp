@@ -96,6 +96,16 @@ Status CheckSameSite(const Request& request) {
   return {};
 }
 
+std::optional<std::string> ForwardedFor(const Request& request) {
+  const std::string_view passed = request.Header("x-forwarded-for");
+  // The last one, which our proxy appended. Those in front of it are what the client claimed.
+  const std::string_view last = Trim(passed.substr(passed.rfind(',') + 1));
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(last, error);
+  if (error) return std::nullopt;
+  return address.to_string();
+}
+
 Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request) {
   if (std::find(proxies.begin(), proxies.end(), request.peer) == proxies.end()) {
     return {Code::kForbidden, "expected the proxy in front of this server; open the page there"};
@@ -107,18 +117,14 @@ Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request) 
         "set that header",
         "x-forwarded-proto"};
   }
-  std::string_view passed = request.Header("x-forwarded-for");
-  // The last one, which our proxy appended. Those in front of it are what the client claimed.
-  std::string_view last = Trim(passed.substr(passed.rfind(',') + 1));
-  boost::system::error_code error;
-  auto address = boost::asio::ip::make_address(last, error);
-  if (error) {
+  const auto address = ForwardedFor(request);
+  if (!address) {
     return {Code::kForbidden,
             "expected the proxy to end X-Forwarded-For with the address it was asked from; let it "
             "set that header",
             "x-forwarded-for"};
   }
-  request.peer = address.to_string();
+  request.peer = *address;
   request.tls = true;
   return {};
 }

@@ -25,6 +25,10 @@ bool HostAllowed(std::string_view host_header, const std::vector<std::string>& a
 // accepted.
 Status CheckSameSite(const Request& request);
 
+// The last address of X-Forwarded-For, in the spelling in which a peer's is shown; none: there is no
+// address. Means something only where a trusted proxy has sent the request.
+std::optional<std::string> ForwardedFor(const Request& request);
+
 // For a server that only a proxy talks to: checks that the peer is one of `proxies` (numeric
 // addresses), and puts the proxy's peer into the request: the last address of X-Forwarded-For, and
 // TLS, which X-Forwarded-Proto must confirm. Errors: kForbidden. A proxy that is not set up for

@@ -18,8 +18,8 @@ void HeldBytes::Held::OnGivenUp(std::function<void()> close) {
 }
 
 void HeldBytes::State::Remove(std::list<Entry>::iterator entry) {
-  if (--uses[entry->body] == 0) {
-    uses.erase(entry->body);
+  if (--uses[entry->where] == 0) {
+    uses.erase(entry->where);
     bytes -= entry->bytes;
   }
   if ((of[entry->of] -= entry->bytes) == 0) of.erase(entry->of);
@@ -32,7 +32,7 @@ std::list<HeldBytes::Entry>::iterator HeldBytes::State::OldestOfMost(size_t than
   return std::ranges::find(entries, most->first, &Entry::of);
 }
 
-std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const void* body,
+std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const void* where,
                                                 size_t bytes) {
   std::vector<std::shared_ptr<Held>> given_up;
   std::shared_ptr<Held> out;
@@ -42,7 +42,7 @@ std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const voi
     const auto had = state.of.find(of);
     const size_t mine = bytes + (had == state.of.end() ? 0 : had->second);
     const auto fits = [&]() ENAMEL_REQUIRES(state.mutex) {
-      return state.bytes + (state.uses.contains(body) ? 0 : bytes) <= most_;
+      return state.bytes + (state.uses.contains(where) ? 0 : bytes) <= most_;
     };
     while (!fits()) {
       const auto entry = state.OldestOfMost(mine);
@@ -51,10 +51,10 @@ std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const voi
       state.Remove(entry);
     }
     if (fits()) {
-      if (++state.uses[body] == 1) state.bytes += bytes;
+      if (++state.uses[where] == 1) state.bytes += bytes;
       state.of[of] += bytes;
       const uint64_t id = state.next_id++;
-      const auto entry = state.entries.insert(state.entries.end(), {id, of, body, bytes, {}});
+      const auto entry = state.entries.insert(state.entries.end(), {id, of, where, bytes, {}});
       out = {new Held, [kept = state_, id](Held* held) {
                {
                  MutexLock end(kept->mutex);

@@ -42,7 +42,7 @@ class HeldBytes {
   struct Entry {
     uint64_t id;
     std::string of;
-    const void* body;
+    const void* where;
     size_t bytes;
     std::weak_ptr<Held> held;
   };

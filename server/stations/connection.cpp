@@ -185,7 +185,7 @@ asio::awaitable<void> Connection::ServeRequests() {
     }
     if (session_->welcomed() && !station_) {
       station_ = {services_ ? services_.get() : &own_, session_->station()->id};
-      // Its schools' stations may have one id.
+      // With its school: stations of two schools may have one id.
       party_ = std::to_string(reinterpret_cast<uintptr_t>(station_->first)) + " " +
                station_->second.Text();
       welcomed_ = true;
@@ -371,7 +371,8 @@ asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
   // A server that stops, or a disk that is full, is no fault of the peer.
-  if (status.code() != Code::kUnavailable) NoteRefusal(*reply.mutable_error());
+  if (status.code() != Code::kUnavailable || status.field() == kOverBudget)
+    NoteRefusal(*reply.mutable_error());
   co_await Write(std::move(reply));
 }
 

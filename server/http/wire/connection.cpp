@@ -228,7 +228,8 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
 bool HttpConnection::HoldBody(RequestReader& reader) {
   // A small one takes no more than its head may.
   if (reader.expected_bytes() <= kMaxHeadBytes) return true;
-  coming_ = context_->coming.Add(block_, this, reader.expected_bytes());
+  const std::string party = auth::AddressBlock(context_->PeerOf(reader.request(), peer_));
+  coming_ = context_->coming.Add(party, this, reader.expected_bytes());
   if (coming_ == nullptr) {
     reader.RefuseForNow("too much that your address has begun to send has not arrived yet");
     return false;

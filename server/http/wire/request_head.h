@@ -13,7 +13,8 @@ namespace enamel::server::http {
 
 // Whether a connection begins with another protocol than HTTP/1.1, as a wrongly set proxy or client
 // sends it: TLS, the PROXY protocol (either version), HTTP/2. Says what to do. Ok also while too
-// little has come to tell.
+// little has come to tell: kLongestOpening bytes are enough.
+inline constexpr size_t kLongestOpening = 14;
 Status NotAnotherProtocol(std::string_view bytes);
 // Where the head ends (one past its last byte), or npos when more bytes are needed. It ends at the
 // first empty line, however that is spelt, and at the first byte that no head contains, so that the

@@ -167,7 +167,7 @@ RequestReader::Step RequestReader::Refuse(Response refusal) {
 RequestReader::Step RequestReader::Feed(std::string_view bytes, size_t& used) {
   used = 0;
   if (in_head()) {
-    if (searched_ == 0) {
+    if (searched_ < kLongestOpening) {
       const Status spoken = NotAnotherProtocol(bytes);
       if (!spoken.ok()) return Refuse(ErrorResponse(spoken));
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/http/request_places.h"
+#include "server/http/server_context.h"
 #include "server/http/site.h"
 #include "server/http/wire/request_reader.h"
 #include "server/storage/folder/disk.h"
@@ -517,6 +518,33 @@ TEST_F(HttpServerTest, ABodyThatIsPackedIsRefusedUnread) {
   EXPECT_EQ(answer->headers["connection"], "close");
 }
 
+// Bodies of 1 MiB of which not a byte comes, each from a connection of its own.
+class BegunBodies {
+ public:
+  // False: this one is refused.
+  bool Begin(uint16_t port, const std::string& headers) {
+    RawClient& client = clients_.emplace_back(port);
+    client.Send("POST /api/v1/session HTTP/1.1\r\n" + headers +
+                "Expect: 100-continue\r\nContent-Length: 1048576\r\n\r\n");
+    const auto answer = client.Read();
+    EXPECT_TRUE(answer);
+    EXPECT_TRUE(!answer || answer->status == 100 || answer->status == 503) << answer->status;
+    return answer && answer->status == 100;
+  }
+
+ private:
+  std::list<RawClient> clients_;
+};
+constexpr size_t kBegunAtOnce = ServerContext::kMostComingBytes / kMaxBodyBytes;
+
+TEST_F(HttpServerTest, BodiesThatHaveOnlyBegunTakeABoundedMemory) {
+  RunningServer server(school_, options_);
+  BegunBodies bodies;
+  const std::string host = "Host: localhost\r\n";
+  for (size_t i = 0; i < kBegunAtOnce; ++i) ASSERT_TRUE(bodies.Begin(server.port(), host)) << i;
+  EXPECT_FALSE(bodies.Begin(server.port(), host));
+}
+
 class ProxyTest : public HttpServerTest {
  protected:
   ProxyTest() {
@@ -547,6 +575,20 @@ TEST_F(ProxyTest, RefusesAProxyThatDoesNotSayWhoAsksAndHow) {
                               "X-Forwarded-Proto: https\r\n"}) {
     EXPECT_EQ(Ask(server.port(), headers)->status, 403) << headers;
   }
+}
+
+// Else one stranger behind the proxy would keep everybody's out.
+TEST_F(ProxyTest, CountsBegunBodiesForWhoeverTheProxyNames) {
+  RunningServer server(school_, options_);
+  BegunBodies bodies;
+  const auto from = [](const char* address) {
+    return std::string("Host: teeth.example\r\nX-Forwarded-Proto: https\r\nX-Forwarded-For: ") +
+           address + "\r\n";
+  };
+  for (size_t i = 0; i < kBegunAtOnce; ++i)
+    ASSERT_TRUE(bodies.Begin(server.port(), from("203.0.113.9"))) << i;
+  EXPECT_FALSE(bodies.Begin(server.port(), from("203.0.113.9")));
+  EXPECT_TRUE(bodies.Begin(server.port(), from("198.51.100.7")));
 }
 
 TEST_F(ProxyTest, RefusesEverybodyElse) {

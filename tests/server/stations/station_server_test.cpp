@@ -1,6 +1,7 @@
 #include "server/stations/station_server.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 #include <sqlite3.h>
@@ -305,6 +306,22 @@ class RawPeer {
     boost::asio::write(socket_, boost::asio::buffer(bytes.data(), bytes.size()), error);
     return !error;
   }
+  // The answer to a request; empty: the server has ended the connection.
+  wire::Reply Ask(const wire::Request& request) {
+    EXPECT_TRUE(Send(*protocol::EncodeFrame(protocol::Serialize(request))));
+    return Read();
+  }
+  wire::Reply Read() {
+    protocol::FrameReader reader;
+    boost::system::error_code error;
+    while (!reader.done()) {
+      const std::span<uint8_t> space = reader.Prepare();
+      const size_t n = socket_.read_some(boost::asio::buffer(space.data(), space.size()), error);
+      if (error || !reader.Resume(n).ok()) return {};
+    }
+    return *protocol::ParseReply(reader.Take());
+  }
+  int fd() { return socket_.next_layer().native_handle(); }
   // Closes without reading the answers: the system answers the rest with a reset.
   void Vanish() {
     boost::system::error_code ignored;
@@ -404,6 +421,39 @@ TEST_F(StationServerTest, AStationHasFewConnectionsAndTheOldestGivesWay) {
   }
   EXPECT_NE(Receive(client_).error().message().find("newer connections"), std::string::npos);
   EXPECT_TRUE(Ends(client_));
+}
+
+TEST_F(StationServerTest, FramesThatHaveOnlyBegunCostTheirOwnStation) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  ASSERT_TRUE(
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem)
+          .ok());
+  Connect(client_);
+  ScriptedStation other{[&](const wire::Request& request) { return Exchange(client_, request); }};
+  ASSERT_TRUE(other.Enrol("second").has_enrolled());
+  const Bytes head{0, 0, 64, 0};  // of a frame of kMaxFrameBytes
+  const auto begin = [&](RawPeer& peer, const ScriptedStation& as) {
+    ScriptedStation on{[&](const wire::Request& request) { return peer.Ask(request); }};
+    on.id = as.id;
+    on.credential = as.credential;
+    ASSERT_TRUE(on.Hello().has_welcome());
+    ASSERT_TRUE(peer.Send(head));
+  };
+  static_assert(LinkBudget::kMostLinks * protocol::kMaxFrameBytes == LinkBudget::kMostComingBytes);
+  std::list<RawPeer> stolen;
+  std::vector<pollfd> ends;
+  for (size_t i = 0; i < LinkBudget::kMostLinks; ++i) {
+    begin(stolen.emplace_back(at_.port), station_);
+    ends.push_back({stolen.back().fd(), POLLIN, 0});
+  }
+  RawPeer honest(at_.port);
+  begin(honest, other);
+  // Closed for the other's, or refused where the other's came first.
+  EXPECT_EQ(::poll(ends.data(), ends.size(), 10'000), 1);
+  ASSERT_TRUE(honest.Send(Bytes(protocol::kMaxFrameBytes, 0)));
+  EXPECT_EQ(honest.Read().error().code(), "invalid_input") << "its frame was taken whole";
 }
 
 TEST_F(StationServerTest, FrameThatDripsIsEndedAtItsDeadlineAndOthersGoOn) {
