@@ -124,19 +124,31 @@ DistanceQuery::DistanceQuery(const Mesh& mesh, const dvec3& lo_m, const dvec3& h
 }
 
 double DistanceQuery::Distance_m(const dvec3& point_m, double limit_m) const {
-  return std::sqrt(Nearest2(point_m, limit_m * limit_m, 0));
+  return std::sqrt(Nearest2(point_m, limit_m * limit_m, 0).distance2);
 }
 
 bool DistanceQuery::IsWithin(const dvec3& point_m, double distance_m) const {
   // A little farther, so that a triangle at exactly this distance is found and counts as within.
   const double limit = distance_m * kRoundUp + 1e-12;
-  return std::sqrt(Nearest2(point_m, limit * limit, distance_m)) <= distance_m;
+  return std::sqrt(Nearest2(point_m, limit * limit, distance_m).distance2) <= distance_m;
 }
 
-double DistanceQuery::Nearest2(const dvec3& point_m, double limit2, double enough_m) const {
+std::optional<DistanceQuery::Nearest> DistanceQuery::NearestTriangle(const dvec3& point_m,
+                                                                     double limit_m) const {
+  const Found found = Nearest2(point_m, limit_m * limit_m, 0);
+  if (found.triangle == kNone) return {};
+  return Nearest{std::sqrt(found.distance2), found.triangle};
+}
+
+double DistanceQuery::DistanceTo_m(uint32_t triangle, const dvec3& point_m) const {
+  return std::sqrt(TriangleDistance2(point_m, triangles_[triangle]));
+}
+
+DistanceQuery::Found DistanceQuery::Nearest2(const dvec3& point_m, double limit2,
+                                             double enough_m) const {
   dvec3 g = (point_m - origin_) / cell_m_;
   bool near = std::fabs(g.x) < 1e6 && std::fabs(g.y) < 1e6 && std::fabs(g.z) < 1e6;
-  if (triangles_.empty() || !near) return limit2;
+  if (triangles_.empty() || !near) return {limit2};
   ivec3 centre = CellOf(g);
   // Rings that do not reach the grid are skipped; those past its far side hold nothing.
   ivec3 before = glm::max(-centre, centre - (size_ - 1));
@@ -146,6 +158,7 @@ double DistanceQuery::Nearest2(const dvec3& point_m, double limit2, double enoug
   // From the point to the nearest side of its own cell, in cells.
   dvec3 f = g - dvec3(centre), to_side = glm::min(f, 1.0 - f);
   double margin = std::min({to_side.x, to_side.y, to_side.z});
+  uint32_t nearest_one = kNone;
   double best2 = limit2, best = std::sqrt(limit2) * kRoundUp;
   for (; ring <= last; ++ring) {
     double nearest = ring == 0 ? 0 : (ring - 1 + margin) * cell_m_;
@@ -163,11 +176,12 @@ double DistanceQuery::Nearest2(const dvec3& point_m, double limit2, double enoug
         const double d2 = TriangleDistance2(point_m, triangles_[items_[i]]);
         if (d2 >= best2) continue;
         best2 = d2;
+        nearest_one = items_[i];
         best = std::sqrt(d2) * kRoundUp;
       }
     });
   }
-  return best2;
+  return {best2, nearest_one};
 }
 
 }  // namespace enamel::surface

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,6 +66,15 @@ class DistanceQuery {
   // Distance in metres to the nearest triangle, at most `limit_m`; `limit_m` for an empty mesh or a
   // point that is not finite. Exact. Time grows with the distance found, in cells.
   double Distance_m(const dvec3& point_m, double limit_m) const;
+  // The nearest triangle, counted among those taken from the mesh; none at `limit_m` or farther. Of
+  // equally near ones always the same.
+  struct Nearest {
+    double distance_m = 0;
+    uint32_t triangle = 0;
+  };
+  std::optional<Nearest> NearestTriangle(const dvec3& point_m, double limit_m) const;
+  // Requires: a triangle that NearestTriangle named.
+  double DistanceTo_m(uint32_t triangle, const dvec3& point_m) const;
   // Whether Distance_m is at most `distance_m`, quicker: it stops at the first triangle near
   // enough. False for an empty mesh or a point that is not finite.
   bool IsWithin(const dvec3& point_m, double distance_m) const;
@@ -75,9 +85,14 @@ class DistanceQuery {
     dvec3 centre_m;
     double radius_m;
   };
-  // Square of the distance where that is below `limit2`, else `limit2`. Ends at the first triangle
-  // whose distance is at most `enough_m`.
-  double Nearest2(const dvec3& point_m, double limit2, double enough_m) const;
+  struct Found {
+    double distance2 = 0;
+    uint32_t triangle = kNone;
+  };
+  static constexpr uint32_t kNone = 0xffffffff;
+  // Square of the distance where that is below `limit2`, else `limit2` and kNone. Ends at the first
+  // triangle whose distance is at most `enough_m`.
+  Found Nearest2(const dvec3& point_m, double limit2, double enough_m) const;
 
   std::vector<std::array<dvec3, 3>> triangles_;
   std::vector<Ball> balls_;

@@ -550,6 +550,22 @@ TEST(DistanceQueryTest, WithinIsWhatTheDistanceSays) {
   EXPECT_FALSE(query.IsWithin(dvec3(std::nan("")), 1));
 }
 
+TEST(DistanceQueryTest, NearestTriangleIsAsFarAsTheDistanceSays) {
+  Mesh mesh = ExtractSurface(Ball());
+  DistanceQuery query(mesh);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-5, 69);
+  for (int i = 0; i < 500; ++i) {
+    const dvec3 p = dvec3(unit(random), unit(random), unit(random)) * kVoxel_m;
+    const auto nearest = query.NearestTriangle(p, 1);
+    ASSERT_TRUE(nearest);
+    EXPECT_EQ(nearest->distance_m, query.Distance_m(p, 1));
+    EXPECT_EQ(query.DistanceTo_m(nearest->triangle, p), nearest->distance_m);
+    EXPECT_FALSE(query.NearestTriangle(p, nearest->distance_m));
+  }
+  EXPECT_FALSE(DistanceQuery(Mesh{}).NearestTriangle({0, 0, 0}, 1));
+}
+
 TEST(DistanceQueryTest, WithinABoxTheTrianglesAroundItGiveTheSameBits) {
   Mesh mesh = ExtractSurface(Ball());
   DistanceQuery all(mesh);
