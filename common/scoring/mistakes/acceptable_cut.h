@@ -1,0 +1,157 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/cutting/volume.h"
+#include "common/scene/types.h"
+#include "common/surface/surface.h"
+
+// An acceptable cut R (an exercise's own target, or a reference in use), and what it alone fixes for
+// every attempt: the regions of its surface, and for a point of the tooth the region that is nearest
+// and how far off R's surface it lies. No surface of an attempt and no fit enters, so that a larger
+// fault can only add to a region's measures (fault_volumes.h).
+//
+// Deterministic: + - * / sqrt in fixed orders. Thread safety: const after construction. Not real-time.
+namespace enamel::scoring {
+
+// What nobody is charged for: an examiner's eye just sees 0.1 mm (a minute of arc at 0.3 m).
+inline constexpr double kLeeway_m = 0.1e-3;
+
+// The part of a layer along R's surface between two distances from it, of even area.
+struct Layer {
+  double from_m = 0, to_m = 0;
+
+  // `share` of a voxel's edge from the surface on, if that runs through the voxel. `distance_m`: of
+  // its middle, below 0 on the other side of the surface.
+  static Layer In(double distance_m, double voxel_m, double share) {
+    const double from = distance_m > 0.5 * voxel_m ? distance_m - 0.5 * voxel_m : 0;
+    return {from, from + share * voxel_m};
+  }
+  double thickness_m() const { return to_m - from_m; }
+  // Mean of ((delta - leeway)+)^2.
+  double Moment_m2() const;
+  // Share that is farther than the leeway.
+  double Beyond() const;
+};
+
+enum class RegionKind : uint8_t {
+  kFloor,      // of a cavity: faces the opening
+  kWall,       // of a cavity, with its rim
+  kTable,      // of a stump: its top; a cusp's part of it
+  kAxialWall,  // of a stump: a quarter
+  kMargin,     // of a stump: a quarter of the shoulder or chamfer
+  kFace,       // a third of a cut that has neither walls nor a stump
+  kLineAngle,  // within kLineAngle_m of another of these
+};
+inline constexpr size_t kRegionKinds = 7;
+// "floor", "wall", ...
+std::string_view NameOf(RegionKind kind);
+
+// A wall or table that moves leaves a wedge in the cells of its neighbours across a sharp edge. What is
+// nearly as far from the one surface as from the other, by less than this, is the edge's. Chosen.
+inline constexpr double kLineAngle_m = 0.35e-3;
+// Farther from R's surface nothing of a task lies.
+inline constexpr double kDeepest_m = 6e-3;
+struct Region {
+  RegionKind kind = RegionKind::kFloor;
+  // Stable, of ASCII letters: "wall_mesial", "floor", "floor_upper", "cusp_mesiobuccal".
+  std::string name;
+  double area_m2 = 0;
+
+  bool operator==(const Region&) const = default;
+};
+
+// A piece of R's surface about 0.2 mm wide, of one region.
+struct SurfacePiece {
+  dvec3 at_m{0};    // its middle
+  dvec3 normal{0};  // unit, out of the solid
+  double area_m2 = 0;
+  uint32_t region = 0;  // index into regions()
+  // Within kLineAngle_m of a sharp edge, where the surfaces that meet share what moved.
+  bool at_edge = false;
+};
+
+// Which tooth, and how it lies.
+struct ToothPlace {
+  int tooth = 0;  // FDI number; 0: none
+  scene::Up up = scene::Up::kOcclusal;
+};
+
+struct CutSurface;
+
+class AcceptableCut {
+ public:
+  // `initial` and `prepared` (R) are kept, not copied. Requires: equal grids, nothing packed.
+  AcceptableCut(const cutting::Volume& initial, const cutting::Volume& prepared,
+                const ToothPlace& place);
+
+  ~AcceptableCut();
+
+  // None where R took nothing.
+  const std::vector<Region>& regions() const;
+  // A piece of the line angles lies where pieces of the surfaces that meet there lie too.
+  const std::vector<SurfacePiece>& pieces() const;
+  const cutting::Volume& initial() const { return initial_; }
+  const cutting::Volume& prepared() const { return prepared_; }
+  // R's surface is that of a stump: its walls face away from its middle.
+  bool is_stump() const;
+  // Of the task, what lies farther than kLeeway_m from R's surface.
+  double task_beyond_m3() const { return task_beyond_m3_; }
+
+  struct Nearest {
+    double distance_m = 0;  // without a side
+    uint32_t piece = 0;     // that is charged
+    // That is nearest. Another one, where it is about as near to two surfaces that meet in a sharp
+    // edge: then a piece of the edge is charged.
+    uint32_t next_to = 0;
+  };
+  struct Found {
+    Nearest nearest;
+    uint32_t triangle = 0;
+  };
+  // The piece of R's surface that each voxel of one brick is nearest to, worked out as it is asked for. Not for
+  // two threads at once.
+  class Brick {
+   public:
+    // `limit_m`: beyond it there is none.
+    Brick(const AcceptableCut& r, int brick, double limit_m);
+    // Of voxel i of cutting::kBrickVoxels.
+    std::optional<Nearest> At(int i);
+    dvec3 PointOf(int i) const;
+
+   private:
+    // Two or four voxels along each axis, about 0.2 mm. Where it is far from R's surface, one triangle stands for all.
+    struct Block {
+      bool known = false, far = false;
+      std::optional<Found> middle;
+    };
+    const AcceptableCut& r_;
+    const double limit_m_, voxel_m_;
+    const int16_t* const samples_;  // of R
+    dvec3 first_m_{0};
+    int side_ = 2;
+    std::array<Block, 64> blocks_;
+  };
+
+ private:
+  std::optional<Found> NearestTo(const dvec3& point_m, double limit_m) const;
+  void MarkRim(const surface::Mesh& whole, size_t inner);
+  void MeasureTask();
+
+  const cutting::Volume &initial_, &prepared_;
+  std::unique_ptr<CutSurface> surface_;
+  std::optional<surface::DistanceQuery> query_;  // of R's cut surface, out to its rim
+  std::vector<uint32_t> inner_;                  // of its triangles, the nearest of surface_
+  std::vector<bool> at_rim_;                     // of its triangles, whether they touch the rim
+  std::optional<surface::DistanceQuery> edges_;  // of the line angles
+  std::vector<uint32_t> piece_of_edge_;          // of its triangles
+  double task_beyond_m3_ = 0;
+};
+
+}  // namespace enamel::scoring

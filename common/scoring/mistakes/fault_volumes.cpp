@@ -1,0 +1,137 @@
+#include "common/scoring/mistakes/fault_volumes.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/scoring/brick_samples.h"
+#include "common/scoring/changed.h"
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::kBrickSide;
+using cutting::kBrickVoxels;
+using cutting::Tissue;
+
+// 0 to 1, without a corner at either end.
+double ElsewhereShare(double distance_m) {
+  const double t =
+      std::clamp((distance_m - kElsewhereFrom_m) / (kElsewhereTo_m - kElsewhereFrom_m), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+class FaultMeter {
+ public:
+  FaultMeter(const AcceptableCut& r, const cutting::Volume& attempt)
+      : r_(r),
+        attempt_(attempt),
+        spec_(r.initial().spec()),
+        h_m_(spec_.voxel_m()),
+        voxel_m3_(h_m_ * h_m_ * h_m_),
+        task_(r.initial(), r.prepared()),
+        cut_(r.initial(), attempt) {
+    const size_t n = r.pieces().size();
+    out_.over.resize(n), out_.left.resize(n);
+    out_.elsewhere_m3.resize(n), out_.off_m3.resize(n);
+  }
+
+  FaultVolumes Measure() {
+    for (int b = 0; b < spec_.brick_count(); ++b) {
+      if (task_.Brick(b) || cut_.Brick(b)) AddBrick(b);
+    }
+    if (out_.far_m3 > 0) out_.far_at_m = far_sum_ / out_.far_m3;
+    return std::move(out_);
+  }
+
+ private:
+  void AddBrick(int b) {
+    const BrickSamples before(r_.initial(), b), after(attempt_, b), wanted(r_.prepared(), b);
+    const cutting::Volume& initial = r_.initial();
+    const uint8_t* labels = initial.HasLabels(b) ? initial.Labels(b).tissue.data() : nullptr;
+    const auto uniform = static_cast<uint8_t>(initial.UniformTissue(b));
+    AcceptableCut::Brick places(r_, b, task_.Brick(b) ? kDeepest_m : kElsewhereTo_m);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const int32_t f0 = before.Solid(i);
+      if (f0 == 0) continue;
+      // A surface may only recede: what a resampled R has more of was not put there.
+      const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
+      const auto tissue = static_cast<Tissue>(labels ? labels[i] : uniform);
+      if (tissue == Tissue::kCaries) AddCaries(Share(f0 - fr), Share(std::max(0, fa - fr)));
+      if (fa == fr) continue;
+      if (tissue == Tissue::kNeighbour) {
+        if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
+        continue;
+      }
+      Add(places, i, tissue, Share(f0), Share(fa), Share(fr));
+    }
+  }
+
+  static double Share(int32_t units) { return units / 65536.0; }
+
+  void AddCaries(double task, double left) {
+    out_.caries_m3 += task * voxel_m3_;
+    out_.caries_left_m3 += left * voxel_m3_;
+  }
+
+  void Add(AcceptableCut::Brick& places, int i, Tissue tissue, double f0, double fa, double fr) {
+    const double over = fr - fa, left = fa - fr;
+    if (tissue == Tissue::kPulp && over > 0) out_.pulp_m3 += over * voxel_m3_;
+    const auto nearest = places.At(i);
+    if (!nearest) {
+      if (over > 0) {
+        out_.far_m3 += over * voxel_m3_;
+        far_sum_ += over * voxel_m3_ * places.PointOf(i);
+      }
+      return;
+    }
+    const size_t k = nearest->piece;
+    out_.off_m3[nearest->next_to] += over * voxel_m3_;
+    const double solid_side_m = fr > 0.5 * f0 ? nearest->distance_m : -nearest->distance_m;
+    if (over > 0) {
+      const Layer layer = Layer::In(solid_side_m, h_m_, over);
+      // By the voxel's middle, which R alone fixes: more taken from it adds to both.
+      const double away = ElsewhereShare(solid_side_m) * over * voxel_m3_;
+      out_.elsewhere_m3[k] += away;
+      AddTo(out_.over[k], over * voxel_m3_ - away, layer);
+    }
+    if (left > 0 && tissue != Tissue::kCaries) {
+      AddTo(out_.left[k], left * voxel_m3_, Layer::In(-solid_side_m, h_m_, left));
+    }
+  }
+
+  static void AddTo(PieceFault& fault, double volume_m3, const Layer& layer) {
+    fault.volume_m3 += volume_m3;
+    fault.moment_m5 += volume_m3 * layer.Moment_m2();
+    fault.beyond_m3 += volume_m3 * layer.Beyond();
+  }
+
+  void AddNeighbour(int b, int i, double over) {
+    // The fixed point's own distance, which ends at four voxels.
+    constexpr double kDeep_m = 0.4e-3;
+    const double depth_m =
+        std::min(kDeep_m, -h_m_ * r_.initial().PhiAt(VoxelOf(b, i)) / cutting::kPhiPerVoxel);
+    out_.neighbour_m3 += over * voxel_m3_;
+    out_.neighbour_moment_m5 += over * voxel_m3_ * std::max(0.0, depth_m) * std::max(0.0, depth_m);
+  }
+  ivec3 VoxelOf(int b, int i) const {
+    const ivec3& n = spec_.bricks;
+    return ivec3(b % n.x, b / n.x % n.y, b / (n.x * n.y)) * kBrickSide +
+           ivec3(i & 7, i >> 3 & 7, i >> 6);
+  }
+
+  const AcceptableCut& r_;
+  const cutting::Volume& attempt_;
+  const cutting::GridSpec spec_;
+  const double h_m_, voxel_m3_;
+  const ChangedBricks task_, cut_;
+  dvec3 far_sum_{0};
+  FaultVolumes out_;
+};
+
+}  // namespace
+
+FaultVolumes MeasureFaults(const AcceptableCut& r, const cutting::Volume& attempt) {
+  return FaultMeter(r, attempt).Measure();
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "common/scoring/mistakes/acceptable_cut.h"
+
+// What an attempt took beyond an acceptable cut R (over) and what it left within R's hollow (left),
+// voxel by voxel, at the region of R's surface that is nearest and by how far from it.
+//
+// For a region of area A, and each of the two sets, with the distance delta from R's surface and the
+// leeway lambda taken off it:
+//
+//     M^3 = 1/A  integral over the set of  3 ((delta - lambda) / L)^2 / L  dV
+//
+// where L is the size at which the measure is 1 (prices.h). A layer of even thickness t that begins
+// at R's surface has M = (t - lambda) / L. Depth counts more than area, and both count. A larger set
+// never has a smaller M, since the integrand depends on R alone.
+//
+// Deterministic. Thread safety: functions, any thread. Not real-time.
+namespace enamel::scoring {
+
+// What is taken between these distances of R's surface counts less and less for the region and more
+// and more for the part that has nothing to do with R's surface, so that no voxel makes a step.
+inline constexpr double kElsewhereFrom_m = 0.6e-3, kElsewhereTo_m = 1.2e-3;
+
+// Over or left at one piece of R's surface.
+struct PieceFault {
+  double volume_m3 = 0;
+  // integral of ((delta - lambda)+)^2 dV, m^5: 3 / (A L^3) of it is M^3.
+  double moment_m5 = 0;
+  double beyond_m3 = 0;  // of the volume, farther than the leeway
+};
+
+struct FaultVolumes {
+  // By AcceptableCut::pieces(). Without what is counted below.
+  std::vector<PieceFault> over, left;
+  // Volume of over less left at the piece that is nearest, whichever is charged: how far off R the surface is.
+  std::vector<double> off_m3;
+  // Taken from the tooth where nothing of R is near: at pieces, by their share, and farther away.
+  std::vector<double> elsewhere_m3;
+  double far_m3 = 0;
+  dvec3 far_at_m{0};  // its middle
+  // Caries of the task, and what was left of it; not in `left`.
+  double caries_m3 = 0, caries_left_m3 = 0;
+  // Taken from a neighbour, and the integral of the square of the depth under its surface, which
+  // counts to 0.4 mm.
+  double neighbour_m3 = 0, neighbour_moment_m5 = 0;
+  double pulp_m3 = 0;  // taken from the pulp beyond R
+};
+
+// Requires: grids equal to R's, nothing packed.
+FaultVolumes MeasureFaults(const AcceptableCut& r, const cutting::Volume& attempt);
+
+}  // namespace enamel::scoring

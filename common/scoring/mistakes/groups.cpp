@@ -1,0 +1,244 @@
+#include "common/scoring/mistakes/groups.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace enamel::scoring {
+namespace {
+
+constexpr double kMm = 1e3;
+// Patches of one sign whose middles are this near are one; so is a patch and the wall that moved
+// the same way by as much as this part of the patch.
+constexpr double kNear_mm = 1.0, kSameMove = 0.5;
+// A region with so many patches of each sign is wavy.
+constexpr size_t kWavy = 2;
+constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
+
+class Grouper {
+ public:
+  Grouper(const AcceptableCut& r, const std::vector<Motion>& all, const std::vector<double>& off)
+      : r_(r), motions(all), off_mm(off) {}
+
+  std::vector<Group> Make() {
+    MakeGroups();
+    TakePatches();
+    for (Group& group : groups) Refit(group);
+    ReachOverEdges();
+    return std::move(groups);
+  }
+
+ private:
+  bool IsEdge(size_t piece) const { return r_.pieces()[piece].at_edge; }
+
+  // All but patches, by what they move.
+  void MakeGroups() {
+    auto key = [&](const Motion& m) -> std::pair<int, int> {
+      switch (m.kind) {
+        case MotionKind::kShiftX:
+        case MotionKind::kShiftY:
+          return {0, 0};
+        case MotionKind::kTurn:
+          return {1, 0};
+        case MotionKind::kTipX:
+        case MotionKind::kTipY:
+          return {2, 0};
+        case MotionKind::kSize:
+        case MotionKind::kTaper:
+          return {3, 0};
+        case MotionKind::kHeight:
+        case MotionKind::kSlopeX:
+        case MotionKind::kSlopeY:
+          return KeyOfKind(m.of);
+        case MotionKind::kOffset:
+        case MotionKind::kLean:
+          return KeyOfRegion(m);
+        case MotionKind::kPart:
+        case MotionKind::kStrip:
+        case MotionKind::kPatch:
+          break;
+      }
+      return {6, 0};
+    };
+    std::map<std::pair<int, int>, Group> by_key;
+    for (const Motion& m : motions) {
+      if (!IsLocal(m)) by_key[key(m)].Take(m);
+    }
+    for (auto& [k, group] : by_key) groups.push_back(std::move(group));
+  }
+  static std::pair<int, int> KeyOfKind(RegionKind kind) { return {4, static_cast<int>(kind)}; }
+  // The only floor moves and slopes as one.
+  std::pair<int, int> KeyOfRegion(const Motion& m) const {
+    const auto same = std::ranges::count(r_.regions(), m.of, &Region::kind);
+    const bool wall = m.of == RegionKind::kWall || m.of == RegionKind::kAxialWall;
+    return same == 1 && !wall ? KeyOfKind(m.of) : std::pair(5, m.region);
+  }
+
+  void TakePatches() {
+    std::vector<const Motion*> patches;
+    for (const Motion& m : motions) {
+      if (IsLocal(m) && !JoinMove(m)) patches.push_back(&m);
+    }
+    std::vector<size_t> parent(patches.size());
+    std::iota(parent.begin(), parent.end(), size_t{0});
+    auto root = [&](size_t k) {
+      while (parent[k] != k) k = parent[k] = parent[parent[k]];
+      return k;
+    };
+    for (size_t a = 0; a < patches.size(); ++a) {
+      for (size_t b = 0; b < a; ++b) {
+        const bool same = (patches[a]->size > 0) == (patches[b]->size > 0);
+        if (same && Touch(*patches[a], *patches[b])) parent[root(a)] = root(b);
+      }
+    }
+    std::map<size_t, Group> clusters;
+    for (size_t k = 0; k < patches.size(); ++k) clusters[root(k)].Take(*patches[k]);
+    std::map<int, std::array<size_t, 2>> signs;
+    for (const auto& [k, group] : clusters) {
+      ++signs[group.motions.front()->region][group.motions.front()->size > 0];
+    }
+    std::map<int, Group> waves;
+    for (auto& [k, group] : clusters) {
+      const int region = group.motions.front()->region;
+      if (signs[region][0] < kWavy || signs[region][1] < kWavy) {
+        groups.push_back(std::move(group));
+        continue;
+      }
+      for (const Motion* m : group.motions) waves[region].Take(*m);
+    }
+    for (auto& [region, group] : waves) groups.push_back(std::move(group));
+  }
+
+  static bool Touch(const Motion& a, const Motion& b) {
+    const dvec3 way = (a.at_m - b.at_m) * kMm;
+    if (Dot(way, way) < kNear_mm * kNear_mm) return true;
+    for (size_t i = 0; i < a.d_mm.size(); ++i) {
+      if (a.d_mm[i] * b.d_mm[i] > 0) return true;
+    }
+    return false;
+  }
+
+  // A patch that only says where a wall moved more than elsewhere belongs to that wall's mistake.
+  bool JoinMove(const Motion& patch) {
+    size_t middle = 0;
+    for (size_t i = 0; i < patch.d_mm.size(); ++i) {
+      if (std::fabs(patch.d_mm[i]) > std::fabs(patch.d_mm[middle])) middle = i;
+    }
+    const double peak = patch.d_mm[middle];
+    Group* best = nullptr;
+    for (Group& group : groups) {
+      const double there = group.d_mm[middle];
+      if (there * peak <= 0 || std::fabs(there) < kSameMove * std::fabs(peak)) continue;
+      if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;
+    }
+    if (best == nullptr) return false;
+    best->Take(patch);
+    return true;
+  }
+
+  // The explanation leaves out what lies at edges: what moved the nearest surfaces moved them too.
+  void ReachOverEdges() {
+    const auto& pieces = r_.pieces();
+    for (size_t e = 0; e < pieces.size(); ++e) {
+      if (!IsEdge(e)) continue;
+      std::vector<double> sum(groups.size());
+      double weights = 0;
+      for (size_t i = 0; i < pieces.size(); ++i) {
+        if (IsEdge(i)) continue;
+        const dvec3 way = (pieces[i].at_m - pieces[e].at_m) * kMm;
+        const double t = 1 - Dot(way, way) / (kEdgeReach_mm * kEdgeReach_mm);
+        if (t <= 0) continue;
+        const double weight = t * pieces[i].area_m2;
+        weights += weight;
+        for (size_t g = 0; g < groups.size(); ++g) sum[g] += weight * groups[g].d_mm[i];
+      }
+      for (size_t g = 0; g < groups.size(); ++g) {
+        if (weights > 0) groups[g].d_mm[e] = sum[g] / weights;
+      }
+    }
+  }
+
+  // The penalty draws sizes towards 0, and shares what two motions can say. For the words, the motions that name
+  // the group are fitted to what no other group explains, without a penalty.
+  void Refit(Group& group) const {
+    group.sizes.assign(group.motions.size(), 0);
+    std::vector<size_t> which;
+    for (size_t k = 0; k < group.motions.size(); ++k) {
+      group.sizes[k] = group.motions[k]->size;
+      if (!IsLocal(*group.motions[k])) which.push_back(k);
+    }
+    const size_t n = which.size();
+    if (n == 0) return;
+    std::vector<std::vector<double>> rows(n, std::vector<double>(n + 1));
+    for (size_t i = 0; i < off_mm.size(); ++i) {
+      if (IsEdge(i)) continue;
+      double rest = off_mm[i];
+      for (const Group& other : groups) {
+        if (&other != &group) rest -= other.d_mm[i];
+      }
+      std::vector<double> phi(n);
+      for (size_t a = 0; a < n; ++a) {
+        const Motion& m = *group.motions[which[a]];
+        phi[a] = m.d_mm[i] / m.size;
+      }
+      const double area = r_.pieces()[i].area_m2 * kMm * kMm;
+      for (size_t a = 0; a < n; ++a) {
+        for (size_t b = 0; b < n; ++b) rows[a][b] += area * phi[a] * phi[b];
+        rows[a][n] += area * phi[a] * rest;
+      }
+    }
+    // Positive definite, but for motions that say the same.
+    for (size_t a = 0; a < n; ++a) rows[a][a] *= 1 + kTie;
+    for (size_t a = 0; a < n; ++a) {
+      if (!(rows[a][a] > 0)) return;
+      for (size_t b = a + 1; b < n; ++b) {
+        const double part = rows[b][a] / rows[a][a];
+        for (size_t c = a; c <= n; ++c) rows[b][c] -= part * rows[a][c];
+      }
+    }
+    for (size_t a = n; a-- > 0;) {
+      double value = rows[a][n];
+      for (size_t b = a + 1; b < n; ++b) value -= rows[a][b] * group.sizes[which[b]];
+      group.sizes[which[a]] = value / rows[a][a];
+    }
+  }
+
+  const AcceptableCut& r_;
+  const std::vector<Motion>& motions;
+  const std::vector<double>& off_mm;
+  std::vector<Group> groups;
+};
+
+}  // namespace
+
+bool IsLocal(const Motion& motion) {
+  return motion.kind == MotionKind::kPart || motion.kind == MotionKind::kStrip ||
+         motion.kind == MotionKind::kPatch;
+}
+
+void Group::Take(const Motion& motion) {
+  motions.push_back(&motion);
+  if (d_mm.empty()) d_mm.assign(motion.d_mm.size(), 0);
+  for (size_t i = 0; i < d_mm.size(); ++i) d_mm[i] += motion.d_mm[i];
+}
+
+bool Group::Has(MotionKind kind) const {
+  return std::ranges::any_of(motions, [&](const Motion* m) { return m->kind == kind; });
+}
+
+double Group::SizeOf(MotionKind kind) const {
+  for (size_t k = 0; k < motions.size(); ++k) {
+    if (motions[k]->kind == kind) return sizes[k];
+  }
+  return 0;
+}
+
+std::vector<Group> GroupMotions(const AcceptableCut& r, const std::vector<Motion>& motions,
+                                const std::vector<double>& off_mm) {
+  return Grouper(r, motions, off_mm).Make();
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,272 @@
+#include "common/scoring/mistakes/naming.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace enamel::scoring {
+namespace {
+
+constexpr double kMm = 1e3;
+// A groove is this many times longer than wide.
+constexpr double kLong = 2.0;
+// Of a wall's height.
+constexpr double kRimFrom = 0.6, kFootTo = 0.4;
+// A lean is said where it moves the ends of a wall by more than this part of what moved all of it.
+constexpr double kLeanSaid = 0.6;
+// Shares: of its peak, where a patch counts as touched; of a region, which then is named as a whole; of a
+// patch, in each of two walls; of a group, that a part is most of.
+constexpr double kTouched = 0.3, kMuch = 0.4, kMostOfWall = 0.7, kSpans = 0.2, kMostly = 0.4;
+
+class Namer {
+ public:
+  explicit Namer(const NamedFrom& from) : from_(from), r_(from.r) {}
+
+  void Name(const Group& group, Mistake& m) const {
+    const Motion& first = *group.motions.front();
+    if (group.Has(MotionKind::kShiftX) || group.Has(MotionKind::kShiftY)) {
+      const dvec3 v(group.SizeOf(MotionKind::kShiftX), group.SizeOf(MotionKind::kShiftY), 0);
+      m.kind = MistakeKind::kShifted;
+      m.size = std::sqrt(Dot(v, v));
+      m.towards = m.size > 0 ? v / m.size : v;
+    } else if (group.Has(MotionKind::kTurn)) {
+      m.kind = MistakeKind::kTurned;
+      m.size = std::fabs(group.SizeOf(MotionKind::kTurn));
+    } else if (group.Has(MotionKind::kTipX) || group.Has(MotionKind::kTipY)) {
+      const dvec3 v(group.SizeOf(MotionKind::kTipX), group.SizeOf(MotionKind::kTipY), 0);
+      m.kind = MistakeKind::kTipped;
+      m.size = std::sqrt(Dot(v, v));
+    } else if (group.Has(MotionKind::kSize) || group.Has(MotionKind::kTaper)) {
+      NameWalls(group, group.SizeOf(MotionKind::kSize), group.SizeOf(MotionKind::kTaper), m);
+      m.place = r_.is_stump() ? "axial" : "wall";
+    } else if (IsLocal(first)) {
+      NamePatch(group, m);
+    } else if (group.Has(MotionKind::kHeight) || group.Has(MotionKind::kSlopeX) ||
+               group.Has(MotionKind::kSlopeY) ||
+               !(first.of == RegionKind::kWall || first.of == RegionKind::kAxialWall)) {
+      NameLevel(group, m);
+    } else {
+      NameWalls(group, group.SizeOf(MotionKind::kOffset), group.SizeOf(MotionKind::kLean), m);
+      m.place = r_.regions()[static_cast<size_t>(first.region)].name;
+    }
+  }
+
+  // How far apart the pieces of the group lie along an axis, half.
+  double HalfExtent_mm(const Group& group, int axis) const {
+    double lo = 1e9, hi = -1e9;
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      if (group.d_mm[i] == 0) continue;
+      const double at = r_.pieces()[i].at_m[axis] * kMm;
+      lo = std::min(lo, at), hi = std::max(hi, at);
+    }
+    return hi > lo ? 0.5 * (hi - lo) : 0;
+  }
+
+  static double TangentOf(double degrees) { return degrees * 0.017453292519943295; }
+
+  void NameWalls(const Group& group, double moved_mm, double lean_deg, Mistake& m) const {
+    const double ends_mm = std::fabs(TangentOf(lean_deg)) * HalfExtent_mm(group, 2);
+    if (ends_mm > kLeanSaid * std::fabs(moved_mm)) {
+      // A cavity's wall that is farther out higher up opens; a stump's converges.
+      m.kind = lean_deg > 0 ? MistakeKind::kLeansOut : MistakeKind::kLeansIn;
+      m.size = std::fabs(lean_deg);
+      return;
+    }
+    m.size = std::fabs(moved_mm);
+    if (r_.is_stump())
+      m.kind = moved_mm > 0 ? MistakeKind::kOverReduced : MistakeKind::kUnderReduced;
+    else
+      m.kind = moved_mm > 0 ? MistakeKind::kOverExtended : MistakeKind::kUnderExtended;
+  }
+
+  // Floors, tables, margins, faces.
+  void NameLevel(const Group& group, Mistake& m) const {
+    const Motion& first = *group.motions.front();
+    const bool one = first.region >= 0 && !group.Has(MotionKind::kHeight);
+    const RegionKind kind = first.of;
+    m.place = one && std::ranges::count(r_.regions(), kind, &Region::kind) > 1
+                  ? r_.regions()[static_cast<size_t>(first.region)].name
+                  : std::string(NameOf(kind));
+    const double moved_mm = group.Has(MotionKind::kHeight) ? group.SizeOf(MotionKind::kHeight)
+                                                           : group.SizeOf(MotionKind::kOffset);
+    const dvec3 slope(group.SizeOf(MotionKind::kSlopeX), group.SizeOf(MotionKind::kSlopeY), 0);
+    const double ends_mm = std::fabs(TangentOf(slope.x)) * HalfExtent_mm(group, 0) +
+                           std::fabs(TangentOf(slope.y)) * HalfExtent_mm(group, 1);
+    if (ends_mm > kLeanSaid * std::fabs(moved_mm)) {
+      m.kind = MistakeKind::kSlopes;
+      m.size = std::sqrt(Dot(slope, slope));
+      m.towards = m.size > 0 ? slope / m.size : slope;
+      return;
+    }
+    m.size = std::fabs(moved_mm);
+    const bool reduced = kind == RegionKind::kTable || kind == RegionKind::kFace;
+    if (moved_mm > 0)
+      m.kind = reduced ? MistakeKind::kOverReduced : MistakeKind::kDeep;
+    else
+      m.kind = reduced ? MistakeKind::kUnderReduced : MistakeKind::kShallow;
+  }
+
+  // Where along the height of its wall, 0 to 1.
+  double HeightOn(int region, double z_m) const {
+    double lo = 1e9, hi = -1e9;
+    for (const SurfacePiece& piece : r_.pieces()) {
+      if (piece.region != static_cast<uint32_t>(region)) continue;
+      lo = std::min(lo, piece.at_m.z), hi = std::max(hi, piece.at_m.z);
+    }
+    return hi > lo ? (z_m - lo) / (hi - lo) : 0.5;
+  }
+
+  // Lengths of the patch along its longest and second axis, by the spread of what it moved.
+  double LengthOverWidth(const Group& group, const dvec3& middle) const {
+    // Second moments, by power iteration twice: 20 steps are enough for a ratio that is compared with 2.
+    glm::dmat3 moments(0.0);
+    double weights = 0;
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      const double weight = std::fabs(group.d_mm[i]) * r_.pieces()[i].area_m2;
+      const dvec3 out = (r_.pieces()[i].at_m - middle) * kMm;
+      weights += weight;
+      for (int a = 0; a < 3; ++a) moments[a] += weight * out[a] * out;
+    }
+    if (!(weights > 0)) return 1;
+    auto largest = [](glm::dmat3& of) {
+      dvec3 v(1, 0.7, 0.4);
+      double value = 0;
+      for (int i = 0; i < 20; ++i) {
+        const dvec3 next = of * v;
+        value = std::sqrt(Dot(next, next));
+        if (!(value > 0)) return 0.0;
+        v = next / value;
+      }
+      for (int a = 0; a < 3; ++a) of[a] -= value * v[a] * v;
+      return value;
+    };
+    const double first = largest(moments), second = largest(moments);
+    return second > 0 ? std::sqrt(first / second) : kLong;
+  }
+
+  void NamePatch(const Group& group, Mistake& m) const {
+    std::map<int, double> by_region;
+    double all = 0;
+    size_t over = 0;
+    for (const Motion* motion : group.motions) {
+      double part = 0;
+      for (size_t i = 0; i < motion->d_mm.size(); ++i) {
+        part += std::fabs(motion->d_mm[i]) * r_.pieces()[i].area_m2;
+      }
+      by_region[motion->region] += part;
+      all += part;
+      over += motion->size > 0;
+    }
+    const int main = std::ranges::max_element(by_region, {}, [](const auto& entry) {
+                       return entry.second;
+                     })->first;
+    const Region& region = r_.regions()[static_cast<size_t>(main)];
+    m.place = region.name;
+    const Touched touched = Touch(group, main);
+    m.size = touched.off_mm;
+    const double standing_mm3 =
+        over > 0 ? 0 : Standing_mm3(from_.faults, [&](size_t i) { return group.d_mm[i] < 0; });
+    if (over > 0 && over < group.motions.size()) {
+      m.kind = MistakeKind::kWave;
+    } else if (standing_mm3 > 0) {
+      m.kind = MistakeKind::kStanding;
+      m.size = standing_mm3;
+    } else if (over > 0) {
+      m.kind = KindOfOver(group, region, touched, all, m.at_m);
+    } else {
+      m.kind = SpansWalls(by_region, all) ? MistakeKind::kCorner
+                                          : KindOfLeft(main, region, touched, m.at_m);
+    }
+  }
+
+  // What a group moved of one region: how far, and how much of its area.
+  struct Touched {
+    double off_mm = 0, share = 0;
+  };
+  Touched Touch(const Group& group, int region) const {
+    double peak = 0, sum = 0, square = 0, area = 0;
+    auto counts = [&](size_t i) { return r_.pieces()[i].region == static_cast<uint32_t>(region); };
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      if (counts(i)) peak = std::max(peak, std::fabs(group.d_mm[i]));
+    }
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      if (!counts(i) || std::fabs(group.d_mm[i]) < kTouched * peak) continue;
+      const double weight = r_.pieces()[i].area_m2, off = std::fabs(from_.off_mm[i]);
+      sum += weight * off;
+      square += weight * off * off;
+      area += weight;
+    }
+    return {sum > 0 ? square / sum : 0, area / r_.regions()[static_cast<size_t>(region)].area_m2};
+  }
+
+  MistakeKind KindOfOver(const Group& group, const Region& region, const Touched& touched,
+                         double all, const dvec3& middle) const {
+    const Motion* part = LargestPart(group, all);
+    const bool strip = part != nullptr && part->kind == MotionKind::kStrip;
+    const bool wall = region.kind == RegionKind::kWall || region.kind == RegionKind::kAxialWall;
+    // A wall that is over in most of its width has a groove in the rest of it, if in any.
+    const bool much =
+        touched.share > (wall ? kMostOfWall : kMuch) || (part != nullptr && !strip && !wall);
+    if (!much) {
+      return part != nullptr || LengthOverWidth(group, middle) > kLong ? MistakeKind::kGroove
+                                                                       : MistakeKind::kPit;
+    }
+    return region.kind == RegionKind::kWall ? MistakeKind::kOverExtended
+           : IsReduced(region.kind)         ? MistakeKind::kOverReduced
+                                            : MistakeKind::kDeep;
+  }
+
+  MistakeKind KindOfLeft(int number, const Region& region, const Touched& touched,
+                         const dvec3& middle) const {
+    if (IsReduced(region.kind))
+      return touched.share > kMuch ? MistakeKind::kUnderReduced : MistakeKind::kBump;
+    if (region.kind == RegionKind::kMargin)
+      return touched.share > kMuch ? MistakeKind::kShallow : MistakeKind::kLip;
+    if (region.kind == RegionKind::kFloor)
+      return touched.share > kMuch ? MistakeKind::kShallow : MistakeKind::kLedge;
+    const double height = HeightOn(number, middle.z);
+    return height > kRimFrom       ? MistakeKind::kOverhang
+           : height < kFootTo      ? MistakeKind::kLedge
+           : touched.share > kMuch ? MistakeKind::kUnderExtended
+                                   : MistakeKind::kBump;
+  }
+
+  static bool IsReduced(RegionKind kind) {
+    return kind == RegionKind::kAxialWall || kind == RegionKind::kTable ||
+           kind == RegionKind::kFace;
+  }
+
+  // A part of a region that is most of the group.
+  const Motion* LargestPart(const Group& group, double all) const {
+    const Motion* best = nullptr;
+    double most = kMostly * all;
+    for (const Motion* m : group.motions) {
+      if (m->kind != MotionKind::kPart && m->kind != MotionKind::kStrip) continue;
+      double part = 0;
+      for (size_t i = 0; i < m->d_mm.size(); ++i) {
+        part += std::fabs(m->d_mm[i]) * r_.pieces()[i].area_m2;
+      }
+      if (part > most) best = m, most = part;
+    }
+    return best;
+  }
+  bool SpansWalls(const std::map<int, double>& by_region, double all) const {
+    size_t walls = 0;
+    for (const auto& [region, part] : by_region) {
+      const RegionKind kind = r_.regions()[static_cast<size_t>(region)].kind;
+      walls += kind == RegionKind::kWall && part > kSpans * all;
+    }
+    return walls >= 2;
+  }
+
+  const NamedFrom& from_;
+  const AcceptableCut& r_;
+};
+
+}  // namespace
+
+void NameMistake(const NamedFrom& from, const Group& group, Mistake& m) {
+  Namer(from).Name(group, m);
+}
+
+}  // namespace enamel::scoring
