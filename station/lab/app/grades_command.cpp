@@ -1,6 +1,7 @@
 #include "station/lab/app/grades_command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "station/lab/grades/figures.h"
 #include "station/lab/grades/grades.h"
 #include "station/lab/grades/hand_signs.h"
+#include "station/lab/grades/mixtures.h"
 #include "station/lab/grades/operators.h"
 
 namespace enamel::station::lab {
@@ -19,6 +21,8 @@ namespace {
 struct GradesCommand {
   GradesOptions options;
   std::vector<int> voxels_um;
+  int mixtures = 0;
+  uint64_t seed = 1;
   std::string json;
 };
 
@@ -58,6 +62,45 @@ Status RunGrades(const GradesCommand& command) {
     for (const std::string& miss : figure.misses) std::printf("%16s%s\n", "", miss.c_str());
   }
   return WriteRows(command.json, GradesJson(rows));
+}
+
+// Fails where a law is broken: no grade may be given by such points.
+Status RunMixtures(const GradesCommand& command) {
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(command.json, "--json"));
+  MixturesOptions options;
+  options.count = command.mixtures;
+  options.seed = command.seed;
+  options.exercises = command.options.exercises;
+  if (!command.voxels_um.empty()) options.voxels_nm = command.options.voxels_nm;
+  bench::Progress progress;
+  std::printf("%-26s %6s %6s %7s %7s %7s  %s\n", "exercise", "voxel", "seed", "score", "larger",
+              "further", "faults");
+  size_t broken = 0;
+  auto print = [&](const MixtureRow& r) {
+    progress.Clear();
+    std::string faults;
+    for (const std::string& fault : r.faults) faults += (faults.empty() ? "" : ", ") + fault;
+    const double larger = r.larger.empty() ? r.score : std::ranges::max(r.larger);
+    std::printf("%-26s %6.3f %6llu %7.2f %7.2f %7.2f  %s\n", r.exercise.c_str(), r.voxel_mm,
+                static_cast<unsigned long long>(r.seed), r.score, larger, r.further,
+                faults.c_str());
+    for (const std::string& law : r.broken) std::printf("%28sBROKEN: %s\n", "", law.c_str());
+    broken += r.broken.size();
+  };
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows,
+                          TryMixtures(options, print, [&](const std::string& what, double ratio) {
+                            progress.Show(what, ratio);
+                          }));
+  progress.Clear();
+  double sum_error = 0;
+  for (const MixtureRow& r : rows) sum_error = std::max(sum_error, r.sum_error);
+  std::printf(
+      "\n%12zu  laws broken in %zu mixtures\n%12.1e  points, the largest difference between the "
+      "mistakes' points and the loss\n",
+      broken, rows.size(), sum_error);
+  ENAMEL_RETURN_IF_ERROR(WriteRows(command.json, MixturesJson(rows)));
+  return broken == 0 ? Status::Ok()
+                     : Status(Code::kInternal, std::to_string(broken) + " laws are broken");
 }
 
 struct OperatorsCommand {
@@ -217,6 +260,11 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
   grades->add_option("--voxel-um", command->voxels_um, "Voxel sizes; else 100, 50, 25")
       ->delimiter(',')
       ->check(CLI::Range(20, 400));
+  grades
+      ->add_option("--mixtures", command->mixtures,
+                   "Instead: so many random mixtures of faults, and the laws that points obey")
+      ->check(CLI::Range(1, 100'000));
+  grades->add_option("--seed", command->seed, "Of the mixtures")->capture_default_str();
   grades->add_option("--json", command->json, "Write the rows to this file");
   grades->footer(
       "Every built-in exercise at voxels of 0.1, 0.05 and 0.025 mm. The reference is the "
@@ -232,16 +280,25 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       "costs\n"
       "points as itself, is called by its name, and is critical where it should be.\n"
       "All of it takes an hour or more; --quick a few minutes.\n"
+      "\n"
+      "With --mixtures, one to three faults of random kind, place and size are cut in every "
+      "exercise\n"
+      "in turn, then each of them larger, then one more; voxels of 0.1 mm unless --voxel-um says\n"
+      "otherwise. The points of regions may not rise, the exact task has 100, and the points of "
+      "the\n"
+      "mistakes sum to the loss. Rubrics do not use these points yet.\n"
       "Examples:\n"
       "  enamel-lab grades --quick\n"
       "  enamel-lab grades --exercise class-1-molar --json grades.json\n"
-      "The JSON: schemas/lab_grades.schema.json. Exit codes: 0 measured, 1 failed.");
+      "  enamel-lab grades --mixtures 60 --seed 1\n"
+      "The JSON: schemas/lab_grades.schema.json, of mixtures schemas/lab_mixtures.schema.json.\n"
+      "Exit codes: 0 measured, 1 failed or a law broken.");
   grades->callback([command, exit_code] {
     if (!command->voxels_um.empty()) {
       command->options.voxels_nm.clear();
       for (int um : command->voxels_um) command->options.voxels_nm.push_back(1000 * um);
     }
-    const Status status = RunGrades(*command);
+    const Status status = command->mixtures > 0 ? RunMixtures(*command) : RunGrades(*command);
     if (!status.ok()) program::SayError("grades: " + status.message());
     *exit_code = status.ok() ? 0 : 1;
   });

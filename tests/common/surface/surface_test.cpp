@@ -561,7 +561,7 @@ TEST(DistanceQueryTest, NearestTriangleIsAsFarAsTheDistanceSays) {
     ASSERT_TRUE(nearest);
     EXPECT_EQ(nearest->distance_m, query.Distance_m(p, 1));
     EXPECT_EQ(query.DistanceTo_m(nearest->triangle, p), nearest->distance_m);
-    EXPECT_FALSE(query.NearestTriangle(p, nearest->distance_m));
+    EXPECT_FALSE(query.NearestTriangle(p, 0.999 * nearest->distance_m));
   }
   EXPECT_FALSE(DistanceQuery(Mesh{}).NearestTriangle({0, 0, 0}, 1));
 }

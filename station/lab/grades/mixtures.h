@@ -1,0 +1,45 @@
+#pragma once
+
+#include <boost/json/fwd.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "station/lab/grades/hollow.h"
+
+// Laws that no grade may break, tried on random mixtures of faults: a fault is made larger, or a
+// further one added, in the volume that was cut, which is measured and priced anew. Thread safety:
+// functions, any thread. Blocks.
+namespace enamel::station::lab {
+
+struct MixturesOptions {
+  int count = 60;  // of all exercises together, in turn
+  uint64_t seed = 1;
+  std::vector<int32_t> voxels_nm = {100'000};
+  std::vector<std::string> exercises;  // names or their beginnings; empty: all built in
+};
+
+struct MixtureRow {
+  std::string exercise;
+  double voxel_mm = 0;
+  uint64_t seed = 0;
+  std::vector<std::string> faults;  // what was done
+  double score = 0;
+  std::vector<double> larger;       // the score with each fault made larger
+  double further = 0;               // with one more
+  double exact = 0;                 // of the task itself
+  double sum_error = 0;             // |points of the mistakes - points lost|, the largest of all
+  std::vector<std::string> broken;  // laws, in words
+};
+
+// `row` is called with each row as it comes, `progress` (what, 0..1) between them; both may be empty.
+// Errors: kNotFound when no exercise has such a name; those of the scenes' builder.
+Result<std::vector<MixtureRow>> TryMixtures(
+    const MixturesOptions& options, const std::function<void(const MixtureRow&)>& row = {},
+    const std::function<void(const std::string&, double)>& progress = {});
+
+boost::json::object MixturesJson(const std::vector<MixtureRow>& rows);
+
+}  // namespace enamel::station::lab
