@@ -79,11 +79,14 @@ Result<School> FoundSchool(const std::filesystem::path& data, size_t stations) {
   std::string tag = ToHex(auth::NewToken()).substr(0, 8);
   school.login = "load-student-" + tag;
   school.instructor_login = "load-instructor-" + tag;
+  school.admin_login = "load-admin-" + tag;
   school.password = ToHex(auth::NewToken());
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, store->cohorts.CreateCohort("load " + tag, kLoadgen));
   ENAMEL_RETURN_IF_ERROR(AddPerson(*store, school.login, Role::kStudent, school.password, cohort));
   ENAMEL_RETURN_IF_ERROR(
       AddPerson(*store, school.instructor_login, Role::kInstructor, school.password, cohort));
+  ENAMEL_RETURN_IF_ERROR(
+      AddPerson(*store, school.admin_login, Role::kAdmin, school.password, cohort));
   ENAMEL_RETURN_IF_ERROR(Publish(*store, school));
   ENAMEL_RETURN_IF_ERROR(AddCodes(*store, school, stations));
   return school;

@@ -23,10 +23,10 @@ struct School {
   std::vector<std::string> codes;  // one-time enrolment codes
   Sha256 exercise, profile, scene, volume;
   core::CoreParams params;  // what exercise and profile compile to
-  std::string instructor_login;
+  std::string instructor_login, admin_login;
 };
 
-// Adds a student and an instructor with their own names, a practice block with its exercise for
+// Adds a student, an instructor and an admin with their own names, a practice block with its exercise for
 // everybody and `stations` enrolment codes. Errors: those of the store.
 Result<School> FoundSchool(const std::filesystem::path& data, size_t stations);
 
