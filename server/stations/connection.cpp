@@ -2,12 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <exception>
+#include <limits>
 
 #include "server/auth/address_block.h"
 
@@ -19,6 +21,13 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::chrono::milliseconds kGoodbye{2'000};
+constexpr size_t kAsManyAsThere = std::numeric_limits<size_t>::max();
+// What a station is charged: reading a frame; a handshake; a request in the store, which takes its
+// thread for less than it takes of the disk, and for more where others are in its way.
+constexpr std::chrono::microseconds kFrameTime{100}, kLinkTime{2'000}, kLeastTime{1'000},
+    kMostTime{20'000};
+// Below this a timer costs more than it spares.
+constexpr std::chrono::milliseconds kShortestRest{1};
 // Of a refusal by LinkBudget.
 constexpr char kOverBudget[] = "budget";
 
@@ -191,12 +200,25 @@ asio::awaitable<void> Connection::ServeRequests() {
       welcomed_ = true;
       if (const auto oldest = budget_.Enter(*station_, shared_from_this())) oldest->EndForNewer();
       reader_.set_limit(protocol::kMaxFrameBytes);
+      took_ += kLinkTime;
     }
+    if (station_) co_await Rest();
     if (!answer.reply) continue;
     if (answer.reply->has_error()) NoteRefusal(*answer.reply->mutable_error(), answer.attempt);
     bool written = co_await Write(std::move(*answer.reply));
     if (!written || answer.close) co_return;
   }
+}
+
+// Behind the answer to come, so that a station that connects anew each time gains nothing.
+asio::awaitable<void> Connection::Rest() {
+  const auto now = Clock::now();
+  const auto rest = budget_.Took(*station_, std::exchange(took_, {}) + kFrameTime, now);
+  if (rest < kShortestRest) co_return;
+  deadline_.Allow(deadlines_.work);
+  asio::steady_timer until(strand_, now + rest);
+  error_code ended;
+  co_await until.async_wait(asio::redirect_error(asio::use_awaitable, ended));
 }
 
 // Only this coroutine writes to the stream, so that a reply never begins in the middle of another.
@@ -227,13 +249,22 @@ asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work
   co_return std::move(*out);
 }
 
+template <typename Work>
+auto Connection::InStore(Work work) {
+  const size_t most = station_ ? LinkBudget::kMostAtOnce : kAsManyAsThere;
+  return pool_.Run(Turn(party_, false, most), [this, work = std::move(work)] {
+    const LogRequest logged(id_);
+    const auto begin = Clock::now();
+    auto out = work();
+    took_ += std::clamp<Clock::duration>(Clock::now() - begin, kLeastTime, kMostTime);
+    return out;
+  });
+}
+
 asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {
   if (others_ != nullptr) {
     deadline_.Allow(deadlines_.work);
-    auto found = co_await pool_.Run(Turn(party_), [&] {
-      const LogRequest logged(id_);
-      return others_->ServicesOf(first);
-    });
+    auto found = co_await InStore([&] { return others_->ServicesOf(first); });
     if (!found.ok()) co_return found.status();
     services_ = std::move(*found);
   }
@@ -251,16 +282,10 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   if (auto who = session_->SignInWanted(request)) {
     auto signed_in = co_await session_->authenticator().SignIn(std::move(*who));
     // Hashing has its own threads (Authenticator); what follows asks the database.
-    co_return co_await pool_.Run(Turn(party_), [&] {
-      const LogRequest logged(id_);
-      return session_->FinishSignIn(request, signed_in);
-    });
+    co_return co_await InStore([&] { return session_->FinishSignIn(request, signed_in); });
   }
   if (session_->welcomed() && request.has_choose_password()) {
-    auto wanted = co_await pool_.Run(Turn(party_), [&] {
-      const LogRequest logged(id_);
-      return session_->PasswordWanted(request);
-    });
+    auto wanted = co_await InStore([&] { return session_->PasswordWanted(request); });
     Result<auth::SignedIn> signed_in = Status(Code::kInternal, "no password was chosen");
     if (!wanted.ok()) {
       signed_in = wanted.status();
@@ -268,23 +293,14 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
       signed_in = co_await session_->authenticator().ChangePassword(std::move(wanted->identity),
                                                                     std::move(wanted->change));
     }
-    co_return co_await pool_.Run(Turn(party_), [&] {
-      const LogRequest logged(id_);
-      return session_->FinishSignIn(request, signed_in);
-    });
+    co_return co_await InStore([&] { return session_->FinishSignIn(request, signed_in); });
   }
   if (auto who = session_->SignOffWanted(request)) {
     auto signer = co_await session_->authenticator().CheckPin(std::move(*who));
-    co_return co_await pool_.Run(Turn(party_), [&] {
-      const LogRequest logged(id_);
-      return session_->FinishSignOff(request, signer);
-    });
+    co_return co_await InStore([&] { return session_->FinishSignOff(request, signer); });
   }
   const auto begin = Clock::now();
-  Answer answer = co_await pool_.Run(Turn(party_), [&] {
-    const LogRequest logged(id_);
-    return session_->Handle(request);
-  });
+  Answer answer = co_await InStore([&] { return session_->Handle(request); });
   if (request.has_put_chunk())
     (services_ ? *services_ : own_).arrivals.Answered(Clock::now() - begin);
   co_return answer;

@@ -61,6 +61,11 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   // What `work` gives. Until then the station is sent StillWaiting to `reply_to`.
   template <typename T>
   boost::asio::awaitable<T> Waited(uint32_t reply_to, boost::asio::awaitable<T> work);
+  // What `work` returns, done on one of the store's threads in the party's turn.
+  template <typename Work>
+  auto InStore(Work work);
+  // Until the station's share of the time is free again.
+  boost::asio::awaitable<void> Rest();
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
   // Logs it, and removes the parts that are for the log alone.
@@ -89,6 +94,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   std::optional<StationOfSchool> station_;  // since Welcome
   // Whose the work is that threads are shared out for: the station, before Welcome the address.
   std::string party_;
+  Clock::duration took_{};  // by requests that the station has not been charged for
   std::shared_ptr<HeldBytes::Held> coming_;  // of a large frame that has not arrived yet
 };
 

@@ -30,4 +30,15 @@ bool LinkBudget::Recorded(const StationOfSchool& station, uint64_t bytes, UnixMs
   return true;
 }
 
+LinkBudget::Clock::duration LinkBudget::Took(const StationOfSchool& station, Clock::duration time,
+                                             Clock::time_point now) {
+  constexpr auto kAhead = kTimeAtOnce * 100 / kTimePercent;
+  MutexLock lock(mutex_);
+  auto& paid_at = parties_[station].paid_at;
+  paid_at = std::max(paid_at, now) + time * 100 / kTimePercent;
+  // It rests at most so long for what it took, also where its connections took it side by side.
+  paid_at = std::min(paid_at, now + kAhead + kLongestRest);
+  return std::max(paid_at - kAhead - now, Clock::duration::zero());
+}
+
 }  // namespace enamel::server::stations

@@ -38,6 +38,14 @@ class LinkBudget {
   // fortnight of ordinary ones that waited at the station.
   static constexpr uint64_t kMostRecordedBytes = uint64_t{4} << 30;
   static constexpr std::chrono::hours kPeriod{24};
+  // Requests that the store carries out at once: of the desk, and of what a station sends.
+  static constexpr size_t kMostAtOnce = 2;
+  // Of a thread's time. A chair that records takes one hundredth of it; one that sends a day's
+  // recordings, all that it may have: 250 chunks a second.
+  static constexpr int kTimePercent = 50;
+  // Time that a station may take before it has to wait: it has just begun, or slept.
+  static constexpr std::chrono::milliseconds kTimeAtOnce{500};
+  static constexpr std::chrono::milliseconds kLongestRest{500};
 
   // It has said who it is. Returns the oldest of its other connections where it has too many now,
   // for the caller to end; null: none.
@@ -50,6 +58,10 @@ class LinkBudget {
   // A chunk of so many bytes came. False: more than kMostRecordedBytes within kPeriod, and not
   // counted.
   bool Recorded(const StationOfSchool& station, uint64_t bytes, UnixMs now_ms);
+  using Clock = std::chrono::steady_clock;
+  // It has taken so much time of a thread. Returns how long it rests before its next request, at
+  // most kLongestRest: it owes the rest.
+  Clock::duration Took(const StationOfSchool& station, Clock::duration time, Clock::time_point now);
 
  private:
   struct Party {
@@ -57,6 +69,9 @@ class LinkBudget {
     // Since when these were counted.
     UnixMs since_ms = 0;
     uint64_t recorded_bytes = 0;
+    // When all that it took will have been its share (the generic cell rate algorithm, ITU-T
+    // I.371).
+    Clock::time_point paid_at{};
   };
 
   HeldBytes coming_{kMostComingBytes};

@@ -161,14 +161,21 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
                   "new code (if the server was restored from an older backup: with enrol --again, "
                   "so that recordings made here stay valid)");
   }
-  ENAMEL_RETURN_IF_ERROR(
-      services_.store.stations.TouchStation(id, software, hello.core_version(), services_.clock()));
+  const UnixMs now = services_.clock();
+  const bool noted = station->last_seen_ms <= now && now - station->last_seen_ms < kNotedEveryMs &&
+                     station->software == software && station->core_version == hello.core_version();
+  // Else a station that connects again and again would write each time.
+  if (!noted) {
+    ENAMEL_RETURN_IF_ERROR(
+        services_.store.stations.TouchStation(id, software, hello.core_version(), now));
+  }
   station_ = *station;
   shows_remarks_ = hello.shows_remarks();
   if (services_.board != nullptr) entered_ = services_.board->Enter(id, shows_remarks_);
   station_core_version_ = hello.core_version();
   software_ = software;
-  admitted_ms_ = noted_ms_ = services_.clock();
+  admitted_ms_ = now;
+  noted_ms_ = noted ? station->last_seen_ms : now;
   NoteHeard();
 
   ENAMEL_ASSIGN_OR_RETURN(auto policy, services_.store.settings.PolicyFor(station->name));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/associated_executor.hpp>
 #include <boost/asio/async_result.hpp>
@@ -31,10 +32,13 @@ namespace enamel::server {
 // Whose work it is, for a pool whose threads are shared out.
 struct Turn {
   // A constructor, since g++ 12 destroys an aggregate within a co_await twice.
-  explicit Turn(std::string whose = {}, bool goes_first = false)
-      : of(std::move(whose)), first(goes_first) {}
+  explicit Turn(std::string whose = {}, bool goes_first = false,
+                size_t most_threads = std::numeric_limits<size_t>::max())
+      : of(std::move(whose)), first(goes_first), most(most_threads) {}
   std::string of;      // a person, an address; empty: nobody's in particular
   bool first = false;  // of those that go first, who get every other turn
+  // Threads that it may have at once, where that is less than the pool's `most_of_one`.
+  size_t most = std::numeric_limits<size_t>::max();
 };
 
 // Where blocking work of coroutines runs (Store calls, decoding): a few threads, away from the I/O
@@ -129,7 +133,8 @@ class StorePool {
   // Puts the party at the end of its line, if it may have a thread for what waits.
   void Queue(Parties::iterator at) ENAMEL_REQUIRES(mutex_) {
     Party& party = at->second;
-    if (party.in_line || party.waiting.empty() || party.running >= most_of_one_) return;
+    const size_t most = std::min(most_of_one_, at->first.most);
+    if (party.in_line || party.waiting.empty() || party.running >= most) return;
     party.in_line = true;
     lines_[at->first.first ? 0 : 1].push_back(at);
   }

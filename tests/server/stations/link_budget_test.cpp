@@ -21,6 +21,30 @@ TEST(LinkBudgetTest, WhatAStationRecordsInADayIsBoundedForItAlone) {
   EXPECT_TRUE(budget.Recorded(one, 1, 2 * kDayMs)) << "the next day";
 }
 
+TEST(LinkBudgetTest, AStationThatTakesMoreThanItsShareRestsAndOthersDoNot) {
+  using namespace std::chrono_literals;
+  LinkBudget budget;
+  const StationOfSchool one{nullptr, Uuid::New()}, other{nullptr, Uuid::New()};
+  const LinkBudget::Clock::time_point begin{};
+  auto now = begin;
+  LinkBudget::Clock::duration took{}, longest{};
+  // Eight connections that each ask again as soon as they may.
+  while (now < begin + 60s) {
+    LinkBudget::Clock::duration rest{};
+    for (int i = 0; i < 8; ++i) {
+      took += 2ms;
+      rest = std::max(rest, budget.Took(one, 2ms, now));
+    }
+    longest = std::max(longest, rest);
+    now += 2ms + rest;
+  }
+  EXPECT_NEAR(std::chrono::duration<double>(took).count(), 60 * LinkBudget::kTimePercent / 100,
+              1.5);
+  EXPECT_LE(longest, LinkBudget::kLongestRest);
+  EXPECT_EQ(budget.Took(other, 2ms, now), 0s);
+  EXPECT_EQ(budget.Took(one, 2ms, now + 60s), 0s) << "what was owed is not kept for ever";
+}
+
 TEST(LinkBudgetTest, FramesThatHaveOnlyBegunAreBoundedAndTheirStationPaysForThem) {
   LinkBudget budget;
   constexpr size_t kFrame = size_t{4} << 20;

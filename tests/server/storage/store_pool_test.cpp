@@ -88,6 +88,18 @@ TEST_F(StorePoolTest, OneHasAsManyThreadsAsOneMayHave) {
   EXPECT_EQ(order().size(), 3u);
 }
 
+TEST_F(StorePoolTest, APartyHasAsManyThreadsAsItsTurnSays) {
+  StorePool pool(2);
+  Post(pool, Turn("one", false, 1), "a");
+  Post(pool, Turn("one", false, 1), "b");
+  begun_.acquire();
+  Post(pool, Turn("other"), "X");
+  begun_.acquire();
+  EXPECT_EQ(order(), "aX");
+  Finish(3);
+  EXPECT_EQ(order().size(), 3u);
+}
+
 TEST_F(StorePoolTest, WhoWaitsForWorkThrowsWhatItThrew) {
   StorePool pool(1);
   std::string caught;
