@@ -16,6 +16,7 @@
 #include "common/base/unix_time.h"
 #include "server/auth/address_block.h"
 #include "server/auth/token.h"
+#include "server/ops/yield_to_others.h"
 
 namespace enamel::server::auth {
 namespace {
@@ -143,6 +144,11 @@ auto Authenticator::InPlace(std::string login, std::string address, std::string 
   }
   auto result = co_await pool.Run(*turn, [&] {
     const Leaving leaving(places_, *turn);
+    // Many sign-ins delay other sign-ins and no requests.
+    if (&pool == hashing_.get()) {
+      static thread_local const bool yields = (ops::YieldToOthers(), true);
+      (void)yields;
+    }
     return work();
   });
   co_return result;

@@ -7,7 +7,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
-#include "server/jobs/worker.h"
+#include "server/ops/yield_to_others.h"
 
 namespace enamel::server {
 namespace {
@@ -124,7 +124,7 @@ void ExerciseTrials::Finish(const Uuid& id, Result<scoring::Trial> trial, double
 
 void ExerciseTrials::Loop(const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
-  YieldToOthers();
+  ops::YieldToOthers();
   while (!stop.stop_requested()) {
     Uuid id;
     scene::Exercise exercise;

@@ -1,15 +1,11 @@
 #include "server/jobs/worker.h"
 
-#include <pthread.h>
-#include <sched.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <exception>
 
 #include "common/base/log_request.h"
 #include "common/base/unix_time.h"
 #include "server/jobs/score_job.h"
+#include "server/ops/yield_to_others.h"
 
 namespace enamel::server {
 namespace {
@@ -18,13 +14,6 @@ constexpr double kProgressStep = 0.05;
 constexpr std::chrono::milliseconds kLookAtQueue{200};
 
 }  // namespace
-
-void YieldToOthers() {
-  constexpr int kNice = 5;
-  sched_param none{};
-  (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
-}
 
 Worker::Worker(Store& store, WorkerOptions options) : store_(store), options_(std::move(options)) {}
 
@@ -79,7 +68,7 @@ void Worker::Notify() {
 }
 
 void Worker::Loop(std::stop_token stop) {
-  YieldToOthers();
+  ops::YieldToOthers();
   while (!stop.stop_requested()) {
     // Read before the queue is, so that a Notify in between is not slept through.
     uint64_t seen = Notified();

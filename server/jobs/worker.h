@@ -36,10 +36,6 @@ struct WorkerOptions {
   std::function<void(const JobRow& job, const Status& status)> on_done;
 };
 
-// Of the calling thread: what must not wait, taking recordings and answering people, goes first. No
-// harm where it is not granted. About a third of another thread's share when all want to run.
-void YieldToOthers();
-
 // Runs queued jobs on threads of its own, which yield to others: lease, run, finish. A thread that
 // finds none makes the newest timeline that is missing, one thread at a time, and puts it off as
 // soon as a job is queued: who waits for a score goes first. Progress goes
