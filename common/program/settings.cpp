@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <string_view>
@@ -36,6 +37,12 @@ std::string SettingOf(std::string_view key) {
   std::string out(key);
   std::ranges::replace(out, '_', '-');
   return out;
+}
+
+// The section of a settings file that an option belongs to; empty: none.
+std::string SectionOf(const CLI::Option& option) {
+  const std::string& group = option.get_group();
+  return NameOf(option).starts_with(group + "-") ? group : std::string();
 }
 
 std::string Where(const std::string& file, const toml::source_region& region) {
@@ -141,6 +148,39 @@ Status Apply(CLI::Option& option, const std::vector<std::string>& texts) {
   return Status::Ok();
 }
 
+bool HasSection(const CLI::App& command, const std::string& section) {
+  return !section.empty() && std::ranges::any_of(command.get_options(), [&](const CLI::Option* option) {
+    return SectionOf(*option) == section;
+  });
+}
+
+// The settings of a section, whose name with "-" begins theirs, or of the file.
+Status ApplyTable(const toml::table& table, const std::string& section, const std::string& file,
+                  CLI::App& command, const std::set<std::string>& of_others) {
+  for (auto&& [key, node] : table) {
+    const std::string name = section + SettingOf(key.str());
+    if (const toml::table* inner = node.as_table(); inner != nullptr && HasSection(command, name)) {
+      ENAMEL_RETURN_IF_ERROR(ApplyTable(*inner, name + "-", file, command, of_others));
+      continue;
+    }
+    CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
+    if (option != nullptr && section.empty() && !SectionOf(*option).empty()) option = nullptr;
+    if (option == nullptr && (of_others.contains(name) || of_others.contains(kAnyKey))) continue;
+    if (option == nullptr) {
+      return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
+                                             Names(command, of_others, name) + "; found \"" +
+                                             std::string(key.str()) + "\"");
+    }
+    auto texts = TextsOf(node);
+    Status applied = texts.ok() ? Apply(*option, *texts) : texts.status();
+    if (!applied.ok()) {
+      return Status(Code::kInvalidInput,
+                    Where(file, node.source()) + name + ": " + applied.message());
+    }
+  }
+  return Status::Ok();
+}
+
 std::string Quoted(const std::string& text) {
   std::ostringstream out;
   // The library's own escapes: what is printed reads back.
@@ -202,23 +242,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     return Status(Code::kInvalidInput,
                   Where(file, error.source()) + std::string(error.description()));
   }
-  for (auto&& [key, node] : table) {
-    const std::string name = SettingOf(key.str());
-    CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
-    if (option == nullptr && (of_others.contains(name) || of_others.contains(kAnyKey))) continue;
-    if (option == nullptr) {
-      return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
-                                             Names(command, of_others, name) + "; found \"" +
-                                             std::string(key.str()) + "\"");
-    }
-    auto texts = TextsOf(node);
-    Status applied = texts.ok() ? Apply(*option, *texts) : texts.status();
-    if (!applied.ok()) {
-      return Status(Code::kInvalidInput,
-                    Where(file, node.source()) + name + ": " + applied.message());
-    }
-  }
-  return Status::Ok();
+  return ApplyTable(table, "", file, command, of_others);
 }
 
 std::vector<std::string> ApplyPolicy(const std::vector<PolicySetting>& policy, CLI::App& command,
@@ -252,7 +276,12 @@ std::set<std::string> SettingsIn(const std::filesystem::path& file) {
   auto bytes = ReadFile(file, kMaxFileBytes);
   if (!bytes.ok() || StrayCharacter(AsText(*bytes)) != std::string_view::npos) return out;
   try {
-    for (auto&& [key, node] : toml::parse(AsText(*bytes))) out.insert(SettingOf(key.str()));
+    for (auto&& [key, node] : toml::parse(AsText(*bytes))) {
+      const std::string name = SettingOf(key.str());
+      out.insert(name);
+      if (const toml::table* section = node.as_table(); section != nullptr)
+        for (auto&& [inner, value] : *section) out.insert(name + "-" + SettingOf(inner.str()));
+    }
   } catch (const toml::parse_error&) {
     return {};
   }
@@ -272,14 +301,19 @@ std::set<std::string> SettingNames(const CLI::App& app) {
 
 std::string SettingsText(const CLI::App& command) {
   std::string out;
+  std::map<std::string, std::string> sections;  // behind all that is in none
   for (const CLI::Option* option : command.get_options()) {
     std::string name = NameOf(*option);
     if (!IsSetting(name)) continue;
+    const std::string section = SectionOf(*option);
+    if (!section.empty()) name = name.substr(section.size() + 1);
+    std::string& to = section.empty() ? out : sections[section];
     std::string value = ValueText(*option);
     std::istringstream help(option->get_description());
-    for (std::string line; std::getline(help, line);) out += "# " + line + "\n";
-    out += value.empty() ? "# " + name + " =\n" : name + " = " + value + "\n";
+    for (std::string line; std::getline(help, line);) to += "# " + line + "\n";
+    to += value.empty() ? "# " + name + " =\n" : name + " = " + value + "\n";
   }
+  for (const auto& [section, text] : sections) out += "\n[" + section + "]\n" + text;
   return out;
 }
 

@@ -26,7 +26,8 @@ Status ReadEnvironment(CLI::App& command, const std::string& prefix = "ENAMEL_")
 // Gives the options of `command` that neither command line nor environment gave the values of a
 // TOML file (https://toml.io, 1.0). Its keys are the options' long names without dashes in front,
 // "job-threads" or "job_threads"; its values are texts, integers, booleans, and lists of texts for
-// options that may be repeated. Call it after the command line was parsed. Errors: kNotFound;
+// options that may be repeated. An option in a group belongs to the section of that name:
+// "budgets-views" in the group "budgets" is the key "views" of [budgets]. Call it after the command line was parsed. Errors: kNotFound;
 // kInvalidInput with line and column, also for a key that is no option (the message lists the
 // options) and for a value that the option refuses. A file may serve several commands: keys in
 // `of_others` are ignored, and if it holds kAnyKey, all keys that the command does not have are

@@ -95,6 +95,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
                const SchoolOptions& options)
     : store_(std::move(store)),
       authenticator_(*store_, options.auth),
+      live_(options.budgets),
       content_(*store_),
       services_{*store_,
                 authenticator_,

@@ -23,6 +23,7 @@ namespace enamel::server::app {
 struct SchoolOptions {
   auth::AuthOptions auth{};
   int job_threads = 1;  // 0: no attempt is scored here
+  ops::Budgets budgets{};
 };
 
 // One school as a server serves it, without its ports: its store, access rights, live state, and

@@ -7,6 +7,7 @@
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <iostream>
 #include <optional>
@@ -29,6 +30,7 @@
 #include "server/http/api.h"
 #include "server/http/wire/http_server.h"
 #include "server/ops/metrics.h"
+#include "server/stations/link_budget.h"
 #include "server/stations/station_server.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/open_store.h"
@@ -236,6 +238,27 @@ Result<Prepared> Prepare(const ServeOptions& options) {
   return out;
 }
 
+// Returns the use that the parties of one school make of budgets that all schools share.
+using BudgetsUsed = std::function<std::vector<ops::BudgetUse>(const stations::Services& school)>;
+
+BudgetsUsed ServerBudgets(const ops::Budgets& limits,
+                          std::shared_ptr<const stations::LinkBudget> link,
+                          std::shared_ptr<const HeldBytes> bodies) {
+  return [limits, link = std::move(link),
+          bodies = std::move(bodies)](const stations::Services& school) {
+    std::vector<ops::BudgetUse> out = link->Uses(&school, enamel::UnixMs());
+    const HeldBytes::Use most = bodies->Most();
+    ops::BudgetUse& use = out.emplace_back();
+    use.kind = &ops::kBodies;
+    use.limit = ops::LimitOf(ops::kBodies, limits);
+    use.most = most.bytes;
+    if (!most.of.empty()) use.party = ops::PartyKind::kAddress;
+    use.of = most.of;
+    use.refused = bodies->refused();
+    return out;
+  };
+}
+
 // Opens the other schools of the installation, once the ports are known.
 struct OpenOther {
   const ServeOptions& options;
@@ -243,6 +266,7 @@ struct OpenOther {
   const SchoolOptions& school_options;
   const http::HttpOptions& page;
   const stations::StationServerOptions& link;
+  const BudgetsUsed& budgets_used;
   uint16_t page_port = 0, link_port = 0;
 
   void WarnOfOwnHosts(const SchoolRow& row) const {
@@ -264,10 +288,13 @@ struct OpenOther {
     Schools::Opened out;
     out.school = std::make_shared<School>(std::move(its.store), its.identity, school_options);
     out.school->services().page_url = PageUrlOf(row.hosts.front(), page, page_port);
-    out.api =
-        std::make_shared<http::Api>(out.school->store(), out.school->authenticator(),
-                                    http::Monitoring{&out.school->metrics(), page.metrics_token},
-                                    page.store_threads, page.max_in_flight, page.deadlines.work);
+    http::Monitoring monitoring{&out.school->metrics(), page.metrics_token};
+    monitoring.budgets = [used = budgets_used, services = &out.school->services()] {
+      return used(*services);
+    };
+    out.api = std::make_shared<http::Api>(out.school->store(), out.school->authenticator(),
+                                          std::move(monitoring), page.store_threads,
+                                          page.max_in_flight, page.deadlines.work, page.budgets);
     out.api->Show(out.school->live());
     out.api->Show(out.school->stations());
     BackupRun::Place backups = page.backups;
@@ -299,6 +326,7 @@ Status Serve(const ServeOptions& options) {
   school_options.auth.hashing =
       std::make_shared<StorePool>(school_options.auth.hash_threads);  // one bound for all schools
   school_options.job_threads = options.job_threads;
+  school_options.budgets = options.budgets;
   School school(std::move(prepared.store), identity, school_options);
   ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store.people));
   auth::FirstAdmin first_admin;
@@ -308,7 +336,14 @@ Status Serve(const ServeOptions& options) {
   http_options.live = &school.live();
   http_options.stations = &school.stations();
   http_options.station_fingerprint = identity.fingerprint.Hex();
-  OpenOther other{options, prepared.store_options, school_options, http_options, prepared.link};
+  const auto link_budget = std::make_shared<stations::LinkBudget>(options.budgets);
+  prepared.link.budget = link_budget;
+  http_options.budgets = options.budgets;
+  http_options.bodies = std::make_shared<HeldBytes>(ops::LimitOf(ops::kBodies, options.budgets));
+  const BudgetsUsed budgets_used = ServerBudgets(options.budgets, link_budget, http_options.bodies);
+  http_options.budgets_used = [&] { return budgets_used(school.services()); };
+  OpenOther other{options,      prepared.store_options, school_options,
+                  http_options, prepared.link,          budgets_used};
   const auto forget_school = [&](const std::string& name) {
     if (Status gone = ForgetSchool(options.data, name); !gone.ok())
       spdlog::warn("{}", gone.message());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "server/ops/budgets.h"
 
 namespace enamel::server::app {
 
@@ -26,6 +27,7 @@ struct ServeOptions {
   std::string page_url;
   int io_threads = 2;
   int job_threads = 1;
+  ops::Budgets budgets{};
   int min_free_mib = 256;                 // recordings are refused when the disk has less
   int drain_s = 0;                        // from the first signal until it stops, /readyz is 404
   int one_time_password_days = 7;         // a password that was made up can be used so long

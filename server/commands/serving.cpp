@@ -1,5 +1,6 @@
 #include "server/commands/serving.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -77,6 +78,18 @@ void AddOperations(CLI::App* cmd, ServeSettings& o) {
       ->capture_default_str();
 }
 
+// In a section of their own of the settings file.
+void AddBudgets(CLI::App* cmd, ops::Budgets& budgets) {
+  for (const ops::BudgetKind* kind : ops::kBudgets) {
+    std::string name = "--budgets-" + std::string(kind->name);
+    std::ranges::replace(name, '_', '-');
+    cmd->add_option(name, budgets.*kind->limit, kind->what)
+        ->check(CLI::Range(kind->least, kind->most))
+        ->group("budgets")
+        ->capture_default_str();
+  }
+}
+
 }  // namespace
 
 void AddServeSettings(CLI::App* cmd, ServeSettings& settings) {
@@ -84,6 +97,7 @@ void AddServeSettings(CLI::App* cmd, ServeSettings& settings) {
   AddIdentity(cmd, settings.serve.identity);
   AddAddresses(cmd, settings.serve);
   AddOperations(cmd, settings);
+  AddBudgets(cmd, settings.serve.budgets);
   cmd->add_option("--config", settings.config, "TOML file with any of these settings")
       ->check(CLI::ExistingFile);
 }

@@ -130,13 +130,15 @@ class InFlight {
 }  // namespace
 
 Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
-         size_t max_in_flight, std::chrono::milliseconds work)
+         size_t max_in_flight, std::chrono::milliseconds work, const ops::Budgets& budgets)
     : store_(store),
       authenticator_(authenticator),
       monitoring_(std::move(monitoring)),
       max_in_flight_(max_in_flight),
       work_(work),
-      places_(max_in_flight),
+      budgets_(budgets),
+      places_(max_in_flight, budgets),
+      unsent_(ops::LimitOf(ops::kAnswers, budgets)),
       pool_(std::in_place, threads, (threads + 1) / 2),
       changes_(std::in_place, threads, (threads + 1) / 2),
       teeth_(std::in_place, store),
@@ -171,6 +173,26 @@ void Api::AddFigures(ops::MetricsText& text) const {
                static_cast<double>(forbidden_.load()));
   text.Durations("enamel_http_read_seconds", "API reads, from the whole request to the answer.",
                  reads_.counts());
+  ops::AddBudgets(text, Budgets());
+}
+
+std::vector<ops::BudgetUse> Api::Budgets() const {
+  std::vector<ops::BudgetUse> out;
+  if (monitoring_.budgets) out = monitoring_.budgets();
+  out.push_back(places_.Uses());
+  if (live_ != nullptr) {
+    for (const ops::BudgetUse& use : live_->Uses()) out.push_back(use);
+  }
+  const HeldBytes::Use answers = unsent_.Most();
+  const bool person = Uuid::Parse(answers.of).ok();
+  ops::BudgetUse& use = out.emplace_back();
+  use.kind = &ops::kAnswers;
+  use.limit = ops::LimitOf(ops::kAnswers, budgets_);
+  use.most = answers.bytes;
+  if (!answers.of.empty()) use.party = person ? ops::PartyKind::kPerson : ops::PartyKind::kAddress;
+  use.of = answers.of;
+  use.refused = unsent_.refused();
+  return out;
 }
 
 void Api::EndWork() {
@@ -256,7 +278,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (!match.route) co_return NoSuchRoute(request, match);
   Call call{request,  authenticator_,       nullptr,       {},       {},           &monitoring_,
             live_,    station_fingerprint_, station_port_, &*apart_, first_admin_, stations_,
-            &*teeth_, &*backups_,           &*trials_,     &cuts_,   draining_,    &bodies_};
+            &*teeth_, &*backups_,           &*trials_,     &cuts_,   draining_,    &bodies_,
+            this};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {
@@ -272,9 +295,11 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
   RequestPlaces::Place own = places_.Take(request);
   if (own.held == nullptr) {
-    co_return ErrorResponse(
-        {Code::kUnavailable,
-         "too many of your requests are under way at once; try again in a few seconds"});
+    const std::string why =
+        "too many of your requests are under way at once; try again in a few seconds";
+    co_return ErrorResponse(Uuid::Parse(own.of).ok()
+                                ? ops::OverBudget(ops::kPersonRequests, budgets_, why)
+                                : Status(Code::kUnavailable, why));
   }
   // Lives as long as the work, also when the caller has been answered in its stead: the bound is on
   // what runs.
@@ -295,9 +320,9 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   const size_t bytes = response.shared_body ? response.shared_body->size() : body.size();
   response.held = unsent_.Add(own.of, where, bytes);
   if (response.held == nullptr) {
-    co_return ErrorResponse(
-        {Code::kUnavailable,
-         "too much of what you asked for has not been read yet; try again in a few seconds"});
+    co_return ErrorResponse(ops::OverBudget(
+        ops::kAnswers, budgets_,
+        "too much of what you asked for has not been read yet; try again in a few seconds"));
   }
   response.place = std::move(own.held);
   co_return response;

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
@@ -37,7 +38,8 @@ namespace enamel::server::http {
 class Api : public std::enable_shared_from_this<Api> {
  public:
   Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
-      size_t max_in_flight, std::chrono::milliseconds work = std::chrono::seconds(60));
+      size_t max_in_flight, std::chrono::milliseconds work = std::chrono::seconds(60),
+      const ops::Budgets& budgets = {});
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
@@ -69,12 +71,12 @@ class Api : public std::enable_shared_from_this<Api> {
   // store. Requires: no Handle runs any more.
   void EndWork();
 
-  // Answers, sign-ins and reads.
+  // Answers, sign-ins, reads and budgets.
   void AddFigures(ops::MetricsText& text) const;
+  // Returns the use of each budget: by people and stations of this school, and by addresses.
+  std::vector<ops::BudgetUse> Budgets() const;
 
  private:
-  static constexpr size_t kMostUnsentBytes = size_t{192} << 20;
-
   struct Work;
   boost::asio::awaitable<Response> AnswerInTime(Request request);
   boost::asio::awaitable<void> Do(std::shared_ptr<Work> work);
@@ -89,6 +91,7 @@ class Api : public std::enable_shared_from_this<Api> {
   const Monitoring monitoring_;
   const size_t max_in_flight_;
   const std::chrono::milliseconds work_;
+  const ops::Budgets budgets_;
   LiveBoard* live_ = nullptr;
   auth::FirstAdmin* first_admin_ = nullptr;
   StationBoard* stations_ = nullptr;
@@ -98,7 +101,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::atomic<size_t> in_flight_{0};
   RequestPlaces places_;
   SharedBodies bodies_;
-  HeldBytes unsent_{kMostUnsentBytes};
+  HeldBytes unsent_;
   LiveCuts cuts_;
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};

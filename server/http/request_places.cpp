@@ -17,12 +17,16 @@ RequestPlaces::Place RequestPlaces::Take(const Request& request) {
     const auto at = people_.find(hash);
     if (at != people_.end()) name = at->second;
   }
-  const size_t most = name.empty() ? of_address_ : kOfPerson;
-  if (name.empty()) name = auth::AddressBlock(request.peer);
+  const bool known = !name.empty();
+  const size_t most = known ? ops::LimitOf(ops::kPersonRequests, limits_) : of_address_;
+  if (!known) name = auth::AddressBlock(request.peer);
   {
     MutexLock lock(counts_->mutex);
     size_t& taken = counts_->taken[name];
-    if (taken >= most) return {name, nullptr};
+    if (taken >= most) {
+      counts_->refused += known ? 1 : 0;
+      return {name, nullptr};
+    }
     ++taken;
   }
   // What it points to only says that it is not null.
@@ -32,6 +36,21 @@ RequestPlaces::Place RequestPlaces::Take(const Request& request) {
                                if (--at->second == 0) counts->taken.erase(at);
                              }};
   return {std::move(name), std::move(held)};
+}
+
+ops::BudgetUse RequestPlaces::Uses() const {
+  ops::BudgetUse out;
+  out.kind = &ops::kPersonRequests;
+  out.limit = ops::LimitOf(*out.kind, limits_);
+  MutexLock lock(counts_->mutex);
+  out.refused = counts_->refused;
+  for (const auto& [of, taken] : counts_->taken) {
+    if (taken <= out.most || !Uuid::Parse(of).ok()) continue;
+    out.most = taken;
+    out.party = ops::PartyKind::kPerson;
+    out.of = of;
+  }
+  return out;
 }
 
 void RequestPlaces::Know(const Request& request, const Uuid& person) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "common/base/uuid.h"
 #include "server/auth/authenticator.h"
@@ -20,6 +21,7 @@
 #include "server/live/live_board.h"
 #include "server/live/live_cuts.h"
 #include "server/live/station_board.h"
+#include "server/ops/budgets.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
@@ -28,6 +30,8 @@
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
 // test compares the two both ways.
 namespace enamel::server::http {
+
+class Api;
 
 // Who may call a route at all. server/training/access.h decides whose data the answer may hold.
 enum class Need : uint8_t {
@@ -43,6 +47,8 @@ struct Monitoring {
   std::string token;                      // none when empty
   // What the school's other servers measure (ReadinessOf); none: there are none.
   std::function<std::optional<PeersView>()> peers{};
+  // The use of budgets that all schools of the server share (Api::Budgets); none: there are none.
+  std::function<std::vector<ops::BudgetUse>()> budgets{};
 };
 
 // The input of a handler. References outlive the call.
@@ -67,6 +73,7 @@ struct Call {
   LiveCuts* cuts = nullptr;                 // always set
   bool draining = false;                    // about to stop: others shall be asked
   SharedBodies* bodies = nullptr;           // always set
+  const Api* api = nullptr;                 // always set
 };
 
 // Runs on the store's threads and may block.

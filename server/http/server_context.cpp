@@ -25,8 +25,12 @@ bool IsHealthPath(std::string_view path) {
 ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator)
     : options(std::move(given)),
       api(std::make_shared<Api>(
-          store, authenticator, Monitoring{options.metrics, options.metrics_token, options.peers},
-          options.store_threads, options.max_in_flight, options.deadlines.work)) {
+          store, authenticator,
+          Monitoring{options.metrics, options.metrics_token, options.peers, options.budgets_used},
+          options.store_threads, options.max_in_flight, options.deadlines.work, options.budgets)),
+      coming(options.bodies
+                 ? options.bodies
+                 : std::make_shared<HeldBytes>(ops::LimitOf(ops::kBodies, options.budgets))) {
   if (options.live) api->Show(*options.live);
   if (options.first_admin) api->Show(*options.first_admin);
   if (options.stations) api->Show(*options.stations);

@@ -48,8 +48,7 @@ struct ServerContext {
   ops::RepeatLog refusals;
   // Bodies that have begun to come, by the address that sends them: nobody is signed in for this
   // server before the whole request is here.
-  static constexpr size_t kMostComingBytes = size_t{48} << 20;
-  HeldBytes coming{kMostComingBytes};
+  const std::shared_ptr<HeldBytes> coming;
 
  private:
   boost::asio::awaitable<Response> AnswerKnown(Request request);

@@ -88,13 +88,50 @@ std::map<Uuid, std::optional<LiveSample>> LiveBoard::WatchedNow() const {
 
 std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt, const Uuid& person) {
   MutexLock lock(state_->mutex);
-  if (state_->watches >= kMaxWatches) return nullptr;
-  size_t& of_person = state_->watches_of[person];
-  if (of_person >= kMaxWatchesOfOne) return nullptr;
-  ++of_person;
+  const auto mine = state_->watches_of.find(person);
+  const size_t has = mine == state_->watches_of.end() ? 0 : mine->second;
+  if (has >= static_cast<size_t>(limits_.person_views)) {
+    ++state_->refused_of_person;
+    return nullptr;
+  }
+  if (state_->watches >= static_cast<size_t>(limits_.views)) {
+    ++state_->refused;
+    return nullptr;
+  }
+  ++state_->watches_of[person];
   ++state_->watches;
   ++state_->channels[attempt].watches;
   return std::make_unique<LiveWatch>(state_, attempt, person);
+}
+
+Status LiveBoard::WhyNot(const Uuid& person) const {
+  MutexLock lock(state_->mutex);
+  const auto mine = state_->watches_of.find(person);
+  if (mine != state_->watches_of.end() &&
+      mine->second >= static_cast<size_t>(limits_.person_views)) {
+    return ops::OverBudget(ops::kPersonViews, limits_,
+                           "you have as many live views open as you may; close some of them");
+  }
+  return ops::OverBudget(ops::kViews, limits_,
+                         "too many people are watching already; try again later");
+}
+
+std::vector<ops::BudgetUse> LiveBoard::Uses() const {
+  ops::BudgetUse of_person, all;
+  of_person.kind = &ops::kPersonViews;
+  all.kind = &ops::kViews;
+  MutexLock lock(state_->mutex);
+  for (const auto& [person, count] : state_->watches_of) {
+    if (count <= of_person.most) continue;
+    of_person.most = count;
+    of_person.party = ops::PartyKind::kPerson;
+    of_person.of = person.Text();
+  }
+  all.most = state_->watches;
+  of_person.refused = state_->refused_of_person;
+  all.refused = state_->refused;
+  for (ops::BudgetUse* use : {&of_person, &all}) use->limit = ops::LimitOf(*use->kind, limits_);
+  return {of_person, all};
 }
 
 LiveWatch::~LiveWatch() {

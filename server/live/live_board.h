@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "common/base/mutex.h"
+#include "common/base/result.h"
+#include "server/ops/budgets.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
@@ -33,14 +35,14 @@ class LiveWatch;
 // one misses some and slows nobody down. Watchers that have seen the same share an event's bytes.
 //
 // Bounded: the latest sample of at most 1024 attempts (the one longest silent is dropped first),
-// kMaxRows and one event for each watched attempt, at most kMaxWatches watches, of which each person
-// has kMaxWatchesOfOne at most. Thread safety: any thread; nothing waits for a watcher.
+// kMaxRows and one event for each watched attempt, and as many watches as the budgets `views` and
+// `person_views` allow. Thread safety: any thread; nothing waits for a watcher.
 class LiveBoard {
  public:
-  static constexpr size_t kMaxWatches = 512;
-  static constexpr size_t kMaxWatchesOfOne = 64;  // of a person
   static constexpr uint32_t kRowsPerSecond = 60;
   static constexpr size_t kMaxRows = 60;
+
+  explicit LiveBoard(const ops::Budgets& limits = {}) : limits_(limits) {}
 
   // Moments of one attempt in order. Ignored unless they end later than the stored ones.
   void Put(std::span<const LiveSample> samples);
@@ -52,9 +54,11 @@ class LiveBoard {
   bool Watched(const Uuid& attempt) const;
   // All that somebody watches and that is not over, with the latest that is known of it.
   std::map<Uuid, std::optional<LiveSample>> WatchedNow() const;
-  // None when there are kMaxWatches already, or kMaxWatchesOfOne of this person. May outlive the
-  // board.
+  // None: there are as many as there may be (WhyNot). May outlive the board.
   std::unique_ptr<LiveWatch> Watch(const Uuid& attempt, const Uuid& person);
+  // Why this person gets none.
+  Status WhyNot(const Uuid& person) const;
+  std::vector<ops::BudgetUse> Uses() const;
 
  private:
   friend class LiveWatch;
@@ -73,8 +77,11 @@ class LiveBoard {
     std::map<Uuid, Channel> channels ENAMEL_GUARDED_BY(mutex);   // the watched attempts
     std::map<Uuid, size_t> watches_of ENAMEL_GUARDED_BY(mutex);  // by person
     std::atomic<size_t> watches{0};                              // changed under mutex
+    uint64_t refused ENAMEL_GUARDED_BY(mutex) = 0;
+    uint64_t refused_of_person ENAMEL_GUARDED_BY(mutex) = 0;
   };
 
+  const ops::Budgets limits_;
   const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 

@@ -48,9 +48,12 @@ std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const voi
       const auto entry = state.OldestOfMost(mine);
       if (entry == state.entries.end()) break;
       if (auto held = entry->held.lock()) given_up.push_back(std::move(held));
+      ++state.refused;
       state.Remove(entry);
     }
-    if (fits()) {
+    if (!fits()) {
+      ++state.refused;
+    } else {
       if (++state.uses[where] == 1) state.bytes += bytes;
       state.of[of] += bytes;
       const uint64_t id = state.next_id++;
@@ -81,6 +84,20 @@ std::shared_ptr<HeldBytes::Held> HeldBytes::Add(const std::string& of, const voi
 size_t HeldBytes::bytes() const {
   MutexLock lock(state_->mutex);
   return state_->bytes;
+}
+
+HeldBytes::Use HeldBytes::Most(std::string_view of_begins) const {
+  Use out;
+  MutexLock lock(state_->mutex);
+  for (const auto& [of, bytes] : state_->of) {
+    if (bytes > out.bytes && of.starts_with(of_begins)) out = {of, bytes};
+  }
+  return out;
+}
+
+uint64_t HeldBytes::refused() const {
+  MutexLock lock(state_->mutex);
+  return state_->refused;
 }
 
 }  // namespace enamel::server

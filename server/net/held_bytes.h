@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "common/base/mutex.h"
 
@@ -38,6 +39,15 @@ class HeldBytes {
   std::shared_ptr<Held> Add(const std::string& of, const void* where, size_t bytes);
   size_t bytes() const;
 
+  struct Use {
+    std::string of;  // empty: nobody's
+    size_t bytes = 0;
+  };
+  // Returns the party that has most now, among those whose name begins so.
+  Use Most(std::string_view of_begins = {}) const;
+  // Counts since the start all that found no room or was given up.
+  uint64_t refused() const;
+
  private:
   struct Entry {
     uint64_t id;
@@ -53,6 +63,7 @@ class HeldBytes {
     std::map<const void*, size_t> uses ENAMEL_GUARDED_BY(mutex);
     size_t bytes ENAMEL_GUARDED_BY(mutex) = 0;
     uint64_t next_id ENAMEL_GUARDED_BY(mutex) = 0;
+    uint64_t refused ENAMEL_GUARDED_BY(mutex) = 0;
 
     void Remove(std::list<Entry>::iterator entry) ENAMEL_REQUIRES(mutex);
     // Of whoever has most, and more than `than`; end: nobody.

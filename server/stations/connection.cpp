@@ -22,14 +22,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kGoodbye{2'000};
 constexpr size_t kAsManyAsThere = std::numeric_limits<size_t>::max();
-// What a station is charged: reading a frame; a handshake; a request in the store, which takes its
-// thread for less than it takes of the disk, and for more where others are in its way.
+// A station is charged so much for a frame, for a handshake, and for a request in the store. A short
+// request still takes the disk, and a long one may only have waited for others.
 constexpr std::chrono::microseconds kFrameTime{100}, kLinkTime{2'000}, kLeastTime{1'000},
-    kMostTime{20'000};
+    kMostTime{100'000};
 // Below this a timer costs more than it spares.
 constexpr std::chrono::milliseconds kShortestRest{1};
-// Of a refusal by LinkBudget.
-constexpr char kOverBudget[] = "budget";
 
 // Then the message names files and tables, which are for the server's log alone.
 bool IsOurFault(const wire::Error& error) {
@@ -87,9 +85,8 @@ void Connection::EndIfRevoked(std::shared_ptr<const std::set<StationOfSchool>> r
 
 void Connection::EndForNewer() {
   asio::post(strand_, [self = shared_from_this()] {
-    self->End(Status(Code::kUnavailable, "this station has opened " +
-                                             std::to_string(LinkBudget::kMostLinks) +
-                                             " newer connections, as many as it may have"));
+    self->End(ops::OverBudget(ops::kStationLinks, self->budget_.limits(),
+                              "this station has opened as many newer connections as it may have"));
   });
 }
 
@@ -145,7 +142,7 @@ asio::awaitable<void> Connection::ServeRequests() {
     }
     if (!frame.ok()) {
       // After any other failure no peer is left to answer.
-      if (frame.status().code() == Code::kTooLarge || frame.status().field() == kOverBudget) {
+      if (frame.status().code() == Code::kTooLarge || ops::IsOverBudget(frame.status())) {
         co_await Refuse(frame.status());
       }
       co_return;
@@ -195,8 +192,7 @@ asio::awaitable<void> Connection::ServeRequests() {
     if (session_->welcomed() && !station_) {
       station_ = {services_ ? services_.get() : &own_, session_->station()->id};
       // With its school: stations of two schools may have one id.
-      party_ = std::to_string(reinterpret_cast<uintptr_t>(station_->first)) + " " +
-               station_->second.Text();
+      party_ = LinkBudget::PartyOf(*station_);
       welcomed_ = true;
       if (const auto oldest = budget_.Enter(*station_, shared_from_this())) oldest->EndForNewer();
       reader_.set_limit(protocol::kMaxFrameBytes);
@@ -210,7 +206,7 @@ asio::awaitable<void> Connection::ServeRequests() {
   }
 }
 
-// Behind the answer to come, so that a station that connects anew each time gains nothing.
+// Before the answer is sent: a station that connects again for each request gains nothing.
 asio::awaitable<void> Connection::Rest() {
   const auto now = Clock::now();
   const auto rest = budget_.Took(*station_, std::exchange(took_, {}) + kFrameTime, now);
@@ -327,6 +323,11 @@ asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
     }
     co_await stream_.Wait(io);
     waiting_for_frame_ = false;
+    if (broken_off_) {
+      reader_ = protocol::FrameReader();
+      coming_.reset();
+      co_return TooMuchComing();
+    }
   }
   coming_.reset();
   co_return reader_.Take();
@@ -336,26 +337,35 @@ Status Connection::HoldFrame() {
   if (coming_ != nullptr || reader_.announced() <= LinkBudget::kSmallFrameBytes)
     return Status::Ok();
   coming_ = budget_.Coming(party_, this, reader_.announced());
-  if (coming_ == nullptr) {
-    return Status(Code::kUnavailable,
-                  "too much that this station has begun to send has not arrived yet; try again",
-                  kOverBudget);
-  }
+  if (coming_ == nullptr) return TooMuchComing();
   coming_->OnGivenUp([weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->Close();
+    if (const auto self = weak.lock()) self->BreakOff();
   });
   return Status::Ok();
+}
+
+void Connection::BreakOff() {
+  asio::post(strand_, [self = shared_from_this()] {
+    if (self->coming_ == nullptr) return;  // it has arrived meanwhile
+    self->broken_off_ = true;
+    error_code ignored;
+    self->stream_.socket().cancel(ignored);
+  });
+}
+
+Status Connection::TooMuchComing() const {
+  return ops::OverBudget(
+      ops::kStationFrames, budget_.limits(),
+      "too much that this station has begun to send has not arrived yet; try again");
 }
 
 Status Connection::CountChunk(const wire::Request& request) {
   if (!station_ || !request.has_put_chunk()) return Status::Ok();
   const UnixMs now_ms = (services_ ? *services_ : own_).clock();
   if (budget_.Recorded(*station_, request.put_chunk().chunk().size(), now_ms)) return Status::Ok();
-  return Status(Code::kUnavailable,
-                "this station has recorded more than " +
-                    std::to_string(LinkBudget::kMostRecordedBytes >> 30) +
-                    " GiB within a day; what it records more waits there until tomorrow",
-                kOverBudget);
+  return ops::OverBudget(ops::kStationRecordings, budget_.limits(),
+                         "this station has sent more recordings than it may within 24 h; the rest "
+                         "waits there");
 }
 
 asio::awaitable<bool> Connection::Write(wire::Reply reply) {
@@ -387,7 +397,7 @@ asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
   // A server that stops, or a disk that is full, is no fault of the peer.
-  if (status.code() != Code::kUnavailable || status.field() == kOverBudget)
+  if (status.code() != Code::kUnavailable || ops::IsOverBudget(status))
     NoteRefusal(*reply.mutable_error());
   co_await Write(std::move(reply));
 }

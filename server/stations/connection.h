@@ -54,6 +54,9 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   // Memory for a frame that has only begun to come. Errors: kUnavailable.
   Status HoldFrame();
+  // Refuses the frame that has begun to come. From any thread.
+  void BreakOff();
+  Status TooMuchComing() const;
   // Errors: kUnavailable (LinkBudget::Recorded).
   Status CountChunk(const wire::Request& request);
   // Before the first request is carried out: which school's it is.
@@ -61,10 +64,10 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   // What `work` gives. Until then the station is sent StillWaiting to `reply_to`.
   template <typename T>
   boost::asio::awaitable<T> Waited(uint32_t reply_to, boost::asio::awaitable<T> work);
-  // What `work` returns, done on one of the store's threads in the party's turn.
+  // Runs `work` on one of the store's threads in the party's turn.
   template <typename Work>
   auto InStore(Work work);
-  // Until the station's share of the time is free again.
+  // Waits until the station's share of the time is free again.
   boost::asio::awaitable<void> Rest();
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
@@ -90,6 +93,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   std::optional<Session> session_;
   bool introduced_ = false;                 // a first message was read
   bool waiting_for_frame_ = false;          // for a frame's first byte
+  bool broken_off_ = false;                 // the frame that is coming
   std::optional<Status> ending_;            // why no further request is read
   std::optional<StationOfSchool> station_;  // since Welcome
   // Whose the work is that threads are shared out for: the station, before Welcome the address.

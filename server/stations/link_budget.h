@@ -8,10 +8,12 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/mutex.h"
 #include "common/base/uuid.h"
 #include "server/net/held_bytes.h"
+#include "server/ops/budgets.h"
 #include "server/training/types.h"
 
 namespace enamel::server::stations {
@@ -27,41 +29,42 @@ using StationOfSchool = std::pair<const Services*, Uuid>;
 // safety: any thread.
 class LinkBudget {
  public:
-  // A chair has one connection for its desk and one for what it sends; a technician's commands
-  // beside them take one each.
-  static constexpr size_t kMostLinks = 8;
-  // Frames that have begun to come, of all stations together (HeldBytes). A chunk has some kB; what
-  // fits into kSmallFrameBytes counts for nothing.
-  static constexpr size_t kMostComingBytes = size_t{32} << 20;
+  // Frames up to this size are not counted: a chunk has some kB.
   static constexpr size_t kSmallFrameBytes = size_t{64} << 10;
-  // Recorded within kPeriod: the largest recording three times over (recording_bounds.h), or a
-  // fortnight of ordinary ones that waited at the station.
-  static constexpr uint64_t kMostRecordedBytes = uint64_t{4} << 30;
   static constexpr std::chrono::hours kPeriod{24};
   // Requests that the store carries out at once: of the desk, and of what a station sends.
   static constexpr size_t kMostAtOnce = 2;
-  // Of a thread's time. A chair that records takes one hundredth of it; one that sends a day's
-  // recordings, all that it may have: 250 chunks a second.
-  static constexpr int kTimePercent = 50;
   // Time that a station may take before it has to wait: it has just begun, or slept.
   static constexpr std::chrono::milliseconds kTimeAtOnce{500};
   static constexpr std::chrono::milliseconds kLongestRest{500};
+
+  // A chair has one connection for its desk and one for what it sends; a technician's commands
+  // beside them take one each. One that records takes a hundredth of a thread's time, one that sends
+  // a day's recordings all that it may have. The default of 4 GiB is the largest recording three
+  // times over (recording_bounds.h), or a fortnight of ordinary ones that waited at the station.
+  explicit LinkBudget(const ops::Budgets& limits = {})
+      : limits_(limits), coming_(ops::LimitOf(ops::kStationFrames, limits)) {}
+  const ops::Budgets& limits() const { return limits_; }
 
   // It has said who it is. Returns the oldest of its other connections where it has too many now,
   // for the caller to end; null: none.
   std::shared_ptr<Connection> Enter(const StationOfSchool& station,
                                     const std::shared_ptr<Connection>& connection);
-  // `of`: the station. Null: too much is coming already of this one.
+  // Returns the name of a station where work and memory are shared out.
+  static std::string PartyOf(const StationOfSchool& station);
+  // `of`: PartyOf the station. Null: too much is coming already of this one.
   std::shared_ptr<HeldBytes::Held> Coming(const std::string& of, const void* where, size_t bytes) {
     return coming_.Add(of, where, bytes);
   }
-  // A chunk of so many bytes came. False: more than kMostRecordedBytes within kPeriod, and not
-  // counted.
+  // A chunk of so many bytes came. False: it is more than fits within kPeriod, and not counted.
   bool Recorded(const StationOfSchool& station, uint64_t bytes, UnixMs now_ms);
   using Clock = std::chrono::steady_clock;
-  // It has taken so much time of a thread. Returns how long it rests before its next request, at
-  // most kLongestRest: it owes the rest.
+  // The station has taken so much time of a thread. Returns how long its answer has to wait, at most
+  // kLongestRest.
   Clock::duration Took(const StationOfSchool& station, Clock::duration time, Clock::time_point now);
+
+  // Returns the use by the stations of one school.
+  std::vector<ops::BudgetUse> Uses(const Services* school, UnixMs now_ms) const;
 
  private:
   struct Party {
@@ -74,8 +77,12 @@ class LinkBudget {
     Clock::time_point paid_at{};
   };
 
-  HeldBytes coming_{kMostComingBytes};
-  Mutex mutex_;
+  const ops::Budgets limits_;
+  HeldBytes coming_;
+  mutable Mutex mutex_;
+  uint64_t too_many_links_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  uint64_t too_much_recorded_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  uint64_t rests_ ENAMEL_GUARDED_BY(mutex_) = 0;
   std::map<StationOfSchool, Party> parties_ ENAMEL_GUARDED_BY(mutex_);
 };
 

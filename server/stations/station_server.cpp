@@ -70,7 +70,8 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   OtherSchools* const others;
   StorePool& pool;
   std::shared_ptr<SSL_CTX> tls;  // constant after Start
-  LinkBudget budget;
+  const std::shared_ptr<LinkBudget> budget =
+      options.budget ? options.budget : std::make_shared<LinkBudget>();
   ops::RepeatLog refusals;
   Listener listener;
 
@@ -86,7 +87,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
 std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its,
                                                                const std::string& peer) {
   return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls.get(),
-                                      options.deadlines, services, others, pool, budget, refusals);
+                                      options.deadlines, services, others, pool, *budget, refusals);
 }
 
 void StationServer::State::NoteTurnedAway(const tcp::socket& socket, size_t open) {

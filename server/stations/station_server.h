@@ -13,6 +13,8 @@
 
 namespace enamel::server::stations {
 
+class LinkBudget;
+
 // schemas/wire/README.md, "Deadlines".
 struct LinkDeadlines {
   std::chrono::milliseconds introduction{10'000};  // TLS handshake and first message
@@ -35,6 +37,7 @@ struct StationServerOptions {
   // most of them. When there is none, the one more is closed.
   size_t max_connections = 16'384;
   LinkDeadlines deadlines;
+  std::shared_ptr<LinkBudget> budget{};  // null: one with the defaults
 };
 
 // The other schools whose stations use the same link. Thread safety: any thread.

@@ -384,10 +384,7 @@ Response GetLive(const Call& call, Store& store) {
          std::string("this attempt is not being made now, it is ") + AttemptStateName(state)});
   }
   // Told last: whoever may not see it hears that and not how busy the server is.
-  if (!watch) {
-    return ErrorResponse(
-        {Code::kUnavailable, "too many people are watching already; try again later"});
-  }
+  if (!watch) return ErrorResponse(call.live->WhyNot(call.caller->person.id));
   Response response;
   response.content_type = "text/event-stream";
   response.events = std::make_shared<LiveEvents>(call, store, std::move(watch));

@@ -3,6 +3,7 @@
 
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
+#include "server/http/api.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
@@ -134,6 +135,48 @@ const char* NameOf(sql::Standby standby) {
   return "unknown";
 }
 
+const char* UnitOf(ops::BudgetUnit unit) {
+  switch (unit) {
+    case ops::BudgetUnit::kCount:
+      return "count";
+    case ops::BudgetUnit::kPercent:
+      return "percent";
+    case ops::BudgetUnit::kMib:
+      break;
+  }
+  return "bytes";
+}
+
+// The party that uses most. Admins of a school see no addresses: only /metrics has them.
+json::value PartyJson(const ops::BudgetUse& use, Store& store) {
+  if (use.party == ops::PartyKind::kNone) return nullptr;
+  json::object out{{"kind", ops::NameOf(use.party)}, {"id", nullptr}, {"name", ""}};
+  const Result<Uuid> id = Uuid::Parse(use.of);
+  if (use.party == ops::PartyKind::kAddress || !id.ok()) return out;
+  out["id"] = use.of;
+  if (use.party == ops::PartyKind::kStation) {
+    const auto station = store.stations.StationById(*id);
+    if (station.ok()) out["name"] = station->name;
+  } else {
+    const auto person = store.people.PersonById(*id);
+    if (person.ok()) out["name"] = person->display_name;
+  }
+  return out;
+}
+
+json::array BudgetsJson(const Call& call, Store& store) {
+  json::array out;
+  for (const ops::BudgetUse& use : call.api->Budgets()) {
+    out.push_back({{"budget", use.kind->name},
+                   {"unit", UnitOf(use.kind->unit)},
+                   {"limit", use.limit},
+                   {"most", use.most},
+                   {"of", PartyJson(use, store)},
+                   {"refused", use.refused}});
+  }
+  return out;
+}
+
 Result<json::object> HealthJson(const Call& call, Store& store) {
   const StoreHealth health = store.health.Health();
   const UnixMs now_ms = enamel::UnixMs();
@@ -165,6 +208,7 @@ Result<json::object> HealthJson(const Call& call, Store& store) {
         {"refused", door.refused.load()},
         {"throttled", door.throttled.load()},
         {"busy", door.busy.load()}}}};
+  out["budgets"] = BudgetsJson(call, store);
   ENAMEL_ASSIGN_OR_RETURN(out["jobs"], JobsJson(store.jobs));
   ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store.stations, call.stations));
   ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store.attempts, now_ms));

@@ -120,6 +120,8 @@ class HttpConnection : public AcceptedConnection,
   asio::awaitable<Step> ReadRequest(RequestReader& reader, bool& late);
   asio::awaitable<bool> ReadSome();
   bool HoldBody(RequestReader& reader);
+  void BreakOff();
+  Status TooMuchComing() const;
   asio::awaitable<bool> Write(Response& response, bool head_only, bool keep_alive);
   asio::awaitable<void> Drain();
   asio::awaitable<void> WriteEvents(Response response);
@@ -134,6 +136,7 @@ class HttpConnection : public AcceptedConnection,
   Deadline deadline_;
   std::string buffer_;  // arrived and not used yet, at most kMaxHeadBytes + kReadBytes
   std::shared_ptr<HeldBytes::Held> coming_;  // of a large body that has not arrived yet
+  bool broken_off_ = false;                  // that body: others have less
   bool idle_ = true;                         // between requests
   bool stopping_ = false;
 };
@@ -212,7 +215,13 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
     if (step == Step::kContinue && !co_await stream_.WriteAll(BytesOf(kContinue))) {
       co_return Step::kMore;
     }
-    if (!co_await ReadSome()) {
+    const bool read = co_await ReadSome();
+    if (broken_off_) {
+      coming_.reset();
+      reader.RefuseForNow(TooMuchComing());
+      co_return Step::kRefused;
+    }
+    if (!read) {
       // A connection that was merely kept open has done nothing wrong when it is closed.
       late = !idle_ && deadline_.passed();
       co_return Step::kMore;
@@ -229,15 +238,31 @@ bool HttpConnection::HoldBody(RequestReader& reader) {
   // A small one takes no more than its head may.
   if (reader.expected_bytes() <= kMaxHeadBytes) return true;
   const std::string party = auth::AddressBlock(context_->PeerOf(reader.request(), peer_));
-  coming_ = context_->coming.Add(party, this, reader.expected_bytes());
+  coming_ = context_->coming->Add(party, this, reader.expected_bytes());
   if (coming_ == nullptr) {
-    reader.RefuseForNow("too much that your address has begun to send has not arrived yet");
+    reader.RefuseForNow(TooMuchComing());
     return false;
   }
   coming_->OnGivenUp([weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->Close();
+    if (const auto self = weak.lock()) self->BreakOff();
   });
   return true;
+}
+
+// From any thread.
+void HttpConnection::BreakOff() {
+  asio::post(strand_, [self = shared_from_this()] {
+    if (self->coming_ == nullptr) return;  // it has arrived meanwhile
+    self->broken_off_ = true;
+    error_code ignored;
+    self->stream_.socket().cancel(ignored);
+  });
+}
+
+Status HttpConnection::TooMuchComing() const {
+  return ops::OverBudget(ops::kBodies, context_->options.budgets,
+                         "too much that your address has begun to send has not arrived yet; try "
+                         "again in a few seconds");
 }
 
 // Appends what has arrived to `buffer_`. False: the connection ended.
@@ -248,7 +273,7 @@ asio::awaitable<bool> HttpConnection::ReadSome() {
                                  buffer_.size() - had};
   size_t n = 0;
   Io io = Io::kDone;
-  while ((io = stream_.Read(space, n)) > Io::kEnded) co_await stream_.Wait(io);
+  while (!broken_off_ && (io = stream_.Read(space, n)) > Io::kEnded) co_await stream_.Wait(io);
   buffer_.resize(had + n);
   co_return io == Io::kDone;
 }

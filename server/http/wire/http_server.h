@@ -17,6 +17,8 @@
 #include "server/jobs/backup_run.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
+#include "server/net/held_bytes.h"
+#include "server/ops/budgets.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
 #include "server/storage/upkeep/readiness.h"
@@ -90,6 +92,9 @@ struct HttpOptions {
   // The server adds its own figures to them.
   ops::Metrics* metrics = nullptr;
   std::string metrics_token;
+  ops::Budgets budgets{};
+  std::shared_ptr<HeldBytes> bodies{};  // that have begun to come; null: its own
+  std::function<std::vector<ops::BudgetUse>()> budgets_used{};  // Monitoring::budgets
   // What the school's other servers measure (Monitoring::peers); none: there are none.
   std::function<std::optional<PeersView>()> peers{};
 };

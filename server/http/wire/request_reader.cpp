@@ -155,8 +155,9 @@ size_t RequestReader::expected_bytes() const {
   return static_cast<size_t>(std::min<uint64_t>(length ? *length : kMaxBodyBytes, kMaxBodyBytes));
 }
 
-void RequestReader::RefuseForNow(const std::string& why) {
-  refusal_ = ErrorResponse({Code::kUnavailable, why + "; try again in a few seconds"});
+void RequestReader::RefuseForNow(const Status& why) {
+  parser_.reset();
+  refusal_ = ErrorResponse(why);
 }
 
 RequestReader::Step RequestReader::Refuse(Response refusal) {

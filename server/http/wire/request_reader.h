@@ -36,8 +36,8 @@ class RequestReader {
   bool in_head() const;
   // Of the body: as announced, else as many as one may have. Requires: !in_head().
   size_t expected_bytes() const;
-  // Instead of a body that is too much at the moment: kRefused. `why` ends without a full stop.
-  void RefuseForNow(const std::string& why);
+  // Instead of a body that is too much at the moment, and forgets what has come of it: kRefused.
+  void RefuseForNow(const Status& why);
   // Peer and tls are for the caller to fill in.
   Request& request() { return request_; }
   bool keep_alive() const { return keep_alive_; }

@@ -152,6 +152,44 @@ TEST_F(SettingsTest, PrintedSettingsReadBackTheSame) {
   EXPECT_EQ(names, names_);
 }
 
+TEST_F(SettingsTest, OptionsOfAGroupStandInItsSection) {
+  int views = 5, links = 6;
+  command_.add_option("--budgets-views", views, "Views")
+      ->check(CLI::Range(1, 100))
+      ->group("budgets")
+      ->capture_default_str();
+  command_.add_option("--budgets-links", links, "Links")->group("budgets")->capture_default_str();
+  ASSERT_TRUE(Read("threads = 3\n[budgets]\nviews = 40\n").ok());
+  EXPECT_EQ(threads_, 3);
+  EXPECT_EQ(views, 40);
+  EXPECT_EQ(links, 6);
+  EXPECT_TRUE(SettingsIn(file_).contains("budgets-views"));
+  const std::string printed = SettingsText(command_);
+  EXPECT_NE(printed.find("\n[budgets]\n# Views\nviews = '40'\n# Links\nlinks = '6'\n"),
+            std::string::npos)
+      << printed;
+}
+
+TEST_F(SettingsTest, KeysOfSectionsAreRefusedAsThoseOfTheFileAre) {
+  int views = 5;
+  command_.add_option("--budgets-views", views)->check(CLI::Range(1, 100))->group("budgets");
+  struct {
+    const char* file;
+    const char* says;
+  } const cases[] = {
+      {"[budgets]\nview = 40\n", "found \"view\""},
+      {"[budgets]\nviews = 400\n", ":2:9: budgets-views: "},
+      {"budgets-views = 40\n", "found \"budgets-views\""},
+      {"[budget]\nviews = 40\n", "found \"budget\""},
+  };
+  for (const auto& [file, says] : cases) {
+    const Status read = Read(file);
+    EXPECT_EQ(read.code(), Code::kInvalidInput) << file;
+    EXPECT_NE(read.message().find(says), std::string::npos) << read.message();
+  }
+  EXPECT_EQ(views, 5);
+}
+
 TEST_F(SettingsTest, FileOfAnotherProgramTooKeepsItsKeysButMustBeRight) {
   std::ofstream(file_) << "threads = 3\nkeep-days = 30\n";
   EXPECT_EQ(ReadSettingsFile(file_, command_).code(), Code::kInvalidInput);

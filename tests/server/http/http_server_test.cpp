@@ -374,7 +374,7 @@ TEST_F(HttpServerTest, HealthIsToldWhileAllOthersWaitForTheDatabase) {
     return false;
   };
   std::vector<std::future<int>> changes;
-  for (size_t i = 0; i < RequestPlaces::kOfPerson; ++i) {
+  for (size_t i = 0; i < static_cast<size_t>(ops::Budgets{}.person_requests); ++i) {
     changes.push_back(std::async(std::launch::async, [&, i] {
       std::string body = R"({"name":"cohort )" + std::to_string(i) + R"("})";
       return Visitor(root).Post("/api/v1/cohorts", body).status;
@@ -532,10 +532,12 @@ class BegunBodies {
     return answer && answer->status == 100;
   }
 
+  RawClient& first() { return clients_.front(); }
+
  private:
   std::list<RawClient> clients_;
 };
-constexpr size_t kBegunAtOnce = ServerContext::kMostComingBytes / kMaxBodyBytes;
+const size_t kBegunAtOnce = ops::LimitOf(ops::kBodies, {}) / kMaxBodyBytes;
 
 TEST_F(HttpServerTest, BodiesThatHaveOnlyBegunTakeABoundedMemory) {
   RunningServer server(school_, options_);
@@ -589,6 +591,10 @@ TEST_F(ProxyTest, CountsBegunBodiesForWhoeverTheProxyNames) {
     ASSERT_TRUE(bodies.Begin(server.port(), from("203.0.113.9"))) << i;
   EXPECT_FALSE(bodies.Begin(server.port(), from("203.0.113.9")));
   EXPECT_TRUE(bodies.Begin(server.port(), from("198.51.100.7")));
+  const auto broken_off = bodies.first().Read();
+  ASSERT_TRUE(broken_off);
+  EXPECT_EQ(broken_off->status, 503);
+  EXPECT_NE(broken_off->body.find("(budget bodies_mib: 48 MiB)"), std::string::npos);
 }
 
 TEST_F(ProxyTest, RefusesEverybodyElse) {

@@ -35,11 +35,14 @@ TEST(RequestPlacesTest, APersonWhoTakesAllOfTheirsLeavesOthersTheirs) {
   const Uuid person = Uuid::New();
   places.Know(student, person);
   places.Know(again, person);
-  EXPECT_EQ(TakeAll(places, student, held), RequestPlaces::kOfPerson);
+  const auto most = static_cast<size_t>(ops::Budgets{}.person_requests);
+  EXPECT_EQ(TakeAll(places, student, held), most);
+  EXPECT_EQ(places.Uses().of, person.Text());
+  EXPECT_EQ(places.Uses().most, most);
   EXPECT_EQ(places.Take(again).held, nullptr) << "another session of the same person";
   const Request neighbour = From("192.0.2.1", "cc");
   places.Know(neighbour, Uuid::New());
-  EXPECT_EQ(TakeAll(places, neighbour, others), RequestPlaces::kOfPerson);
+  EXPECT_EQ(TakeAll(places, neighbour, others), most);
   held.clear();
   EXPECT_NE(places.Take(student).held, nullptr) << "given back";
 }

@@ -109,17 +109,26 @@ TEST(LiveBoardTest, SealedAttemptEndsItsWatches) {
 }
 
 TEST(LiveBoardTest, NumbersAreBounded) {
-  LiveBoard board;
+  ops::Budgets limits;
+  limits.views = 9;
+  limits.person_views = 4;
+  LiveBoard board(limits);
   std::vector<std::unique_ptr<LiveWatch>> watches;
-  for (size_t i = 0; i < LiveBoard::kMaxWatches; ++i)
-    watches.push_back(board.Watch(Uuid::New(), Uuid::New()));
+  for (int i = 0; i < limits.views; ++i) watches.push_back(board.Watch(Uuid::New(), Uuid::New()));
   EXPECT_EQ(board.Watch(Uuid::New(), Uuid::New()), nullptr);
+  EXPECT_EQ(board.WhyNot(Uuid::New()).field(), "views");
   watches.clear();
   const Uuid one = Uuid::New(), other = Uuid::New();
-  for (size_t i = 0; i < LiveBoard::kMaxWatchesOfOne; ++i)
-    watches.push_back(board.Watch(Uuid::New(), one));
+  for (int i = 0; i < limits.person_views; ++i) watches.push_back(board.Watch(Uuid::New(), one));
   EXPECT_EQ(board.Watch(Uuid::New(), one), nullptr);
+  EXPECT_EQ(board.WhyNot(one).field(), "person_views");
   EXPECT_NE(board.Watch(Uuid::New(), other), nullptr) << "nobody takes them from others";
+  const auto uses = board.Uses();
+  EXPECT_EQ(uses[0].most, 4u);
+  EXPECT_EQ(uses[0].of, one.Text());
+  EXPECT_EQ(uses[0].refused, 1u);
+  EXPECT_EQ(uses[1].limit, 9u);
+  EXPECT_EQ(uses[1].refused, 1u);
   watches.pop_back();
   EXPECT_NE(board.Watch(Uuid::New(), one), nullptr);
   Uuid oldest = Uuid::New();

@@ -34,9 +34,13 @@ TEST(HeldBytesTest, WhoHoldsMostMakesRoomForWhoHoldsLess) {
   EXPECT_EQ(other.given_up, 0);
   EXPECT_FALSE(other.Add(unsent, "other", &bodies[30], 100)) << "as much as anybody";
   EXPECT_EQ(unsent.bytes(), 1000u);
+  EXPECT_EQ(unsent.refused(), 7u);
+  EXPECT_EQ(unsent.Most("o").of, "other");
+  EXPECT_EQ(unsent.Most("o").bytes, 500u);
   slow.sending.clear();
   other.sending.clear();
   EXPECT_EQ(unsent.bytes(), 0u);
+  EXPECT_EQ(unsent.Most().of, "");
 }
 
 TEST(HeldBytesTest, OneBodyCountsOnceHoweverManyReadIt) {

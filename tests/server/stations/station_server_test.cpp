@@ -411,7 +411,7 @@ TEST_F(StationServerTest, AStationThatAnotherSchoolRevokedStays) {
 TEST_F(StationServerTest, AStationHasFewConnectionsAndTheOldestGivesWay) {
   StartWithStudent();
   std::list<net::FrameClient> links;
-  for (size_t i = 0; i < LinkBudget::kMostLinks; ++i) {
+  for (int i = 0; i < ops::Budgets{}.station_links; ++i) {
     net::FrameClient& link = links.emplace_back();
     Connect(link);
     ScriptedStation again{[&](const wire::Request& request) { return Exchange(link, request); }};
@@ -419,7 +419,9 @@ TEST_F(StationServerTest, AStationHasFewConnectionsAndTheOldestGivesWay) {
     again.credential = station_.credential;
     ASSERT_TRUE(again.Hello().has_welcome());
   }
-  EXPECT_NE(Receive(client_).error().message().find("newer connections"), std::string::npos);
+  const wire::Error refused = Receive(client_).error();
+  EXPECT_EQ(refused.field(), "station_links");
+  EXPECT_NE(refused.message().find("(budget station_links: 8)"), std::string::npos);
   EXPECT_TRUE(Ends(client_));
 }
 
@@ -441,17 +443,22 @@ TEST_F(StationServerTest, FramesThatHaveOnlyBegunCostTheirOwnStation) {
     ASSERT_TRUE(on.Hello().has_welcome());
     ASSERT_TRUE(peer.Send(head));
   };
-  static_assert(LinkBudget::kMostLinks * protocol::kMaxFrameBytes == LinkBudget::kMostComingBytes);
+  static_assert(ops::Budgets{}.station_links * (protocol::kMaxFrameBytes >> 20) ==
+                ops::Budgets{}.station_frames_mib);
   std::list<RawPeer> stolen;
   std::vector<pollfd> ends;
-  for (size_t i = 0; i < LinkBudget::kMostLinks; ++i) {
+  for (int i = 0; i < ops::Budgets{}.station_links; ++i) {
     begin(stolen.emplace_back(at_.port), station_);
     ends.push_back({stolen.back().fd(), POLLIN, 0});
   }
   RawPeer honest(at_.port);
   begin(honest, other);
-  // Closed for the other's, or refused where the other's came first.
-  EXPECT_EQ(::poll(ends.data(), ends.size(), 10'000), 1);
+  // The oldest for the other's, or the last where the other's came first.
+  ASSERT_EQ(::poll(ends.data(), ends.size(), 10'000), 1);
+  size_t i = 0;
+  for (RawPeer& peer : stolen) {
+    if (ends[i++].revents != 0) EXPECT_EQ(peer.Read().error().field(), "station_frames_mib");
+  }
   ASSERT_TRUE(honest.Send(Bytes(protocol::kMaxFrameBytes, 0)));
   EXPECT_EQ(honest.Read().error().code(), "invalid_input") << "its frame was taken whole";
 }

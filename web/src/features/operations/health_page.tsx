@@ -10,7 +10,7 @@ import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/bas
 import { BackupCard } from "./backup_card";
 import { Facts } from "./facts";
 import { FirstSteps } from "./first_steps";
-import { countText, findingsOf, perSecond, shortTime } from "./health_text";
+import { budgetText, countText, findingsOf, perSecond, shortTime } from "./health_text";
 
 const kPollMs = 5000;
 const kBackupPollMs = 1000; // while one runs here, which somebody watches
@@ -78,7 +78,7 @@ function Figures({
   readonly before: ServerHealth | undefined;
   readonly onStart: () => void;
 }) {
-  const { ingest, commits, disk, jobs, stations, recordings, sign_ins: door } = health;
+  const { ingest, commits, disk, jobs, stations, recordings, sign_ins: door, budgets } = health;
   const chunks = perSecond(before, health, (each) => each.ingest.chunks);
   const count = (value: number) => countText(value, jobs.counted_up_to);
   return (
@@ -132,6 +132,9 @@ function Figures({
               [say("health.turned_away"), formatNumber(door.busy, 0)],
             ]}
           />
+        </Card>
+        <Card title={say("health.budgets")}>
+          <Facts rows={budgets.map(budgetText)} />
         </Card>
         <BackupCard client={client} health={health} onStart={onStart} />
       </div>

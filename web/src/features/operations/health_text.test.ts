@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { troubles } from "../../api/trouble";
 import type { ServerHealth } from "../../api/types";
-import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
+import { budgetText, countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
 
 const kDayMs = 86_400_000;
 const made = { at_ms: 99.5 * kDayMs, missing: 0, place: "/b/1", bytes: 5e6 };
@@ -18,6 +18,7 @@ const well: ServerHealth = {
   stations: { enrolled: 3, online: 3 },
   recordings: { open: 1, late: [] },
   sign_ins: { signed_in: 5, refused: 3, throttled: 0, busy: 0 },
+  budgets: [],
   backup: made,
   backups: { folder: "/b", running: null, failed: null, drill: null },
   retention: [],
@@ -142,4 +143,21 @@ test("counts that the server cuts off read as a lower bound, and retention rules
   assert.deepEqual(retentionText({ what: "recordings", days: 730 }), ["Recordings", "deleted after 730 days"]);
   assert.equal(shortTime(0.0214), "21\u00a0ms");
   assert.equal(shortTime(0.0014), "1.4\u00a0ms");
+});
+
+test("a budget says who uses most of it and how often one wanted more", () => {
+  const links = { budget: "station_links", unit: "count", limit: 8, most: 3, refused: 0 } as const;
+  const chair = { kind: "station", id: "9f0c7f3e-0000-4000-8000-000000000001", name: "Chair 2" } as const;
+  const cases = [
+    [{ ...links, of: null, most: 0 }, "0 of 8"],
+    [{ ...links, of: chair }, "3 of 8 (Chair 2)"],
+    [{ ...links, of: chair, refused: 2 }, "3 of 8 (Chair 2), 2 times over"],
+    [{ ...links, of: { kind: "address", id: null, name: "" } as const }, "3 of 8 (an address, see /metrics)"],
+    [{ ...links, unit: "percent", limit: 50, most: 7, of: chair } as const, "7\u00a0% of 50\u00a0% (Chair 2)"],
+    [
+      { ...links, unit: "bytes", limit: 2 ** 25, most: 2 ** 19, of: chair } as const,
+      "0.5\u00a0MiB of 32\u00a0MiB (Chair 2)",
+    ],
+  ] as const;
+  for (const [budget, text] of cases) assert.deepEqual(budgetText(budget), ["Connections of a station", text]);
 });

@@ -1,6 +1,6 @@
 import type { ServerHealth } from "../../api/types";
 import { formatBytes, formatDuration, formatNumber } from "../../base/format";
-import { say } from "../../base/words";
+import { say, sayIf } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
 // Problems of the server in words, with what to do. The worst comes first.
@@ -178,6 +178,24 @@ const kKept: Readonly<Record<string, string>> = {
 // What a rule removes, and when.
 export function retentionText({ what, days }: ServerHealth["retention"][number]): readonly [string, string] {
   return [kKept[what] ?? what, say("retention.after", { count: days })];
+}
+
+// A budget: what the party that uses most uses, which one that is, and how often one wanted more.
+export function budgetText(budget: ServerHealth["budgets"][number]): readonly [string, string] {
+  const { most, limit, of, refused, unit } = budget;
+  const amount = (value: number) => {
+    // In MiB, as the setting has it.
+    if (unit === "bytes") return `${formatNumber(value / 2 ** 20, 1)}\u00a0MiB`;
+    return `${formatNumber(value, 0)}${unit === "percent" ? "\u00a0%" : ""}`;
+  };
+  let use = say("count.of", { part: amount(most), whole: amount(limit) });
+  if (of !== null) {
+    use = say("health.budget_by", { use, who: of.kind === "address" ? say("health.an_address") : of.name });
+  }
+  return [
+    sayIf(`budget.${budget.budget}`) ?? budget.budget,
+    refused === 0 ? use : say("health.budget_refused", { use, count: refused }),
+  ];
 }
 
 // As the server says it, which is without a capital and a full stop.
