@@ -241,6 +241,7 @@ void Thief::Take(Line& line, Misuse misuse, const wire::Reply& reply) {
       break;
     case wire::Reply::kError:
       line.asked = false;
+      if (reply.error().message().find("(budget ") != std::string::npos) ++counts_.over_budget;
       ++refusals_[reply.error().code() + ": " + WithoutNumbers(reply.error().message())];
       break;
     default:

@@ -14,7 +14,7 @@
 
 namespace enamel::load {
 
-// What somebody does who took an enrolled chair's key and credential, one after the other.
+// The ways to misuse an enrolled chair's key and credential.
 enum class Misuse : uint8_t {
   kUnfinished,  // 150 links, each with a frame of 4 MiB that lacks its last byte
   kSmall,       // pings and moments without an end
@@ -32,7 +32,7 @@ const char* NameOf(Misuse misuse);
 class Thief {
  public:
   struct Counts {
-    std::atomic<uint64_t> links{0}, frames{0}, replies{0};
+    std::atomic<uint64_t> links{0}, frames{0}, replies{0}, over_budget{0};
   };
 
   // `turn_s`: how long each of `misuses` takes, which are not none.

@@ -54,6 +54,14 @@ TEST_F(SessionTest, AnythingBeforeHelloIsRefusedAndEndsTheConnection) {
   EXPECT_TRUE(closed_);
 }
 
+TEST_F(SessionTest, AStationThatConnectsAgainAndAgainIsNotWrittenEachTime) {
+  Welcome();
+  const uint64_t commits = world_.store->health.Health().commits;
+  Reconnect();
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  EXPECT_EQ(world_.store->health.Health().commits, commits);
+}
+
 TEST_F(SessionTest, EnrolmentCodeIsUsedUpByOneStation) {
   ASSERT_TRUE(station_.Enrol().has_enrolled());
   EXPECT_TRUE(closed_);
