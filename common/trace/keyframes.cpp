@@ -63,7 +63,7 @@ Result<Keyframes> Keyframes::Decode(ByteView bytes, const Sha256& header_hash) {
   }
   Keyframes out(header_hash);
   while (!in.AtEnd()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto record, ReadRecord(kWhat, kMaxKeyframeBytes, in));
+    ENAMEL_ASSIGN_OR_RETURN(auto record, ReadRecord(kWhat, kMaxKeyframeBytes, /*before=*/0, in));
     if (!record.has_value()) break;
     if (record->kind != kKeyframeRecord) continue;
     if (out.size() == kMaxKeyframes) return TooLarge(kWhat, kMaxKeyframes, out.size() + 1);

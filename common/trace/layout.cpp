@@ -49,9 +49,9 @@ void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out) {
   out.Raw(CheckOf(kind, content).view().first(kCheckBytes));
 }
 
-Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes,
+Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes, size_t before,
                                          ByteReader& in) {
-  size_t offset = in.offset();
+  size_t offset = before + in.offset();
   Record record;
   record.kind = in.U8();
   size_t size = in.U32();

@@ -33,9 +33,10 @@ struct Record {
   ByteView content;
 };
 void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out);
-// The next record; nothing (and in.ok() false) when the file ends inside it. Errors: kTooLarge,
-// kInvalidInput with the offset.
-Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes, ByteReader& in);
+// The next record; nothing (and in.ok() false) when the file ends inside it. `before`: where in the
+// file `in` begins. Errors: kTooLarge, kInvalidInput with the offset.
+Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes, size_t before,
+                                         ByteReader& in);
 Status DamagedAt(const std::string& what, size_t offset, const std::string& why);
 
 Status EndsEarly(const std::string& what, size_t size);

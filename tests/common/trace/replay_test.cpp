@@ -148,6 +148,18 @@ TEST(ReplayTest, ATickWithABurThatTheHeaderDoesNotHaveIsRefused) {
       << report.status().message();
 }
 
+// Hours of nonsense cost a chunk.
+TEST(ReplayTest, EndsWithTheChunkOfTheFirstDifferenceWhenNothingElseIsWanted) {
+  const auto recording = Altered(310, [](Tick& tick) { tick.witness.anchor_100nm[0] += 1; });
+  core::Core core(recording.header.params, sample::MakeBlock());
+  const auto report = Replay(core, recording.header, EachOf(recording.chunks),
+                             recording.chunks.size(), {}, {}, AfterDifference::kStop);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_FALSE(report->witness_ok);
+  EXPECT_EQ(report->first_bad_tick, 310u);
+  EXPECT_EQ(report->ticks, 600u) << "of 1200";
+}
+
 TEST(ReplayTest, StopsWhenAsked) {
   auto recording = sample::Record(sample::CutInputs(600), 100);
   core::Core core(recording.header.params, sample::MakeBlock());
