@@ -125,7 +125,7 @@ CREATE TABLE attempts (
   ticks           INTEGER NOT NULL DEFAULT 0,
   gap_ticks       INTEGER NOT NULL DEFAULT 0,
   trace_bytes     INTEGER NOT NULL DEFAULT 0,
-  trace_blob      BLOB CHECK (length(trace_blob) = 32),  -- whole trace file, once sealed
+  trace_blob      BLOB CHECK (length(trace_blob) = 32),  -- end of the trace file, mostly all of it, once sealed
   progress        REAL NOT NULL DEFAULT 0,
   problem         TEXT NOT NULL DEFAULT '',
   problem_field   TEXT NOT NULL DEFAULT '',  -- which problem: wire/README.md, "Refusals"
@@ -187,6 +187,16 @@ CREATE TABLE trace_chunks (
   PRIMARY KEY (tenant, attempt, seq),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT;
+
+-- The blobs before the last one, trace_blob, of a sealed recording that is larger than one: pieces of its trace file.
+CREATE TABLE trace_parts (
+  tenant     INTEGER NOT NULL,
+  attempt    BLOB NOT NULL,
+  next_chunk INTEGER NOT NULL,  -- number of the chunk that follows
+  content    BLOB NOT NULL CHECK (length(content) = 32),
+  PRIMARY KEY (tenant, attempt, next_chunk),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
 
 CREATE TABLE contradicting_chunks (
   tenant      INTEGER NOT NULL,
@@ -830,5 +840,6 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('timelines', 'timelines', '20000 20000 1'),
   ('timelines', 'timelines_to_make', '50 50 1'),
   ('trace_chunks', 'sqlite_autoindex_trace_chunks_1', '20000 20000 200 1'),
+  ('trace_parts', 'trace_parts', '1000 1000 10 1'),
   ('write_probe', 'write_probe', '2 2 1');
 ANALYZE sqlite_schema;

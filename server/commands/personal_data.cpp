@@ -174,22 +174,36 @@ class Exporter {
       if (&result == &results.front()) continue;  // score.json
       std::string name = "score_" + std::to_string(result.run) + ".json";
       ENAMEL_RETURN_IF_ERROR(
-          AddFile(row, name, store_.blobs.GetBlob(result.score_json), files, problems));
+          AddFile(row, name, InOnePiece(store_.blobs.GetBlob(result.score_json)), files, problems));
     }
     facts["results"] = std::move(out);
     return Status::Ok();
   }
 
   // What cannot be read is said in the export, and does not end it.
-  Status AddFile(const AttemptRow& row, const std::string& name, const Result<Bytes>& content,
+  Status AddFile(const AttemptRow& row, const std::string& name, const Result<BytePieces>& content,
                  json::array& files, json::array& problems) {
-    if (!content.ok()) {
-      problems.emplace_back(name + ": " + content.status().message());
+    fs::path path = fs::path("attempts") / row.id.Text() / name;
+    // Of ours alone: the disk of the export is another matter.
+    Status unread = content.status();
+    BytePieces pieces;
+    if (content.ok()) {
+      pieces = *content;
+      pieces.next = [&unread, next = content->next]() -> Result<Bytes> {
+        auto piece = next();
+        if (!piece.ok()) unread = piece.status();
+        return piece;
+      };
+      const Status written = WriteFileDurably(target_ / path, pieces, 0600);
+      if (unread.ok()) ENAMEL_RETURN_IF_ERROR(written);
+    }
+    if (!unread.ok()) {
+      problems.emplace_back(name + ": " + unread.message());
       return Status::Ok();
     }
-    fs::path path = fs::path("attempts") / row.id.Text() / name;
+    bytes_ += pieces.size;
     files.emplace_back(path.generic_string());
-    return Write(path, *content);
+    return Status::Ok();
   }
 
   // Remarks, signatures and appeals about it.
@@ -228,7 +242,7 @@ class Exporter {
   Status AddFiles(const AttemptRow& row, json::object& facts) {
     json::array files, problems;
     ENAMEL_RETURN_IF_ERROR(MakeFolder(target_ / "attempts" / row.id.Text()));
-    auto add = [&](std::string_view name, const Result<Bytes>& content) {
+    auto add = [&](std::string_view name, const Result<BytePieces>& content) {
       return AddFile(row, std::string(name), content, files, problems);
     };
     // Neither is missing: one was not begun, the other's recording was removed by a rule, which

@@ -314,10 +314,16 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
     StorePool& pool = IsSafe(request.method) ? *pool_ : *changes_;
     response = co_await pool.Run(Turn(own.of), [&] { return Blocking(call, route); });
   }
-  const std::string_view body = response.Body();
-  if (body.size() < RequestPlaces::kLargeBytes) co_return response;
-  const void* const where = response.shared_body ? response.shared_body->data() : body.data();
-  const size_t bytes = response.shared_body ? response.shared_body->size() : body.size();
+  if (response.BodyBytes() < RequestPlaces::kLargeBytes) co_return response;
+  const void* where = response.Body().data();
+  size_t bytes = response.Body().size();
+  if (response.shared_body) {
+    where = response.shared_body->data();
+    bytes = response.shared_body->size();
+  } else if (response.pieces) {
+    where = own.held.get();  // nobody else's
+    bytes = response.pieces->held;
+  }
   response.held = unsent_.Add(own.of, where, bytes);
   if (response.held == nullptr) {
     co_return ErrorResponse(ops::OverBudget(
@@ -383,6 +389,16 @@ Result<auth::Identity> Api::Identify(const Request& request) {
 
 asio::awaitable<bool> Api::StillAllowed(EventSource& events) {
   co_return co_await pool_->Run([&] { return events.StillAllowed(); });
+}
+
+asio::awaitable<Result<Bytes>> Api::NextPiece(const BytePieces& body) {
+  co_return co_await pool_->Run([&]() -> Result<Bytes> {
+    try {
+      return body.next();
+    } catch (const std::exception& error) {  // no memory
+      return Status(Code::kInternal, error.what());
+    }
+  });
 }
 
 }  // namespace enamel::server::http

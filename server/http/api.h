@@ -60,6 +60,8 @@ class Api : public std::enable_shared_from_this<Api> {
   void Drain() { draining_ = true; }
   // Whether whoever asked for the events may still see them; on the store's threads.
   boost::asio::awaitable<bool> StillAllowed(EventSource& events);
+  // On a thread that may block.
+  boost::asio::awaitable<Result<Bytes>> NextPiece(const BytePieces& body);
 
   // True for paths that are never the page's.
   static bool Owns(std::string_view path);

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/byte_pieces.h"
 #include "server/net/held_bytes.h"
 
 // A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test
@@ -62,6 +63,8 @@ struct Response {
   // Instead of `body`: what many answers share, or a part of it.
   std::shared_ptr<const std::string> shared_body;
   size_t from = 0, size = std::string::npos;
+  // Instead of both: what is read while it is sent.
+  std::optional<BytePieces> pieces{};
   std::vector<std::pair<std::string, std::string>> headers;
   std::string refusal;                  // the error's code, when this is one; for the server itself
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
@@ -69,6 +72,7 @@ struct Response {
   std::shared_ptr<void> place;                            // RequestPlaces'
   std::shared_ptr<HeldBytes::Held> held;                  // of a large one
 
+  uint64_t BodyBytes() const { return pieces ? pieces->size : Body().size(); }
   std::string_view Body() const {
     return shared_body ? std::string_view(*shared_body).substr(from, size) : body;
   }

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <string_view>
+#include <vector>
 
-#include "common/base/bytes.h"
+#include "common/base/byte_pieces.h"
 
 // Several files as one answer: a tar archive (POSIX.1-1988, ustar), which every system unpacks. A
 // value type, one thread at a time.
@@ -16,13 +16,14 @@ class Tar {
   explicit Tar(int64_t unix_s) : unix_s_(unix_s) {}
 
   // Requires: a name of 1 to 100 bytes without a slash, content below 8 GiB.
-  void Add(std::string_view name, ByteView content);
-  // The archive; nothing may be added after it.
-  std::string Take();
+  void Add(std::string_view name, BytePieces content);
+  // The archive, which reads each content when its turn comes; nothing may be added after it.
+  // Errors of reading: those of the contents; kStorage (one has another size than it said).
+  BytePieces Take();
 
  private:
   const int64_t unix_s_;
-  std::string bytes_;
+  std::vector<BytePieces> parts_;
 };
 
 }  // namespace enamel::server::http

@@ -11,11 +11,13 @@ Result<std::shared_ptr<const ReferenceCut>> Read(Store& store, const Uuid& attem
   ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(header_bytes));
   ENAMEL_ASSIGN_OR_RETURN(auto seal, store.recordings.AttemptSeal(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto chunks, store.recordings.AttemptChunks(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const auto recording, store.recordings.Open(attempt));
 
   scoring::ProcessRecorder process(header.params);
-  for (const Bytes& bytes : chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
+  for (;;) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto bytes, recording.next());
+    if (!bytes) break;
+    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(*bytes));
     for (const trace::Tick& tick : chunk.ticks) process.AddRecorded(tick);
   }
   surface::Mesh surface = surface::ExtractSurface(volume);

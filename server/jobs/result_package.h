@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "common/base/byte_pieces.h"
 #include "common/base/result.h"
 #include "server/results/result_files.h"
 #include "server/storage/store.h"
@@ -12,8 +13,9 @@
 // store.
 namespace enamel::server {
 
-// What is known of a recording as one trace file; also of one that has not ended.
-Result<Bytes> TraceFileOf(Store& store, const AttemptRow& row);
+// What is known of a recording as one trace file; also of one that has not ended. The store outlives
+// it.
+Result<BytePieces> TraceFileOf(Store& store, const AttemptRow& row);
 
 // Gives result.bin and each bound file that is kept, one after the other; what a retention rule
 // removed is left out. `take` gets an error for a file that cannot be read (kConflict: the score was
@@ -22,6 +24,6 @@ Result<Bytes> TraceFileOf(Store& store, const AttemptRow& row);
 // once, since each takes a core and the memory of a whole tooth.
 Status ForEachResultFile(Store& store, const AttemptRow& row,
                          const std::function<Result<Bytes>(const AttemptResult&)>& surface,
-                         const std::function<Status(std::string_view name, Result<Bytes>)>& take);
+                         const std::function<Status(std::string_view, Result<BytePieces>)>& take);
 
 }  // namespace enamel::server

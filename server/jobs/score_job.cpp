@@ -92,8 +92,6 @@ class ScoreJob {
     // Before anything is computed with them: a header may be well signed and still ask for the
     // impossible.
     ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.recordings.AttemptChunks(attempt_));
-    chunks_ = std::move(chunks);
     ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.recordings.AttemptSeal(attempt_));
     seal_ = seal;
     return Status::Ok();
@@ -110,16 +108,19 @@ class ScoreJob {
     }
     std::copy(station.public_key.begin(), station.public_key.end(), key.begin());
     // Checked on arrival already. Checked again because the score uses what the disk returns now.
+    ENAMEL_ASSIGN_OR_RETURN(const auto recording, store_.recordings.Open(attempt_));
     trace::ChainVerifier chain(attempt_, header_hash_);
-    for (size_t i = 0; i < chunks_.size(); ++i) {
-      if (!trace::VerifyChunk(chunks_[i], key)) {
-        return Status(Code::kConflict, "chunk " + std::to_string(i) + " is not signed by station " +
-                                           station.name + ", which the attempt was recorded on");
+    for (;;) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto bytes, recording.next());
+      if (!bytes) return chain.AcceptSeal(seal_);
+      if (!trace::VerifyChunk(*bytes, key)) {
+        return Status(Code::kConflict, "chunk " + std::to_string(chain.next_seq()) +
+                                           " is not signed by station " + station.name +
+                                           ", which the attempt was recorded on");
       }
-      ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(chunks_[i]));
+      ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(*bytes));
       ENAMEL_RETURN_IF_ERROR(chain.Accept(chunk));
     }
-    return chain.AcceptSeal(seal_);
   }
 
   Status LoadDocuments() {
@@ -208,8 +209,9 @@ class ScoreJob {
 
   Status Replay(core::Core& core, scoring::ProcessRecorder& process,
                 scoring::SeriesRecorder& series) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto recording, store_.recordings.Open(attempt_));
     auto report = trace::Replay(
-        core, header_, chunks_,
+        core, header_, recording.next, recording.chunks,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
           // After an exam's limit the replay continues, to compare every witness to the end, and
           // nothing counts.
@@ -222,7 +224,9 @@ class ScoreJob {
             at_limit_ = core.volume();
           }
         },
-        [&](double done) { return Tell(kReplayFrom + (kReplayTo - kReplayFrom) * done).ok(); });
+        [&](double done) { return Tell(kReplayFrom + (kReplayTo - kReplayFrom) * done).ok(); },
+        // Nothing is scored then: hours of nonsense must not be computed to their last tick.
+        trace::AfterDifference::kStop);
     if (!report.ok()) return report.status();
     report_ = std::move(report).value();
     if (report_.witness_ok) return Status::Ok();
@@ -517,7 +521,6 @@ class ScoreJob {
   AttemptRow row_;
   trace::Header header_;
   Sha256 header_hash_;
-  std::vector<Bytes> chunks_;
   trace::Seal seal_;
   scene::Scene scene_;
   scene::Exercise exercise_;

@@ -21,7 +21,7 @@ double SizeOf_n(const std::array<int32_t, 3>& force_mn) {
 
 }  // namespace
 
-Result<std::string> TickWindowJson(std::span<const Bytes> chunks, uint64_t from, uint64_t to) {
+Result<std::string> TickWindowJson(const trace::NextChunk& next, uint64_t from, uint64_t to) {
   if (to <= from || to - from > kMostWindowTicks) {
     return Status(Code::kInvalidInput,
                   "expected 1 to " + std::to_string(kMostWindowTicks) +
@@ -31,15 +31,16 @@ Result<std::string> TickWindowJson(std::span<const Bytes> chunks, uint64_t from,
   }
   json::array time, sent, computed, late, limited;
   uint64_t now = 0;  // of the next tick, gaps included
-  for (const Bytes& bytes : chunks) {
-    if (now >= to) break;
-    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk head, trace::DecodeChunkHead(bytes));
+  while (now < to) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto bytes, next());
+    if (!bytes) break;
+    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk head, trace::DecodeChunkHead(*bytes));
     const uint64_t after = now + head.head.count + head.head.gap_ticks;
     if (after <= from) {
       now = after;
       continue;
     }
-    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(bytes));
+    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(*bytes));
     for (const trace::Tick& tick : chunk.ticks) {
       now += tick.input.gap_ticks;
       if (now >= from && now < to) {

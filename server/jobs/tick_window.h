@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 
-#include "common/base/bytes.h"
 #include "common/base/result.h"
+#include "common/trace/pieces.h"
 
 // The recorded values of each tick in a short span, for a closer look than the series gives
 // (series.h). Nothing is replayed. Thread safety: function, any thread. Not real-time.
@@ -13,11 +12,11 @@ namespace enamel::server {
 
 inline constexpr uint64_t kMostWindowTicks = 4000;
 
-// The ticks of `chunks` (all of an attempt, in order) whose time, in ticks since the start with
+// The ticks of `next` (all chunks of an attempt) whose time, in ticks since the start with
 // gaps, is from `from` to before `to`, as JSON text (schemas/api/openapi.yaml, Ticks). Forces to
 // 1 mN, without touch cues. Chunks that lie before are not decoded.
-// Errors: kInvalidInput with field "to" unless from < to <= from + kMostWindowTicks;
-// trace::DecodeChunk's.
-Result<std::string> TickWindowJson(std::span<const Bytes> chunks, uint64_t from, uint64_t to);
+// Errors: kInvalidInput with field "to" unless from < to <= from + kMostWindowTicks; those of
+// `next`, trace::DecodeChunk's.
+Result<std::string> TickWindowJson(const trace::NextChunk& next, uint64_t from, uint64_t to);
 
 }  // namespace enamel::server

@@ -69,17 +69,15 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
   ENAMEL_ASSIGN_OR_RETURN(const Bytes header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(const trace::Header header, trace::DecodeHeader(header_bytes));
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header.params));
-  ENAMEL_ASSIGN_OR_RETURN(const std::vector<Bytes> chunks, store.recordings.AttemptChunks(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const auto recording, store.recordings.Open(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const trace::Seal seal, store.recordings.AttemptSeal(attempt));
   ENAMEL_ASSIGN_OR_RETURN(const Bytes volume, store.blobs.GetBlob(header.volume));
   ENAMEL_ASSIGN_OR_RETURN(const cutting::Volume initial, scene::DecodeVolume(volume));
   ENAMEL_ASSIGN_OR_RETURN(const Sha256 start,
                           StartTooth(store.blobs, store.timelines, header.volume, initial, asked));
   timeline::RecorderOptions options;
   options.rate_hz = header.params.rate_hz;
-  if (!chunks.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk last, trace::DecodeChunkHead(chunks.back()));
-    options.ticks = last.head.first_tick + last.head.count;
-  }
+  options.ticks = seal.ticks;
   options.burs = core::BursOf(header.params);
   // A tenth of a second, whatever the loop's rate.
   options.frame_ticks = std::max(1u, header.params.rate_hz / 10);
@@ -87,13 +85,13 @@ Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
   timeline::Recorder recorder(initial, start, options);
   core::Core core(header.params, initial);
   auto report = trace::Replay(
-      core, header, chunks,
+      core, header, recording.next, recording.chunks,
       [&](const trace::Tick& tick, const core::TickOutput& output) {
         recorder.Add(core.volume(), core.touched(),
                      {output.anchor, (tick.input.flags & core::kBurOn) != 0, tick.input.gap_ticks,
                       core.bur()});
       },
-      [&](double done) { return asked.KeepGoing(done); });
+      [&](double done) { return asked.KeepGoing(done); }, trace::AfterDifference::kStop);
   if (!report.ok())
     return report.status().code() == Code::kUnavailable ? Stopped() : report.status();
   if (!report->witness_ok) {

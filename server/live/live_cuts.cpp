@@ -42,22 +42,15 @@ std::vector<CutColumns::Column> CutColumns::Since(uint32_t from) const {
 }
 
 Status LiveCuts::Read(RecordingRows& recordings, const Uuid& attempt, CutColumns& columns) {
-  auto add = [&columns](const std::vector<Bytes>& chunks) {
-    for (const Bytes& bytes : chunks) {
-      ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(bytes));
-      if (chunk.head.seq != columns.chunks()) return Status(Code::kConflict, "a chunk is missing");
-      columns.Add(chunk);
-    }
-    return Status::Ok();
-  };
-  if (columns.chunks() > 0) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto newest,
-                            recordings.NewestChunks(attempt, columns.chunks(), kMostChunks));
-    if (add(newest).ok()) return Status::Ok();
-    columns = {};
+  ENAMEL_ASSIGN_OR_RETURN(const auto recording, recordings.Open(attempt, columns.chunks()));
+  while (columns.chunks() < recording.chunks) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto bytes, recording.next());
+    if (!bytes) return Status(Code::kConflict, "a chunk is missing");
+    ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(*bytes));
+    if (chunk.head.seq != columns.chunks()) return Status(Code::kConflict, "a chunk is missing");
+    columns.Add(chunk);
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto all, recordings.AttemptChunks(attempt));
-  return add(all);
+  return Status::Ok();
 }
 
 Result<LiveCuts::Cut> LiveCuts::Get(RecordingRows& recordings, const Uuid& attempt, uint32_t from) {

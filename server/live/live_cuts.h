@@ -48,7 +48,6 @@ class CutColumns {
 class LiveCuts {
  public:
   static constexpr size_t kMostAttempts = 128;
-  static constexpr uint32_t kMostChunks = 240;  // two minutes: of more it begins again
 
   struct Cut {
     uint32_t chunks = 0;  // that it was made of

@@ -14,7 +14,7 @@ namespace enamel::server {
 // DIR/keyring (keyring.h), under whose keys everything is kept that shows a person's motion.
 // DIR/ticket.key, made when absent, signs every row of the audit trail (schemas/audit.md).
 //
-// Chunks of an unsealed attempt are rows; SealAttempt moves them into one write-once blob.
+// Chunks of an unsealed attempt are rows; SealAttempt moves them into write-once blobs.
 //
 // Errors: kStorage (folder not writable, disk full, database damaged), kUnavailable (another server
 // holds the folder), kVersion (database made by a newer enamel-server), kInvalidInput (ticket.key

@@ -51,6 +51,7 @@ StoreEngine::StoreEngine(const StoreOptions& options, Transactions::Connections 
     : folder(options.folder),
       lock(std::move(folder_lock)),
       ticket_key(key),
+      part_bytes(options.trace_part_bytes),
       signer(key, id),
       space(options.folder, DiskOf(options), KeptFree(options, connections),
             options.free_space_check),

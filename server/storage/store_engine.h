@@ -39,6 +39,7 @@ struct StoreEngine {
   const std::filesystem::path folder;
   const FolderLock lock;
   const trace::SecretKey ticket_key;
+  const size_t part_bytes;   // StoreOptions::trace_part_bytes
   const AuditSigner signer;  // goes with every connection that writes
   SpaceGuard space;
   Transactions rows;

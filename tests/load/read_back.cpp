@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/app/data_folder.h"
+#include "tests/server/storage/all_chunks.h"
 
 namespace enamel::load {
 namespace {
@@ -38,7 +39,7 @@ Result<ReadBack> ReadEverythingBack(const std::filesystem::path& data,
   for (size_t i = 0; i < stations.size(); ++i) {
     if (!stations[i]->recording()) continue;
     ENAMEL_ASSIGN_OR_RETURN(auto chunks,
-                            store->recordings.AttemptChunks(stations[i]->recording()->attempt()));
+                            AllChunks(store->recordings, stations[i]->recording()->attempt()));
     Compare(*stations[i], chunks, out);
     progress(static_cast<double>(i + 1) / static_cast<double>(stations.size()));
   }

@@ -186,6 +186,15 @@ CREATE TABLE trace_chunks (
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 );
 
+CREATE TABLE trace_parts (
+  tenant     BIGINT NOT NULL,
+  attempt    BYTEA NOT NULL,
+  next_chunk BIGINT NOT NULL,
+  content    BYTEA NOT NULL CHECK (length(content) = 32),
+  PRIMARY KEY (tenant, attempt, next_chunk),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+
 CREATE TABLE contradicting_chunks (
   tenant      BIGINT NOT NULL,
   attempt     BYTEA NOT NULL,

@@ -245,9 +245,10 @@ Response GetSignedResult(const Call& call, Store& store) {
     return Bytes(bytes.begin(), bytes.end());
   };
   const Status done = ForEachResultFile(store, *row, surface,
-                                        [&](std::string_view name, const Result<Bytes>& content) {
-                                          if (content.ok()) tar.Add(name, *content);
-                                          return content.status();
+                                        [&](std::string_view name, Result<BytePieces> content) {
+                                          Status status = content.status();
+                                          if (content.ok()) tar.Add(name, std::move(*content));
+                                          return status;
                                         });
   // What is kept and cannot be read is damage of ours.
   if (!done.ok() && done.code() != Code::kConflict && done.code() != Code::kUnavailable) {
@@ -256,7 +257,7 @@ Response GetSignedResult(const Call& call, Store& store) {
   if (!done.ok()) return ErrorResponse(done);
   Response response;
   response.content_type = "application/x-tar";
-  response.body = tar.Take();
+  response.pieces = tar.Take();
   response.headers.emplace_back("Content-Disposition",
                                 "attachment; filename=\"result-" + call.id.Text() + ".tar\"");
   return response;
@@ -314,9 +315,9 @@ Response GetTicks(const Call& call, Store& store) {
   if (Result<AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
     return ErrorResponse(seen.status());
   }
-  Result<std::vector<Bytes>> chunks = store.recordings.AttemptChunks(call.id);
-  if (!chunks.ok()) return ErrorResponse(chunks.status());
-  Result<std::string> ticks = TickWindowJson(*chunks, *from, *to);
+  Result<OpenRecording> recording = store.recordings.Open(call.id);
+  if (!recording.ok()) return ErrorResponse(recording.status());
+  Result<std::string> ticks = TickWindowJson(recording->next, *from, *to);
   if (!ticks.ok()) {
     // Recordings are checked on arrival: an unreadable one is damage of ours.
     return ErrorResponse(ticks.status().field() == "to"

@@ -123,6 +123,7 @@ class HttpConnection : public AcceptedConnection,
   void BreakOff();
   Status TooMuchComing() const;
   asio::awaitable<bool> Write(Response& response, bool head_only, bool keep_alive);
+  asio::awaitable<bool> WritePieces(const BytePieces& body);
   asio::awaitable<void> Drain();
   asio::awaitable<void> WriteEvents(Response response);
 
@@ -284,12 +285,15 @@ asio::awaitable<bool> HttpConnection::Write(Response& response, bool head_only, 
   // RFC 9110, 8.6: no length with 204, and with 304 it would have to be that of the 200.
   const bool sized = response.status != 204 && response.status != 304;
   std::string head =
-      HeadText(response, keep_alive, sized ? std::optional(body.size()) : std::nullopt);
+      HeadText(response, keep_alive, sized ? std::optional(response.BodyBytes()) : std::nullopt);
   deadline_.Allow(deadlines().write);
   if (response.held) {
     response.held->OnGivenUp([weak = weak_from_this()] {
       if (const auto self = weak.lock()) self->Close();
     });
+  }
+  if (response.pieces && !head_only) {
+    co_return co_await stream_.WriteAll(BytesOf(head)) && co_await WritePieces(*response.pieces);
   }
   if (head_only || body.empty()) co_return co_await stream_.WriteAll(BytesOf(head));
   if (body.size() <= kJoinedBytes) {
@@ -297,6 +301,25 @@ asio::awaitable<bool> HttpConnection::Write(Response& response, bool head_only, 
     co_return co_await stream_.WriteAll(BytesOf(head));
   }
   co_return co_await stream_.WriteAll(BytesOf(head)) && co_await stream_.WriteAll(BytesOf(body));
+}
+
+// Each piece has the time of a whole answer. False: the peer went away, or the body ended early, and
+// the length in the head says so.
+asio::awaitable<bool> HttpConnection::WritePieces(const BytePieces& body) {
+  for (uint64_t left = body.size; left > 0;) {
+    deadline_.AllowAnyTime();
+    const Result<Bytes> piece = co_await context_->api->NextPiece(body);
+    if (!piece.ok() || piece->empty() || piece->size() > left) {
+      spdlog::error(
+          "http: an answer ended {} bytes early: {}", left,
+          piece.ok() ? "it is not as long as it was said to be" : piece.status().message());
+      co_return false;
+    }
+    left -= piece->size();
+    deadline_.Allow(deadlines().write);
+    if (!co_await stream_.WriteAll(*piece)) co_return false;
+  }
+  co_return true;
 }
 
 // Ends the sending side and reads what the peer still sends for a while, so that the answer is

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <optional>
 #include <set>
 #include <vector>
@@ -34,7 +33,7 @@ class Blobs {
 
   // In the transaction that names these, for blobs deleted with an attempt (Free): they exist, and
   // stay until it ends. Errors: kUnavailable (one was removed since it was put: put it again).
-  virtual Status Hold(sql::Db& db, std::initializer_list<Sha256> hashes) = 0;
+  virtual Status Hold(sql::Db& db, const std::set<Sha256>& hashes) = 0;
   // What goes when its names do, in two steps. In the transaction (Isolation::kSerial) that has
   // taken names of these away, after that: those which no row names any more.
   struct Freed {
@@ -72,7 +71,7 @@ class FolderBlobs final : public Blobs {
   Result<Sha256> Put(ByteView data) override;
   Result<Bytes> Get(const Sha256& hash) const override;
   bool Has(const Sha256& hash) const override;
-  Status Hold(sql::Db&, std::initializer_list<Sha256>) override { return Status::Ok(); }
+  Status Hold(sql::Db&, const std::set<Sha256>&) override { return Status::Ok(); }
   // All of them: Remove looks again.
   Result<std::vector<Freed>> Free(sql::Db& db, const std::set<Sha256>& hashes) override;
   Result<size_t> Remove(const std::vector<Freed>& freed) override;

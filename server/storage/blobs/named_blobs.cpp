@@ -21,9 +21,9 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
        {"content FROM profiles", "content FROM profile_versions", "content FROM profile_reports",
         "content FROM scenes", "volume FROM scenes", "surface FROM scenes",
         "content FROM exercises", "content FROM rubrics", "content FROM start_teeth",
-        "content FROM timelines", "content FROM motions", "score_json FROM attempt_results",
-        "final_volume FROM attempt_results", "deviation FROM attempt_results",
-        "series FROM attempt_results"}) {
+        "content FROM timelines", "content FROM motions", "content FROM trace_parts",
+        "score_json FROM attempt_results", "final_volume FROM attempt_results",
+        "deviation FROM attempt_results", "series FROM attempt_results"}) {
     sql +=
         (sql.empty() ? "SELECT " : " UNION SELECT ") + std::string(document) + " WHERE tenant = ?1";
   }

@@ -143,9 +143,9 @@ bool S3Blobs::Has(const Sha256& hash) const {
   return status.ok() && there;
 }
 
-Status S3Blobs::Hold(sql::Db& db, std::initializer_list<Sha256> hashes) {
+Status S3Blobs::Hold(sql::Db& db, const std::set<Sha256>& hashes) {
   // In one order, so that no two transactions wait for each other.
-  for (const Sha256& hash : std::set<Sha256>(hashes)) {
+  for (const Sha256& hash : hashes) {
     if (hash.IsZero()) continue;
     ENAMEL_ASSIGN_OR_RETURN(const auto row, TouchBlobRow(db, hash, now_ms_()));
     if (row) continue;

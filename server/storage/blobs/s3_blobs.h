@@ -58,7 +58,7 @@ class S3Blobs final : public Blobs {
   Result<Bytes> Get(const Sha256& hash) const override;
   // By its row alone.
   bool Has(const Sha256& hash) const override;
-  Status Hold(sql::Db& db, std::initializer_list<Sha256> hashes) override;
+  Status Hold(sql::Db& db, const std::set<Sha256>& hashes) override;
   Result<std::vector<Freed>> Free(sql::Db& db, const std::set<Sha256>& hashes) override;
   Result<size_t> Remove(const std::vector<Freed>& freed) override;
   Result<size_t> Sweep(std::chrono::seconds age) override;

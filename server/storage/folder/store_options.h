@@ -44,6 +44,8 @@ struct StoreOptions {
   // Runs each change, rolls it back and runs it again, as a server's database may require. For
   // tests.
   bool change_twice = false;
+  // How much of a sealed recording is one blob (recordings/trace_parts.h); less for tests.
+  size_t trace_part_bytes = size_t{4} << 20;
   // Where blobs are instead of in FOLDER/blobs. With rows in enamel.db for tests alone: two servers
   // with a database each would delete each other's blobs (ReadDatabaseFile refuses it).
   std::optional<S3Place> s3_blobs{};

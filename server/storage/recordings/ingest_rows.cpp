@@ -217,8 +217,10 @@ void IngestRows::Count(const ChunkPut& chunk) {
 Status IngestRows::RepeatedAfterSeal(const ChunkPut& chunk) {
   ENAMEL_ASSIGN_OR_RETURN(const bool whole, recordings_.IsWhole(chunk.attempt));
   if (!whole) return TakeAgain(chunk);
-  ENAMEL_ASSIGN_OR_RETURN(auto chunks, recordings_.AttemptChunks(chunk.attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(chunks.at(chunk.head.seq)));
+  ENAMEL_ASSIGN_OR_RETURN(auto recording, recordings_.Open(chunk.attempt, chunk.head.seq));
+  ENAMEL_ASSIGN_OR_RETURN(const auto there, recording.next());
+  if (!there) return Status(Code::kStorage, "the sealed recording ends before this chunk");
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(*there));
   if (stored.hash == chunk.hash) return Status::Ok();
   std::string problem = "chunk " + std::to_string(chunk.head.seq) + " of the sealed attempt " +
                         chunk.attempt.Text() + " is committed with other content";

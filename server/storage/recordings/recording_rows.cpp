@@ -1,10 +1,17 @@
 #include "server/storage/recordings/recording_rows.h"
 
 #include <algorithm>
+#include <deque>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "server/storage/engine/query.h"
 #include "server/storage/keys/keyring.h"
+#include "server/storage/recordings/trace_parts.h"
 #include "server/storage/recordings/trace_rows.h"
 
 namespace enamel::server {
@@ -12,25 +19,87 @@ Result<Bytes> RecordingRows::AttemptHeader(const Uuid& attempt) {
   return rows_.Read([&](Db& db) { return HeaderOf(db, attempt); });
 }
 
-Result<std::vector<Bytes>> RecordingRows::AttemptChunks(const Uuid& attempt) {
-  Sha256 blob;
-  auto rows = rows_.Read([&](Db& db) -> Result<std::vector<Bytes>> {
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kOnly));
-    blob = ingest.trace_blob;
-    if (ingest.expired) return Expired(attempt);
-    if (!blob.IsZero()) return std::vector<Bytes>();
-    return ChunksOf(db, attempt);
-  });
-  if (!rows.ok()) return rows;
-  PersonalReader personal(keyring_);
-  for (Bytes& row : *rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(row)));
-    row = std::move(opened);
+namespace {
+
+PartsReader PartsIn(StoredBlobs& blobs, TraceBlobs named) {
+  return {std::move(named), [&blobs](const Sha256& hash) { return blobs.GetBlob(hash); }};
+}
+
+// Rows of chunks in order, a few in memory at a time.
+class RowsReader {
+ public:
+  RowsReader(Transactions& rows, Keyring& keyring, const Uuid& attempt, uint32_t from,
+             uint32_t chunks)
+      : rows_(rows), personal_(keyring), attempt_(attempt), next_(from), chunks_(chunks) {}
+
+  uint32_t next() const { return next_; }
+  Result<std::optional<Bytes>> Next() {
+    if (next_ >= chunks_) return std::optional<Bytes>();
+    if (page_.empty()) {
+      auto page = rows_.Read([&](Db& db) { return ChunkRowsFrom(db, attempt_, next_); });
+      if (!page.ok()) return page.status();
+      page_.assign(std::make_move_iterator(page->begin()), std::make_move_iterator(page->end()));
+    }
+    if (page_.empty()) {
+      return Status(Code::kUnavailable, "chunk " + std::to_string(next_) + " of attempt " +
+                                            attempt_.Text() + " is no longer there; try again");
+    }
+    Bytes row = std::move(page_.front());
+    page_.pop_front();
+    ++next_;
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal_.Open(std::move(row)));
+    return std::optional<Bytes>(std::move(opened));
   }
-  if (blob.IsZero()) return rows;
-  ENAMEL_ASSIGN_OR_RETURN(auto bytes, blobs_.GetBlob(blob));
-  ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(bytes));
-  return std::move(file.chunks);
+
+ private:
+  Transactions& rows_;
+  PersonalReader personal_;
+  const Uuid attempt_;
+  uint32_t next_;
+  const uint32_t chunks_;
+  std::deque<Bytes> page_;
+};
+
+}  // namespace
+
+Result<OpenRecording> RecordingRows::Open(const Uuid& attempt, uint32_t from) {
+  Ingest ingest;
+  TraceBlobs blobs;
+  Bytes header;
+  ENAMEL_RETURN_IF_ERROR(rows_.Read([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(ingest, FindIngest(db, attempt, Look::kOnly));
+    if (ingest.expired) return Expired(attempt);
+    if (ingest.trace_blob.IsZero()) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(blobs.parts, PartsOf(db, attempt));
+    blobs.last = ingest.trace_blob;
+    ENAMEL_ASSIGN_OR_RETURN(header, HeaderOf(db, attempt));
+    return Status::Ok();
+  }));
+  OpenRecording out{ingest.chunks, ingest.trace_bytes, !ingest.trace_blob.IsZero(), {}};
+  if (out.sealed) {
+    auto parts = std::make_shared<PartsReader>(PartsIn(blobs_, std::move(blobs)));
+    parts->SkipTo(from, std::move(header));
+    out.next = [parts] { return parts->Next(); };
+    return out;
+  }
+  auto reader = std::make_shared<RowsReader>(rows_, keyring_, attempt, from, ingest.chunks);
+  auto sealed = std::make_shared<trace::NextChunk>();
+  out.next = [this, attempt, reader, sealed]() -> Result<std::optional<Bytes>> {
+    if (*sealed) return (*sealed)();
+    auto next = reader->Next();
+    if (next.status().code() != Code::kUnavailable) return next;
+    // Sealed meanwhile: the blobs have the rest.
+    ENAMEL_ASSIGN_OR_RETURN(auto again, Open(attempt, reader->next()));
+    if (!again.sealed) return next;
+    *sealed = std::move(again.next);
+    return (*sealed)();
+  };
+  return out;
+}
+
+trace::NextChunk RecordingRows::OpenRows(const Uuid& attempt, uint32_t chunks) {
+  auto reader = std::make_shared<RowsReader>(rows_, keyring_, attempt, 0, chunks);
+  return [reader] { return reader->Next(); };
 }
 
 Result<std::vector<Bytes>> RecordingRows::NewestChunks(const Uuid& attempt, uint32_t from,
@@ -67,23 +136,32 @@ Result<trace::Seal> RecordingRows::AttemptSeal(const Uuid& attempt) {
 }
 
 // Reads all of it. False: it is lost, cut short, changed, or another attempt's.
-Result<bool> RecordingRows::Reads(const Uuid& attempt, const Ingest& ingest) {
-  const auto bytes = blobs_.GetBlob(ingest.trace_blob);
-  const Code code = bytes.status().code();
-  if (code == Code::kNotFound || code == Code::kStorage) return false;
-  if (!bytes.ok()) return bytes.status();
-  const auto file = trace::DecodeTraceFile(*bytes);
-  if (!file.ok() || !file->seal) return false;
-  const trace::Seal& seal = *file->seal;
+Result<bool> RecordingRows::Reads(const Uuid& attempt, const Ingest& ingest,
+                                  const TraceBlobs& blobs) {
+  PartsReader parts = PartsIn(blobs_, blobs);
+  for (;;) {
+    const auto chunk = parts.Next();
+    const Code code = chunk.status().code();
+    if (code == Code::kNotFound || code == Code::kStorage) return false;
+    if (!chunk.ok()) return chunk.status();
+    if (!*chunk) break;
+  }
+  const trace::Seal& seal = *parts.seal();
   return seal.attempt == attempt && seal.chunks == ingest.chunks && seal.last_chunk == ingest.head;
 }
 
 Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
   using Clock = std::chrono::steady_clock;
-  auto ingest = rows_.Read([&](Db& db) { return FindIngest(db, attempt, Look::kOnly); });
+  TraceBlobs blobs;
+  auto ingest = rows_.Read([&](Db& db) -> Result<Ingest> {
+    ENAMEL_ASSIGN_OR_RETURN(blobs.parts, PartsOf(db, attempt));
+    return FindIngest(db, attempt, Look::kOnly);
+  });
   if (!ingest.ok()) return ingest.status();
   if (ingest->trace_blob.IsZero() || ingest->expired) return true;
-  const bool there = blobs_.HasBlob(ingest->trace_blob);
+  blobs.last = ingest->trace_blob;
+  const bool there =
+      std::ranges::all_of(blobs.All(), [&](const Sha256& blob) { return blobs_.HasBlob(blob); });
   {
     MutexLock lock(mutex_);
     const auto seen = seen_.find(attempt);
@@ -93,7 +171,7 @@ Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
       if (seen->second.whole ? age < kLookAgain : age < kLostAgain) return seen->second.whole;
     }
   }
-  ENAMEL_ASSIGN_OR_RETURN(const bool whole, Reads(attempt, *ingest));
+  ENAMEL_ASSIGN_OR_RETURN(const bool whole, Reads(attempt, *ingest, blobs));
   MutexLock lock(mutex_);
   if (seen_.size() >= kMostSeen) seen_.clear();
   seen_[attempt] = {ingest->trace_blob, whole, Clock::now()};

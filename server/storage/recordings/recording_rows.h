@@ -9,6 +9,7 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/uuid.h"
+#include "common/trace/pieces.h"
 #include "common/trace/trace.h"
 #include "server/storage/engine/transactions.h"
 #include "server/storage/keys/keyring.h"
@@ -17,7 +18,18 @@
 
 namespace enamel::server {
 
-struct Ingest;  // trace_rows.h
+struct Ingest;      // trace_rows.h
+struct TraceBlobs;  // trace_parts.h
+
+// A recording as it was when it was opened, read in order. Chunks that come later are not given.
+struct OpenRecording {
+  uint32_t chunks = 0;
+  uint64_t bytes = 0;  // of header and chunks
+  bool sealed = false;
+  // Holds some mebibytes of it at a time, and uses the RecordingRows that gave it. Thread safety:
+  // none. Errors: as AttemptHeader; kStorage (damaged).
+  trace::NextChunk next;
+};
 
 // Reads the recording of an attempt. Thread safety: any thread; calls block.
 class RecordingRows {
@@ -26,7 +38,11 @@ class RecordingRows {
       : rows_(rows), keyring_(keyring), blobs_(blobs) {}
 
   Result<Bytes> AttemptHeader(const Uuid& attempt);
-  Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt);
+  // From chunk number `from` on. Errors: kNotFound, also of a recording that a rule removed.
+  Result<OpenRecording> Open(const Uuid& attempt, uint32_t from = 0);
+  // The chunks that are rows, also of a sealed attempt, up to that number. Errors of the reading:
+  // kUnavailable (some are gone, because another connection has sealed it).
+  trace::NextChunk OpenRows(const Uuid& attempt, uint32_t chunks);
   // Of an attempt being made: the chunks that are committed from number `from` on, in order; of
   // more than `most` the newest. None once it is sealed.
   Result<std::vector<Bytes>> NewestChunks(const Uuid& attempt, uint32_t from, uint32_t most);
@@ -53,7 +69,7 @@ class RecordingRows {
     bool whole = false;
     std::chrono::steady_clock::time_point at;
   };
-  Result<bool> Reads(const Uuid& attempt, const Ingest& ingest);
+  Result<bool> Reads(const Uuid& attempt, const Ingest& ingest, const TraceBlobs& blobs);
 
   Transactions& rows_;
   Keyring& keyring_;

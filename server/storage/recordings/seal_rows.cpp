@@ -1,11 +1,12 @@
 #include "server/storage/recordings/seal_rows.h"
 
+#include <string>
+
 #include "common/protocol/refusals.h"
 #include "server/storage/attempts/job_rows.h"
 #include "server/storage/audit/audit_trail.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/sql_names.h"
-#include "server/storage/keys/keyring.h"
 #include "server/storage/recordings/trace_rows.h"
 
 namespace enamel::server {
@@ -38,13 +39,14 @@ Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
                                      "; send what is missing, then seal again");
 }
 
-Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha256& blob,
+Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const TraceBlobs& blobs,
                   UnixMs now_ms, bool keep_rows) {
+  ENAMEL_RETURN_IF_ERROR(SetParts(db, attempt, blobs.parts));
   {
-    Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
+    Query q(db, std::string("UPDATE attempts SET state = ") + Sql(AttemptState::kSealed) +
                     ", sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
                     "WHERE tenant = ?1 AND id = ?2");
-    q.Bind(attempt).Bind(now_ms).Bind(blob);
+    q.Bind(attempt).Bind(now_ms).Bind(blobs.last);
     ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
   }
   // Deleting an hour's chunks here would hold up all who record: SealedRows does it in portions.
@@ -55,41 +57,43 @@ Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha25
 
 }  // namespace
 
-// What is committed, as a trace file.
-Result<Bytes> SealRows::TraceFileOf(const trace::Seal& seal) {
-  auto file = rows_.Read([&](Db& db) -> Result<trace::TraceFile> {
-    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(db, seal.attempt));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunksOf(db, seal.attempt));
-    return trace::TraceFile{std::move(header), std::move(chunks), seal, false};
-  });
-  if (!file.ok()) return file.status();
-  PersonalReader personal(keyring_);
-  for (Bytes& chunk : file->chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(chunk)));
-    chunk = std::move(opened);
-  }
-  return trace::EncodeTraceFile(*file);
-}
-
-// Outside the transaction that ends the attempt: after a crash in between, the blob is written
-// again.
-Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
-  {
-    // Each copy of it ends before the next but one is made: it may be large.
-    ENAMEL_ASSIGN_OR_RETURN(const Bytes file, TraceFileOf(seal));
-    ENAMEL_ASSIGN_OR_RETURN(blob, stored_.PutAttemptBlob(seal.attempt, file));
-  }
-  // The rows go once the blob is named. A store that says yes and keeps half would then have had the
-  // last copy.
-  const auto kept = blobs_.Get(blob);
-  if (kept.ok()) return Status::Ok();
-  if (kept.status().code() == Code::kUnavailable) return kept.status();
+// The rows go once the blob is named. A store that says yes and keeps half would then have had the
+// last copy: what was put is read back.
+Result<Sha256> SealRows::PutPart(const Uuid& attempt, ByteWriter& piece) {
+  const Bytes bytes = piece.Take();
+  piece = {};
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 blob, stored_.PutAttemptBlob(attempt, bytes));
+  const Status kept = blobs_.Get(blob).status();
+  if (kept.ok()) return blob;
+  if (kept.code() == Code::kUnavailable) return kept;
   return Status(Code::kUnavailable, "the store of blobs did not keep what it was given (" +
-                                        kept.status().message() +
+                                        kept.message() +
                                         "); the recording stays where it is, try again later");
 }
 
-// A sealed recording whose blob is lost, from the chunks that came again.
+// What is committed. Outside the transaction that ends the attempt: after a crash in between, the
+// same blobs are written again. The chunks are cut into parts by their sizes alone, so a repetition
+// makes the same parts.
+Result<TraceBlobs> SealRows::MoveTraceToBlobs(const trace::Seal& seal) {
+  const trace::NextChunk next = recordings_.OpenRows(seal.attempt, seal.chunks);
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes header, recordings_.AttemptHeader(seal.attempt));
+  ByteWriter piece;
+  trace::BeginTraceFile(header, piece);
+  TraceBlobs out;
+  for (uint32_t seq = 0; seq < seal.chunks; ++seq) {
+    if (piece.size() >= part_bytes_) {
+      ENAMEL_ASSIGN_OR_RETURN(const Sha256 blob, PutPart(seal.attempt, piece));
+      out.parts.push_back({blob, seq});
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto chunk, next());
+    trace::WriteChunk(*chunk, piece);
+  }
+  trace::WriteSeal(seal, piece);
+  ENAMEL_ASSIGN_OR_RETURN(out.last, PutPart(seal.attempt, piece));
+  return out;
+}
+
+// A sealed recording that has lost a blob, from the chunks that came again.
 Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
   ENAMEL_ASSIGN_OR_RETURN(const bool whole, recordings_.IsWhole(seal.attempt));
   if (whole) return Status::Ok();
@@ -103,18 +107,19 @@ Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
                       " chunks of it once more, found " + std::to_string(end->next),
                   "seq");
   }
-  Sha256 blob;
-  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  ENAMEL_ASSIGN_OR_RETURN(const TraceBlobs blobs, MoveTraceToBlobs(seal));
   recordings_.NoteWritten(seal.attempt);
   const Status status = rows_.WriteRow([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto ingest, FindIngest(db, seal.attempt, Look::kToDecide));
     if (ingest.trace_blob != before.trace_blob) return Status::Ok();
-    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, blobs.All()));
+    ENAMEL_RETURN_IF_ERROR(SetParts(db, seal.attempt, blobs.parts));
     Query q(db, "UPDATE attempts SET trace_blob = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(blob).Run());
-    return WriteAudit(db, Actor{{}, "station link"}, "attempt.heal", seal.attempt.Text(),
-                      JsonOf({{"trace", before.trace_blob.Hex()}}),
-                      JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
+    ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(blobs.last).Run());
+    return WriteAudit(
+        db, Actor{{}, "station link"}, "attempt.heal", seal.attempt.Text(),
+        JsonOf({{"trace", before.trace_blob.Hex()}}),
+        JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blobs.last.Hex()}}));
   });
   if (status.ok() && sealed_ != nullptr) sealed_->Add(seal.attempt);
   return status;
@@ -163,16 +168,15 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   }
   if (before.chunks == 0)
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
-  Sha256 blob;
-  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  ENAMEL_ASSIGN_OR_RETURN(const TraceBlobs blobs, MoveTraceToBlobs(seal));
   bool fresh = false;
   Status status = rows_.WriteRow([&](Db& db) -> Status {
     fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db, Look::kToDecide));
     if (ingest.state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
-    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
-    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_ != nullptr));
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, blobs.All()));
+    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, seal.attempt, ingest, blobs, now_ms, sealed_ != nullptr));
     // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one
     // has looked. Nor is graded work with a hand that was not admitted, which a ticket was refused
     // for or would have been.
@@ -193,8 +197,9 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     } else {
       ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt, "seal"));
     }
-    return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
-                      JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
+    return WriteAudit(
+        db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
+        JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blobs.last.Hex()}}));
   });
   if (status.ok() && fresh) {
     ++counters_.sealed;
@@ -213,19 +218,20 @@ Status SealRows::AcceptCommitted(const Uuid& attempt, const Actor& by) {
   if (!before.ok()) return before.status();
   if (!unsealed(*before)) return Status::Ok();
   ENAMEL_RETURN_IF_ERROR(gate_.Check());
-  Sha256 blob;
-  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(
-      {attempt, before->chunks, before->ticks, before->head, before->head_state_hash}, blob));
+  ENAMEL_ASSIGN_OR_RETURN(const TraceBlobs blobs,
+                          MoveTraceToBlobs({attempt, before->chunks, before->ticks, before->head,
+                                            before->head_state_hash}));
   bool fresh = false;
   Status status = rows_.Write([&](Db& db) -> Status {
     fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
     if (!unsealed(ingest)) return Status::Ok();
     fresh = true;
-    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
-    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, attempt, ingest, blob, NowMs(), sealed_ != nullptr));
-    return WriteAudit(db, by, "attempt.accept", attempt.Text(), "{}",
-                      JsonOf({{"chunks", std::to_string(ingest.chunks)}, {"trace", blob.Hex()}}));
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, blobs.All()));
+    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, attempt, ingest, blobs, NowMs(), sealed_ != nullptr));
+    return WriteAudit(
+        db, by, "attempt.accept", attempt.Text(), "{}",
+        JsonOf({{"chunks", std::to_string(ingest.chunks)}, {"trace", blobs.last.Hex()}}));
   });
   if (status.ok() && fresh && sealed_ != nullptr) sealed_->Add(attempt);
   return status;

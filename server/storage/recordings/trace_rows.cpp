@@ -54,9 +54,11 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
   return q.Blob(0);
 }
 
-Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt) {
-  Query q(db, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
-  q.Bind(attempt);
+Result<std::vector<Bytes>> ChunkRowsFrom(Db& db, const Uuid& attempt, uint32_t from) {
+  Query q(db,
+          "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER "
+          "BY seq LIMIT ?4");
+  q.Bind(attempt).Bind(int64_t{from}).Bind(kRowsAtOnce);
   std::vector<Bytes> out;
   while (q.Next()) out.push_back(q.Blob(0));
   if (!q.status().ok()) return q.status();

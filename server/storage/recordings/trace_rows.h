@@ -40,8 +40,11 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look);
 
 // Errors: kNotFound (nothing was recorded).
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt);
-// In order, still encrypted under the person's key; none once the attempt's blob has them.
-Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt);
+// Of the chunks that are rows, in order and still encrypted under the person's key: kRowsAtOnce from
+// number `from` on. None once the attempt's blobs have them.
+Result<std::vector<Bytes>> ChunkRowsFrom(Db& db, const Uuid& attempt, uint32_t from);
+// Chunks that are read into memory at once, of at most a mebibyte each.
+inline constexpr int64_t kRowsAtOnce = 16;
 // Where those end.
 struct ChunkEnd {
   uint32_t next = 0;  // number of the chunk that follows

@@ -6,6 +6,7 @@
 #include "server/storage/engine/query.h"
 #include "server/storage/judging/motion_rows.h"
 #include "server/storage/judging/timeline_rows.h"
+#include "server/storage/recordings/trace_parts.h"
 
 namespace enamel::server {
 Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs) {
@@ -31,6 +32,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
       }
     }
     ENAMEL_RETURN_IF_ERROR(earlier.status());
+    ENAMEL_RETURN_IF_ERROR(DropParts(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :

@@ -13,6 +13,7 @@
 #include "server/storage/engine/sql_names.h"
 #include "server/storage/judging/motion_rows.h"
 #include "server/storage/judging/timeline_rows.h"
+#include "server/storage/recordings/trace_parts.h"
 #include "server/storage/upkeep/deletion.h"
 
 // Rules that say how long things are kept.
@@ -139,6 +140,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
       }
     }
     ENAMEL_RETURN_IF_ERROR(runs.status());
+    ENAMEL_RETURN_IF_ERROR(DropParts(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :

@@ -5,11 +5,14 @@
 #include <map>
 
 #include "server/storage/engine/query.h"
+#include "server/storage/recordings/trace_parts.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
 namespace {
 
+// Chunks in memory at once, of at most a mebibyte each.
+constexpr int64_t kRowsAtOnce = 16;
 constexpr char kAskStation[] =
     "restore a backup, or have the station send it again within seven days";
 
@@ -96,8 +99,7 @@ class AttemptCheck {
     if (facts.expired) return Status::Ok();
     if (!facts.trace_blob.IsZero()) {
       ++report_.sealed;
-      CheckSealed(facts);
-      return Status::Ok();
+      return CheckSealed(facts);
     }
     // Only those two may still have their chunks as rows.
     if (facts.state != AttemptState::kRecording && facts.state != AttemptState::kQuarantined) {
@@ -106,21 +108,39 @@ class AttemptCheck {
                    "none named", kFromBackup);
       return Status::Ok();
     }
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, ChunkRowsOf(facts.id, "trace_chunks"));
-    const int64_t last_ms = rows.empty() ? 0 : rows.back().received_ms;
+    return CheckOpen(facts);
+  }
+
+  // Of a recording that is not sealed, a few rows in memory at a time.
+  Status CheckOpen(const AttemptFacts& facts) {
+    Query last(db_,
+               "SELECT received_ms FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY "
+               "seq DESC LIMIT 1");
+    const int64_t last_ms = last.Bind(facts.id).Next() ? last.Int(0) : 0;
+    ENAMEL_RETURN_IF_ERROR(last.status());
     if (last_ms != facts.last_chunk_ms) {
       report_.Find("chain", facts.id.Text(),
                    "the time of the last chunk, " + std::to_string(last_ms) + " ms",
                    std::to_string(facts.last_chunk_ms) + " ms in the attempt's row", kFromBackup);
     }
-    if (!OpenChunks(facts, rows)) return Status::Ok();
-    std::vector<Bytes> chunks;
-    for (ChunkRow& row : rows) {
+    std::vector<ChunkRow> rows;
+    size_t at = 0;
+    int64_t next_seq = 0;
+    bool opened = true;
+    const Status read = CheckChain(facts, [&]() -> Result<std::optional<Bytes>> {
+      if (at == rows.size()) {
+        at = 0;
+        ENAMEL_ASSIGN_OR_RETURN(rows, ChunkRowsOf(facts.id, "trace_chunks", next_seq));
+        if (rows.empty()) return std::optional<Bytes>();
+        opened = OpenChunks(facts, rows);
+        if (!opened) return Status(Code::kNotFound, "noted");
+      }
+      ChunkRow& row = rows[at++];
       CheckChunkRow(facts, row, "trace_chunks");
-      chunks.push_back(std::move(row.bytes));
-    }
-    CheckChain(facts, chunks, std::nullopt);
-    return Status::Ok();
+      next_seq = row.seq + 1;
+      return std::optional<Bytes>(std::move(row.bytes));
+    });
+    return opened ? read : Status::Ok();
   }
 
   // A chunk as a row, with what the row says of it.
@@ -130,11 +150,14 @@ class AttemptCheck {
     Bytes bytes;
   };
 
-  Result<std::vector<ChunkRow>> ChunkRowsOf(const Uuid& attempt, const std::string& table) {
+  // From that number on, kRowsAtOnce at most.
+  Result<std::vector<ChunkRow>> ChunkRowsOf(const Uuid& attempt, const std::string& table,
+                                            int64_t from) {
     Query q(db_, "SELECT seq, received_ms, hash, bytes FROM " + table +
-                     " WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+                     " WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER BY seq LIMIT ?4");
     std::vector<ChunkRow> out;
-    for (q.Bind(attempt); q.Next();) out.push_back({q.Int(0), q.Int(1), q.Hash(2), q.Blob(3)});
+    for (q.Bind(attempt).Bind(from).Bind(kRowsAtOnce); q.Next();)
+      out.push_back({q.Int(0), q.Int(1), q.Hash(2), q.Blob(3)});
     if (!q.status().ok()) return q.status();
     return out;
   }
@@ -156,7 +179,7 @@ class AttemptCheck {
 
   // Which ones there are is in the attempt's state in the audit trail.
   Status CheckEvidence(const AttemptFacts& facts) {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, ChunkRowsOf(facts.id, "contradicting_chunks"));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, ChunkRowsOf(facts.id, "contradicting_chunks", 0));
     if (!OpenChunks(facts, rows)) return Status::Ok();
     for (const ChunkRow& row : rows) {
       CheckChunkRow(facts, row, "contradicting_chunks");
@@ -224,49 +247,66 @@ class AttemptCheck {
     return true;
   }
 
-  void CheckSealed(const AttemptFacts& facts) {
-    if (stored_.bad.contains(facts.trace_blob)) return;  // found already
-    auto bytes = stored_.blobs.Get(facts.trace_blob);
-    if (!bytes.ok()) return;
-    // Kept apart, and noted so: what cannot be opened cannot be checked.
-    if (!stored_.has_keys && PersonOfSealed(*bytes)) return;
-    auto opened = OpenPersonal(stored_.keyring, std::move(bytes).value());
-    if (!opened.ok()) return;
-    auto file = trace::DecodeTraceFile(*opened);
-    if (!file.ok() || file->truncated || !file->seal) {
-      report_.Find("seal", facts.id.Text(), "a whole trace with its seal",
-                   file.ok() ? "one that ends early" : file.status().message(), kAskStation);
-      return;
+  // A part in memory at a time.
+  Status CheckSealed(const AttemptFacts& facts) {
+    TraceBlobs blobs;
+    ENAMEL_ASSIGN_OR_RETURN(blobs.parts, PartsOf(db_, facts.id));
+    blobs.last = facts.trace_blob;
+    // Of a blob that is missing, damaged or kept under another key: found already; kept apart from
+    // its key: noted.
+    bool found = false;
+    PartsReader parts(std::move(blobs), [&](const Sha256& hash) -> Result<Bytes> {
+      found = true;
+      if (stored_.bad.contains(hash)) return Status(Code::kStorage, "found already");
+      ENAMEL_ASSIGN_OR_RETURN(Bytes sealed, stored_.blobs.Get(hash));
+      if (!stored_.has_keys && PersonOfSealed(sealed)) return Status(Code::kNotFound, "noted");
+      ENAMEL_ASSIGN_OR_RETURN(Bytes opened, OpenPersonal(stored_.keyring, std::move(sealed)));
+      found = false;
+      return opened;
+    });
+    const Status read = CheckChain(
+        facts, [&] { return parts.Next(); }, &parts.seal());
+    if (found) return Status::Ok();
+    if (!read.ok()) {
+      report_.Find("seal", facts.id.Text(), "a whole trace with its seal", read.message(),
+                   kAskStation);
+      return Status::Ok();
     }
-    if (file->header != facts.header) {
+    if (parts.header() != facts.header) {
       report_.Find("chain", facts.id.Text(),
                    "the header of the attempt's row at the head of its trace", "another one",
                    kFromBackup);
     }
-    CheckChain(facts, file->chunks, file->seal);
+    return Status::Ok();
   }
 
-  void CheckChain(const AttemptFacts& facts, const std::vector<Bytes>& chunks,
-                  const std::optional<trace::Seal>& seal) {
+  // `seal`: of a sealed one, known after the last chunk. Errors: those of `next`.
+  Status CheckChain(const AttemptFacts& facts, const trace::NextChunk& next,
+                    const std::optional<trace::Seal>* seal = nullptr) {
     trace::ChainVerifier chain(facts.id, HashSha256(facts.header));
     const std::string id = facts.id.Text();
     uint64_t bytes = facts.header.size(), gaps = 0, unsigned_chunks = 0, first_unsigned = 0;
-    for (const Bytes& encoded : chunks) {
-      auto chunk = trace::DecodeChunk(encoded);
-      if (!chunk.ok())
-        return report_.Find("chain", id,
-                            "chunk " + std::to_string(chain.next_seq()) + " to be whole",
-                            chunk.status().message(), kAskStation);
-      if (Status linked = chain.Accept(*chunk); !linked.ok())
-        return report_.Find("chain", id, "each chunk to continue the one before", linked.message(),
-                            kAskStation);
-      if (!IsSigned(facts, encoded) && unsigned_chunks++ == 0) first_unsigned = chunk->head.seq;
-      bytes += encoded.size();
+    for (;;) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto encoded, next());
+      if (!encoded) break;
+      auto chunk = trace::DecodeChunk(*encoded);
+      if (!chunk.ok()) {
+        report_.Find("chain", id, "chunk " + std::to_string(chain.next_seq()) + " to be whole",
+                     chunk.status().message(), kAskStation);
+        return Status::Ok();
+      }
+      if (Status linked = chain.Accept(*chunk); !linked.ok()) {
+        report_.Find("chain", id, "each chunk to continue the one before", linked.message(),
+                     kAskStation);
+        return Status::Ok();
+      }
+      if (!IsSigned(facts, *encoded) && unsigned_chunks++ == 0) first_unsigned = chunk->head.seq;
+      bytes += encoded->size();
       gaps += chunk->head.gap_ticks;
       ++report_.chunks;
       report_.ticks += chunk->head.count;
     }
-    if (unsigned_chunks > 0) FindUnsigned(facts, unsigned_chunks, first_unsigned, chunks.size());
+    if (unsigned_chunks > 0) FindUnsigned(facts, unsigned_chunks, first_unsigned, chain.next_seq());
     if (chain.next_seq() != facts.chunks || chain.next_tick() != facts.ticks ||
         chain.head() != facts.head || chain.state_hash() != facts.head_state_hash) {
       report_.Find("chain", id, RowText(facts),
@@ -282,9 +322,10 @@ class AttemptCheck {
                        std::to_string(facts.gap_ticks) + " ticks of gaps, as the row says",
                    std::to_string(bytes) + " and " + std::to_string(gaps), kFromBackup);
     }
-    if (!seal) return;
-    if (Status sealed = chain.AcceptSeal(*seal); !sealed.ok())
+    if (seal == nullptr) return Status::Ok();
+    if (Status sealed = chain.AcceptSeal(**seal); !sealed.ok())
       report_.Find("seal", id, "a seal that fits the chunks", sealed.message(), kFromBackup);
+    return Status::Ok();
   }
 
   static std::string RowText(const AttemptFacts& facts) {

@@ -17,6 +17,7 @@
 #include "server/results/result_document.h"
 #include "tests/load/recording_copy.h"
 #include "tests/load/school.h"
+#include "tests/server/storage/all_chunks.h"
 
 namespace {
 
@@ -44,7 +45,7 @@ Result<Original> Read(Store& store, const AttemptRow& row) {
   out.row = row;
   ENAMEL_ASSIGN_OR_RETURN(const auto header, store.recordings.AttemptHeader(row.id));
   ENAMEL_ASSIGN_OR_RETURN(out.header, trace::DecodeHeader(header));
-  ENAMEL_ASSIGN_OR_RETURN(out.chunks, store.recordings.AttemptChunks(row.id));
+  ENAMEL_ASSIGN_OR_RETURN(out.chunks, AllChunks(store.recordings, row.id));
   ENAMEL_ASSIGN_OR_RETURN(out.result, store.results.ResultOf(row.id));
   ENAMEL_ASSIGN_OR_RETURN(const auto runs, store.results.ResultsOf(row.id));
   ENAMEL_ASSIGN_OR_RETURN(out.document, DecodeResult(runs.front().document));

@@ -192,7 +192,7 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   ASSERT_TRUE(trace.ok()) << trace.status().message();
   auto file = trace::DecodeTraceFile(*trace);
   ASSERT_TRUE(file.ok()) << file.status().message();
-  EXPECT_EQ(file->chunks, *school_.store->recordings.AttemptChunks(scored));
+  EXPECT_EQ(file->chunks, *AllChunks(school_.store->recordings, scored));
   EXPECT_TRUE(file->seal.has_value());
   EXPECT_EQ(*ReadFile(Path("copy") / "attempts" / scored.Text() / "forces.json"),
             Bytes({'s', 'e', 'r', 'i', 'e', 's'}));

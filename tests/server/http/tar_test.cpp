@@ -21,9 +21,9 @@ TEST(TarTest, AnyTarUnpacksWhatWasPutIn) {
     for (size_t i = 0; i < size; ++i) out[i] = static_cast<uint8_t>(i * 7 + size);
     return out;
   };
-  for (size_t size : sizes) tar.Add("file_" + std::to_string(size), content(size));
-  tar.Add(std::string(100, 'n'), content(3));
-  folder.Write("all.tar", tar.Take());
+  for (size_t size : sizes) tar.Add("file_" + std::to_string(size), InOnePiece(content(size)));
+  tar.Add(std::string(100, 'n'), InOnePiece(content(3)));
+  ASSERT_TRUE(WriteFileDurably(folder.path() / "all.tar", tar.Take(), 0600).ok());
   const std::string in = folder.path().string();
   ASSERT_EQ(std::system(("tar -xf " + in + "/all.tar -C " + in).c_str()), 0);
   for (size_t size : sizes) {

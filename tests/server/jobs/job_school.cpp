@@ -4,6 +4,7 @@
 #include "server/jobs/score_job.h"
 #include "server/storage/engine/query.h"
 #include "server/storage/store_engine.h"
+#include "tests/server/storage/all_chunks.h"
 
 namespace enamel::test {
 namespace {
@@ -136,7 +137,7 @@ Bytes JobSchool::Blob(const Sha256& content) { return Must(store->blobs.GetBlob(
 
 Recording JobSchool::RecordingOf(const Uuid& attempt) {
   return {Must(store->recordings.AttemptHeader(attempt)),
-          Must(store->recordings.AttemptChunks(attempt)),
+          Must(AllChunks(store->recordings, attempt)),
           Must(store->recordings.AttemptSeal(attempt))};
 }
 

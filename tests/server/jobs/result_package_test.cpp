@@ -26,9 +26,12 @@ class ResultPackageTest : public ::testing::Test {
     std::vector<ResultFile> out;
     const Status status =
         ForEachResultFile(*school_->store, school_->Row(attempt_), surface_,
-                          [&](std::string_view name, const Result<Bytes>& content) {
-                            if (content.ok()) out.push_back({std::string(name), *content});
-                            return content.status();
+                          [&](std::string_view name, const Result<BytePieces>& content) -> Status {
+                            ENAMEL_RETURN_IF_ERROR(content.status());
+                            ENAMEL_ASSIGN_OR_RETURN(Bytes all, AllOf(*content));
+                            EXPECT_EQ(all.size(), content->size) << name;
+                            out.push_back({std::string(name), std::move(all)});
+                            return Status::Ok();
                           });
     EXPECT_TRUE(status.ok()) << status.message();
     return out;
@@ -98,7 +101,7 @@ TEST_F(ResultPackageTest, HasTheSurfaceThatTheCallerMakes) {
 }
 
 TEST_F(ResultPackageTest, WithoutAScoreOrASignatureItSaysSo) {
-  auto none = [](std::string_view, const Result<Bytes>& content) { return content.status(); };
+  auto none = [](std::string_view, const Result<BytePieces>& content) { return content.status(); };
   EXPECT_EQ(ForEachResultFile(*school_->store, school_->Row(attempt_), surface_, none).code(),
             Code::kConflict);
   ASSERT_TRUE(RunScoreJob(*school_->store, attempt_, {}).ok());

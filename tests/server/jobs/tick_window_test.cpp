@@ -19,7 +19,7 @@ class TickWindowTest : public ::testing::Test {
     return World::Get().Record(Uuid::New(), Uuid::New(), path).chunks;
   }
   static json::object Window(const std::vector<Bytes>& chunks, uint64_t from, uint64_t to) {
-    auto text = TickWindowJson(chunks, from, to);
+    auto text = TickWindowJson(trace::EachOf(chunks), from, to);
     EXPECT_TRUE(text.ok()) << text.status().message();
     return json::parse(text.ok() ? *text : "{}").as_object();
   }
@@ -72,7 +72,7 @@ TEST_F(TickWindowTest, ASpanThatIsEmptyOrTooLongIsRefused) {
   const std::vector<Bytes> none;
   for (const auto& [from, to] : std::vector<std::pair<uint64_t, uint64_t>>{
            {5, 5}, {5, 4}, {0, 4001}, {~uint64_t{0}, 3999}}) {
-    const auto window = TickWindowJson(none, from, to);
+    const auto window = TickWindowJson(trace::EachOf(none), from, to);
     ASSERT_FALSE(window.ok()) << from << " to " << to;
     EXPECT_EQ(window.status().code(), Code::kInvalidInput);
     EXPECT_EQ(window.status().field(), "to");
@@ -81,7 +81,8 @@ TEST_F(TickWindowTest, ASpanThatIsEmptyOrTooLongIsRefused) {
 }
 
 TEST_F(TickWindowTest, WhatIsNoChunkIsSaid) {
-  EXPECT_FALSE(TickWindowJson(std::vector<Bytes>{Bytes(40, 1)}, 0, 10).ok());
+  const std::vector<Bytes> chunks{Bytes(40, 1)};
+  EXPECT_FALSE(TickWindowJson(trace::EachOf(chunks), 0, 10).ok());
 }
 
 }  // namespace

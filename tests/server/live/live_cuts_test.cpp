@@ -85,11 +85,12 @@ TEST_F(LiveCutsTest, WhoHasSeenSomeGetsWhatBecameDeeperSince) {
 
 // The server was restarted, or had to forget it: the numbers are the same.
 TEST_F(LiveCutsTest, ReadsAnAttemptFromItsBeginningAndAfterALongTime) {
-  for (uint32_t i = 0; i < LiveCuts::kMostChunks + 5; ++i) Commit({At(0.3 * i, 0, -1)});
-  EXPECT_EQ(Cut().columns.size(), LiveCuts::kMostChunks + 5);
-  for (uint32_t i = 0; i < LiveCuts::kMostChunks + 5; ++i) Commit({At(0.3 * i, 0, -2)});
-  const auto cut = Cut(LiveCuts::kMostChunks + 5);
-  EXPECT_EQ(cut.columns.size(), LiveCuts::kMostChunks + 5);
+  constexpr uint32_t kChunks = 245;
+  for (uint32_t i = 0; i < kChunks; ++i) Commit({At(0.3 * i, 0, -1)});
+  EXPECT_EQ(Cut().columns.size(), kChunks);
+  for (uint32_t i = 0; i < kChunks; ++i) Commit({At(0.3 * i, 0, -2)});
+  const auto cut = Cut(kChunks);
+  EXPECT_EQ(cut.columns.size(), kChunks);
   LiveCuts fresh;
   EXPECT_EQ(fresh.Get(store_->recordings, attempt_, 0)->columns.size(), cut.columns.size());
 }

@@ -6,6 +6,7 @@
 #include "common/timeline/deviation.h"
 #include "server/jobs/surface_blob.h"
 #include "tests/server/stations/link_world.h"
+#include "tests/server/storage/all_chunks.h"
 
 // The protocol without sockets: one request, one answer.
 namespace enamel::server::stations {
@@ -170,7 +171,7 @@ TEST_F(SessionTest, WholeAttemptIsCommittedAndSealed) {
     EXPECT_TRUE(ack.chunk_ack().committed());
   }
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(*world_.store->recordings.AttemptChunks(recording.seal.attempt), recording.chunks);
+  EXPECT_EQ(*AllChunks(world_.store->recordings, recording.seal.attempt), recording.chunks);
   EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().state(), "sealed");
 }
 

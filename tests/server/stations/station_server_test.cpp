@@ -22,6 +22,7 @@
 #include "common/protocol/frame.h"
 #include "server/stations/link_budget.h"
 #include "tests/server/stations/link_world.h"
+#include "tests/server/storage/all_chunks.h"
 
 // Real bytes over TLS on loopback: deadlines, limits, shutdown.
 namespace enamel::server::stations {
@@ -139,7 +140,7 @@ TEST_F(StationServerTest, AttemptIsUploadedOverTls) {
     EXPECT_TRUE(reply.chunk_ack().committed()) << reply.error().message();
   }
   EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(world_.store->recordings.AttemptChunks(recording.seal.attempt)->size(), 5u);
+  EXPECT_EQ(AllChunks(world_.store->recordings, recording.seal.attempt)->size(), 5u);
 }
 
 // What is logged, and of which attempt.

@@ -26,7 +26,7 @@ void ExpectNoFindings(sql::Db& db, const std::filesystem::path& folder) {
 
 class SqlitePlace : public Place {
  public:
-  Result<std::unique_ptr<Store>> Try() override { return OpenSqliteStore({folder_.path()}); }
+  Result<std::unique_ptr<Store>> Try() override { return OpenSqliteStore(Options()); }
   std::unique_ptr<sql::Db> Connect() const override {
     auto db = OpenDatabase(folder_.path() / "enamel.db", DbMode::kExisting);
     EXPECT_TRUE(db.ok()) << db.status().message();
@@ -36,6 +36,12 @@ class SqlitePlace : public Place {
   void ExpectTrailAgrees() const override { ExpectNoFindings(*Connect(), folder_.path()); }
 
  protected:
+  StoreOptions Options() const {
+    StoreOptions out;
+    out.folder = folder_.path();
+    out.trace_part_bytes = kSmallPart;
+    return out;
+  }
   TempFolder folder_;
 };
 
@@ -43,8 +49,7 @@ class SqlitePlace : public Place {
 class SqliteOnSimulatedDisk final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    StoreOptions options;
-    options.folder = folder_.path();
+    StoreOptions options = Options();
     options.vfs = disk_.vfs();
     options.disk = &disk_;
     return OpenSqliteStore(options);
@@ -58,8 +63,7 @@ class SqliteOnSimulatedDisk final : public SqlitePlace {
 class SqliteTwice final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    StoreOptions options;
-    options.folder = folder_.path();
+    StoreOptions options = Options();
     options.change_twice = true;
     return OpenSqliteStore(options);
   }
@@ -94,8 +98,7 @@ class Buckets {
 class SqliteS3 final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    StoreOptions options;
-    options.folder = folder_.path();
+    StoreOptions options = Options();
     buckets_.Use(options);
     return OpenSqliteStore(options);
   }
@@ -123,6 +126,7 @@ class PostgresPlace : public Place {
     options.server = server_;
     options.schema = schema_;
     options.folder.folder = folder_.path();
+    options.folder.trace_part_bytes = kSmallPart;
     if (buckets_ != nullptr) buckets_->Use(options.folder);
     return OpenPostgresStore(options);
   }

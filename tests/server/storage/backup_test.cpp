@@ -274,8 +274,8 @@ TEST_F(BackupTest, WhatANewerServerMigratedIsRefusedAndTheBackupBeforeItIsNot) {
 
   ASSERT_TRUE(Bring("backup", "restored").ok());
   school_.store = OpenStore(Path("restored"));
-  EXPECT_EQ(school_.store->recordings.AttemptChunks(before)->size(), 2u);
-  EXPECT_EQ(school_.store->recordings.AttemptChunks(since).status().code(), Code::kNotFound)
+  EXPECT_EQ(AllChunks(school_.store->recordings, before)->size(), 2u);
+  EXPECT_EQ(AllChunks(school_.store->recordings, since).status().code(), Code::kNotFound)
       << "what came after the backup is lost";
 }
 
@@ -346,7 +346,7 @@ TEST_F(BackupTest, ErasedPersonStaysErasedWhenAnOlderBackupIsRestoredWithTheNewe
   auto store = OpenStore(Path("new"));
   EXPECT_EQ(store->people.PersonById(other).status().code(), Code::kNotFound);
   EXPECT_EQ(store->attempts.AttemptById(theirs).status().code(), Code::kNotFound);
-  EXPECT_TRUE(store->recordings.AttemptChunks(kept).ok());
+  EXPECT_TRUE(AllChunks(store->recordings, kept).ok());
   EXPECT_FALSE(FolderKeyring(Path("new") / "keyring", SystemDisk()).Find(other).ok());
 
   // Keys inside: the newest ring still lists the erased people.

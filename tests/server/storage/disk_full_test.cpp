@@ -69,7 +69,7 @@ TEST_F(DiskFullTest, WriteThatFindsNoRoomIsNotAcknowledgedAndNothingBeforeItIsLo
   EXPECT_EQ(status.code(), Code::kStorage);
   EXPECT_NE(status.message().find("disk space"), std::string::npos) << status.message();
   EXPECT_FALSE(store->health.Health().takes_recordings);
-  EXPECT_EQ(store->recordings.AttemptChunks(attempt)->size(), sent.size() - 1);
+  EXPECT_EQ(AllChunks(store->recordings, attempt)->size(), sent.size() - 1);
   EXPECT_EQ(store->ingest.AppendChunk(sent.back()).code(), Code::kStorage) << "and again";
 
   disk_.SetFree(std::nullopt);
@@ -79,7 +79,7 @@ TEST_F(DiskFullTest, WriteThatFindsNoRoomIsNotAcknowledgedAndNothingBeforeItIsLo
   EXPECT_TRUE(store->seals.SealAttempt(seal, 200).ok());
   store.reset();
   store = Open(0);
-  EXPECT_EQ(store->recordings.AttemptChunks(attempt)->size(), sent.size());
+  EXPECT_EQ(AllChunks(store->recordings, attempt)->size(), sent.size());
 }
 
 TEST_F(DiskFullTest, SealThatFindsNoRoomForTheBlobIsSimplyTriedAgain) {
@@ -90,7 +90,7 @@ TEST_F(DiskFullTest, SealThatFindsNoRoomForTheBlobIsSimplyTriedAgain) {
   disk_.SetFree(50);
   EXPECT_EQ(store->seals.SealAttempt(World::SealOf(chunks), 200).code(), Code::kStorage);
   EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kRecording);
-  EXPECT_EQ(store->recordings.AttemptChunks(attempt)->size(), 3u);
+  EXPECT_EQ(AllChunks(store->recordings, attempt)->size(), 3u);
   disk_.SetFree(std::nullopt);
   EXPECT_TRUE(store->seals.SealAttempt(World::SealOf(chunks), 200).ok());
 }
@@ -118,8 +118,8 @@ TEST_F(DiskFullTest, FullDiskAndThenAPowerCutLoseNothingAcknowledged) {
     }
     disk.CutAfter(disk.operations(), SimulatedDisk::Unsynced::kLost, 0, left.path());
     auto after = OpenStore(left.path());
-    ASSERT_TRUE(after->recordings.AttemptChunks(attempt).ok());
-    EXPECT_EQ(after->recordings.AttemptChunks(attempt)->size(), acknowledged)
+    ASSERT_TRUE(AllChunks(after->recordings, attempt).ok());
+    EXPECT_EQ(AllChunks(after->recordings, attempt)->size(), acknowledged)
         << room << " bytes of room";
   }
 }

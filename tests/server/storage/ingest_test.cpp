@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "server/storage/engine/query.h"
+#include "server/storage/recordings/trace_parts.h"
 #include "server/storage/store_engine.h"
 #include "tests/server/storage/backends.h"
 
@@ -71,7 +72,7 @@ TEST_P(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
   AttemptRow row = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(row.state, AttemptState::kQuarantined);
   EXPECT_FALSE(row.problem.empty());
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->front(), chunks[0].bytes);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->front(), chunks[0].bytes);
   EXPECT_EQ(store_->seals.SealAttempt(World::SealOf(chunks), 1).code(), Code::kConflict);
 }
 
@@ -81,7 +82,7 @@ TEST_P(IngestTest, SealedTraceReadsBackTheSameBytes) {
   trace::Seal seal = World::SealOf(chunks);
   ASSERT_TRUE(store_->seals.SealAttempt(seal, 200).ok());
   EXPECT_TRUE(store_->seals.SealAttempt(seal, 300).ok()) << "again: nothing to do";
-  auto stored = store_->recordings.AttemptChunks(attempt);
+  auto stored = AllChunks(store_->recordings, attempt);
   ASSERT_EQ(stored->size(), chunks.size());
   for (size_t i = 0; i < chunks.size(); ++i) EXPECT_EQ((*stored)[i], chunks[i].bytes);
   EXPECT_EQ(*store_->recordings.AttemptHeader(attempt), Bytes({'h', 'e', 'a', 'd', 'e', 'r'}));
@@ -146,7 +147,7 @@ TEST_P(IngestTest, ContradictionAfterTheSealIsFlaggedOnceAndChangesNothing) {
   about.action = "attempt.flag";
   EXPECT_EQ(store_->audit.FindAudit(about)->size(), 1u);
   EXPECT_EQ(store_->recordings.ContradictionsOf(attempt)->size(), 3u);
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->at(1), chunks[1].bytes);
 }
 
 // A copy of a station's folder uses a reserved ticket once more. Whatever the second recording is,
@@ -175,7 +176,7 @@ TEST_P(IngestTest, TicketThatWasClonedIsFoundHoweverLongTheSecondRecordingIs) {
       AttemptRow row = *store_->attempts.AttemptById(attempt);
       EXPECT_EQ(row.flags & kContradicted, kContradicted);
       EXPECT_EQ(row.chunks, 3u) << "what was there stays";
-      EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->back(), first.back().bytes);
+      EXPECT_EQ(AllChunks(store_->recordings, attempt)->back(), first.back().bytes);
       AuditFilter about;
       about.object = attempt.Text();
       about.action = "attempt.flag";
@@ -223,14 +224,14 @@ TEST_P(IngestTest, WhatIsCommittedOfAContradictedAttemptCanBeAccepted) {
   EXPECT_GT(row.sealed_ms, 0);
   EXPECT_EQ(row.flags & kContradicted, kContradicted) << "it stays known";
   EXPECT_EQ(store_->recordings.AttemptSeal(attempt)->last_chunk, chunks[1].hash);
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->size(), 2u);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->size(), 2u);
   EXPECT_EQ(store_->jobs.Jobs("queued")->size(), 1u);
   AuditFilter about;
   about.object = attempt.Text();
   about.action = "attempt.accept";
   EXPECT_EQ(store_->audit.FindAudit(about)->size(), 1u);
   Reopen();
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->at(1), chunks[1].bytes);
   EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 300).ok())
       << "the station's own seal";
 }
@@ -268,6 +269,69 @@ TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
             Code::kConflict);
 }
 
+TEST_P(IngestTest, ALongRecordingIsSealedInPartsAndReadFromAnyChunk) {
+  const Uuid attempt = world_.OpenedAttempt();
+  const auto chunks = world_.Append(attempt, 9);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  const auto parts = *store_->engine->rows.Read([&](sql::Db& db) { return PartsOf(db, attempt); });
+  ASSERT_GE(parts.size(), 2u);
+  ASSERT_GT(parts[0].next_chunk, 1u) << "more than one chunk in a part";
+  for (uint32_t from = 0; from <= chunks.size(); ++from) {
+    const auto recording = *store_->recordings.Open(attempt, from);
+    EXPECT_EQ(recording.chunks, chunks.size());
+    EXPECT_TRUE(recording.sealed);
+    for (uint32_t seq = from; seq < chunks.size(); ++seq) {
+      ASSERT_EQ(recording.next()->value(), chunks[seq].bytes) << seq << " from " << from;
+    }
+    EXPECT_FALSE(recording.next()->has_value());
+  }
+  ASSERT_TRUE(store_->erasures.ErasePerson(world_.student, false, kSystem).ok());
+  for (const TracePart& part : parts) EXPECT_FALSE(store_->blobs.HasBlob(part.content));
+}
+
+TEST_P(IngestTest, AReaderGoesOnWhenTheRecordingIsSealedMeanwhile) {
+  const Uuid attempt = world_.OpenedAttempt();
+  const auto chunks = world_.Append(attempt, 40);
+  const auto recording = *store_->recordings.Open(attempt);
+  EXPECT_EQ(recording.next()->value(), chunks[0].bytes);
+  // Without a lock on the folder the rows go with the seal.
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  for (size_t i = 1; i < chunks.size(); ++i) {
+    const auto next = recording.next();
+    ASSERT_TRUE(next.ok()) << i << ": " << next.status().message();
+    ASSERT_EQ(next->value(), chunks[i].bytes) << i;
+  }
+  EXPECT_FALSE(recording.next()->has_value());
+}
+
+TEST_P(IngestTest, OfAPartThatIsLostTheRecordingIsTakenOnceMore) {
+  const Uuid attempt = world_.OpenedAttempt();
+  const auto chunks = world_.Append(attempt, 9);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  const auto parts = *store_->engine->rows.Read([&](sql::Db& db) { return PartsOf(db, attempt); });
+  ASSERT_GE(parts.size(), 2u);
+  for (const TracePart& part : {parts[0], parts[1]}) {
+    ASSERT_TRUE(
+        store_->engine->rows
+            .Write([&](sql::Db& db) -> Status {
+              Query rows(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+              ENAMEL_RETURN_IF_ERROR(rows.Bind(attempt).Run());
+              Query q(db,
+                      "UPDATE trace_parts SET content = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
+                      "next_chunk = ?4");
+              q.Bind(attempt).Bind(HashSha256(AsBytes("gone")));
+              return q.Bind(int64_t{part.next_chunk}).Run();
+            })
+            .ok());
+    ASSERT_FALSE(*store_->recordings.IsWhole(attempt));
+    EXPECT_EQ(AllChunks(store_->recordings, attempt).status().code(), Code::kNotFound);
+    for (const ChunkPut& chunk : chunks) ASSERT_TRUE(store_->ingest.AppendChunk(chunk).ok());
+    ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok());
+    EXPECT_TRUE(*store_->recordings.IsWhole(attempt));
+    EXPECT_EQ(AllChunks(store_->recordings, attempt)->size(), chunks.size());
+  }
+}
+
 TEST_P(IngestTest, ARecordingThatTheStoreHasLostIsTakenOnceMoreAndNothingElseChanges) {
   const Uuid attempt = world_.OpenedAttempt(), other = world_.OpenedAttempt();
   const auto chunks = world_.Append(attempt, 4), others = world_.Append(other, 2);
@@ -302,7 +366,7 @@ TEST_P(IngestTest, ARecordingThatTheStoreHasLostIsTakenOnceMoreAndNothingElseCha
     ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok());
     EXPECT_TRUE(*store_->recordings.IsWhole(attempt)) << blob;
     EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 900).ok()) << "sent again";
-    EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->back(), chunks[3].bytes);
+    EXPECT_EQ(AllChunks(store_->recordings, attempt)->back(), chunks[3].bytes);
   }
   const AttemptRow after = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(after.state, before.state);
@@ -375,7 +439,7 @@ TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {
   for (auto& thread : threads) thread.join();
   Reopen();
   for (const Uuid& attempt : attempts)
-    EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->size(), size_t{kChunks});
+    EXPECT_EQ(AllChunks(store_->recordings, attempt)->size(), size_t{kChunks});
 }
 
 }  // namespace

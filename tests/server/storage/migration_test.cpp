@@ -64,7 +64,7 @@ TEST_P(MigrationTest, AStepThatFailsInTheMiddleLeavesTheDatabaseAsItWas) {
   }
   Reopen();
   ASSERT_NE(store_, nullptr);
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt_)->size(), 3u);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt_)->size(), 3u);
 }
 
 TEST_P(MigrationTest, ADatabaseOfANewerServerIsRefusedAndNotChanged) {

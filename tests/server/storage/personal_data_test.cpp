@@ -60,7 +60,7 @@ TEST_P(PersonalDataTest, ErasureOfOneLeavesTheOthersAlone) {
   auto chunks = world_.Append(attempt, 2);
   world_.ScoredAttempt();
   ASSERT_TRUE(store_->erasures.ErasePerson(world_.student, false, kSystem).ok());
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->at(1), chunks[1].bytes);
   EXPECT_EQ(store_->attempts.Attempts({})->size(), 1u);
 }
 
@@ -82,7 +82,7 @@ TEST_P(PersonalDataTest, WhoMadeAReferenceIsErasedOnlyWithIt) {
   auto refused = store_->erasures.ErasePerson(dentist, false, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kConflict);
   EXPECT_NE(refused.status().message().find(cut.Text()), std::string::npos);
-  EXPECT_TRUE(store_->recordings.AttemptChunks(cut).ok()) << "a refusal destroys no key";
+  EXPECT_TRUE(AllChunks(store_->recordings, cut).ok()) << "a refusal destroys no key";
 
   auto erased = store_->erasures.ErasePerson(dentist, true, kSystem);
   ASSERT_TRUE(erased.ok()) << erased.status().message();

@@ -697,7 +697,7 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   World world(**first);
   const Uuid attempt = world.OpenedAttempt();
   const auto chunks = world.Append(attempt, 2);
-  EXPECT_EQ((*second)->recordings.AttemptChunks(attempt)->size(), 2u);
+  EXPECT_EQ(AllChunks((*second)->recordings, attempt)->size(), 2u);
   ASSERT_TRUE((*second)->seals.SealAttempt(World::SealOf(chunks), 200).ok());
   ASSERT_TRUE((*first)->erasures.ErasePerson(world.student, false, kSystem).ok());
   EXPECT_EQ((*second)->attempts.AttemptById(attempt).status().code(), Code::kNotFound);

@@ -144,7 +144,7 @@ void ExpectKept(Store& store, const Day& day, const Promise& promise) {
     auto row = store.attempts.AttemptById(attempt);
     ASSERT_TRUE(row.ok()) << row.status().message();
     if (count == 0) continue;
-    auto chunks = store.recordings.AttemptChunks(attempt);
+    auto chunks = AllChunks(store.recordings, attempt);
     ASSERT_TRUE(chunks.ok()) << chunks.status().message();
     ASSERT_GE(chunks->size(), count);
     for (uint32_t i = 0; i < count; ++i)
@@ -172,7 +172,7 @@ void SendAgain(Store& store, const Day& day, const Promise& promise) {
       EXPECT_TRUE(status.ok()) << status.message();
     }
     EXPECT_EQ(store.attempts.AttemptById(attempt)->chunks, day.SentOf(attempt).size());
-    EXPECT_EQ(store.recordings.AttemptChunks(attempt)->size(), day.SentOf(attempt).size());
+    EXPECT_EQ(AllChunks(store.recordings, attempt)->size(), day.SentOf(attempt).size());
   }
 }
 
@@ -222,7 +222,7 @@ TEST(SimulatedDiskTest, DriveThatLiesAboutSyncsLosesWhatWasAcknowledged) {
   auto store = OpenSqliteStore({left.path(), true});
   size_t lost = 0;
   for (const auto& [attempt, count] : day.PromiseAfter(last).chunks) {
-    auto chunks = store.ok() ? (*store)->recordings.AttemptChunks(attempt) : store.status();
+    auto chunks = store.ok() ? AllChunks((*store)->recordings, attempt) : store.status();
     lost += !chunks.ok() || chunks->size() < count ? 1 : 0;
   }
   EXPECT_GT(lost, 0u);

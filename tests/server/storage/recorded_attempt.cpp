@@ -110,7 +110,7 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
 
 Bytes RecordedSchool::TraceOf(const Uuid& attempt) {
   trace::TraceFile file{*store->recordings.AttemptHeader(attempt),
-                        *store->recordings.AttemptChunks(attempt), std::nullopt, false};
+                        *AllChunks(store->recordings, attempt), std::nullopt, false};
   return trace::EncodeTraceFile(file);
 }
 

@@ -66,7 +66,7 @@ TEST_P(RetentionTest, WithoutARuleEverythingIsKept) {
   Uuid attempt = Released();
   RetentionReport report = Apply(100'000 * kDay);
   EXPECT_TRUE(report.attempts.empty() && report.recordings.empty() && report.unfinished.empty());
-  EXPECT_TRUE(store_->recordings.AttemptChunks(attempt).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, attempt).ok());
 }
 
 TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
@@ -75,11 +75,11 @@ TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
   Rule("recordings", 30);
   EXPECT_TRUE(Apply(30 * kDay).recordings.empty()) << "sealed at 200 ms: not yet";
   EXPECT_EQ(Apply(30 * kDay + 201, true).recordings, std::vector{attempt}) << "only told";
-  EXPECT_TRUE(store_->recordings.AttemptChunks(attempt).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, attempt).ok());
   RetentionReport report = Apply(30 * kDay + 201);
   EXPECT_EQ(report.recordings, std::vector{attempt});
   EXPECT_GE(report.blobs, 2u) << "trace and deviation";
-  auto gone = store_->recordings.AttemptChunks(attempt);
+  auto gone = AllChunks(store_->recordings, attempt);
   EXPECT_EQ(gone.status().code(), Code::kNotFound);
   EXPECT_NE(gone.status().message().find("retention"), std::string::npos);
   EXPECT_FALSE(store_->blobs.HasBlob(deviation));
@@ -112,7 +112,7 @@ TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
   RetentionReport report = Apply(1000 * kDay);
   EXPECT_TRUE(report.attempts.empty());
   EXPECT_TRUE(report.recordings.empty());
-  EXPECT_TRUE(store_->recordings.AttemptChunks(reference).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, reference).ok());
 }
 
 TEST_P(RetentionTest, GradedWorkIsKeptUntilItIsReleasedOrExcused) {
@@ -126,10 +126,10 @@ TEST_P(RetentionTest, GradedWorkIsKeptUntilItIsReleasedOrExcused) {
   RetentionReport report = Apply(40 * kDay);
   EXPECT_EQ(report.recordings, (std::vector{released, excused}));
   EXPECT_EQ(report.held, 1u);
-  EXPECT_TRUE(store_->recordings.AttemptChunks(waiting).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, waiting).ok());
   Rule("attempts", 60);
   EXPECT_EQ(Apply(61 * kDay).attempts, (std::vector{released, excused}));
-  EXPECT_TRUE(store_->recordings.AttemptChunks(waiting).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, waiting).ok());
 }
 
 // The same rule is in access.h and, for the database, in retention_rows.cpp.
@@ -175,7 +175,7 @@ TEST_P(RetentionTest, WhatAnAppealIsAboutIsKeptUntilItsAnswer) {
   Rule("recordings", 1);
   Rule("attempts", 8);
   EXPECT_TRUE(Apply(100 * kDay).attempts.empty());
-  EXPECT_TRUE(store_->recordings.AttemptChunks(attempt).ok());
+  EXPECT_TRUE(AllChunks(store_->recordings, attempt).ok());
   ASSERT_TRUE(store_->appeals.AnswerAppeal(attempt, false, "it stays", kSystem).ok());
   EXPECT_EQ(Apply(100 * kDay).attempts, std::vector{attempt});
 }
@@ -203,7 +203,7 @@ TEST_P(RetentionTest, WhatWasNeverScoredBecauseItsJobWasCancelledGoesToo) {
   EXPECT_TRUE(Apply(40 * kDay).recordings.empty()) << "its job waits";
   ASSERT_TRUE(store_->jobs.CancelJob(store_->jobs.Jobs("queued")->front().id, kSystem).ok());
   EXPECT_EQ(Apply(40 * kDay).recordings, std::vector{attempt});
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt).status().code(), Code::kNotFound);
+  EXPECT_EQ(AllChunks(store_->recordings, attempt).status().code(), Code::kNotFound);
   EXPECT_EQ(store_->judging.Rescore(attempt, "rescore", kSystem).code(), Code::kConflict);
   Rule("attempts", 60);
   EXPECT_EQ(Apply(61 * kDay).attempts, std::vector{attempt});

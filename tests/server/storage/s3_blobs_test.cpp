@@ -296,7 +296,7 @@ TEST(S3OutageTest, RecordingsGoOnAndSealsComeAgain) {
   s3.Start();
   EXPECT_TRUE(store->seals.SealAttempt(World::SealOf(chunks), 1).ok());
   EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
-  EXPECT_EQ(store->recordings.AttemptChunks(attempt)->size(), 3u);
+  EXPECT_EQ(AllChunks(store->recordings, attempt)->size(), 3u);
   EXPECT_TRUE(store->health.Health().waiting.empty()) << store->health.Health().waiting;
 }
 

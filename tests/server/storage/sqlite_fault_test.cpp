@@ -50,7 +50,7 @@ TEST(SqliteFaultTest, NothingAcknowledgedIsLostWhicheverWriteFails) {
 
     store.reset();
     store = OpenStore(folder.path());
-    EXPECT_GE(store->recordings.AttemptChunks(attempt)->size(), acknowledged);
+    EXPECT_GE(AllChunks(store->recordings, attempt)->size(), acknowledged);
     if (sealed) {
       EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
     }
@@ -115,7 +115,7 @@ TEST(SqliteFaultTest, APersonIsErasedWhollyOrNotAtAllWhicheverWriteFails) {
                         bool there = store.people.PersonById(world.student).ok();
                         EXPECT_FALSE(done && there);
                         EXPECT_EQ(store.attempts.AttemptById(attempt).ok(), there);
-                        EXPECT_EQ(store.recordings.AttemptChunks(attempt).ok(), there);
+                        EXPECT_EQ(AllChunks(store.recordings, attempt).ok(), there);
                         EXPECT_EQ(AuditRows(store, "person.erase"), there ? 0u : 1u);
                         if (!there) return;
                         EXPECT_TRUE(store.erasures.ErasePerson(world.student, true, kSystem).ok());
@@ -136,7 +136,7 @@ TEST(SqliteFaultTest, ARetentionRuleIsAppliedWhollyOrNotAtAllWhicheverWriteFails
         return store.retention.ApplyRetention(kLater, false, kSystem).ok();
       },
       [&](Store& store, const World&, bool done) {
-        auto chunks = store.recordings.AttemptChunks(attempt);
+        auto chunks = AllChunks(store.recordings, attempt);
         EXPECT_FALSE(done && chunks.ok());
         if (!chunks.ok()) return;
         EXPECT_EQ(chunks->size(), 2u);

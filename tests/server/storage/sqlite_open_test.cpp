@@ -203,7 +203,7 @@ TEST(SqliteOpenTest, DamagedDatabaseTakesNoRecordingsAndSaysSo) {
     EXPECT_NE(opened.status().message().find("damaged, restore a backup"), std::string::npos);
     return;
   }
-  Status read = (*opened)->recordings.AttemptChunks(attempt).status();
+  Status read = AllChunks((*opened)->recordings, attempt).status();
   EXPECT_EQ(read.code(), Code::kStorage) << read.message();
   StoreHealth health = (*opened)->health.Health();
   EXPECT_FALSE(health.takes_recordings);
@@ -241,8 +241,8 @@ TEST(SqliteOpenTest, RowsOfASealedRecordingGoInTheBackgroundAndThoseOfAnOpenOneS
     for (int i = 0; i < 3000 && RowsOf(folder.path(), "trace_chunks") > 3; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    EXPECT_EQ((*server)->recordings.AttemptChunks(sealed)->size(), 300u);
-    EXPECT_EQ((*server)->recordings.AttemptChunks(open)->size(), 3u);
+    EXPECT_EQ(AllChunks((*server)->recordings, sealed)->size(), 300u);
+    EXPECT_EQ(AllChunks((*server)->recordings, open)->size(), 3u);
     EXPECT_TRUE((*server)->ingest.AppendChunk(chunks[7]).ok()) << "sent again after the seal";
   }
   EXPECT_EQ(RowsOf(folder.path(), "trace_chunks"), 3);

@@ -12,6 +12,7 @@
 #include "server/storage/open_store.h"
 #include "server/storage/recordings/ingest_rows.h"
 #include "server/storage/store.h"
+#include "tests/server/storage/all_chunks.h"
 #include "tests/support/temp_folder.h"
 
 // A data folder that goes away, and a small school in it: what storage, sign-in and station tests
@@ -22,9 +23,16 @@ using test::TempFolder;
 
 inline const Actor kSystem{{}, "test"};
 
+// Of a recording: some chunks of a World. So a recording of any length has parts.
+inline constexpr size_t kSmallPart = 600;
+
 inline std::unique_ptr<Store> OpenStore(const std::filesystem::path& folder,
                                         std::function<bool()> fail_next = {}) {
-  auto store = OpenSqliteStore({folder, false, 4, std::move(fail_next)});
+  StoreOptions options;
+  options.folder = folder;
+  options.fail_next = std::move(fail_next);
+  options.trace_part_bytes = kSmallPart;
+  auto store = OpenSqliteStore(options);
   EXPECT_TRUE(store.ok()) << store.status().message();
   return std::move(store).value();
 }

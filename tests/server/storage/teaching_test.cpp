@@ -337,7 +337,7 @@ TEST_P(TeachingTest, MoreTicksThanTimeAreFlaggedAndInAnExamQuarantined) {
   ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kQuarantined);
   EXPECT_FALSE(store_->jobs.LeaseJob(1, 1000)->has_value()) << "nothing is scored";
-  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->size(), 1u) << "and nothing is lost";
+  EXPECT_EQ(AllChunks(store_->recordings, attempt)->size(), 1u) << "and nothing is lost";
   EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 300).ok())
       << "sent again, because the answer was lost";
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kQuarantined);

@@ -245,7 +245,7 @@ TEST_F(EditsTest, AnEarlierRunPutInThePlaceOfTheNewestIsFound) {
 TEST_F(EditsTest, OfARecordingsBytesAreFound) {
   for (int seq : {0, 1}) {
     const std::string where = " WHERE attempt = " + Id(open_) + " AND seq = " + std::to_string(seq);
-    Bytes kept = school_.store->recordings.AttemptChunks(open_)->at(static_cast<size_t>(seq));
+    Bytes kept = AllChunks(school_.store->recordings, open_)->at(static_cast<size_t>(seq));
     for (size_t i = 0; i < kept.size(); i += 7) {
       Bytes changed = kept;
       changed[i] ^= 1;
