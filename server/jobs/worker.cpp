@@ -1,5 +1,6 @@
 #include "server/jobs/worker.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "common/base/log_request.h"
@@ -12,6 +13,10 @@ namespace {
 
 constexpr double kProgressStep = 0.05;
 constexpr std::chrono::milliseconds kLookAtQueue{200};
+// Stations that are remembered to have had their turn; then a new round begins.
+constexpr size_t kMostServed = 64;
+// Jobs that one thread has begun: each keeps its tooth in memory.
+constexpr size_t kMostBegun = 3;
 
 }  // namespace
 
@@ -87,8 +92,24 @@ void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
                  [&]() ENAMEL_REQUIRES(mutex_) { return notified_ != seen; });
 }
 
-bool Worker::RunOne(const std::stop_token& stop) {
-  auto job = store_.jobs.LeaseJob(enamel::UnixMs(), options_.lease_ms);
+Result<std::optional<JobRow>> Worker::TakeInTurn(const std::set<Uuid>& busy) {
+  std::set<Uuid> not_of = busy;
+  {
+    MutexLock lock(mutex_);
+    if (served_.size() >= kMostServed) served_.clear();
+    not_of.insert(served_.begin(), served_.end());
+  }
+  auto job = store_.jobs.LeaseJob(enamel::UnixMs(), options_.lease_ms, not_of);
+  const bool all_served = job.ok() && !*job && not_of.size() > busy.size();
+  if (all_served) job = store_.jobs.LeaseJob(enamel::UnixMs(), options_.lease_ms, busy);
+  MutexLock lock(mutex_);
+  if (all_served) served_.clear();
+  if (job.ok() && *job) served_.insert((*job)->station);
+  return job;
+}
+
+bool Worker::RunOne(const std::stop_token& stop, const std::set<Uuid>& busy) {
+  auto job = TakeInTurn(busy);
   bool report_queue = false;
   {
     MutexLock lock(mutex_);
@@ -105,7 +126,7 @@ bool Worker::RunOne(const std::stop_token& stop) {
     MutexLock lock(mutex_);
     running_[lease] = false;
   }
-  Status status = RunJob(**job, stop);
+  Status status = RunJob(**job, stop, busy);
   {
     MutexLock lock(mutex_);
     running_.erase(lease);
@@ -169,13 +190,21 @@ bool Worker::MakeNextTimeline(const std::stop_token& stop) {
   return status.ok();
 }
 
-Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
+Status Worker::RunJob(const JobRow& job, const std::stop_token& stop, std::set<Uuid> busy) {
   if (job.kind != "score") {
     return Status(Code::kVersion,
                   "job kind \"" + job.kind + "\" is not known to this server: expected \"score\"");
   }
   double told = -kProgressStep;
+  busy.insert(job.station);
+  auto turn_ends = std::chrono::steady_clock::now() + options_.turn;
   auto progress = [&](double done) {
+    if (busy.size() < kMostBegun && std::chrono::steady_clock::now() >= turn_ends) {
+      const bool passed = !stop.stop_requested() && RunOne(stop, busy);
+      // Nobody waits: look again, but not at every chunk.
+      turn_ends = std::chrono::steady_clock::now() +
+                  (passed ? options_.turn : std::min(options_.turn, kLookAtQueue));
+    }
     if (done >= told + kProgressStep) {
       told = done;
       // Other trouble than a run that is over is met and reported by the job's own writes.

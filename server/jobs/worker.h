@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -26,6 +27,9 @@ struct WorkerOptions {
   // which one counts.
   UnixMs lease_ms = 30'000;
   std::chrono::milliseconds heartbeat{10'000};
+  // A job that has taken so long lets one of another station pass that somebody waits for, and again
+  // each time it has had as long.
+  std::chrono::milliseconds turn{5'000};
   // Signs results (schemas/result.md); none: they stay unsigned.
   std::optional<trace::KeyPair> key{};
   // Makes surface timelines when the queue is empty (timeline_job.h).
@@ -36,7 +40,9 @@ struct WorkerOptions {
   std::function<void(const JobRow& job, const Status& status)> on_done;
 };
 
-// Runs queued jobs on threads of its own, which yield to others: lease, run, finish. A thread that
+// Runs queued jobs on threads of its own, which yield to others: lease, run, finish. Stations take
+// turns, so that one with hundreds of jobs, or with one of hours, costs another a turn: a long job
+// waits in the middle while its thread runs another's. A thread that
 // finds none makes the newest timeline that is missing, one thread at a time, and puts it off as
 // soon as a job is queued: who waits for a score goes first. Progress goes
 // to ResultRows::SetProgress at every twentieth. An interrupted job returns to the queue. Thread
@@ -57,10 +63,12 @@ class Worker {
 
  private:
   void Loop(std::stop_token stop);
-  bool RunOne(const std::stop_token& stop);        // False when there was nothing to do.
+  // False when there was nothing to do. `busy`: stations of the jobs that this one interrupts.
+  bool RunOne(const std::stop_token& stop, const std::set<Uuid>& busy = {});
+  Result<std::optional<JobRow>> TakeInTurn(const std::set<Uuid>& busy);
   bool MakeTimeline(const std::stop_token& stop);  // False when there was none to make.
   bool MakeNextTimeline(const std::stop_token& stop);
-  Status RunJob(const JobRow& job, const std::stop_token& stop);
+  Status RunJob(const JobRow& job, const std::stop_token& stop, std::set<Uuid> busy);
   void KeepLeases(std::stop_token stop);  // until it is stopped
   bool IsOver(const Uuid& lease);
   uint64_t Notified();
@@ -77,6 +85,7 @@ class Worker {
   bool making_timeline_ ENAMEL_GUARDED_BY(mutex_) = false;
   uint64_t notified_ ENAMEL_GUARDED_BY(mutex_) = 0;
   bool queue_ok_ ENAMEL_GUARDED_BY(mutex_) = true;
+  std::set<Uuid> served_ ENAMEL_GUARDED_BY(mutex_);         // stations that have had their turn
   std::map<Uuid, bool> running_ ENAMEL_GUARDED_BY(mutex_);  // by lease: it is over, stop
   std::condition_variable_any beat_;                        // never notified but by a stop
   std::jthread heart_;                                      // last: ends before the rest

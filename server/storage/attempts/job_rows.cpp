@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -86,12 +87,24 @@ Status GiveUp(Db& db, JobRow job, const std::string& error) {
   return EndRun(db, job.attempt, AttemptState::kFailed, error);
 }
 
+constexpr char kOfOthers[] =
+    " AND j.batch IS NULL AND (SELECT a.station FROM attempts a WHERE a.tenant = j.tenant AND a.id "
+    "= j.attempt) NOT IN (";
+
 // The first of those that may be taken. `lock`: what others have locked is left out.
-Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms, const char* lock) {
-  Query q(db, std::string(kSelect) + " AND " + kMayBeTaken +
+Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms, const std::set<Uuid>& not_of,
+                                      const char* lock) {
+  std::string others;
+  for (size_t i = 0; i < not_of.size(); ++i) {
+    others += (i == 0 ? kOfOthers : ", ") + ("?" + std::to_string(3 + i));
+  }
+  if (!others.empty()) others += ")";
+  Query q(db, std::string(kSelect) + " AND " + kMayBeTaken + others +
                   " ORDER BY CASE WHEN batch IS NULL THEN 0 ELSE 1 END, id LIMIT 1" + lock);
+  q.Bind(now_ms);
+  for (const Uuid& station : not_of) q.Bind(station);
   std::optional<JobRow> out;
-  if (q.Bind(now_ms).Next()) out = JobOf(q);
+  if (q.Next()) out = JobOf(q);
   if (!q.status().ok()) return q.status();
   return out;
 }
@@ -102,12 +115,19 @@ Status LockAttempt(Db& db, const Uuid& attempt) {
   return q.status();
 }
 
+Result<Uuid> StationOf(Db& db, const Uuid& attempt) {
+  Query q(db, "SELECT station FROM attempts WHERE tenant = ?1 AND id = ?2");
+  const Uuid station = q.Bind(attempt).Next() ? q.Id(0) : Uuid{};
+  if (!q.status().ok()) return q.status();
+  return station;
+}
+
 // One run of an attempt at a time: two would end in any order. Two jobs of one attempt are two
 // rows, which two workers may have locked at the same moment; with the attempt locked the second
 // sees what the first has taken.
-Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
+Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms, const std::set<Uuid>& not_of) {
   for (;;) {
-    auto next = NextJob(db, now_ms, db.RowLockOrSkip());
+    auto next = NextJob(db, now_ms, not_of, db.RowLockOrSkip());
     if (!next.ok() || !*next) return next;
     ENAMEL_RETURN_IF_ERROR(LockAttempt(db, (*next)->attempt));
     Query still(db, std::string("SELECT 1 FROM jobs j WHERE j.tenant = ?1 AND ") + kMayBeTaken +
@@ -119,14 +139,14 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
 
 // Those that have used up their tries are ended on the way, as nobody else would.
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
-               std::optional<JobRow>& taken) {
+               const std::set<Uuid>& not_of, std::optional<JobRow>& taken) {
   taken.reset();
   // A worker that opened the school before it was moved would score attempts that now belong
   // elsewhere.
   ENAMEL_ASSIGN_OR_RETURN(const bool moved, HasMoveRow(db, MoveRow::kAway));
   if (moved) return Status::Ok();
   for (;;) {
-    ENAMEL_ASSIGN_OR_RETURN(auto next, NextJobToTake(db, now_ms));
+    ENAMEL_ASSIGN_OR_RETURN(auto next, NextJobToTake(db, now_ms, not_of));
     if (!next) return Status::Ok();
     JobRow job = *next;
     // A worker that failed called FinishJob; one that died did not, and its lease ran out.
@@ -143,6 +163,7 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
     job.lease = Uuid::New();
     ENAMEL_RETURN_IF_ERROR(GiveLease(db, job, now_ms + lease_ms, owner));
     ENAMEL_RETURN_IF_ERROR(BeginRun(db, job.attempt));
+    ENAMEL_ASSIGN_OR_RETURN(job.station, StationOf(db, job.attempt));
     taken = job;
     return Status::Ok();
   }
@@ -237,14 +258,15 @@ Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
   return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Bind(batch).Run();
 }
 
-Result<std::optional<JobRow>> JobRows::LeaseJob(UnixMs now_ms, UnixMs lease_ms) {
+Result<std::optional<JobRow>> JobRows::LeaseJob(UnixMs now_ms, UnixMs lease_ms,
+                                                const std::set<Uuid>& not_of) {
   ENAMEL_RETURN_IF_ERROR(owner_.EndEarlier());
   // Most calls find nothing: look on a reader first and leave the writer alone.
-  auto any = rows_.Read([&](Db& db) { return NextJob(db, now_ms, ""); });
+  auto any = rows_.Read([&](Db& db) { return NextJob(db, now_ms, not_of, ""); });
   if (!any.ok() || !*any) return any;
   std::optional<JobRow> taken;
   Status status = rows_.WriteRow(
-      [&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, owner_.id(), taken); });
+      [&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, owner_.id(), not_of, taken); });
   if (!status.ok()) return status;
   return taken;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct JobRow {
   // The lease of the run that LeaseJob began: its holder may report progress and the end. Zero if
   // the row was only read.
   Uuid lease{};
+  Uuid station{};  // that the attempt was made at; with a lease
 };
 
 struct JobFilter {
@@ -51,7 +53,10 @@ class JobRows {
   // "failed", or back to "scored" with `problem` set if an earlier run left a score. Any number of
   // workers of any number of servers may ask at once: each gets another job, and never one of an
   // attempt that has a run. A job without a batch is first, because somebody waits for it.
-  Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms);
+  // `not_of`: stations that have had their turn. With some there, it takes only jobs of other
+  // stations that somebody waits for.
+  Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms,
+                                         const std::set<Uuid>& not_of = {});
   // Still at it. Errors: kUnavailable with kLeaseOver.
   Status KeepLease(const Uuid& lease, UnixMs until_ms);
   // Of a run that is over already (cancelled, taken over): nothing changes.

@@ -60,6 +60,37 @@ class WorkerTest : public ::testing::Test {
   }
   // Scored against itself, as there is no reference.
   Uuid Queue() { return school_.Record({}, true); }
+  // The same, made at another station.
+  Uuid QueueElsewhere() {
+    if (elsewhere_.IsZero()) {
+      const Sha256 code = HashSha256(AsBytes("code 2"));
+      StationRow bench;
+      bench.name = "bench 2";
+      bench.public_key = Bytes(32, 2);
+      EXPECT_TRUE(store_.stations.AddEnrolCode(code, 1000, Actor{{}, "test"}).ok());
+      elsewhere_ = store_.stations.EnrolStation(code, bench, code, 10)->id;
+      school_.Exec("UPDATE stations SET public_key = (SELECT public_key FROM stations WHERE id = " +
+                   JobSchool::Sql(school_.station) + ")");
+    }
+    const Uuid attempt = Queue();
+    school_.Set(attempt, "station = " + JobSchool::Sql(elsewhere_));
+    return attempt;
+  }
+  // In which the queue's jobs end.
+  std::vector<Uuid> OrderOf(size_t jobs, std::chrono::milliseconds turn) {
+    WorkerOptions options = Options();
+    options.turn = turn;
+    Worker worker(store_, options);
+    worker.Start();
+    EXPECT_TRUE(reports_.WaitFor(jobs));
+    worker.Stop();
+    std::vector<Uuid> out;
+    for (const auto& [job, status] : reports_.seen()) {
+      EXPECT_TRUE(status.ok()) << status.message();
+      out.push_back(job.attempt);
+    }
+    return out;
+  }
   size_t Count(const std::string& state) { return store_.jobs.Jobs(state)->size(); }
   bool HasResult(const Uuid& attempt) { return store_.results.ResultOf(attempt).ok(); }
   std::vector<double> Numbers(const std::string& sql) {
@@ -94,6 +125,7 @@ class WorkerTest : public ::testing::Test {
                     }};
   Store& store_ = *school_.store;
   Reports reports_;
+  Uuid elsewhere_{};
 };
 
 TEST_F(WorkerTest, RunsEveryJobAndShowsProgress) {
@@ -250,6 +282,20 @@ TEST_F(WorkerTest, SeveralThreadsShareTheQueue) {
   ASSERT_TRUE(reports_.WaitFor(4));
   worker.Stop();
   EXPECT_EQ(Count("done"), 4u);
+}
+
+TEST_F(WorkerTest, StationsTakeTurns) {
+  const Uuid first = Queue(), second = Queue(), third = Queue(), others = QueueElsewhere();
+  EXPECT_EQ(OrderOf(4, 1h), (std::vector<Uuid>{first, others, second, third}));
+}
+
+// However long the nonsense of one chair takes to compute, another's score comes.
+TEST_F(WorkerTest, ALongJobLetsThoseOfOtherStationsPass) {
+  const Uuid slow = Queue(), next = Queue(), others = QueueElsewhere(), more = QueueElsewhere();
+  EXPECT_EQ(OrderOf(4, 0ms), (std::vector<Uuid>{others, more, slow, next}));
+  EXPECT_EQ(Count("done"), 4u);
+  EXPECT_EQ(school_.Row(slow).state, AttemptState::kScored);
+  EXPECT_EQ(school_.Row(others).state, AttemptState::kScored);
 }
 
 TEST_F(WorkerTest, MakesTimelinesWhenNobodyWaitsForAScore) {
