@@ -10,6 +10,10 @@ namespace enamel::server::auth {
 // -> "2001:db8:1:2::/64"; other text unchanged, at most 64 bytes. Any thread.
 std::string AddressBlock(const std::string& address);
 
+// What one party may hold many blocks of: the /48 of an IPv6 address. Everything else is its own
+// AddressBlock.
+std::string AddressSite(const std::string& address);
+
 // The same with nothing in it that an address does not have: fit for a log and for a JSON string.
 std::string AddressText(const std::string& address);
 

@@ -17,6 +17,7 @@
 #include "server/auth/address_block.h"
 #include "server/auth/token.h"
 #include "server/ops/yield_to_others.h"
+#include "server/storage/store_engine.h"
 
 namespace enamel::server::auth {
 namespace {
@@ -65,6 +66,16 @@ std::unique_ptr<FailureCounters> CountersOf(Store& store) {
   return std::make_unique<MemoryCounters>();
 }
 
+// Where SignInPlaces counts a try.
+std::string PlaceOf(const Origin& origin) {
+  return origin.party.empty() ? AddressSite(origin.address) : "=" + origin.party;
+}
+
+// Whoever has the session signed in with it: guesses from elsewhere do not delay it.
+Origin OriginOf(const Identity& identity, const std::string& address) {
+  return {address, "session " + identity.session.Text(), true};
+}
+
 // Gives a place back once the work is done, also where that threw.
 class Leaving {
  public:
@@ -84,6 +95,8 @@ Authenticator::Authenticator(Store& store, AuthOptions options)
     : store_(store),
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
+      devices_(
+          DataKey(ByteView(store.engine->ticket_key).first(DataKey::kBytes)).Derive("ENdevice", 1)),
       throttle_(CountersOf(store)),
       places_(options_.max_waiting),
       refusals_(store, [this] { return Elapsed(); }),
@@ -133,13 +146,13 @@ Status Authenticator::NotAdmitted(const std::string& login, const std::string& a
 }
 
 template <typename Work>
-auto Authenticator::InPlace(std::string login, std::string address, std::string via,
+auto Authenticator::InPlace(std::string login, Origin origin, Line line, std::string via,
                             StorePool& pool, Work work)
     -> boost::asio::awaitable<decltype(work())> {
-  const std::optional<Turn> turn = places_.Take(login, AddressBlock(address));
+  const std::optional<Turn> turn = places_.Take(login, PlaceOf(origin), line);
   if (!turn) {
     co_return TurnAway(
-        "busy", std::move(login), address, via,
+        "busy", std::move(login), origin.address, via,
         Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
   auto result = co_await pool.Run(*turn, [&] {
@@ -154,33 +167,42 @@ auto Authenticator::InPlace(std::string login, std::string address, std::string 
   co_return result;
 }
 
-boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::string address,
-                                                       std::string via) {
-  Result<int64_t> hold = int64_t{0};
+Origin Authenticator::OriginOf(const std::string& login, const SignInRequest& request) const {
+  if (!request.chair.empty()) return {request.address, "chair " + request.chair};
+  const std::string device = devices_.NameFor(login, request.device_tokens, Now());
+  if (device.empty()) return {request.address};
+  return {request.address, "device " + device, true};
+}
+
+boost::asio::awaitable<Result<Line>> Authenticator::Admitted(std::string login, Origin origin,
+                                                             std::string via) {
+  Result<Admission> admission = Admission{};
   if (asking_) {
-    hold = co_await InPlace(login, address, via, *asking_,
-                            [&] { return throttle_.Admit(login, address, CountedAt()); });
+    const Line line = origin.known ? Line::kFirst : Line::kUsual;
+    admission = co_await InPlace(login, origin, line, via, *asking_,
+                                 [&] { return throttle_.Admit(login, origin, CountedAt()); });
   } else {
-    hold = throttle_.Admit(login, address, CountedAt());
+    admission = throttle_.Admit(login, origin, CountedAt());
   }
-  if (!hold.ok()) co_return NotAdmitted(login, address, via, hold.status());
+  if (!admission.ok()) co_return NotAdmitted(login, origin.address, via, admission.status());
   // Held on a timer: no thread waits, and the connection gets its answer when its turn comes.
-  if (*hold > 0) {
+  if (admission->hold_ms > 0) {
     boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
-                                   std::chrono::milliseconds(*hold));
+                                   std::chrono::milliseconds(admission->hold_ms));
     boost::system::error_code ignored;
     co_await turn.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
   }
-  co_return Status::Ok();
+  co_return admission->line;
 }
 
 template <typename T>
 boost::asio::awaitable<Result<T>> Authenticator::OnceAdmitted(SignInRequest request,
                                                               AdmittedWork<T> work) {
   const std::string login = LowerLogin(request.login);
-  Status admitted = co_await Admitted(login, request.address, request.via);
-  if (!admitted.ok()) co_return admitted;
-  co_return co_await InPlace(login, request.address, request.via, *hashing_, [&] {
+  const Origin origin = OriginOf(login, request);
+  const Result<Line> line = co_await Admitted(login, origin, request.via);
+  if (!line.ok()) co_return line.status();
+  co_return co_await InPlace(login, origin, *line, request.via, *hashing_, [&] {
     const LogRequest logged(request.log_id);
     return (this->*work)(login, request);
   });
@@ -189,8 +211,8 @@ boost::asio::awaitable<Result<T>> Authenticator::OnceAdmitted(SignInRequest requ
 template <typename T>
 Result<T> Authenticator::AdmittedHere(const SignInRequest& request, AdmittedWork<T> work) {
   const std::string login = LowerLogin(request.login);
-  Result<int64_t> hold = throttle_.Admit(login, request.address, CountedAt());
-  if (!hold.ok()) return NotAdmitted(login, request.address, request.via, hold.status());
+  const Status admitted = throttle_.Admit(login, OriginOf(login, request), CountedAt()).status();
+  if (!admitted.ok()) return NotAdmitted(login, request.address, request.via, admitted);
   return (this->*work)(login, request);
 }
 
@@ -213,9 +235,10 @@ Result<Person> Authenticator::PersonAdmitted(const std::string& login, const Sig
   const bool by_pin = secret == Secret::kPin;
   const char* const wrong = by_pin ? "pin" : "password";
   const Status refused = by_pin ? RefusedPin() : Refused();
+  const Origin origin = OriginOf(login, request);
   // Nobody has such a one, so that the quick answer tells nothing.
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
-    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
+    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, origin, CountedAt()));
     return TurnAway(wrong, login, request.address, request.via, refused);
   }
   auto person = store_.people.PersonByLogin(login);
@@ -228,11 +251,11 @@ Result<Person> Authenticator::PersonAdmitted(const std::string& login, const Sig
   bool matches = Verify(request.password, verifier);
   const bool barred = person.ok() && (person->disabled || (by_pin && person->must_change_password));
   if (!matches || !person.ok() || barred) {
-    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
+    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, origin, CountedAt()));
     const bool disabled = matches && person.ok();
     return TurnAway(disabled ? "disabled" : wrong, login, request.address, request.via, refused);
   }
-  ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, request.address, CountedAt()));
+  ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, origin, CountedAt()));
   return person;
 }
 
@@ -245,7 +268,12 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   auto signed_in = BeginSession(person, request.via, request.address, request.device);
   if (!signed_in.ok()) return signed_in;
   ++counts_.signed_in;
-  places_.Know(login, AddressBlock(request.address));
+  // A browser that shows its tokens needs no place: neither its address nor this server's memory.
+  places_.Know(login,
+               PlaceOf(OriginOf(login, {.address = request.address, .chair = request.chair})));
+  if (request.via == kViaPage) {
+    signed_in->device_tokens = devices_.With(login, request.device_tokens, Now());
+  }
   EndEarlier(request);
   return signed_in;
 }
@@ -266,10 +294,12 @@ boost::asio::awaitable<Status> Authenticator::SetPin(Identity identity, std::str
                                                      std::string address) {
   if (Status fit = enamel::CheckPin(pin); !fit.ok()) co_return fit;
   const Person& person = identity.person;
-  co_return co_await InPlace(person.login, address, kViaPage, *hashing_, [&]() -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto verifier, HashPassword(pin, options_.cost));
-    return store_.people.SetPin(person.id, verifier, Actor{person.id, kViaPage});
-  });
+  const Origin origin = auth::OriginOf(identity, address);
+  co_return co_await InPlace(
+      person.login, origin, Line::kFirst, kViaPage, *hashing_, [&]() -> Status {
+        ENAMEL_ASSIGN_OR_RETURN(auto verifier, HashPassword(pin, options_.cost));
+        return store_.people.SetPin(person.id, verifier, Actor{person.id, kViaPage});
+      });
 }
 
 Status Authenticator::CheckOneTimePassword(const Person& person) const {
@@ -308,13 +338,15 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
   return out;
 }
 
-Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
+Status Authenticator::CheckOwnPassword(const Identity& identity, const std::string& password,
                                        const std::string& address, const std::string& via) {
+  const Person& person = identity.person;
+  const Origin origin = auth::OriginOf(identity, address);
   ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.people.PasswordVerifier(person.id));
   if (password.size() <= kMaxPasswordLength && Verify(password, verifier)) {
-    return throttle_.Succeeded(person.login, address, CountedAt());
+    return throttle_.Succeeded(person.login, origin, CountedAt());
   }
-  ENAMEL_RETURN_IF_ERROR(throttle_.Failed(person.login, address, CountedAt()));
+  ENAMEL_RETURN_IF_ERROR(throttle_.Failed(person.login, origin, CountedAt()));
   return TurnAway("password", person.login, address, via,
                   Status(Code::kForbidden, "that is not your password; try again", "password"));
 }
@@ -322,10 +354,11 @@ Status Authenticator::CheckOwnPassword(const Person& person, const std::string& 
 boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::string password,
                                                       std::string address) {
   const std::string& login = identity.person.login;
-  Status admitted = co_await Admitted(login, address, kViaPage);
-  if (!admitted.ok()) co_return admitted;
-  co_return co_await InPlace(login, address, kViaPage, *hashing_, [&]() -> Status {
-    ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address, kViaPage));
+  const Origin origin = auth::OriginOf(identity, address);
+  const Result<Line> line = co_await Admitted(login, origin, kViaPage);
+  if (!line.ok()) co_return line.status();
+  co_return co_await InPlace(login, origin, *line, kViaPage, *hashing_, [&]() -> Status {
+    ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity, password, address, kViaPage));
     return store_.sessions.ConfirmSession(identity.token_hash, Now());
   });
 }
@@ -333,7 +366,8 @@ boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::st
 Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
                                                    const PasswordChange& change) {
   const Person& person = identity.person;
-  ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address, change.via));
+  ENAMEL_RETURN_IF_ERROR(
+      CheckOwnPassword(identity, change.old_password, change.address, change.via));
   // After checking the old password, so that this reveals nothing to somebody who does not know it.
   if (change.new_password == change.old_password) {
     return Status(Code::kInvalidInput, "that is already your password; choose another",
@@ -347,15 +381,20 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
   ENAMEL_RETURN_IF_ERROR(
       store_.people.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
   ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.people.PersonById(person.id));
-  return BeginSession(changed, change.via, change.address, change.device);
+  auto signed_in = BeginSession(changed, change.via, change.address, change.device);
+  if (signed_in.ok() && change.via == kViaPage) {
+    signed_in->device_tokens = devices_.With(person.login, change.device_tokens, Now());
+  }
+  return signed_in;
 }
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
                                                                        PasswordChange change) {
   const std::string& login = identity.person.login;
-  Status admitted = co_await Admitted(login, change.address, change.via);
-  if (!admitted.ok()) co_return admitted;
-  co_return co_await InPlace(login, change.address, change.via, *hashing_,
+  const Origin origin = auth::OriginOf(identity, change.address);
+  const Result<Line> line = co_await Admitted(login, origin, change.via);
+  if (!line.ok()) co_return line.status();
+  co_return co_await InPlace(login, origin, *line, change.via, *hashing_,
                              [&] { return ChangePasswordHere(identity, change); });
 }
 

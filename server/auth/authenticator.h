@@ -8,6 +8,7 @@
 
 #include "common/base/mutex.h"
 #include "common/base/result.h"
+#include "server/auth/device_tokens.h"
 #include "server/auth/password.h"
 #include "server/auth/refusal_trail.h"
 #include "server/auth/sign_in_places.h"
@@ -54,6 +55,7 @@ struct Identity {
 struct SignedIn {
   Bytes token;  // 32 bytes; the page gets it as 64 hex digits in the cookie
   Identity identity;
+  std::string device_tokens{};  // DeviceTokens, for the browser to keep; of the page
 };
 
 // How a session was begun (SessionRow::via).
@@ -68,7 +70,9 @@ struct SignInRequest {
   // The page's cookie that came with the request, 64 hex digits; its session ends when this one
   // begins: the browser forgets it.
   std::string earlier{};
-  std::string log_id{};  // what the log calls the request (LogRequest)
+  std::string log_id{};         // what the log calls the request (LogRequest)
+  std::string device_tokens{};  // the browser's (DeviceTokens)
+  std::string chair{};          // the id of the station, which is a place of its own
 };
 
 // Counts since the start. Wrong passwords count wherever the server asks for one.
@@ -116,7 +120,7 @@ class Authenticator {
   // again).
   struct PasswordChange {
     std::string old_password, new_password;
-    std::string address, via, device{};
+    std::string address, via, device{}, device_tokens{};
   };
   boost::asio::awaitable<Result<SignedIn>> ChangePassword(Identity identity, PasswordChange change);
   // When the person's one-time password expires.
@@ -162,7 +166,7 @@ class Authenticator {
                                 Secret secret);
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Result<Person> PinAdmitted(const std::string& login, const SignInRequest& request);
-  Status CheckOwnPassword(const Person& person, const std::string& password,
+  Status CheckOwnPassword(const Identity& identity, const std::string& password,
                           const std::string& address, const std::string& via);
   // Whether a one-time password has not expired yet.
   Status CheckOneTimePassword(const Person& person) const;
@@ -182,18 +186,20 @@ class Authenticator {
   boost::asio::awaitable<Result<T>> OnceAdmitted(SignInRequest request, AdmittedWork<T> work);
   template <typename T>
   Result<T> AdmittedHere(const SignInRequest& request, AdmittedWork<T> work);
-  // Whether this try may proceed; resumes once it may.
-  boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
+  Origin OriginOf(const std::string& login, const SignInRequest& request) const;
+  // How this try may proceed; resumes once it may.
+  boost::asio::awaitable<Result<Line>> Admitted(std::string login, Origin origin, std::string via);
   Status NotAdmitted(const std::string& login, const std::string& address, const std::string& via,
                      const Status& why);
-  // Runs on the threads of a pool, when it is the turn of this login or address; of all pools a
+  // Runs on the threads of a pool, when it is the turn of this login or place; of all pools a
   // bounded number wait.
   template <typename Work>
-  auto InPlace(std::string login, std::string address, std::string via, StorePool& pool, Work work)
-      -> boost::asio::awaitable<decltype(work())>;
+  auto InPlace(std::string login, Origin origin, Line line, std::string via, StorePool& pool,
+               Work work) -> boost::asio::awaitable<decltype(work())>;
   Store& store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
+  const DeviceTokens devices_;
   Throttle throttle_;
   SignInPlaces places_;
   DoorCounts counts_;

@@ -33,25 +33,35 @@ void MemoryCounters::Write(Map& map, const std::string& name, const SignInCounte
 Status MemoryCounters::Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) {
   MutexLock lock(mutex_);
   const OfTry<SignInCounter> before{Read(counters_, names.here), Read(counters_, names.place),
-                                    Read(counters_, names.anywhere), Read(known_, names.known)};
+                                    Read(counters_, names.site), Read(counters_, names.anywhere),
+                                    Read(known_, names.known)};
   OfTry<SignInCounter> after = before;
   change(after);
-  if (after.here != before.here) Write(counters_, names.here, after.here, now_ms);
-  if (after.place != before.place) Write(counters_, names.place, after.place, now_ms);
-  if (after.anywhere != before.anywhere) Write(counters_, names.anywhere, after.anywhere, now_ms);
-  if (after.known != before.known) Write(known_, names.known, after.known, now_ms);
+  const auto write = [&](Map& map, SignInCounter OfTry<SignInCounter>::*one,
+                         const std::string& name) ENAMEL_REQUIRES(mutex_) {
+    if (!name.empty() && after.*one != before.*one) Write(map, name, after.*one, now_ms);
+  };
+  write(counters_, &OfTry<SignInCounter>::here, names.here);
+  write(counters_, &OfTry<SignInCounter>::place, names.place);
+  write(counters_, &OfTry<SignInCounter>::site, names.site);
+  write(counters_, &OfTry<SignInCounter>::anywhere, names.anywhere);
+  write(known_, &OfTry<SignInCounter>::known, names.known);
   return Status::Ok();
 }
 
 Status SharedCounters::Apply(const OfTry<std::string>& names, UnixMs, const Change& change) {
-  const auto key = [](const std::string& name) { return HashSha256(AsBytes(name)); };
-  return store_.sign_ins.Change(
-      {key(names.here), key(names.place), key(names.anywhere), key(names.known)},
-      [&](std::vector<SignInCounter>& all) {
-        OfTry<SignInCounter> counters{all[0], all[1], all[2], all[3]};
-        change(counters);
-        all = {counters.here, counters.place, counters.anywhere, counters.known};
-      });
+  std::vector<Sha256> keys;
+  for (const std::string* name :
+       {&names.here, &names.place, &names.anywhere, &names.known, &names.site}) {
+    if (!name->empty()) keys.push_back(HashSha256(AsBytes(*name)));
+  }
+  return store_.sign_ins.Change(keys, [&](std::vector<SignInCounter>& all) {
+    OfTry<SignInCounter> counters{all[0], all[1], names.site.empty() ? SignInCounter{} : all[4],
+                                  all[2], all[3]};
+    change(counters);
+    all = {counters.here, counters.place, counters.anywhere, counters.known};
+    if (!names.site.empty()) all.push_back(counters.site);
+  });
 }
 
 }  // namespace enamel::server::auth

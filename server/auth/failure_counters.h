@@ -11,12 +11,13 @@
 
 namespace enamel::server::auth {
 
-// What Throttle counts about one try to sign in, and under which names.
+// What Throttle counts about one try to sign in, and under which names. No name: not counted.
 template <typename T>
 struct OfTry {
-  T here;      // the login at this place: failures
+  T here;      // the login at this place: failures, first tries
   T place;     // any login at this place: failures, when the next held try may go on
-  T anywhere;  // the login at any place: failures, places let through for being new
+  T site;      // the same of the AddressSite, where that is more than the place
+  T anywhere;  // the login at any place: failures, when the next first try at a place may go on
   T known;     // the login at this place: its last success
 };
 

@@ -3,40 +3,42 @@
 namespace enamel::server::auth {
 namespace {
 
-// No block contains a line end.
-std::string NameOf(const std::string& login, const std::string& block) {
-  return block + "\n" + login;
+// No place contains a line end.
+std::string NameOf(const std::string& login, const std::string& place) {
+  return place + "\n" + login;
 }
 
 }  // namespace
 
-std::optional<Turn> SignInPlaces::Take(const std::string& login, const std::string& block) {
-  const std::string name = NameOf(login, block);
+std::optional<Turn> SignInPlaces::Take(const std::string& login, const std::string& place,
+                                       Line line) {
+  const std::string name = NameOf(login, place);
   MutexLock lock(mutex_);
-  if (known_.contains(name) && waiting_[name] < kMostOfLogin) {
+  const bool known = line == Line::kFirst || known_.contains(name);
+  if (known && waiting_[name] < kMostOfLogin) {
     ++waiting_[name];
-    return Turn(name, true);
+    return Turn(name, Line::kFirst);
   }
-  const auto at = waiting_.find(block);
+  const auto at = waiting_.find(place);
   const size_t here = at == waiting_.end() ? 0 : at->second;
-  if (here >= of_block_ || (here >= kAlways && others_ >= kMost)) return std::nullopt;
-  ++waiting_[block];
+  if (here >= of_place_ || (here >= kAlways && others_ >= kMost)) return std::nullopt;
+  ++waiting_[place];
   ++others_;
-  return Turn(block);
+  return Turn(place, known ? Line::kUsual : line);
 }
 
 void SignInPlaces::Leave(const Turn& turn) {
   MutexLock lock(mutex_);
-  if (!turn.first) --others_;
+  if (turn.line != Line::kFirst) --others_;
   const auto at = waiting_.find(turn.of);
   if (--at->second == 0) waiting_.erase(at);
 }
 
-void SignInPlaces::Know(const std::string& login, const std::string& block) {
+void SignInPlaces::Know(const std::string& login, const std::string& place) {
   MutexLock lock(mutex_);
   // All at once: who signs in next is known again.
   if (known_.size() >= kMostKnown) known_.clear();
-  known_.insert(NameOf(login, block));
+  known_.insert(NameOf(login, place));
 }
 
 }  // namespace enamel::server::auth

@@ -14,29 +14,30 @@ namespace enamel::server::auth {
 // Shares out the turns at the hashing threads, so that no flood of guesses keeps out anybody else.
 //
 //   who                                              takes turns with             may wait
-//   a login that has signed in from this block       such logins, which get       two at once
-//                                                    every other turn
-//   another login                                    the other blocks             `of_block`
+//   a login that has signed in from this place, or   such logins, which get       two at once
+//   is known there (Line::kFirst)                    every other turn
+//   another login                                    the other places of its      `of_place`
+//                                                    line
 //
-// "Before" is since the server began: at most 20 000 logins. While kMost wait, a block has kAlways
-// more. Thread safety: any thread.
+// A place is an AddressSite or a party (Origin). "Has signed in" is since the server began: at most
+// 20 000 logins. While kMost wait, a place has kAlways more. Thread safety: any thread.
 class SignInPlaces {
  public:
-  explicit SignInPlaces(size_t of_block) : of_block_(of_block) {}
+  explicit SignInPlaces(size_t of_place) : of_place_(of_place) {}
 
   // None: there is no place, it has to come again.
-  std::optional<Turn> Take(const std::string& login, const std::string& block);
+  std::optional<Turn> Take(const std::string& login, const std::string& place, Line line);
   // Of a Take.
   void Leave(const Turn& turn);
   // The login has signed in from there.
-  void Know(const std::string& login, const std::string& block);
+  void Know(const std::string& login, const std::string& place);
 
   static constexpr size_t kMostOfLogin = 2, kAlways = 4, kMost = 256;
 
  private:
   static constexpr size_t kMostKnown = 20'000;
 
-  const size_t of_block_;
+  const size_t of_place_;
   Mutex mutex_;
   size_t others_ ENAMEL_GUARDED_BY(mutex_) = 0;  // that wait and do not go first
   std::map<std::string, size_t> waiting_ ENAMEL_GUARDED_BY(mutex_);  // by Turn::of

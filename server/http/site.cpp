@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "server/auth/device_tokens.h"
+
 namespace enamel::server::http {
 namespace {
 
@@ -129,10 +131,13 @@ Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request) 
   return {};
 }
 
-std::string SessionCookieName(bool tls) { return tls ? "__Host-enamel_session" : "enamel_session"; }
+namespace {
 
-std::optional<std::string> SessionCookie(const Request& request) {
-  const std::string name = SessionCookieName(request.tls);
+std::string CookieName(std::string_view name, bool tls) {
+  return (tls ? "__Host-" : "") + std::string(name);
+}
+
+std::optional<std::string> Cookie(const Request& request, const std::string& name) {
   std::optional<std::string> found;
   std::string_view rest = request.Header("cookie");
   while (!rest.empty()) {
@@ -149,13 +154,31 @@ std::optional<std::string> SessionCookie(const Request& request) {
   return found;
 }
 
+std::string SetCookie(const std::string& name, const std::string& value, bool tls) {
+  return name + "=" + value + "; Path=/; HttpOnly; SameSite=Strict" + (tls ? "; Secure" : "");
+}
+
+}  // namespace
+
+std::string SessionCookieName(bool tls) { return CookieName("enamel_session", tls); }
+
+std::optional<std::string> SessionCookie(const Request& request) {
+  return Cookie(request, SessionCookieName(request.tls));
+}
+
 std::string SetSessionCookie(const std::string& token_hex, bool tls) {
-  std::string cookie =
-      // No Max-Age: it ends with the browser, and at the latest when the session does.
-      SessionCookieName(tls) + "=" + token_hex + "; Path=/; HttpOnly; SameSite=Strict";
-  if (tls) cookie += "; Secure";
-  if (token_hex.empty()) cookie += "; Max-Age=0";
-  return cookie;
+  // No Max-Age: it ends with the browser, and at the latest when the session does.
+  return SetCookie(SessionCookieName(tls), token_hex, tls) +
+         (token_hex.empty() ? "; Max-Age=0" : "");
+}
+
+std::string DeviceCookie(const Request& request) {
+  return Cookie(request, CookieName("enamel_device", request.tls)).value_or("");
+}
+
+std::string SetDeviceCookie(const std::string& tokens, bool tls) {
+  return SetCookie(CookieName("enamel_device", tls), tokens, tls) +
+         "; Max-Age=" + std::to_string(auth::DeviceTokens::kDays * 24 * 60 * 60);
 }
 
 void AddCommonHeaders(Response& response, bool tls) {

@@ -41,6 +41,9 @@ std::string SessionCookieName(bool tls);
 std::optional<std::string> SessionCookie(const Request& request);
 // Value of Set-Cookie. An empty token removes the cookie.
 std::string SetSessionCookie(const std::string& token_hex, bool tls);
+// auth::DeviceTokens of the browser; none: empty. Kept over sign-out and the end of the browser.
+std::string DeviceCookie(const Request& request);
+std::string SetDeviceCookie(const std::string& tokens, bool tls);
 
 // Adds what every answer carries: the date; content security policy, with no policy that could make
 // markup of text; isolation, no sniffing, no referrer; HSTS over TLS; `Cache-Control: no-store`

@@ -248,7 +248,7 @@ asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work
 template <typename Work>
 auto Connection::InStore(Work work) {
   const size_t most = station_ ? LinkBudget::kMostAtOnce : kAsManyAsThere;
-  return pool_.Run(Turn(party_, false, most), [this, work = std::move(work)] {
+  return pool_.Run(Turn(party_, Line::kUsual, most), [this, work = std::move(work)] {
     const LogRequest logged(id_);
     const auto begin = Clock::now();
     auto out = work();

@@ -229,7 +229,10 @@ std::optional<auth::SignInRequest> Session::SignInWanted(const wire::Request& re
                              peer_address_,
                              auth::kViaStation,
                              station_->name,
-                             {}};
+                             {},
+                             {},
+                             {},
+                             station_->id.Text()};
 }
 
 Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result) {
@@ -263,8 +266,15 @@ Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::Si
 
 std::optional<auth::SignInRequest> Session::SignOffWanted(const wire::Request& request) const {
   if (!station_ || !request.has_sign_off()) return std::nullopt;
-  return auth::SignInRequest{request.sign_off().login(), request.sign_off().pin(), peer_address_,
-                             auth::kViaStation,          station_->name,           {}};
+  return auth::SignInRequest{request.sign_off().login(),
+                             request.sign_off().pin(),
+                             peer_address_,
+                             auth::kViaStation,
+                             station_->name,
+                             {},
+                             {},
+                             {},
+                             station_->id.Text()};
 }
 
 Answer Session::FinishSignOff(const wire::Request& request, const Result<Person>& signer) {

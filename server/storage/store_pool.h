@@ -11,6 +11,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -29,14 +30,18 @@
 
 namespace enamel::server {
 
+// Who gets a thread first where many wait: every other turn is of kFirst, and of the other turns at
+// least half are of kUsual.
+enum class Line : uint8_t { kFirst, kUsual, kLast };
+
 // Whose work it is, for a pool whose threads are shared out.
 struct Turn {
   // A constructor, since g++ 12 destroys an aggregate within a co_await twice.
-  explicit Turn(std::string whose = {}, bool goes_first = false,
+  explicit Turn(std::string whose = {}, Line in = Line::kUsual,
                 size_t most_threads = std::numeric_limits<size_t>::max())
-      : of(std::move(whose)), first(goes_first), most(most_threads) {}
-  std::string of;      // a person, an address; empty: nobody's in particular
-  bool first = false;  // of those that go first, who get every other turn
+      : of(std::move(whose)), line(in), most(most_threads) {}
+  std::string of;  // a person, an address; empty: nobody's in particular
+  Line line = Line::kUsual;
   // Threads that it may have at once, where that is less than the pool's `most_of_one`.
   size_t most = std::numeric_limits<size_t>::max();
 };
@@ -109,7 +114,7 @@ class StorePool {
   };
   using Parties = std::map<Turn, Party, bool (*)(const Turn&, const Turn&)>;
   static bool Before(const Turn& a, const Turn& b) {
-    return a.first != b.first ? a.first : a.of < b.of;
+    return a.line != b.line ? a.line < b.line : a.of < b.of;
   }
 
   void Post(Turn turn, Task task) {
@@ -117,7 +122,7 @@ class StorePool {
     const auto at = parties_.try_emplace(std::move(turn)).first;
     at->second.waiting.push_back(std::move(task));
     Queue(at);
-    if (lines_[0].size() + lines_[1].size() <= idle_) {
+    if (lines_[0].size() + lines_[1].size() + lines_[2].size() <= idle_) {
       wake_.notify_one();
       return;
     }
@@ -136,13 +141,23 @@ class StorePool {
     const size_t most = std::min(most_of_one_, at->first.most);
     if (party.in_line || party.waiting.empty() || party.running >= most) return;
     party.in_line = true;
-    lines_[at->first.first ? 0 : 1].push_back(at);
+    lines_[static_cast<size_t>(at->first.line)].push_back(at);
+  }
+
+  // Whose turn it is. Requires: somebody is in a line.
+  size_t NextLine() ENAMEL_REQUIRES(mutex_) {
+    const bool others = !lines_[1].empty() || !lines_[2].empty();
+    const bool first = !lines_[0].empty() && !(others && first_had_turn_);
+    first_had_turn_ = first;
+    if (first) return 0;
+    const bool last = lines_[1].empty() || (!lines_[2].empty() && usual_had_turn_);
+    usual_had_turn_ = !last;
+    return last ? 2 : 1;
   }
 
   // The next in line. Requires: somebody is in one.
   Parties::iterator Next() ENAMEL_REQUIRES(mutex_) {
-    auto& line = lines_[next_line_].empty() ? lines_[1 - next_line_] : lines_[next_line_];
-    next_line_ = &line == &lines_[0] ? 1 : 0;
+    auto& line = lines_[NextLine()];
     const Parties::iterator at = line.front();
     line.pop_front();
     at->second.in_line = false;
@@ -153,7 +168,7 @@ class StorePool {
     MutexLock lock(mutex_);
     for (;;) {
       const auto any = [&]() ENAMEL_REQUIRES(mutex_) {
-        return !lines_[0].empty() || !lines_[1].empty();
+        return !lines_[0].empty() || !lines_[1].empty() || !lines_[2].empty();
       };
       ++idle_;
       wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || any(); });
@@ -178,9 +193,9 @@ class StorePool {
   Mutex mutex_;
   std::condition_variable_any wake_;
   Parties parties_ ENAMEL_GUARDED_BY(mutex_){&Before};
-  // Of those that go first, and of the others.
-  std::array<std::deque<Parties::iterator>, 2> lines_ ENAMEL_GUARDED_BY(mutex_);
-  size_t next_line_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  std::array<std::deque<Parties::iterator>, 3> lines_ ENAMEL_GUARDED_BY(mutex_);  // by Line
+  bool first_had_turn_ ENAMEL_GUARDED_BY(mutex_) = false;
+  bool usual_had_turn_ ENAMEL_GUARDED_BY(mutex_) = false;
   size_t idle_ ENAMEL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ENAMEL_GUARDED_BY(mutex_) = false;
   std::vector<std::jthread> threads_;  // grows under mutex_

@@ -35,6 +35,8 @@ Response SignedInResponse(const auth::SignedIn& signed_in, const Request& reques
   Response response = JsonResponse(SessionJson(signed_in.identity));
   response.headers.emplace_back("Set-Cookie",
                                 SetSessionCookie(ToHex(signed_in.token), request.tls));
+  response.headers.emplace_back("Set-Cookie",
+                                SetDeviceCookie(signed_in.device_tokens, request.tls));
   return response;
 }
 
@@ -54,6 +56,7 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   // Signing in ends it, and with it a session that somebody else planted in this browser.
   request.earlier = SessionCookie(call.request).value_or("");
   request.log_id = call.request.id;
+  request.device_tokens = DeviceCookie(call.request);
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
   co_return SignedInResponse(*signed_in, call.request);
@@ -81,6 +84,7 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   change.address = call.request.peer;
   change.via = auth::kViaPage;
   change.device = auth::DeviceName(call.request.Header("user-agent"));
+  change.device_tokens = DeviceCookie(call.request);
   Result<auth::SignedIn> signed_in =
       co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());

@@ -7,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <map>
 #include <new>
+#include <semaphore>
 
 #include "common/base/hex.h"
 #include "server/auth/token.h"
@@ -288,6 +289,75 @@ TEST_F(AuthenticatorTest, AnAddressHasABoundedNumberOfSignInsAtOnce) {
   }
 }
 
+// 200 addresses that have failed before wait for the one thread; the owner comes last, to a new
+// place, and waits for few of them.
+TEST_F(AuthenticatorTest, TheOwnerAtANewPlaceDoesNotWaitForEveryGuesser) {
+  AuthOptions options = Options();
+  options.hash_threads = 1;
+  std::string order;
+  std::binary_semaphore begin{0};
+  options.verify = [&](std::string_view password, const std::string&) {
+    if (order.empty()) begin.acquire();
+    order += password == kPassword ? '!' : '.';
+    return password == kPassword;
+  };
+  Authenticator guessed(*store_, options);
+  const auto request = [](int i) {
+    SignInRequest out = Request("somebody" + std::to_string(i), "guess guess");
+    out.address = "198.51." + std::to_string(i / 200) + "." + std::to_string(i % 200);
+    return out;
+  };
+  begin.release();
+  for (int i = 0; i < 200; ++i) {
+    for (int n = 0; n < 4; ++n) (void)guessed.SignInHere(request(i));
+  }
+  order.clear();
+  boost::asio::io_context io;
+  const auto sign_in = [&](SignInRequest what) -> boost::asio::awaitable<void> {
+    (void)co_await guessed.SignIn(std::move(what));
+  };
+  const auto spawn = [&](SignInRequest what) {
+    boost::asio::co_spawn(io, sign_in(std::move(what)),
+                          [](std::exception_ptr failure) { EXPECT_FALSE(failure); });
+    io.poll();
+  };
+  for (int i = 0; i < 200; ++i) spawn(request(i));
+  spawn(Request("ada", kPassword));
+  begin.release();
+  io.run();
+  ASSERT_EQ(order.size(), 201u);
+  EXPECT_LE(order.find('!'), 3u) << order;
+}
+
+TEST_F(AuthenticatorTest, ABrowserIsKnownToAServerThatStartsAgain) {
+  const auto first = authenticator_.SignInHere(Request("ada", kPassword));
+  ASSERT_TRUE(first.ok());
+  Authenticator again(*store_, Options());
+  for (int i = 0; i < 12; ++i) (void)again.SignInHere(Request("ada", "guess guess"));
+  EXPECT_EQ(again.SignInHere(Request("ada", kPassword)).status().field(), "throttled");
+  SignInRequest browser = Request("ada", kPassword);
+  browser.device_tokens = first->device_tokens;
+  EXPECT_TRUE(again.SignInHere(browser).ok());
+  now_ += DeviceTokens::kDays * 24 * 60 * 60 * 1000;
+  for (int i = 0; i < 12; ++i) (void)again.SignInHere(Request("ada", "guess guess"));
+  EXPECT_FALSE(again.SignInHere(browser).ok()) << "a month later";
+}
+
+TEST_F(AuthenticatorTest, GuessesElsewhereDoNotDelayWhoIsSignedIn) {
+  const auto in = authenticator_.SignInHere(Request("ada", kPassword));
+  ASSERT_TRUE(in.ok());
+  Authenticator again(*store_, Options());
+  for (int i = 0; i < 40; ++i) (void)again.SignInHere(Request("ada", "guess guess"));
+  boost::asio::io_context io;
+  Status confirmed(Code::kInternal, "not asked");
+  const auto confirm = [&]() -> boost::asio::awaitable<void> {
+    confirmed = co_await again.Confirm(in->identity, kPassword, "203.0.113.7");
+  };
+  boost::asio::co_spawn(io, confirm(), [](std::exception_ptr failure) { EXPECT_FALSE(failure); });
+  io.run();
+  EXPECT_TRUE(confirmed.ok()) << confirmed.message();
+}
+
 TEST_F(AuthenticatorTest, AFailedSignInGivesItsPlaceBack) {
   AuthOptions options = Options();
   options.max_waiting = 1;
@@ -321,30 +391,39 @@ TEST(SignInPlacesTest, OwnersSignInWhileThreeAddressesGuess) {
   SignInPlaces places(64);
   places.Know("ada", "school");
   for (const char* guesser : {"a", "b", "c"}) {
-    for (int i = 0; i < 100; ++i) (void)places.Take("ada", guesser);
+    for (int i = 0; i < 100; ++i) (void)places.Take("ada", guesser, Line::kUsual);
   }
-  for (int i = 0; i < 100; ++i) (void)places.Take("other" + std::to_string(i), "school");
+  for (int i = 0; i < 100; ++i)
+    (void)places.Take("other" + std::to_string(i), "school", Line::kUsual);
   for (size_t i = 0; i < SignInPlaces::kMostOfLogin; ++i) {
-    const auto turn = places.Take("ada", "school");
+    const auto turn = places.Take("ada", "school", Line::kUsual);
     ASSERT_TRUE(turn) << "has signed in from there";
-    EXPECT_TRUE(turn->first);
+    EXPECT_EQ(turn->line, Line::kFirst);
   }
-  EXPECT_FALSE(places.Take("ada", "school")) << "two at once, and the school's places are taken";
-  const auto turn = places.Take("ben", "at home");
+  EXPECT_FALSE(places.Take("ada", "school", Line::kUsual))
+      << "two at once, and the school's places are taken";
+  const auto turn = places.Take("ben", "at home", Line::kUsual);
   ASSERT_TRUE(turn) << "from an address where nobody has signed in";
-  EXPECT_FALSE(turn->first);
+  EXPECT_EQ(turn->line, Line::kUsual);
   EXPECT_EQ(turn->of, "at home") << "takes turns with the guessers' addresses";
   places.Leave(*turn);
 }
 
+TEST(SignInPlacesTest, WhoIsKnownToBeTheOwnerGoesFirstAndWhoGuessesLast) {
+  SignInPlaces places(64);
+  EXPECT_EQ(places.Take("ada", "=device 1", Line::kFirst)->line, Line::kFirst);
+  EXPECT_EQ(places.Take("ada", "elsewhere", Line::kLast)->line, Line::kLast);
+}
+
 TEST(SignInPlacesTest, AClassIsLetInFromOneAddressAndManyAddressesDoNotKeepOutOneMore) {
   SignInPlaces places(64);
-  for (int i = 0; i < 60; ++i) EXPECT_TRUE(places.Take(std::to_string(i), "school")) << i;
+  for (int i = 0; i < 60; ++i)
+    EXPECT_TRUE(places.Take(std::to_string(i), "school", Line::kUsual)) << i;
   for (int address = 0; address < 300; ++address) {
-    while (places.Take("x", std::to_string(address))) {
+    while (places.Take("x", std::to_string(address), Line::kUsual)) {
     }
   }
-  EXPECT_TRUE(places.Take("new", "new"));
+  EXPECT_TRUE(places.Take("new", "new", Line::kUsual));
 }
 
 TEST_F(AuthenticatorTest, SessionOfTheStationLinkDoesNotOpenThePage) {

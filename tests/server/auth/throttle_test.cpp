@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <random>
@@ -15,13 +16,13 @@
 namespace enamel::server::auth {
 namespace {
 
-constexpr char kHere[] = "203.0.113.7";
-constexpr char kNextSeat[] = "203.0.113.8";
-constexpr char kElsewhere[] = "198.51.100.9";
+const Origin kHere{"203.0.113.7"};
+const Origin kNextSeat{"203.0.113.8"};
+const Origin kElsewhere{"198.51.100.9"};
 
-void Fail(Throttle& throttle, const std::string& login, const std::string& address, int times,
+void Fail(Throttle& throttle, const std::string& login, const Origin& origin, int times,
           UnixMs now) {
-  for (int i = 0; i < times; ++i) (void)throttle.Failed(login, address, now);
+  for (int i = 0; i < times; ++i) (void)throttle.Failed(login, origin, now);
 }
 
 TEST(ThrottleTest, FirstFailuresCostNothing) {
@@ -49,11 +50,13 @@ TEST(ThrottleTest, RefusalTellsTheSecondsToWait) {
   EXPECT_EQ(RetryAfterSeconds(Status(Code::kUnavailable, "the disk is full")), 0);
 }
 
-TEST(ThrottleTest, StrangerDelaysTheOwnersSecondTryElsewhereByFourSecondsAtMost) {
+TEST(ThrottleTest, StrangerDelaysTheOwnersThirdTryElsewhereByFourSecondsAtMost) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 1000, 1000);
-  EXPECT_TRUE(throttle.Admit("ada", kElsewhere, 1000).ok()) << "a place's first try";
-  (void)throttle.Failed("ada", kElsewhere, 1000);
+  for (const char* nth : {"first", "second"}) {
+    EXPECT_TRUE(throttle.Admit("ada", kElsewhere, 1000).ok()) << "a place's " << nth << " try";
+    (void)throttle.Failed("ada", kElsewhere, 1000);
+  }
   EXPECT_FALSE(throttle.Admit("ada", kElsewhere, 1000).ok());
   EXPECT_TRUE(throttle.Admit("ada", kElsewhere, 1000 + 4'000).ok());
   EXPECT_FALSE(throttle.Admit("ada", kHere, 1000 + 4'000).ok());
@@ -67,17 +70,104 @@ TEST(ThrottleTest, StrangerDoesNotDelayTheOwnerWhereTheOwnerSignedInBefore) {
   EXPECT_TRUE(throttle.Admit("ada", kHere, 2000).ok());
 }
 
-TEST(ThrottleTest, FirstTriesOfManyPlacesAreNotFreeForEver) {
+Origin Numbered(int i) {
+  return {"198." + std::to_string(i / 256) + ".100." + std::to_string(i % 256)};
+}
+
+TEST(ThrottleTest, FirstTriesOfManyPlacesHaveATurnEachHalfSecond) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 1000, 1000);
-  int free = 0;
+  std::vector<int64_t> held;
   for (int i = 0; i < 250; ++i) {
-    const std::string place = "198.51.100." + std::to_string(i);
-    if (!throttle.Admit("ada", place, 1000).ok()) continue;
-    ++free;
-    (void)throttle.Failed("ada", place, 1000);
+    const auto admission = throttle.Admit("ada", Numbered(i), 1000);
+    if (admission.ok()) held.push_back(admission->hold_ms);
   }
-  EXPECT_EQ(free, 100);
+  EXPECT_EQ(held, (std::vector<int64_t>{0, 500, 1000, 1500, 2000}));
+}
+
+TEST(ThrottleTest, ManyTriesAtOnceAreNoFirstTries) {
+  Throttle throttle;
+  Fail(throttle, "ada", kHere, 1000, 1000);
+  int admitted = 0;
+  for (int i = 0; i < 50; ++i) admitted += throttle.Admit("ada", kElsewhere, 1000).ok() ? 1 : 0;
+  EXPECT_EQ(admitted, 2);
+}
+
+// A quarter of an hour: from each of 300 places somebody guesses at the owner's login as fast as
+// allowed. Each half minute the owner comes to another new place, mistypes, and tries again.
+TEST(ThrottleTest, OwnerGetsInAtANewPlaceWithinSecondsWhileManyPlacesGuess) {
+  constexpr int kPlaces = 300;
+  Throttle throttle;
+  std::vector<UnixMs> free_at(kPlaces);
+  int guesses = 0;
+  int64_t longest_ms = 0;
+  for (UnixMs now = 1000; now < 15 * 60 * 1000; now += 250) {
+    for (size_t i = 0; i < kPlaces; ++i) {
+      const Origin place = Numbered(static_cast<int>(i));
+      if (now < free_at[i]) continue;
+      const auto admission = throttle.Admit("owner", place, now);
+      // Refused ones come again at once: they take what turns there are.
+      if (!admission.ok()) continue;
+      ++guesses;
+      free_at[i] = now + admission->hold_ms;
+      (void)throttle.Failed("owner", place, now);
+    }
+    // Their own first tries are over after a second.
+    if (now % 30'000 != 0) continue;
+    const Origin place{"203.0.113." + std::to_string(now / 30'000)};
+    const auto mistyped = throttle.Admit("owner", place, now);
+    ASSERT_TRUE(mistyped.ok()) << now << ": " << mistyped.status().message();
+    (void)throttle.Failed("owner", place, now);
+    const auto right = throttle.Admit("owner", place, now);
+    ASSERT_TRUE(right.ok()) << now << ": " << right.status().message();
+    EXPECT_EQ(right->line, Line::kUsual) << "before those who guess";
+    longest_ms = std::max({longest_ms, mistyped->hold_ms, right->hold_ms});
+  }
+  std::cout << kPlaces << " places guess at one login: " << guesses
+            << " guesses in 15 min, owner at a new place held for at most " << longest_ms
+            << " ms\n";
+  EXPECT_LE(longest_ms, 2000);
+  EXPECT_LE(guesses, 300);
+  EXPECT_EQ(throttle.Admit("other", Numbered(1), 15 * 60 * 1000)->line, Line::kLast);
+}
+
+TEST(ThrottleTest, BrowserThatSignedInIsDelayedByNobodyElsewhere) {
+  Throttle throttle;
+  const Origin browser{kHere.address, "device 1", true};
+  for (int i = 0; i < 5000; ++i) {
+    (void)throttle.Failed("owner", Numbered(i % 400), 1000);
+    (void)throttle.Failed("login" + std::to_string(i), kHere, 1000);
+  }
+  const auto admission = throttle.Admit("owner", browser, 1000);
+  ASSERT_TRUE(admission.ok());
+  EXPECT_EQ(admission->hold_ms, 0);
+  EXPECT_EQ(admission->line, Line::kFirst);
+  Fail(throttle, "owner", browser, 12, 1000);
+  EXPECT_FALSE(throttle.Admit("owner", browser, 1000).ok()) << "a stolen one guesses slowly";
+  EXPECT_TRUE(throttle.Admit("owner", browser, 1000 + 4'000).ok());
+}
+
+TEST(ThrottleTest, ChairIsNotDelayedByGuessesFromItsAddress) {
+  Throttle throttle;
+  for (int i = 0; i < 5000; ++i) (void)throttle.Failed("login" + std::to_string(i), kHere, 1000);
+  EXPECT_EQ(throttle.Admit("login1", {kHere.address, "chair 1"}, 1000)->hold_ms, 0);
+}
+
+// Each guess from another /64 of one /48, at another login.
+TEST(ThrottleTest, OneHolderOfManyBlocksHasTheTriesOfAFewOnly) {
+  Throttle throttle;
+  int guesses = 0;
+  for (UnixMs now = 1000; now < 15 * 60 * 1000; now += 20) {
+    const std::string n = std::to_string(now % 9973);
+    const Origin block{"2001:db8:7:" + n.substr(0, 4) + "::1"};
+    const auto admission = throttle.Admit("login" + n, block, now);
+    if (!admission.ok()) continue;
+    ++guesses;
+    (void)throttle.Failed("login" + n, block, now + admission->hold_ms);
+  }
+  std::cout << "a /48 guessed from: " << guesses << " tries in 15 min\n";
+  EXPECT_LE(guesses, 120 + 4 * 900 + 10);
+  EXPECT_EQ(throttle.Admit("new", {"2001:db8:8::1"}, 15 * 60 * 1000)->hold_ms, 0) << "the next /48";
 }
 
 TEST(ThrottleTest, GuessingManyLoginsFromOnePlaceIsSlowedAndTheNextSeatIsNot) {
@@ -88,11 +178,11 @@ TEST(ThrottleTest, GuessingManyLoginsFromOnePlaceIsSlowedAndTheNextSeatIsNot) {
   for (int i = 0; i < 9; ++i) {
     auto hold = throttle.Admit("another" + std::to_string(i), kHere, 1000);
     ASSERT_TRUE(hold.ok()) << i;
-    EXPECT_EQ(*hold, held) << i;
+    EXPECT_EQ(hold->hold_ms, held) << i;
     held += 250;
   }
   EXPECT_FALSE(throttle.Admit("one too many", kHere, 1000).ok());
-  EXPECT_EQ(*throttle.Admit("login1", kNextSeat, 1000), 0);
+  EXPECT_EQ(throttle.Admit("login1", kNextSeat, 1000)->hold_ms, 0);
 }
 
 TEST(ThrottleTest, SuccessAndSilenceAreForgiven) {
@@ -123,21 +213,22 @@ void SignInAClass(bool behind_one_address) {
   Throttle throttle;
   UnixMs now = 1000;
   int failures = 0, refused = 0, held = 0;
-  auto admit = [&](const std::string& login, const std::string& address) {
-    auto hold = throttle.Admit(login, address, now);
-    refused += hold.ok() ? 0 : 1;
-    held += hold.ok() && *hold > 0 ? 1 : 0;
+  auto admit = [&](const std::string& login, const Origin& origin) {
+    auto admission = throttle.Admit(login, origin, now);
+    refused += admission.ok() ? 0 : 1;
+    held += admission.ok() && admission->hold_ms > 0 ? 1 : 0;
   };
   for (int i = 0; i < 144; ++i, now += 2000) {
     const std::string login = "student" + std::to_string(i);
-    const std::string address = behind_one_address ? kHere : "203.0.113." + std::to_string(1 + i);
+    const Origin seat{"203.0.113." + std::to_string(1 + i)};
+    const Origin& origin = behind_one_address ? kHere : seat;
     if (i % 3 == 0) {
-      admit(login, address);
-      (void)throttle.Failed(login, address, now);
+      admit(login, origin);
+      (void)throttle.Failed(login, origin, now);
       ++failures;
     }
-    admit(login, address);
-    (void)throttle.Succeeded(login, address, now);
+    admit(login, origin);
+    (void)throttle.Succeeded(login, origin, now);
   }
   std::cout << "class of 144 " << (behind_one_address ? "behind one address" : "in one /24") << ": "
             << failures << " mistyped, " << refused << " tries refused, " << held << " held\n";
@@ -160,7 +251,7 @@ TEST(ThrottleTest, ClassThatMistypesAllAtOnceBehindOneAddressGetsInWithinSeconds
       ++tries;
       auto hold = throttle.Admit(login, kHere, now);
       if (!hold.ok()) continue;
-      now += *hold;
+      now += hold->hold_ms;
       (void)throttle.Succeeded(login, kHere, now);
       break;
     }
@@ -176,7 +267,7 @@ struct Siege {
 
 // Fifteen minutes: somebody guesses as fast as allowed at `victim_of`, the owner signs in once a
 // minute with the right password and, refused, tries again as the refusal says.
-Siege Besiege(const std::string& attacker_at, const std::string& owner_at, bool owner_known,
+Siege Besiege(const Origin& attacker_at, const Origin& owner_at, bool owner_known,
               bool at_the_owners_login) {
   Throttle throttle;
   Siege out;
@@ -189,7 +280,7 @@ Siege Besiege(const std::string& attacker_at, const std::string& owner_at, bool 
       auto hold = throttle.Admit(login, attacker_at, now);
       if (hold.ok()) {
         ++out.guesses;
-        free_at = now + *hold;
+        free_at = now + hold->hold_ms;
         (void)throttle.Failed(login, attacker_at, free_at);
       }
     }
@@ -268,7 +359,7 @@ int GuessesAt(std::vector<Throttle>& servers, int logins) {
       auto hold = server.Admit(login, kHere, now);
       if (!hold.ok()) continue;
       ++guesses;
-      (void)server.Failed(login, kHere, now + *hold);
+      (void)server.Failed(login, kHere, now + hold->hold_ms);
     }
   }
   return guesses;
@@ -301,11 +392,12 @@ TEST(ThrottleTest, StoreCountsAsMemoryDoes) {
   UnixMs now = enamel::UnixMs();
   for (int i = 0; i < 1000; ++i, now += random() % 4000) {
     const std::string login = "login" + std::to_string(random() % 12);
-    const std::string address = "203.0.113." + std::to_string(random() % 4);
+    const Origin address{(random() % 2 == 0 ? "203.0.113." : "2001:db8:1:7::") +
+                         std::to_string(random() % 4)};
     const auto mine = memory.Admit(login, address, now), theirs = shared.Admit(login, address, now);
     ASSERT_EQ(mine.status().message(), theirs.status().message()) << i;
     if (!mine.ok()) continue;
-    ASSERT_EQ(*mine, *theirs) << i;
+    ASSERT_EQ(mine->hold_ms, theirs->hold_ms) << i;
     const bool right = random() % 5 == 0;
     for (Throttle* one : {&memory, &shared}) {
       (void)(right ? one->Succeeded(login, address, now) : one->Failed(login, address, now));
@@ -324,7 +416,7 @@ TEST(ThrottleTest, AClockThatIsSetBackKeepsNobodyOut) {
   for (const char* login : {"login1", "another", "bob"}) {
     auto hold = throttle.Admit(login, kHere, 1000);
     ASSERT_TRUE(hold.ok()) << login << ": " << hold.status().message();
-    EXPECT_EQ(*hold, 0) << login;
+    EXPECT_EQ(hold->hold_ms, 0) << login;
   }
   // By a little, as a clock that follows another is: nothing is forgotten.
   EXPECT_FALSE(throttle.Admit("login1", kHere, kDay - 50).ok());
@@ -342,6 +434,8 @@ TEST(ThrottleTest, AddressesAreTakenByBlock) {
   EXPECT_EQ(AddressBlock("2001:db8:1:2:3::4"), "2001:db8:1:2::/64");
   EXPECT_EQ(AddressBlock("::ffff:203.0.113.7"), "203.0.113.7");
   EXPECT_EQ(AddressBlock("unknown"), "unknown");
+  EXPECT_EQ(AddressSite("2001:db8:1:2:3::4"), "2001:db8:1::/48");
+  EXPECT_EQ(AddressSite("203.0.113.7"), "203.0.113.7");
 }
 
 }  // namespace

@@ -59,7 +59,9 @@ std::optional<RawResponse> RawClient::Read(bool head) {
     size_t colon = text.find(": ", at);
     std::string name = text.substr(at, colon - at);
     for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    out.headers[name] = text.substr(colon + 2, line_end - colon - 2);
+    std::string& value = out.headers[name];
+    if (!value.empty()) value += ", ";
+    value += text.substr(colon + 2, line_end - colon - 2);
     at = line_end + 2;
   }
   size_t length = 0;

@@ -27,7 +27,7 @@ TEST_F(SessionTest, SignInSetsAStrictCookieThatOpensTheSession) {
   ASSERT_EQ(response.status, 200) << response.body;
   std::string cookie = response.headers["set-cookie"];
   EXPECT_TRUE(cookie.starts_with("enamel_session="));
-  EXPECT_TRUE(cookie.ends_with("; Path=/; HttpOnly; SameSite=Strict")) << cookie;
+  EXPECT_EQ(cookie.find("; Path=/; HttpOnly; SameSite=Strict, "), 79u) << cookie;
   EXPECT_EQ(Parsed(response).at("person").at("role"), "student");
   Visitor sam(server_.port(), "sam");
   boost::json::value session = Parsed(sam.Get("/api/v1/session"));
@@ -50,6 +50,17 @@ TEST_F(SessionTest, GuessingIsSlowedDownWith429) {
   EXPECT_EQ(last.status, 429);
   EXPECT_EQ(ErrorCode(last), "throttled");
   EXPECT_TRUE(last.headers.contains("retry-after"));
+}
+
+TEST_F(SessionTest, ABrowserThatSignedInIsNotDelayedByGuessesFromItsAddress) {
+  const std::string cookies = SignIn("sam", kPassword).headers["set-cookie"];
+  const std::string device = cookies.substr(cookies.find("enamel_device="));
+  EXPECT_TRUE(device.ends_with("; Path=/; HttpOnly; SameSite=Strict; Max-Age=2592000")) << device;
+  nobody_.cookie.clear();
+  for (int i = 0; i < 12; ++i) (void)SignIn("sam", "not the password");
+  EXPECT_EQ(SignIn("sam", kPassword).status, 429);
+  nobody_.cookie = device.substr(0, device.find(';'));
+  EXPECT_EQ(SignIn("sam", kPassword).status, 200);
 }
 
 TEST_F(SessionTest, InstructorChoosesAPinThatSigns) {

@@ -51,6 +51,10 @@ TEST(SiteTest, ReadsOnlyTheHostCookieOverTls) {
   Request request = From({{"cookie", "enamel_session=1; __Host-enamel_session=2"}});
   request.tls = true;
   EXPECT_EQ(SessionCookie(request), "2");
+  EXPECT_EQ(DeviceCookie(From({{"cookie", "enamel_device=3; enamel_session=1"}})), "3");
+  EXPECT_EQ(DeviceCookie(From({{"cookie", "enamel_session=1"}})), "");
+  EXPECT_EQ(SetDeviceCookie("3", true),
+            "__Host-enamel_device=3; Path=/; HttpOnly; SameSite=Strict; Secure; Max-Age=2592000");
   EXPECT_EQ(SetSessionCookie("2", true),
             "__Host-enamel_session=2; Path=/; HttpOnly; SameSite=Strict; Secure");
 }

@@ -71,9 +71,20 @@ TEST_F(StorePoolTest, ThoseWhoGoFirstGetEveryOtherTurn) {
   Post(pool, Turn("guesser"), "a");
   begun_.acquire();
   for (const char* name : {"b", "c"}) Post(pool, Turn("guesser"), name);
-  for (const char* name : {"1", "2", "3"}) Post(pool, Turn(name, true), name);
+  for (const char* name : {"1", "2", "3"}) Post(pool, Turn(name, Line::kFirst), name);
   Finish(6);
   EXPECT_EQ(order(), "a1b2c3");
+}
+
+TEST_F(StorePoolTest, ThoseWhoGoLastGetATurnInFour) {
+  StorePool pool(1);
+  Post(pool, Turn("guesser", Line::kLast), "a");
+  begun_.acquire();
+  for (const char* name : {"b", "c", "d"}) Post(pool, Turn(name, Line::kLast), name);
+  for (const char* name : {"X", "Y"}) Post(pool, Turn(name), name);
+  for (const char* name : {"1", "2", "3"}) Post(pool, Turn(name, Line::kFirst), name);
+  Finish(9);
+  EXPECT_EQ(order(), "a1X2b3Ycd");
 }
 
 TEST_F(StorePoolTest, OneHasAsManyThreadsAsOneMayHave) {
