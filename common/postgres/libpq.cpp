@@ -34,6 +34,7 @@ Result<Libpq> Load() {
   find(out.status, "PQstatus");
   find(out.transaction_status, "PQtransactionStatus");
   find(out.error_message, "PQerrorMessage");
+  find(out.set_error_verbosity, "PQsetErrorVerbosity");
   find(out.set_notice_receiver, "PQsetNoticeReceiver");
   find(out.set_nonblocking, "PQsetnonblocking");
   find(out.send_query, "PQsendQuery");

@@ -18,6 +18,7 @@ struct Libpq {
   decltype(&PQstatus) status;
   decltype(&PQtransactionStatus) transaction_status;
   decltype(&PQerrorMessage) error_message;
+  decltype(&PQsetErrorVerbosity) set_error_verbosity;
   decltype(&PQsetNoticeReceiver) set_notice_receiver;
   // None of these waits for the server: PgDb::Await does, with a deadline
   // (https://www.postgresql.org/docs/15/libpq-async.html).

@@ -173,15 +173,23 @@ class PgDb::Race {
     }
     return out;
   }
-  // Why the others are not.
-  std::string Problem() const {
-    std::string out;
+  // Why the others are not. Of several causes the one that somebody has to mend: a standby beside a
+  // primary that cannot be reached is as it should be.
+  PgFailure Problem(bool opening) const {
+    PgFailure out{PgFailure::Kind::kReadOnly, {}, {}, opening};
     for (const Runner& runner : runners_) {
-      if (!out.empty()) out += "; ";
-      out += runner.state == PGRES_POLLING_FAILED
-                 ? FirstLine(pq_.error_message(runner.handle))
-                 : "no answer from " + WhereOf(runner.place) + " within " +
-                       std::to_string(kConnect.count()) + " s";
+      std::string words = "no answer from " + WhereOf(runner.place) + " within " +
+                          std::to_string(kConnect.count()) + " s";
+      std::string state;
+      if (runner.state == PGRES_POLLING_FAILED) {
+        words = FirstLine(pq_.error_message(runner.handle));
+        state = TakeState(words);
+      }
+      out.words += (out.words.empty() ? "" : "; ") + words;
+      const PgFailure::Kind kind = state.empty() ? PgFailure::Kind::kNotThere : PgKindOf(state);
+      if (Weight(kind) <= Weight(out.kind)) continue;
+      out.kind = kind;
+      out.state = state;
     }
     return out;
   }
@@ -224,6 +232,8 @@ class PgDb::Race {
                                   "any",
                                   nullptr};
     Runner out{place, pq_.connect_start_params(names, values, /*expand_dbname*/ 1)};
+    // With the SQLSTATE (TakeState).
+    pq_.set_error_verbosity(out.handle, PQERRORS_VERBOSE);
     if (pq_.status(out.handle) == CONNECTION_BAD) out.state = PGRES_POLLING_FAILED;
     return out;
   }
@@ -259,6 +269,11 @@ class PgDb::Race {
       if (sockets[i].revents != 0) running[i]->state = pq_.connect_poll(running[i]->handle);
     }
     return true;
+  }
+
+  static int Weight(PgFailure::Kind kind) {
+    if (kind == PgFailure::Kind::kReadOnly) return 0;
+    return kind == PgFailure::Kind::kNotThere ? 1 : 2;
   }
 
   static std::string WhereOf(const Place& place) {
@@ -322,7 +337,7 @@ Status PgDb::Connect() {
     pq_.finish(std::exchange(handle_, nullptr));
   }
   if (!refused.ok()) return refused;
-  return Fail(PgFailure{PgFailure::Kind::kNotThere, {}, race.Problem(), opening_});
+  return Fail(race.Problem(opening_));
 }
 
 Result<int64_t> PgDb::ReadTimeline() {
@@ -370,7 +385,8 @@ Result<std::vector<PgHost>> PgDb::Hosts(const PgDbOptions& options) {
     PgDb db(*pq, one);
     db.handle_ = race.Next();
     if (db.handle_ == nullptr) {
-      out.push_back({std::move(where), race.Problem()});
+      PgFailure problem = race.Problem(/*opening=*/true);
+      out.push_back({std::move(where), std::move(problem.words), problem.kind});
     } else {
       pq->set_nonblocking(db.handle_, 1);
       out.push_back(db.Described(std::move(where)));

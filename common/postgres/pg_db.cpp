@@ -22,7 +22,9 @@ PgFailure::Kind PgKindOf(const std::string& state) {
   if (state == "53100") return Kind::kFull;
   if (state == "55P03" || state == "57014" || family == "53") return Kind::kBusy;
   if (family == "08" || family == "57") return Kind::kNotThere;
-  if (family == "28" || state == "42501" || state == "3D000") return Kind::kNotAllowed;
+  if (family == "28") return Kind::kSignIn;
+  if (state == "3D000") return Kind::kNoDatabase;
+  if (state == "42501") return Kind::kNotAllowed;
   if (family == "22") return Kind::kData;
   if (family == "42" || family == "25" || family == "26" || family == "0A") return Kind::kOwnFault;
   if (family == "XX" && state != "XX000") return Kind::kDamaged;
@@ -32,6 +34,8 @@ PgFailure::Kind PgKindOf(const std::string& state) {
 Code CodeOf(PgFailure::Kind kind) {
   switch (kind) {
     case Kind::kNotThere:
+    case Kind::kSignIn:
+    case Kind::kNoDatabase:
     case Kind::kReplaced:
     case Kind::kReadOnly:
     case Kind::kBusy:

@@ -30,7 +30,9 @@ struct PgFailure {
     kBusy,        // another transaction holds what is asked for, or there are too many connections
     kRepeat,      // transactions met; the same work in a new one may succeed
     kFull,        // the server's disk
-    kNotAllowed,  // the user may not; or signing in was refused
+    kNotAllowed,  // the user may not
+    kSignIn,      // the server does not let the user in: who they are, or how they show it
+    kNoDatabase,  // the server has no database of this name
     kDamaged,     // the server has found its own files damaged
     kConstraint,  // what the schema does not allow
     kTaken,       // of these: a key that must be unique is there already
@@ -45,8 +47,9 @@ struct PgFailure {
 
 // One of the hosts that a connection string names, and how it answers now.
 struct PgHost {
-  std::string where;    // name and address
-  std::string problem;  // why it cannot be used; empty: it can
+  std::string where;                                  // name and address
+  std::string problem;                                // why it cannot be used; empty: it can
+  PgFailure::Kind kind = PgFailure::Kind::kNotThere;  // of the problem
   bool takes_writes = false;
   int64_t timeline = 0;  // where it takes writes
   int version = 0;       // 150018

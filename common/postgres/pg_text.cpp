@@ -1,5 +1,7 @@
 #include "common/postgres/pg_text.h"
 
+#include <algorithm>
+
 namespace enamel::sql {
 
 std::string WithDollars(std::string_view sql) {
@@ -25,6 +27,24 @@ std::string WithDollars(std::string_view sql) {
 std::string FirstLine(const char* words) {
   const std::string all = words == nullptr ? "" : words;
   return all.substr(0, all.find('\n'));
+}
+
+std::string TakeState(std::string& words) {
+  constexpr std::string_view kBefore = ":  ", kAfter = ": ";
+  constexpr size_t kDigits = 5;
+  for (size_t at = words.find(kBefore); at != std::string::npos; at = words.find(kBefore, at + 1)) {
+    const size_t begin = at + kBefore.size(), end = begin + kDigits;
+    if (end > words.size() || words.compare(end, kAfter.size(), kAfter) != 0) continue;
+    std::string state = words.substr(begin, kDigits);
+    const auto digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z'); };
+    if (!std::ranges::all_of(state, digit)) continue;
+    words.erase(begin, kDigits + kAfter.size());
+    return state;
+  }
+  for (const char* read_only : {"session is read-only", "server is in hot standby mode"}) {
+    if (words.find(read_only) != std::string::npos) return "25006";
+  }
+  return {};
 }
 
 std::string Quoted(const std::string& name) {

@@ -29,8 +29,7 @@ constexpr int64_t kMostClockOffMs = 1000;
 Finding OfHost(const sql::PgHost& host) {
   const std::string what = "database " + host.where;
   if (!host.problem.empty()) {
-    return {what, Verdict::kWarn, host.problem,
-            "check that PostgreSQL runs there, its pg_hba.conf, and the way to it"};
+    return {what, Verdict::kWarn, host.problem, PgRemedy(host.kind)};
   }
   std::string found = (host.takes_writes ? "the primary" : "a standby") +
                       std::string(", version ") + std::to_string(host.version / 10000) + "." +

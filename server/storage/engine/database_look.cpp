@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/unix_time.h"
+#include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/query.h"
 
 namespace enamel::server {
@@ -130,6 +131,10 @@ Status DatabaseLook::Beat() {
   };
   Status looked = look();
   replaced_ = looked.field() == sql::kReplacedField;
+  {
+    MutexLock lock(mutex_);
+    to_mend_ = PgRemedyOf(looked);
+  }
   if (!looked.ok()) return looked;
   beaten_ = now();
   asked_ = steady_clock::duration::zero();
@@ -150,6 +155,11 @@ steady_clock::duration DatabaseLook::unanswered() const { return Since(asked_); 
 std::vector<DatabaseLook::Peer> DatabaseLook::peers() const {
   MutexLock lock(mutex_);
   return peers_;
+}
+
+std::string DatabaseLook::to_mend() const {
+  MutexLock lock(mutex_);
+  return to_mend_;
 }
 
 void DatabaseLook::Learn(int64_t timeline) {

@@ -63,6 +63,9 @@ class DatabaseLook {
   std::chrono::steady_clock::duration silence() const;
   // Since the first Beat was begun that has not been committed; 0: the last one was.
   std::chrono::steady_clock::duration unanswered() const;
+  // Why the last Beat failed and what to do, where somebody has to mend it (PgRemedyOf); else
+  // empty.
+  std::string to_mend() const;
   // Only a primary answers that another has replaced.
   bool replaced() const { return replaced_; }
   // The database has lost rows that this server had committed. Stays true.
@@ -108,6 +111,7 @@ class DatabaseLook {
   std::atomic<bool> replaced_{false}, forked_{false};
   mutable Mutex mutex_;
   std::vector<Peer> peers_ ENAMEL_GUARDED_BY(mutex_);
+  std::string to_mend_ ENAMEL_GUARDED_BY(mutex_);
   std::atomic<int64_t> clock_ahead_ms_{0}, median_ahead_ms_{0};
   std::atomic<int> clock_votes_{1};
   std::atomic<sql::Standby> standby_{sql::Standby::kNotKept};

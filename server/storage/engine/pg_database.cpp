@@ -1,5 +1,7 @@
 #include "server/storage/engine/pg_database.h"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "common/postgres/pg_db.h"
@@ -11,8 +13,22 @@ namespace {
 
 using PgKind = sql::PgFailure::Kind;
 
-// What to do about it.
-const char* PgAdvice(PgKind kind) {
+// The field of a status whose cause somebody has to mend.
+constexpr std::pair<PgKind, std::string_view> kToMend[] = {
+    {PgKind::kReadOnly, "database_read_only"},
+    {PgKind::kSignIn, "database_sign_in"},
+    {PgKind::kNoDatabase, "database_name"},
+    {PgKind::kNotAllowed, "database_permission"}};
+
+std::string FieldOf(PgKind kind) {
+  if (kind == PgKind::kReplaced) return std::string(sql::kReplacedField);
+  const auto at = std::ranges::find(kToMend, kind, &std::pair<PgKind, std::string_view>::first);
+  return at == std::end(kToMend) ? "" : std::string(at->second);
+}
+
+}  // namespace
+
+const char* PgRemedy(PgKind kind) {
   switch (kind) {
     case PgKind::kNotThere:
       return "the database server cannot be reached; check that PostgreSQL runs";
@@ -20,8 +36,8 @@ const char* PgAdvice(PgKind kind) {
       return "the database server that answers is an earlier primary, which another has replaced; "
              "stop it, and check the addresses in database.json";
     case PgKind::kReadOnly:
-      return "the database server accepts no changes: it is a standby; try again when another "
-             "server has taken over";
+      return "the database server accepts no changes, because it is a standby or set to read only; "
+             "name the primary in the connection string, or promote this server";
     case PgKind::kBusy:
       return "the database is busy; try again";
     case PgKind::kRepeat:
@@ -29,8 +45,14 @@ const char* PgAdvice(PgKind kind) {
     case PgKind::kFull:
       return "the database server's disk is full; free some disk space there";
     case PgKind::kNotAllowed:
-      return "the database server refuses this user; check its pg_hba.conf, and that the user owns "
-             "the database";
+      return "the database user lacks a permission; let it own the database and its tables (ALTER "
+             "DATABASE ... OWNER TO, REASSIGN OWNED)";
+    case PgKind::kSignIn:
+      return "the database server refuses this user or its password; check both in the connection "
+             "string or password file, and the server's pg_hba.conf";
+    case PgKind::kNoDatabase:
+      return "the database server has no database of this name; check the name in the connection "
+             "string, or create it (createdb --owner USER NAME)";
     case PgKind::kDamaged:
       return "the database is damaged, restore a backup";
     case PgKind::kConstraint:
@@ -46,19 +68,26 @@ const char* PgAdvice(PgKind kind) {
   return "the database failed; the log says why";
 }
 
+std::string PgRemedyOf(const Status& status) {
+  const auto at =
+      std::ranges::find(kToMend, status.field(), &std::pair<PgKind, std::string_view>::second);
+  return at == std::end(kToMend) ? "" : PgRemedy(at->first);
+}
+
+namespace {
+
 Status TellPg(const sql::PgFailure& failure) {
   const Code code = CodeOf(failure.kind);
-  if (failure.kind == PgKind::kReplaced) {
-    return Status(code, failure.words + ": " + PgAdvice(failure.kind),
-                  std::string(sql::kReplacedField));
+  const std::string field = FieldOf(failure.kind);
+  if (failure.opening || failure.kind == PgKind::kReplaced) {
+    return Status(code, failure.words + ": " + PgRemedy(failure.kind), field);
   }
-  if (failure.opening) return Status(code, failure.words + ": " + PgAdvice(failure.kind));
   // A name that is taken, and transactions that meet, are everyday life.
   if (failure.kind != PgKind::kTaken && failure.kind != PgKind::kRepeat) {
     WarnOfDatabase(failure.words + " (PostgreSQL " +
                    (failure.state.empty() ? "connection" : failure.state) + ")");
   }
-  return Status(code, PgAdvice(failure.kind));
+  return Status(code, PgRemedy(failure.kind), field);
 }
 
 }  // namespace

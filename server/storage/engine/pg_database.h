@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/postgres/pg_db.h"
 #include "common/sql/db.h"
 
 // The store's tables in PostgreSQL, as the server opens them.
@@ -22,6 +23,13 @@ Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
                                                 const std::string& schema, bool read_only,
                                                 std::function<bool()> fail_next,
                                                 std::shared_ptr<std::atomic<int64_t>> newest = {});
+
+// What is wrong and what to do about it, without host and PostgreSQL's words.
+const char* PgRemedy(sql::PgFailure::Kind kind);
+// The same of a status of such a database, where somebody has to mend it: the server lets the user
+// not in, has no such database, lacks a permission, or takes no changes. Empty: it is another
+// failure.
+std::string PgRemedyOf(const Status& status);
 
 // How the server is set, as whoever looks after it wants to know.
 struct PgFacts {

@@ -72,6 +72,9 @@ std::string StoreHealthCheck::Problem(bool& database) {
            "stop it, and check the addresses in database.json. Recordings wait at the stations";
   }
   if (parts_.look.hangs()) {
+    if (const std::string why = parts_.look.to_mend(); !why.empty()) {
+      return why + ". Recordings wait at the stations";
+    }
     return "the database server does not answer; check that PostgreSQL runs and that this machine "
            "reaches it. Recordings wait at the stations";
   }

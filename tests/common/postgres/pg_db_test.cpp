@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "common/base/unix_time.h"
+#include "common/postgres/pg_text.h"
 #include "common/sql/query.h"
 #include "tests/support/becomes.h"
 #include "tests/support/missing_standbys.h"
@@ -237,6 +239,69 @@ TEST_F(PgDbTest, AServerThatIsNotThereIsToldAtOnce) {
   ASSERT_FALSE(db.ok());
   EXPECT_EQ(db.status().code(), Code::kUnavailable);
   EXPECT_NE(db.status().message().find("/nowhere"), std::string::npos) << db.status().message();
+}
+
+TEST_F(PgDbTest, AServerThatRefusesIsToldByTheCause) {
+  ASSERT_TRUE(db_->Exec("DO $$ BEGIN CREATE ROLE stranger LOGIN; EXCEPTION WHEN duplicate_object "
+                        "THEN NULL; END $$")
+                  .ok());
+  const std::string socket = server_.substr(0, server_.find(" user="));
+  struct Case {
+    std::string server;
+    Kind kind;
+    const char* words;
+  };
+  for (const Case& one : {
+           Case{socket + " user=enamel dbname=nowhere", Kind::kNoDatabase, "\"nowhere\""},
+           Case{socket + " user=nobody dbname=postgres", Kind::kSignIn, "\"nobody\""},
+           Case{server_ + " options='-c default_transaction_read_only=on'", Kind::kReadOnly,
+                "read-only"},
+           Case{"host=/nowhere dbname=x", Kind::kNotThere, "/nowhere"},
+           Case{"host=/nowhere," + socket.substr(5) + " user=enamel dbname=nowhere",
+                Kind::kNoDatabase, "/nowhere"},
+       }) {
+    PgDbOptions options = Options();
+    options.server = one.server;
+    PgFailure failure;
+    options.explain = [&](const PgFailure& told) {
+      failure = told;
+      return Status(CodeOf(told.kind), told.words);
+    };
+    EXPECT_EQ(PgDb::Open(options).status().code(), Code::kUnavailable) << one.server;
+    EXPECT_EQ(failure.kind, one.kind) << one.server << ": " << failure.words;
+    EXPECT_TRUE(failure.opening);
+    EXPECT_NE(failure.words.find(one.words), std::string::npos) << failure.words;
+    EXPECT_EQ(failure.words.find(failure.state.empty() ? "LOCATION" : failure.state),
+              std::string::npos)
+        << failure.words;
+  }
+  PgDbOptions options = Options();
+  options.server = socket + " user=stranger dbname=postgres";
+  auto stranger = PgDb::Open(options);
+  ASSERT_TRUE(stranger.ok()) << stranger.status().message();
+  EXPECT_FALSE((*stranger)->Exec("SELECT 1 FROM enamel_none.x").ok());
+  EXPECT_FALSE((*stranger)->Migrate({{1, "first", "CREATE TABLE x (n bigint)"}}).ok());
+  EXPECT_EQ((*stranger)->failure().kind, Kind::kNotAllowed);
+}
+
+TEST(PgTextTest, StateOfARefusalIsInItsWords) {
+  for (const auto& [words, state, left] : std::vector<std::array<std::string, 3>>{
+           {"connection to server at \"10.0.0.5\", port 5432 failed: FATAL:  28P01: password "
+            "authentication failed for user \"enamel\"",
+            "28P01",
+            "connection to server at \"10.0.0.5\", port 5432 failed: FATAL:  password "
+            "authentication failed for user \"enamel\""},
+           {"FATAL:  57P03: the database system is starting up", "57P03",
+            "FATAL:  the database system is starting up"},
+           {"failed: session is read-only", "25006", "failed: session is read-only"},
+           {"failed: Connection refused", "", "failed: Connection refused"},
+           {"FATAL:  no: state", "", "FATAL:  no: state"},
+           {":  28P0", "", ":  28P0"},
+       }) {
+    std::string text = words;
+    EXPECT_EQ(TakeState(text), state);
+    EXPECT_EQ(text, left);
+  }
 }
 
 TEST_F(PgDbTest, ATransactionIsAllOrNothing) {
