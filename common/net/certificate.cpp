@@ -13,6 +13,8 @@
 #include <cctype>
 #include <ctime>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/base/file.h"
 
@@ -168,15 +170,62 @@ Result<Sha256> CertificateFingerprint(ByteView pem) {
   return out;
 }
 
-Result<int64_t> CertificateUntilMs(ByteView pem) {
+namespace {
+
+int64_t MsOf(const ASN1_TIME* time) {
+  std::tm moment{};
+  return ASN1_TIME_to_tm(time, &moment) == 1 ? int64_t{timegm(&moment)} * 1000 : 0;
+}
+
+std::vector<Certificate> AllOf(ByteView pem) {
+  constexpr size_t kMost = 100;
+  Bio in(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  std::vector<Certificate> out;
+  while (out.size() < kMost) {
+    Certificate next(PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr));
+    if (!next) break;
+    out.push_back(std::move(next));
+  }
+  ERR_clear_error();
+  return out;
+}
+
+std::string SubjectOf(const X509* certificate) {
+  Bio out(BIO_new(BIO_s_mem()));
+  X509_NAME_print_ex(out.get(), X509_get_subject_name(certificate), 0, XN_FLAG_ONELINE);
+  return "\"" + TextOf(out.get()) + "\"";
+}
+
+}  // namespace
+
+Result<CertificateTime> CertificateTimeOf(ByteView pem) {
   ENAMEL_ASSIGN_OR_RETURN(const Certificate certificate, FirstOf(pem));
-  return EndOfCertificateMs(certificate.get());
+  return CertificateTime{MsOf(X509_get0_notBefore(certificate.get())),
+                         EndOfCertificateMs(certificate.get())};
 }
 
 int64_t EndOfCertificateMs(const X509* certificate) {
-  std::tm end{};
-  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &end) != 1) return 0;
-  return int64_t{timegm(&end)} * 1000;
+  return MsOf(X509_get0_notAfter(certificate));
+}
+
+std::string ChainProblem(ByteView pem) {
+  const auto all = AllOf(pem);
+  for (size_t i = 1; i < all.size(); ++i) {
+    if (X509_check_issued(all[i].get(), all[i - 1].get()) == X509_V_OK) continue;
+    return "certificate " + std::to_string(i + 1) + ", " + SubjectOf(all[i].get()) +
+           ", did not sign certificate " + std::to_string(i) + ", " + SubjectOf(all[i - 1].get()) +
+           "; after each certificate put the one that signed it";
+  }
+  return {};
+}
+
+size_t CertificateOfKey(ByteView pem, const EVP_PKEY* key) {
+  const auto all = AllOf(pem);
+  const auto at = std::ranges::find_if(all, [&](const Certificate& one) {
+    return EVP_PKEY_eq(X509_get0_pubkey(one.get()), key) == 1;
+  });
+  ERR_clear_error();
+  return at == all.end() ? 0 : static_cast<size_t>(at - all.begin()) + 1;
 }
 
 }  // namespace enamel::net

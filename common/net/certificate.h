@@ -8,6 +8,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 
+struct evp_pkey_st;
 struct x509_st;
 
 // Identity of a server on the station link: a self-signed certificate known by its fingerprint,
@@ -34,8 +35,17 @@ Status CreateCertificateFiles(const std::filesystem::path& certificate,
 // than one certificate in the text: of the first. Errors: kInvalidInput.
 Result<Sha256> CertificateFingerprint(ByteView pem);
 
-// When the first certificate of the text ends, Unix time in milliseconds. Errors: kInvalidInput.
-Result<int64_t> CertificateUntilMs(ByteView pem);
+// When the first certificate of the text begins and ends, Unix time in milliseconds. Errors:
+// kInvalidInput.
+struct CertificateTime {
+  int64_t from_ms = 0, until_ms = 0;
+};
+Result<CertificateTime> CertificateTimeOf(ByteView pem);
+// Where each certificate of the text is not signed by the next one: which is out of order, and what
+// to do. Clients that do not sort them refuse the first. Empty: they are in order, or there is one.
+std::string ChainProblem(ByteView pem);
+// Of several certificates, the one that the key belongs to: 1 for the first; 0: none.
+size_t CertificateOfKey(ByteView pem, const evp_pkey_st* key);
 int64_t EndOfCertificateMs(const x509_st* certificate);
 
 }  // namespace enamel::net

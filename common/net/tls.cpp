@@ -1,8 +1,15 @@
 #include "common/net/tls.h"
 
+#include <openssl/err.h>
+#include <openssl/pem.h>
+
 #include <boost/asio/ssl/context.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
 
 #include "common/base/file.h"
+#include "common/net/certificate.h"
 
 namespace enamel::net {
 namespace {
@@ -15,6 +22,39 @@ Status Refused(const std::filesystem::path& file, const std::string& expected,
                const boost::system::error_code& error) {
   return Status(Code::kInvalidInput,
                 file.string() + ": expected " + expected + "; OpenSSL says: " + error.message());
+}
+
+// Nobody is there to type a passphrase: OpenSSL is told that there is none.
+int NoPassphrase(char*, int, int, void*) { return -1; }
+
+// What OpenSSL words so that nobody finds the fault: an encrypted key, and a chain in which the
+// key's certificate is not the first.
+Status MustFit(const std::filesystem::path& certificate, const Bytes& certificate_pem,
+               const std::filesystem::path& private_key, const Bytes& key_pem) {
+  const std::string_view text = AsText(key_pem);
+  if (text.find("BEGIN ENCRYPTED PRIVATE KEY") != std::string_view::npos ||
+      text.find("Proc-Type: 4,ENCRYPTED") != std::string_view::npos) {
+    return Status(Code::kInvalidInput,
+                  private_key.string() +
+                      ": expected a private key that is not encrypted, found one with a "
+                      "passphrase, which nobody types when the server starts; write it without: "
+                      "openssl pkey -in " +
+                      private_key.string() +
+                      " -out FILE, and let the server's user alone read FILE");
+  }
+  const std::unique_ptr<BIO, decltype(&BIO_free)> in(
+      BIO_new_mem_buf(key_pem.data(), static_cast<int>(key_pem.size())), &BIO_free);
+  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(
+      PEM_read_bio_PrivateKey(in.get(), nullptr, NoPassphrase, nullptr), &EVP_PKEY_free);
+  ERR_clear_error();
+  const size_t at = key ? CertificateOfKey(certificate_pem, key.get()) : 0;
+  if (at <= 1) return Status::Ok();
+  return Status(Code::kInvalidInput,
+                certificate.string() + ": expected the certificate of " + private_key.string() +
+                    " first, found it at place " + std::to_string(at) +
+                    ": the chain is in the wrong order; put the server's own certificate first, "
+                    "after each certificate the one that signed it, and the root last or not at "
+                    "all");
 }
 
 boost::asio::const_buffer Buffer(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
@@ -36,6 +76,7 @@ Result<std::shared_ptr<SSL_CTX>> MakeServerContext(const std::filesystem::path& 
   if (context->use_certificate_chain(Buffer(certificate_pem), error)) {
     return Refused(certificate, "a certificate in PEM form", error);
   }
+  ENAMEL_RETURN_IF_ERROR(MustFit(certificate, certificate_pem, private_key, key_pem));
   if (context->use_private_key(Buffer(key_pem), ssl::context::pem, error)) {
     return Refused(private_key, "the private key of " + certificate.string() + " in PEM form",
                    error);

@@ -375,10 +375,10 @@ Status Serve(const ServeOptions& options) {
   store.look.ListenAt(everywhere ? "" : prepared.link.address, other.link_port);
   school.Start();
   const auto pem = ReadFile(identity.certificate, size_t{1} << 20);
-  if (const Result<int64_t> until_ms =
-          pem.ok() ? net::CertificateUntilMs(*pem) : Result<int64_t>(pem.status());
-      until_ms.ok()) {
-    school.metrics().Add([until_ms = *until_ms](ops::MetricsText& text) {
+  if (const auto time =
+          pem.ok() ? net::CertificateTimeOf(*pem) : Result<net::CertificateTime>(pem.status());
+      time.ok()) {
+    school.metrics().Add([until_ms = time->until_ms](ops::MetricsText& text) {
       ops::AddCertificate(text, "stations", until_ms);
     });
   }

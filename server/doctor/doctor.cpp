@@ -138,9 +138,17 @@ void Certificates(const ServeOptions& serve, Findings& out) {
   const auto dates = [&](const std::string& what, const fs::path& file, const std::string& renew) {
     const auto pem = ReadFile(file, kMaxPemBytes);
     if (!pem.ok()) return out.push_back(Failed(what, pem.status(), renew));
-    const auto until = net::CertificateUntilMs(*pem);
-    if (!until.ok()) return out.push_back(Failed(what, until.status(), renew));
-    out.push_back(Dates(what, *until, renew));
+    const auto time = net::CertificateTimeOf(*pem);
+    if (!time.ok()) return out.push_back(Failed(what, time.status(), renew));
+    if (time->from_ms > enamel::UnixMs()) {
+      return out.push_back({what, Verdict::kFail,
+                            "not valid yet: it is from " + TimeText(time->from_ms),
+                            "check this machine's clock, or use a certificate that is valid now"});
+    }
+    if (const std::string problem = net::ChainProblem(*pem); !problem.empty()) {
+      out.push_back({what, Verdict::kWarn, "out of order: " + file.string(), problem});
+    }
+    out.push_back(Dates(what, time->until_ms, renew));
   };
   std::error_code error;
   const fs::path station = serve.data / "station.crt";
@@ -328,6 +336,14 @@ void Backups(const ServeOptions& serve, Findings& out) {
     return;
   }
   const UnixMs age_ms = enamel::UnixMs() - (*newest)->at_ms;
+  if (age_ms < -kDayMs) {
+    out.push_back({what, Verdict::kWarn,
+                   "the newest is dated " + TimeText((*newest)->at_ms) +
+                       ", in the future: a clock was wrong, and its age is unknown",
+                   "let a time server keep the clock, then make a backup: enamel-server backup"});
+    out.push_back(RestoreDrill(serve, (*store)->audit));
+    return;
+  }
   const bool old = age_ms > 2 * kDayMs;
   out.push_back({what, old ? Verdict::kWarn : Verdict::kOk,
                  "the newest is of " + TimeText((*newest)->at_ms), old ? mend : ""});

@@ -14,7 +14,8 @@ namespace enamel::server::http {
 namespace {
 
 constexpr size_t kMaxPemBytes = size_t{1} << 20;
-constexpr int64_t kDayMs = 24 * 3600 * 1000;
+constexpr int64_t kHourMs = 3600 * 1000;
+constexpr int64_t kDayMs = 24 * kHourMs;
 constexpr int64_t kSoonMs = 14 * kDayMs;
 
 }  // namespace
@@ -42,10 +43,15 @@ Status PageTls::Read() {
   ENAMEL_ASSIGN_OR_RETURN(auto context,
                           net::MakeServerContext(files_.certificate_chain, files_.private_key));
   ENAMEL_ASSIGN_OR_RETURN(const Bytes pem, ReadFile(files_.certificate_chain, kMaxPemBytes));
-  ENAMEL_ASSIGN_OR_RETURN(const int64_t until_ms, net::CertificateUntilMs(pem));
+  ENAMEL_ASSIGN_OR_RETURN(const net::CertificateTime time, net::CertificateTimeOf(pem));
+  if (const std::string problem = net::ChainProblem(pem); !problem.empty()) {
+    spdlog::warn("page: {} is not in order, and some browsers may refuse it: {}",
+                 files_.certificate_chain.string(), problem);
+  }
   MutexLock lock(mutex_);
   now_ = std::move(context);
-  until_ms_ = until_ms;
+  from_ms_ = time.from_ms;
+  until_ms_ = time.until_ms;
   return Status::Ok();
 }
 
@@ -68,12 +74,17 @@ void PageTls::Look() {
 
 void PageTls::WarnOfEnd() {
   const auto now = std::chrono::steady_clock::now();
-  const int64_t left_ms = until_ms() - UnixMs();
+  const int64_t now_ms = UnixMs(), left_ms = until_ms() - now_ms, to_come_ms = from_ms() - now_ms;
   const bool warned =
       warned_ != std::chrono::steady_clock::time_point() && now - warned_ < std::chrono::hours(24);
-  if (left_ms > kSoonMs || warned) return;
+  if ((left_ms > kSoonMs && to_come_ms <= 0) || warned) return;
   warned_ = now;
-  if (left_ms <= 0) {
+  if (to_come_ms > 0) {
+    spdlog::error(
+        "page: the certificate is not valid yet, browsers refuse it for another {:.1f} h; check "
+        "this machine's clock, or use one that is valid now in {}",
+        static_cast<double>(to_come_ms) / kHourMs, files_.certificate_chain.string());
+  } else if (left_ms <= 0) {
     spdlog::error("page: the certificate has expired, browsers refuse it; renew {}",
                   files_.certificate_chain.string());
   } else {
@@ -85,6 +96,11 @@ void PageTls::WarnOfEnd() {
 std::shared_ptr<ssl_ctx_st> PageTls::Now() const {
   MutexLock lock(mutex_);
   return now_;
+}
+
+int64_t PageTls::from_ms() const {
+  MutexLock lock(mutex_);
+  return from_ms_;
 }
 
 int64_t PageTls::until_ms() const {

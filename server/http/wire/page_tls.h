@@ -16,8 +16,8 @@ namespace enamel::server::http {
 
 // The page's certificate and key, read again when their files have changed: connections from then on
 // get the new ones, and those that are open keep theirs. New files that cannot be used change
-// nothing. The log says all of this, and warns once a day when the certificate ends within two
-// weeks. Thread safety: Now and until_ms from any thread, Look from one.
+// nothing. The log says all of this, names a chain that is out of order, and warns once a day of a
+// certificate that is not valid yet or ends within two weeks. Thread safety: Now and until_ms from any thread, Look from one.
 class PageTls {
  public:
   // Errors: as of net::MakeServerContext.
@@ -30,6 +30,7 @@ class PageTls {
 
  private:
   explicit PageTls(TlsFiles files) : files_(std::move(files)) {}
+  int64_t from_ms() const;
   // Of one state of both files.
   std::string Stamp() const;
   Status Read();
@@ -40,7 +41,7 @@ class PageTls {
   std::chrono::steady_clock::time_point warned_{};
   mutable Mutex mutex_;
   std::shared_ptr<ssl_ctx_st> now_ ENAMEL_GUARDED_BY(mutex_);
-  int64_t until_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  int64_t from_ms_ ENAMEL_GUARDED_BY(mutex_) = 0, until_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace enamel::server::http

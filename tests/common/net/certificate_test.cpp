@@ -110,6 +110,37 @@ TEST_F(CertificateTest, ServerContextNamesTheFileItCannotUse) {
       << context.status().message();
 }
 
+TEST_F(CertificateTest, AChainThatDoesNotBeginWithTheKeysCertificateIsNamed) {
+  ASSERT_TRUE(CreateCertificateFiles(certificate(), key(), "a").ok());
+  const std::string own(AsText(*ReadFile(certificate())));
+  const std::string other = MakeSelfSignedCertificate("b")->certificate;
+  std::filesystem::remove(certificate());
+  ASSERT_TRUE(WriteFileDurably(certificate(), AsBytes(other + own), 0644).ok());
+  const std::string why = MakeServerContext(certificate(), key()).status().message();
+  EXPECT_TRUE(why.starts_with(certificate().string() + ": expected the certificate of ")) << why;
+  EXPECT_NE(why.find("wrong order"), std::string::npos) << why;
+  EXPECT_EQ(ChainProblem(AsBytes(own)), "");
+  const std::string problem = ChainProblem(AsBytes(own + other));
+  EXPECT_NE(problem.find("certificate 2, \"CN = b\", did not sign certificate 1"),
+            std::string::npos)
+      << problem;
+}
+
+TEST_F(CertificateTest, AKeyWithAPassphraseIsNamedWithTheWayOut) {
+  ASSERT_TRUE(CreateCertificateFiles(certificate(), key(), "a").ok());
+  for (const char* encrypted :
+       {"-----BEGIN ENCRYPTED PRIVATE KEY-----\nMIIB\n-----END ENCRYPTED PRIVATE KEY-----\n",
+        "-----BEGIN EC PRIVATE KEY-----\nProc-Type: 4,ENCRYPTED\n\nMIIB\n"
+        "-----END EC PRIVATE KEY-----\n"}) {
+    std::filesystem::remove(key());
+    ASSERT_TRUE(WriteFileDurably(key(), AsBytes(std::string_view(encrypted)), 0600).ok());
+    const std::string why = MakeServerContext(certificate(), key()).status().message();
+    EXPECT_TRUE(why.starts_with(key().string() + ": expected a private key that is not encrypted"))
+        << why;
+    EXPECT_NE(why.find("openssl pkey -in"), std::string::npos) << why;
+  }
+}
+
 TEST_F(CertificateTest, TextThatIsNoCertificateHasNoFingerprint) {
   EXPECT_EQ(CertificateFingerprint(AsBytes("hello")).status().code(), Code::kInvalidInput);
   EXPECT_EQ(CertificateFingerprint({}).status().code(), Code::kInvalidInput);
