@@ -122,6 +122,14 @@ Response JsonResponse(const json::object& object, int status) {
 
 Result<json::object> TextMembers(const Request& request,
                                  std::initializer_list<TextMember> members) {
+  // What fits has at most six bytes for each (\u0061). Larger ones are not even parsed: that would
+  // hold up the threads that read and answer everything else.
+  size_t most = 1024;
+  for (const TextMember& member : members) most += 6 * member.max_length;
+  if (request.body.size() > most) {
+    return Status{Code::kTooLarge, "expected a body of at most " + std::to_string(most) + " bytes",
+                  "body"};
+  }
   Result<json::object> parsed = ParseObject(request);
   if (!parsed.ok()) return parsed;
   json::object& object = *parsed;

@@ -22,7 +22,7 @@ struct TextMember {
   std::string_view name;
   size_t max_length;
 };
-// Errors: kInvalidInput with the member in field(). Requires: Content-Type was checked (IsJson).
+// Errors: kInvalidInput with the member in field(), kTooLarge (before anything is parsed). Requires: Content-Type was checked (IsJson).
 Result<boost::json::object> TextMembers(const Request& request,
                                         std::initializer_list<TextMember> members);
 

@@ -216,6 +216,9 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
     if (step == Step::kContinue && !co_await stream_.WriteAll(BytesOf(kContinue))) {
       co_return Step::kMore;
     }
+    // A body that is all there would keep this thread until its end, and each that comes with it
+    // would too: /livez, say, gets its turn in between.
+    if (!reader.in_head()) co_await asio::post(strand_, asio::use_awaitable);
     const bool read = co_await ReadSome();
     if (broken_off_) {
       coming_.reset();

@@ -1,6 +1,10 @@
 #include "server/http/wire/http_server.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -52,6 +56,53 @@ TEST_F(HttpServerTest, KeepsTheConnectionForPipelinedRequests) {
     EXPECT_EQ(response->status, 200);
     EXPECT_EQ(response->body, R"({"status":"ok","problem":"","waiting":""})");
   }
+}
+
+// A connection to the server, which does not run yet: the system takes it, and what is sent.
+class EarlyClient {
+ public:
+  EarlyClient(uint16_t port, const std::string& bytes)
+      : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    EXPECT_EQ(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  ~EarlyClient() { ::close(socket_); }
+  EarlyClient(const EarlyClient&) = delete;
+  EarlyClient& operator=(const EarlyClient&) = delete;
+  bool answered() const {
+    pollfd look{socket_, POLLIN, 0};
+    return ::poll(&look, 1, 0) == 1;
+  }
+
+ private:
+  const int socket_;
+};
+
+TEST_F(HttpServerTest, LivenessDoesNotWaitBehindBodies) {
+  constexpr size_t kBodies = 40, kBytes = 200'000;
+  boost::asio::io_context io;
+  options_.port = 0;
+  options_.store_threads = 1;
+  HttpServer server(io, options_, *school_.store, *school_.authenticator);
+  const uint16_t port = *server.Start();
+  const std::string request =
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Content-Length: " +
+      std::to_string(kBytes) + "\r\n\r\n" + std::string(kBytes, 'x');
+  std::list<EarlyClient> bodies;
+  for (size_t i = 0; i < kBodies; ++i) bodies.emplace_back(port, request);
+  const EarlyClient looks(port, "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  while (!looks.answered()) ASSERT_GT(io.run_one(), 0u);
+  EXPECT_EQ(std::ranges::count_if(bodies, &EarlyClient::answered), 0)
+      << "answered before, though it came last";
+  while (!std::ranges::all_of(bodies, &EarlyClient::answered)) ASSERT_GT(io.run_one(), 0u);
+  server.Stop();
+  io.run();
 }
 
 TEST_F(HttpServerTest, ClosesWhenAsked) {
