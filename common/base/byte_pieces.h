@@ -30,7 +30,7 @@ inline Result<BytePieces> InOnePiece(Result<Bytes> bytes) {
   return InOnePiece(std::move(bytes).value());
 }
 
-// For content that is small. Errors: those of `next`.
+// For content that is small. Errors: what `next` returns.
 inline Result<Bytes> AllOf(const BytePieces& content) {
   Bytes out;
   for (;;) {

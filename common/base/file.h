@@ -14,7 +14,7 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes = siz
 // Replaces `path` so that a reader, or the next start after a power cut, sees the old content or
 // the new one and never a mixture: temporary file, fsync, rename, fsync of the folder.
 Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode = 0644);
-// Errors also: those of `next`; then `path` is as it was.
+// Errors also: what `next` returns. `path` then keeps its content.
 Status WriteFileDurably(const std::filesystem::path& path, const BytePieces& content, int mode);
 
 // The folder of the running program's file; "." where the system does not say.

@@ -78,7 +78,7 @@ Result<std::optional<ByteView>> PieceReader::Next() {
       ENAMEL_ASSIGN_OR_RETURN(seal_, DecodeSeal(record->content));
     }
   }
-  // What is whole before the cut is as good as ever: the caller judges.
+  // Records before the cut are whole: the caller judges what the cut means.
   truncated_ = !in_.ok();
   return std::optional<ByteView>();
 }

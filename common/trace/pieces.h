@@ -13,14 +13,14 @@ namespace enamel::trace {
 
 // The next chunk of a recording, in order; none after the last one.
 using NextChunk = std::function<Result<std::optional<Bytes>>()>;
-// Of chunks in memory, which outlive it.
+// Gives chunks that are in memory, which outlive it.
 NextChunk EachOf(std::span<const Bytes> chunks);
 
 // Appends to a piece: BeginTraceFile first, WriteSeal last.
 void BeginTraceFile(ByteView header, ByteWriter& out);
 void WriteChunk(ByteView chunk, ByteWriter& out);
 void WriteSeal(const Seal& seal, ByteWriter& out);
-// Of the whole file: `bytes` of header and chunks.
+// The size of a trace file whose header and chunks have so many bytes.
 uint64_t TraceFileBytes(uint64_t bytes, uint32_t chunks, bool sealed);
 
 // Reads a trace file piece by piece. Splits and checks the records as DecodeTraceFile does.
@@ -35,7 +35,7 @@ class PieceReader {
   // The next chunk of this piece; none at its end. Errors: DecodeTraceFile's.
   Result<std::optional<ByteView>> Next();
 
-  // As read so far; empty before the header's record.
+  // The header and the seal that have been read; empty before their records.
   const Bytes& header() const { return header_; }
   const std::optional<Seal>& seal() const { return seal_; }
   // The piece ended inside a record.

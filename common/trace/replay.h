@@ -24,20 +24,20 @@ struct ReplayReport {
   double seconds = 0;  // wall time, for the real-time factor
 };
 
-// Whether a re-run continues behind the chunk of the first disagreement, to count the rest.
+// A re-run continues behind the chunk of the first disagreement, to count the rest, or stops there.
 enum class AfterDifference { kContinue, kStop };
 
 // Re-runs `core` over chunks in order, comparing the witness tick by tick and the state hash chunk
 // by chunk. `observe` (may be empty) sees every tick with its output: metrics are computed there,
 // in the same pass. `count`: how many chunks `next` gives, for `keep_going`, which hears of
 // progress; returning false it stops with kUnavailable. One chunk is in memory at a time. Errors:
-// those of `next`; undecodable or broken chain.
+// what `next` returns; undecodable or broken chain.
 Result<ReplayReport> Replay(
     core::Core& core, const Header& header, const NextChunk& next, size_t count,
     const std::function<void(const Tick&, const core::TickOutput&)>& observe = {},
     const std::function<bool(double progress)>& keep_going = {},
     AfterDifference after = AfterDifference::kContinue);
-// The same of chunks in memory.
+// Re-runs the core over chunks that are in memory.
 Result<ReplayReport> Replay(
     core::Core& core, const Header& header, std::span<const Bytes> chunks,
     const std::function<void(const Tick&, const core::TickOutput&)>& observe = {},

@@ -184,7 +184,7 @@ class Exporter {
   Status AddFile(const AttemptRow& row, const std::string& name, const Result<BytePieces>& content,
                  json::array& files, json::array& problems) {
     fs::path path = fs::path("attempts") / row.id.Text() / name;
-    // Of ours alone: the disk of the export is another matter.
+    // Only failures to read are noted in the export. A full disk under the export ends it.
     Status unread = content.status();
     BytePieces pieces;
     if (content.ok()) {

@@ -18,7 +18,7 @@ class Tar {
   // Requires: a name of 1 to 100 bytes without a slash, content below 8 GiB.
   void Add(std::string_view name, BytePieces content);
   // The archive, which reads each content when its turn comes; nothing may be added after it.
-  // Errors of reading: those of the contents; kStorage (one has another size than it said).
+  // Errors of reading: what a content returns; kStorage (a content has another size than it said).
   BytePieces Take();
 
  private:

@@ -71,7 +71,7 @@ Result<BytePieces> TraceFileOf(Store& store, const AttemptRow& row) {
   out.size = trace::TraceFileBytes(recording.bytes, recording.chunks, recording.sealed);
   out.held = 2 * kPieceBytes;
   auto pieces = std::make_shared<TraceFilePieces>(header, std::move(recording), std::move(seal));
-  // What cannot be read at all is refused before anything was sent of it.
+  // A recording that cannot be read is refused before any part of it is sent.
   ENAMEL_ASSIGN_OR_RETURN(Bytes begin, pieces->Next());
   auto first = std::make_shared<Bytes>(std::move(begin));
   out.next = [pieces, first]() -> Result<Bytes> {

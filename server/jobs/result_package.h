@@ -13,8 +13,7 @@
 // store.
 namespace enamel::server {
 
-// What is known of a recording as one trace file; also of one that has not ended. The store outlives
-// it.
+// A recording as one trace file, also while it is made. The store outlives it.
 Result<BytePieces> TraceFileOf(Store& store, const AttemptRow& row);
 
 // Gives result.bin and each bound file that is kept, one after the other; what a retention rule

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kProgressStep = 0.05;
 constexpr std::chrono::milliseconds kLookAtQueue{200};
-// Stations that are remembered to have had their turn; then a new round begins.
+// Stations that may have had their turn before a new round begins.
 constexpr size_t kMostServed = 64;
 // Jobs that one thread has begun: each keeps its tooth in memory.
 constexpr size_t kMostBegun = 3;

@@ -306,8 +306,8 @@ asio::awaitable<bool> HttpConnection::Write(Response& response, bool head_only, 
   co_return co_await stream_.WriteAll(BytesOf(head)) && co_await stream_.WriteAll(BytesOf(body));
 }
 
-// Each piece has the time of a whole answer. False: the peer went away, or the body ended early, and
-// the length in the head says so.
+// Each piece has the time of a whole answer. False: the peer went away, or the body ended early. The
+// peer sees an early end by the length in the head.
 asio::awaitable<bool> HttpConnection::WritePieces(const BytePieces& body) {
   for (uint64_t left = body.size; left > 0;) {
     deadline_.AllowAnyTime();

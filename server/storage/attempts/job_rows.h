@@ -53,8 +53,7 @@ class JobRows {
   // "failed", or back to "scored" with `problem` set if an earlier run left a score. Any number of
   // workers of any number of servers may ask at once: each gets another job, and never one of an
   // attempt that has a run. A job without a batch is first, because somebody waits for it.
-  // `not_of`: stations that have had their turn. With some there, it takes only jobs of other
-  // stations that somebody waits for.
+  // With stations in `not_of` it takes only jobs of other stations, and none of a batch.
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms,
                                          const std::set<Uuid>& not_of = {});
   // Still at it. Errors: kUnavailable with kLeaseOver.

@@ -88,7 +88,7 @@ Result<OpenRecording> RecordingRows::Open(const Uuid& attempt, uint32_t from) {
     if (*sealed) return (*sealed)();
     auto next = reader->Next();
     if (next.status().code() != Code::kUnavailable) return next;
-    // Sealed meanwhile: the blobs have the rest.
+    // Another connection has sealed it: the rest is in the blobs.
     ENAMEL_ASSIGN_OR_RETURN(auto again, Open(attempt, reader->next()));
     if (!again.sealed) return next;
     *sealed = std::move(again.next);

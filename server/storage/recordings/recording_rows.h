@@ -41,7 +41,7 @@ class RecordingRows {
   // From chunk number `from` on. Errors: kNotFound, also of a recording that a rule removed.
   Result<OpenRecording> Open(const Uuid& attempt, uint32_t from = 0);
   // The chunks that are rows, also of a sealed attempt, up to that number. Errors of the reading:
-  // kUnavailable (some are gone, because another connection has sealed it).
+  // kUnavailable (rows are missing, as after another connection's seal).
   trace::NextChunk OpenRows(const Uuid& attempt, uint32_t chunks);
   // Of an attempt being made: the chunks that are committed from number `from` on, in order; of
   // more than `most` the newest. None once it is sealed.

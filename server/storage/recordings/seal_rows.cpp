@@ -71,8 +71,8 @@ Result<Sha256> SealRows::PutPart(const Uuid& attempt, ByteWriter& piece) {
                                         "); the recording stays where it is, try again later");
 }
 
-// What is committed. Outside the transaction that ends the attempt: after a crash in between, the
-// same blobs are written again. The chunks are cut into parts by their sizes alone, so a repetition
+// Copies the committed chunks, outside the transaction that ends the attempt: after a crash in
+// between, the same blobs are written again. The chunks are cut into parts by their sizes alone, so a repetition
 // makes the same parts.
 Result<TraceBlobs> SealRows::MoveTraceToBlobs(const trace::Seal& seal) {
   const trace::NextChunk next = recordings_.OpenRows(seal.attempt, seal.chunks);

@@ -34,7 +34,7 @@ struct TraceBlobs {
 
 // Rows of the table `trace_parts`; the last blob is the attempt's `trace_blob`. Inside a transaction.
 Result<std::vector<TracePart>> PartsOf(sql::Db& db, const Uuid& attempt);
-// Instead of those that there are.
+// Replaces the attempt's rows.
 Status SetParts(sql::Db& db, const Uuid& attempt, const std::vector<TracePart>& parts);
 // Deletes them, and adds the blobs that they named.
 Status DropParts(sql::Db& db, const Uuid& attempt, std::set<Sha256>& blobs);

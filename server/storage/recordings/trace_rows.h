@@ -40,8 +40,8 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look);
 
 // Errors: kNotFound (nothing was recorded).
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt);
-// Of the chunks that are rows, in order and still encrypted under the person's key: kRowsAtOnce from
-// number `from` on. None once the attempt's blobs have them.
+// Reads kRowsAtOnce chunks that are rows, from number `from` on, in order and still encrypted under
+// the person's key. None after the seal, when they are in blobs.
 Result<std::vector<Bytes>> ChunkRowsFrom(Db& db, const Uuid& attempt, uint32_t from);
 // Chunks that are read into memory at once, of at most a mebibyte each.
 inline constexpr int64_t kRowsAtOnce = 16;

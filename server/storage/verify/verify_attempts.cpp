@@ -111,7 +111,7 @@ class AttemptCheck {
     return CheckOpen(facts);
   }
 
-  // Of a recording that is not sealed, a few rows in memory at a time.
+  // Checks a recording that is not sealed, with a few rows in memory.
   Status CheckOpen(const AttemptFacts& facts) {
     Query last(db_,
                "SELECT received_ms FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY "
@@ -252,8 +252,8 @@ class AttemptCheck {
     TraceBlobs blobs;
     ENAMEL_ASSIGN_OR_RETURN(blobs.parts, PartsOf(db_, facts.id));
     blobs.last = facts.trace_blob;
-    // Of a blob that is missing, damaged or kept under another key: found already; kept apart from
-    // its key: noted.
+    // A blob that is missing, damaged or kept under another key is in the report already; so is a
+    // note about keys that are kept apart.
     bool found = false;
     PartsReader parts(std::move(blobs), [&](const Sha256& hash) -> Result<Bytes> {
       found = true;
@@ -280,7 +280,7 @@ class AttemptCheck {
     return Status::Ok();
   }
 
-  // `seal`: of a sealed one, known after the last chunk. Errors: those of `next`.
+  // `seal`: of a sealed one, known after the last chunk. Errors: what `next` returns.
   Status CheckChain(const AttemptFacts& facts, const trace::NextChunk& next,
                     const std::optional<trace::Seal>* seal = nullptr) {
     trace::ChainVerifier chain(facts.id, HashSha256(facts.header));

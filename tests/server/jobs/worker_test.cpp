@@ -60,7 +60,7 @@ class WorkerTest : public ::testing::Test {
   }
   // Scored against itself, as there is no reference.
   Uuid Queue() { return school_.Record({}, true); }
-  // The same, made at another station.
+  // Queues one that was made at another station.
   Uuid QueueElsewhere() {
     if (elsewhere_.IsZero()) {
       const Sha256 code = HashSha256(AsBytes("code 2"));

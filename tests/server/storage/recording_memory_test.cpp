@@ -25,7 +25,7 @@ using namespace testing;
 constexpr uint64_t kRecordingBytes = 150'000'000;
 constexpr uint64_t kMostMemory = uint64_t{32} << 20;  // above what an idle store has
 
-// Of this process's private writable memory, which is what RLIMIT_DATA counts.
+// The private writable memory of this process, which RLIMIT_DATA counts.
 uint64_t DataBytes() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -97,7 +97,7 @@ class Noise {
   ChunkPut put_;
 };
 
-// As if it had been recorded, without a sync for each chunk. The seal.
+// Puts the rows of a recording, without a sync for each chunk. Returns its seal.
 trace::Seal Record(RecordedSchool& school, const Uuid& attempt, uint64_t bytes) {
   StoreEngine& engine = *school.store->engine;
   const Bytes header = *school.store->recordings.AttemptHeader(attempt);
@@ -138,7 +138,7 @@ TEST(RecordingMemoryTest, OfAHundredAndFiftyMegabytesIsThatOfAFewParts) {
 #endif
   TempFolder folder;
   RecordedSchool school(folder.path() / "data");
-  // What an idle store has: its threads, connections and caches.
+  // An idle store has its threads, connections and caches.
   const Uuid small = school.Record(3);
   school.Seal(small);
   ASSERT_TRUE(*school.store->recordings.IsWhole(small));

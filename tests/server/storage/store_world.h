@@ -23,7 +23,7 @@ using test::TempFolder;
 
 inline const Actor kSystem{{}, "test"};
 
-// Of a recording: some chunks of a World. So a recording of any length has parts.
+// Some chunks of a World: tests' recordings have parts, as long ones do.
 inline constexpr size_t kSmallPart = 600;
 
 inline std::unique_ptr<Store> OpenStore(const std::filesystem::path& folder,
