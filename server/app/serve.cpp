@@ -180,19 +180,22 @@ void SayFirstAdmin(const std::string& page_url, const std::string& token) {
             << std::endl;
 }
 
-// Runs `io` on its threads until it is out of work; `stopping` becomes ready with the first signal.
+// Runs each of `all` on its threads until it is out of work; `stopping` becomes ready with the first signal.
 // False: some connections did not end in time and were closed.
-bool RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
+bool RunUntilStopped(const std::vector<asio::io_context*>& all, int threads,
+                     std::future<void> stopping) {
   auto ended = std::async(std::launch::async, [&] {
     std::vector<std::jthread> runners;
     // `run` returns when no handler is left, which is when the last connection has ended.
-    for (int i = 0; i < threads; ++i) runners.emplace_back([&] { io.run(); });
+    for (asio::io_context* io : all) {
+      for (int i = 0; i < threads; ++i) runners.emplace_back([io] { io->run(); });
+    }
   });
   stopping.wait();
   const bool in_time = ended.wait_for(kStopWait) == std::future_status::ready;
   if (!in_time) {
     spdlog::warn("some connections did not end in time; closing them");
-    io.stop();
+    for (asio::io_context* io : all) io->stop();
   }
   ended.wait();
   return in_time;
@@ -316,6 +319,8 @@ struct OpenOther {
 Status Serve(const ServeOptions& options) {
   // First, so that they go last: work still in a pool when the wait was cut short posts back to it.
   asio::io_context io;
+  // Of its own: whatever strangers send to the page, chairs wait for no thread that reads it.
+  asio::io_context link_io;
   StopSignals signals(io);
   ENAMEL_ASSIGN_OR_RETURN(Prepared prepared, Prepare(options));
   Store& store = *prepared.store;
@@ -359,7 +364,7 @@ Status Serve(const ServeOptions& options) {
   StorePool pool(kStationThreads);
   http_options.other_schools = [&schools](const std::string& host) { return schools.AtHost(host); };
   http::HttpServer page(io, http_options, store, school.authenticator());
-  stations::StationServer link(io, prepared.link, school.services(), pool, &schools);
+  stations::StationServer link(link_io, prepared.link, school.services(), pool, &schools);
 
   // The page first: with port 0 its address is known only now, and stations get it with their first
   // answer.
@@ -418,7 +423,8 @@ Status Serve(const ServeOptions& options) {
         "--role admin");
   }
 
-  if (RunUntilStopped(io, options.io_threads, stop_asked.get_future())) signals.OnlyJobsRemain();
+  if (RunUntilStopped({&io, &link_io}, options.io_threads, stop_asked.get_future()))
+    signals.OnlyJobsRemain();
   // After the connections, since a seal that was just acknowledged may still queue a job. An
   // interrupted job begins again after the next start.
   school.StopJobs();

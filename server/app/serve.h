@@ -25,7 +25,7 @@ struct ServeOptions {
   // Where people open the page, which stations tell them (protocol::IsPageUrl). Empty: made of the
   // first of host_names; without one it is not told.
   std::string page_url;
-  int io_threads = 2;
+  int io_threads = 2;  // of the page, and of the stations
   int job_threads = 1;
   ops::Budgets budgets{};
   int min_free_mib = 256;                 // recordings are refused when the disk has less

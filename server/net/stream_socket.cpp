@@ -1,11 +1,14 @@
 #include "server/net/stream_socket.h"
 
 #include <openssl/err.h>
+#include <sys/socket.h>
 
-#include <array>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <utility>
 
 namespace enamel::server {
 
@@ -56,13 +59,18 @@ StreamSocket::Io StreamSocket::Handshake() {
 StreamSocket::Io StreamSocket::Read(std::span<uint8_t> space, size_t& n) {
   n = 0;
   if (!socket_.is_open()) return Io::kEnded;
+  if (TurnIsOver()) return Io::kWantRead;
+  Io io = Io::kDone;
   if (plain_) {
     error_code error;
     n = socket_.read_some(asio::buffer(space.data(), space.size()), error);
-    return PlainOutcome(error, Io::kWantRead);
+    io = PlainOutcome(error, Io::kWantRead);
+  } else {
+    ERR_clear_error();
+    io = Outcome(SSL_read_ex(ssl_.get(), space.data(), space.size(), &n));
   }
-  ERR_clear_error();
-  return Outcome(SSL_read_ex(ssl_.get(), space.data(), space.size(), &n));
+  if (io == Io::kDone) turn_bytes_ += n;
+  return io;
 }
 
 StreamSocket::Io StreamSocket::Write(ByteView bytes, size_t& n) {
@@ -87,6 +95,11 @@ StreamSocket::Io StreamSocket::Shutdown() {
 }
 
 asio::awaitable<void> StreamSocket::Wait(Io what) {
+  turn_bytes_ = 0;
+  if (std::exchange(turn_over_, false)) {
+    co_await asio::post(socket_.get_executor(), asio::use_awaitable);
+    co_return;
+  }
   error_code ended;
   auto side = what == Io::kWantWrite ? tcp::socket::wait_write : tcp::socket::wait_read;
   co_await socket_.async_wait(side, asio::redirect_error(asio::use_awaitable, ended));
@@ -107,10 +120,23 @@ asio::awaitable<bool> StreamSocket::WriteAll(ByteView bytes) {
 }
 
 StreamSocket::Io StreamSocket::Discard(size_t& n) {
-  std::array<uint8_t, 4096> space;
-  error_code error;
-  n = socket_.read_some(asio::buffer(space), error);
-  return PlainOutcome(error, Io::kWantRead);
+  n = 0;
+  if (!socket_.is_open()) return Io::kEnded;
+  if (TurnIsOver()) return Io::kWantRead;
+  // Without a copy (tcp(7), MSG_TRUNC).
+  const ssize_t dropped =
+      ::recv(socket_.native_handle(), nullptr, kTurnBytes, MSG_TRUNC | MSG_DONTWAIT);
+  if (dropped > 0) {
+    n = static_cast<size_t>(dropped);
+    turn_bytes_ += n;
+    return Io::kDone;
+  }
+  return dropped < 0 && (errno == EAGAIN || errno == EINTR) ? Io::kWantRead : Io::kEnded;
+}
+
+bool StreamSocket::TurnIsOver() {
+  turn_over_ = turn_bytes_ >= kTurnBytes;
+  return turn_over_;
 }
 
 void StreamSocket::Close() {

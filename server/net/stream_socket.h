@@ -33,6 +33,9 @@ class StreamSocket {
 
   // With plain TCP Handshake and Shutdown have nothing to do and return kDone.
   Io Handshake();
+  // A peer that sends without an end gets its turn among others: after kTurnBytes Read and Discard ask
+  // to wait, and Wait lets the others of the executor go first.
+  static constexpr size_t kTurnBytes = size_t{64} << 10;
   // `n`: bytes read or written, at least one with kDone. Requires: not empty. After Write has asked
   // to wait, the next Write must be given the same bytes.
   Io Read(std::span<uint8_t> space, size_t& n);
@@ -52,6 +55,7 @@ class StreamSocket {
   void Close();
 
  private:
+  bool TurnIsOver();
   struct FreeSsl {
     void operator()(SSL* ssl) const { SSL_free(ssl); }
   };
@@ -60,6 +64,8 @@ class StreamSocket {
   boost::asio::ip::tcp::socket socket_;
   const bool plain_;
   std::unique_ptr<SSL, FreeSsl> ssl_;
+  size_t turn_bytes_ = 0;   // read since the last wait
+  bool turn_over_ = false;  // Wait only lets others go first
 };
 
 }  // namespace enamel::server

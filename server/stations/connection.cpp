@@ -338,15 +338,15 @@ Status Connection::HoldFrame() {
     return Status::Ok();
   coming_ = budget_.Coming(party_, this, reader_.announced());
   if (coming_ == nullptr) return TooMuchComing();
-  coming_->OnGivenUp([weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->BreakOff();
+  coming_->OnGivenUp([weak = weak_from_this(), given_up = coming_.get()] {
+    if (const auto self = weak.lock()) self->BreakOff(given_up);
   });
   return Status::Ok();
 }
 
-void Connection::BreakOff() {
-  asio::post(strand_, [self = shared_from_this()] {
-    if (self->coming_ == nullptr) return;  // it has arrived meanwhile
+void Connection::BreakOff(const HeldBytes::Held* given_up) {
+  asio::post(strand_, [self = shared_from_this(), given_up] {
+    if (self->coming_.get() != given_up) return;  // it has arrived meanwhile
     self->broken_off_ = true;
     error_code ignored;
     self->stream_.socket().cancel(ignored);

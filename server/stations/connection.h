@@ -54,8 +54,8 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   // Memory for a frame that has only begun to come. Errors: kUnavailable.
   Status HoldFrame();
-  // Refuses the frame that has begun to come. From any thread.
-  void BreakOff();
+  // Refuses the frame that `given_up` was memory for. From any thread.
+  void BreakOff(const HeldBytes::Held* given_up);
   Status TooMuchComing() const;
   // Errors: kUnavailable (LinkBudget::Recorded).
   Status CountChunk(const wire::Request& request);

@@ -120,7 +120,7 @@ class HttpConnection : public AcceptedConnection,
   asio::awaitable<Step> ReadRequest(RequestReader& reader, bool& late);
   asio::awaitable<bool> ReadSome();
   bool HoldBody(RequestReader& reader);
-  void BreakOff();
+  void BreakOff(const HeldBytes::Held* given_up);
   Status TooMuchComing() const;
   asio::awaitable<bool> Write(Response& response, bool head_only, bool keep_alive);
   asio::awaitable<bool> WritePieces(const BytePieces& body);
@@ -138,6 +138,7 @@ class HttpConnection : public AcceptedConnection,
   std::string buffer_;  // arrived and not used yet, at most kMaxHeadBytes + kReadBytes
   std::shared_ptr<HeldBytes::Held> coming_;  // of a large body that has not arrived yet
   bool broken_off_ = false;                  // that body: others have less
+  bool over_budget_ = false;                 // refused for it
   bool idle_ = true;                         // between requests
   bool stopping_ = false;
 };
@@ -222,6 +223,7 @@ asio::awaitable<RequestReader::Step> HttpConnection::ReadRequest(RequestReader& 
     const bool read = co_await ReadSome();
     if (broken_off_) {
       coming_.reset();
+      over_budget_ = true;
       reader.RefuseForNow(TooMuchComing());
       co_return Step::kRefused;
     }
@@ -244,19 +246,20 @@ bool HttpConnection::HoldBody(RequestReader& reader) {
   const std::string party = auth::AddressBlock(context_->PeerOf(reader.request(), peer_));
   coming_ = context_->coming->Add(party, this, reader.expected_bytes());
   if (coming_ == nullptr) {
+    over_budget_ = true;
     reader.RefuseForNow(TooMuchComing());
     return false;
   }
-  coming_->OnGivenUp([weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->BreakOff();
+  coming_->OnGivenUp([weak = weak_from_this(), given_up = coming_.get()] {
+    if (const auto self = weak.lock()) self->BreakOff(given_up);
   });
   return true;
 }
 
 // From any thread.
-void HttpConnection::BreakOff() {
-  asio::post(strand_, [self = shared_from_this()] {
-    if (self->coming_ == nullptr) return;  // it has arrived meanwhile
+void HttpConnection::BreakOff(const HeldBytes::Held* given_up) {
+  asio::post(strand_, [self = shared_from_this(), given_up] {
+    if (self->coming_.get() != given_up) return;  // it has arrived meanwhile
     self->broken_off_ = true;
     error_code ignored;
     self->stream_.socket().cancel(ignored);
@@ -332,6 +335,12 @@ asio::awaitable<void> HttpConnection::Drain() {
   // Without TLS's own farewell: the length in the head has said where the answer ends.
   stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
   deadline_.Allow(kDrain);
+  // Whoever sends more than they may is not read on: that would cost others as much as taking it.
+  if (over_budget_) {
+    asio::steady_timer end(strand_, kDrain);
+    co_await end.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    co_return;
+  }
   for (size_t drained = 0; drained < kMaxDrainBytes;) {
     size_t n = 0;
     const Io io = stream_.Discard(n);

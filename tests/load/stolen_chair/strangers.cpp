@@ -56,6 +56,8 @@ void Strangers::Stop() {
 void Strangers::Run(const std::stop_token& stop) {
   GiveWay();
   const sockaddr_in address = AddressOf(page_);
+  // Another address than everybody else's here.
+  const sockaddr_in from = AddressOf({"127.0.0.2", 0});
   std::string request =
       "POST /api/v1/session HTTP/1.1\r\nHost: " + page_.Text() +
       "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(kBodyBytes) +
@@ -75,6 +77,7 @@ void Strangers::Run(const std::stop_token& stop) {
       Peer& peer = peers[i];
       if (peer.fd < 0) {
         peer = {::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), 0};
+        (void)::bind(peer.fd, reinterpret_cast<const sockaddr*>(&from), sizeof from);
         (void)::connect(peer.fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
         ++opened_;
       }
