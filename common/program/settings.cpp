@@ -149,9 +149,10 @@ Status Apply(CLI::Option& option, const std::vector<std::string>& texts) {
 }
 
 bool HasSection(const CLI::App& command, const std::string& section) {
-  return !section.empty() && std::ranges::any_of(command.get_options(), [&](const CLI::Option* option) {
-    return SectionOf(*option) == section;
-  });
+  return !section.empty() &&
+         std::ranges::any_of(command.get_options(), [&](const CLI::Option* option) {
+           return SectionOf(*option) == section;
+         });
 }
 
 // The settings of a section, whose name with "-" begins theirs, or of the file.
