@@ -163,7 +163,8 @@ Status Throttle::Failed(const std::string& given, const Origin& origin, UnixMs n
 Status Throttle::Succeeded(const std::string& given, const Origin& origin, UnixMs now_ms) {
   return counters_->Apply(NamesOf(given, origin), now_ms, [&](OfTry<SignInCounter>& counters) {
     SignInCounter& known = counters.known;
-    counters.here = counters.anywhere = {};
+    // Failures elsewhere stay: a success would open the login to as many guesses again.
+    counters.here = {};
     // Once in a quarter of an hour for each person: somebody with one good password cannot pay for
     // guesses at others' with it.
     if (known.until_ms != 0 && now_ms - known.last_ms <= kForgetMs) return;

@@ -49,9 +49,9 @@ struct Admission {
 // new place, because its first two tries do not wait for guesses that failed elsewhere. Of those who wait for
 // a hashing thread, places with hardly a failure go before the others.
 //
-// A login's success takes its own failures away, and two of the place's (once in 15 minutes, so
-// that nobody makes guesses free with an account of their own). Failures are forgotten after 15
-// minutes without one.
+// A success takes the login's failures at that place away, and two of the place's (once in 15
+// minutes, so that nobody makes guesses free with an account of their own). Failures are forgotten
+// after 15 minutes without one.
 //
 // What this leaves a guesser of N logins in 15 minutes: from one address N + some 250 tries, from
 // one site four times as many; of one login from a thousand addresses some 2 000.

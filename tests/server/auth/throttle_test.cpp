@@ -195,6 +195,15 @@ TEST(ThrottleTest, SuccessAndSilenceAreForgiven) {
   EXPECT_TRUE(throttle.Admit("bob", kHere, 1000 + 16 * 60 * 1000).ok());
 }
 
+TEST(ThrottleTest, OwnersSuccessDoesNotOpenTheLoginToMoreGuesses) {
+  Throttle throttle;
+  for (int i = 0; i < 40; ++i) Fail(throttle, "ada", Numbered(i), 2, 1000);
+  EXPECT_FALSE(throttle.Admit("ada", Numbered(1), 1000).ok());
+  (void)throttle.Succeeded("ada", kHere, 1000);
+  EXPECT_FALSE(throttle.Admit("ada", Numbered(1), 1000).ok());
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 1000).ok());
+}
+
 TEST(ThrottleTest, AnAccountOfOnesOwnMakesNoGuessesFree) {
   Throttle throttle;
   int admitted = 0;

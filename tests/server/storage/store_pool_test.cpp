@@ -101,8 +101,8 @@ TEST_F(StorePoolTest, OneHasAsManyThreadsAsOneMayHave) {
 
 TEST_F(StorePoolTest, APartyHasAsManyThreadsAsItsTurnSays) {
   StorePool pool(2);
-  Post(pool, Turn("one", false, 1), "a");
-  Post(pool, Turn("one", false, 1), "b");
+  Post(pool, Turn("one", Line::kUsual, 1), "a");
+  Post(pool, Turn("one", Line::kUsual, 1), "b");
   begun_.acquire();
   Post(pool, Turn("other"), "X");
   begun_.acquire();
