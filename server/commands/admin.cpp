@@ -133,7 +133,8 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
                   "a role is student, instructor or admin, found \"" + person.role + "\"", "role");
   }
   ENAMEL_ASSIGN_OR_RETURN(
-      auto name, CheckedName(person.display_name.empty() ? login : person.display_name, "name"));
+      auto name,
+      CheckedPersonName(person.display_name.empty() ? login : person.display_name, "name"));
   Person row;
   if (!person.id.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(person.id));

@@ -105,12 +105,17 @@ class Reader {
     person.row = row.row;
     person.login = Checked(row, "login", [](std::string_view text) { return CheckedLogin(text); });
     if (std::string name = Cell(row, "display_name"); !name.empty()) {
-      person.display_name = CheckedNameOf(row, "display_name", name);
+      person.display_name = CheckedText(row, "display_name", name, [](std::string_view text) {
+        return CheckedPersonName(text, "display_name");
+      });
     }
     person.role = RoleOf(row);
     std::string cohort = Cell(row, "cohort");
     if (cohort.empty()) cohort = options_.cohort;
-    if (!cohort.empty()) person.cohort = CheckedNameOf(row, "cohort", cohort);
+    if (!cohort.empty()) {
+      person.cohort = CheckedText(
+          row, "cohort", cohort, [](std::string_view text) { return CheckedName(text, "cohort"); });
+    }
     if (out_.problems.size() == before) out_.rows.push_back(std::move(person));
   }
 
@@ -175,10 +180,6 @@ class Reader {
   template <typename Check>
   std::string Checked(const CsvRow& row, const char* column, const Check& check) {
     return CheckedText(row, column, Cell(row, column), check);
-  }
-  std::string CheckedNameOf(const CsvRow& row, const char* column, std::string_view text) {
-    return CheckedText(row, column, text,
-                       [&](std::string_view name) { return CheckedName(name, column); });
   }
 
   Role RoleOf(const CsvRow& row) {

@@ -3,7 +3,10 @@
 #include <unicode/bytestream.h>
 #include <unicode/normalizer2.h>
 #include <unicode/translit.h>
+#include <unicode/uchar.h>
 #include <unicode/unistr.h>
+#include <unicode/uscript.h>
+#include <unicode/uspoof.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -116,6 +119,80 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
     return Refused(field, "a name that can be seen", "only characters that leave no mark");
   return std::string(name);
 }
+
+namespace {
+
+const USpoofChecker& Checker() {
+  static const USpoofChecker* const kChecker = [] {
+    UErrorCode error = U_ZERO_ERROR;
+    USpoofChecker* made = uspoof_open(&error);
+    uspoof_setChecks(made, USPOOF_RESTRICTION_LEVEL, &error);
+    uspoof_setRestrictionLevel(made, USPOOF_HIGHLY_RESTRICTIVE);
+    ENAMEL_CHECK(U_SUCCESS(error));
+    return made;
+  }();
+  return *kChecker;
+}
+
+bool HasOneScript(std::string_view word) {
+  UErrorCode error = U_ZERO_ERROR;
+  const int32_t found =
+      uspoof_checkUTF8(&Checker(), word.data(), static_cast<int32_t>(word.size()), nullptr, &error);
+  ENAMEL_CHECK(U_SUCCESS(error));
+  return found == 0;
+}
+
+// Marks belong to the letter before them.
+bool IsInWord(uint32_t code) {
+  const auto c = static_cast<UChar32>(code);
+  return u_isalpha(c) || (U_GET_GC_MASK(c) & U_GC_M_MASK) != 0;
+}
+
+bool IsLatin(uint32_t code) {
+  UErrorCode error = U_ZERO_ERROR;
+  const UScriptCode script = uscript_getScript(static_cast<UChar32>(code), &error);
+  return script == USCRIPT_LATIN || script == USCRIPT_COMMON || script == USCRIPT_INHERITED;
+}
+
+bool IsAllLatin(std::string_view text) {
+  while (!text.empty()) {
+    const std::optional<uint32_t> code = NextCodePoint(text);
+    if (!code || !IsLatin(*code)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::string> CheckedPersonName(std::string_view text, std::string_view field) {
+  ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(text, field));
+  for (std::string_view rest = name; !rest.empty();) {
+    const std::string_view begin = rest;
+    std::string_view after = rest;
+    while (!rest.empty() && IsInWord(*NextCodePoint(after))) rest = after;
+    const std::string_view word = begin.substr(0, begin.size() - rest.size());
+    if (!word.empty() && !HasOneScript(word)) {
+      return Refused(field, "a name whose words are each in the letters of one script",
+                     "\"" + std::string(word) +
+                         "\", which mixes several; type this word again on one keyboard");
+    }
+    if (word.empty()) (void)NextCodePoint(rest);
+  }
+  return name;
+}
+
+std::string LookOf(std::string_view text) {
+  UErrorCode error = U_ZERO_ERROR;
+  icu::UnicodeString look;
+  uspoof_getSkeletonUnicodeString(
+      &Checker(), 0, icu::UnicodeString::fromUTF8({text.data(), static_cast<int32_t>(text.size())}),
+      look, &error);
+  ENAMEL_CHECK(U_SUCCESS(error));
+  std::string out;
+  return look.foldCase().toUTF8String(out);
+}
+
+bool LooksLatin(std::string_view name) { return !IsAllLatin(name) && IsAllLatin(LookOf(name)); }
 
 Status CheckOneLine(std::string_view text, std::string_view field) {
   for (std::string_view rest = text; !rest.empty();) {

@@ -28,6 +28,18 @@ std::string Composed(std::string_view text);
 // (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
 
+// A person's name: as CheckedName, and no word of it mixes letters of scripts that are not written
+// together (Unicode TR 39, "highly restrictive"), as the Cyrillic а in "аdmin". "Ольга Müller" and
+// "李David" are names.
+Result<std::string> CheckedPersonName(std::string_view text, std::string_view field);
+
+// What a text looks like, without case: equal for texts that are drawn alike in any script (the
+// skeleton of Unicode TR 39).
+std::string LookOf(std::string_view text);
+// Whether the name has letters of another script, and yet looks Latin from its beginning to its end:
+// "Сора" in Cyrillic. Such a name may look like another person's.
+bool LooksLatin(std::string_view name);
+
 // Why something was done, as it stays beside it: 1 to 1000 bytes of UTF-8 on one line. Errors:
 // kInvalidInput with `field`.
 Result<std::string> CheckedReason(std::string_view text, std::string_view field);

@@ -94,7 +94,7 @@ Result<PersonEdit> EditOf(const Call& call) {
   if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (edit.display_name) {
-    Result<std::string> name = CheckedName(*edit.display_name, "display_name");
+    Result<std::string> name = CheckedPersonName(*edit.display_name, "display_name");
     if (!name.ok()) return name.status();
     edit.display_name = *name;
   }
@@ -120,7 +120,7 @@ Result<NewPerson> NewPersonOf(const Call& call) {
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   Result<std::string> checked_login = CheckedLogin(login);
   if (!checked_login.ok()) return checked_login.status();
-  Result<std::string> checked_name = CheckedName(name, "display_name");
+  Result<std::string> checked_name = CheckedPersonName(name, "display_name");
   if (!checked_name.ok()) return checked_name.status();
   Result<Role> named = RoleNamed(role);
   if (!named.ok()) return named.status();

@@ -42,7 +42,7 @@ Result<Newcomer> NewcomerOf(const Call& call) {
   out.password = body.Text("password", 1, kMaxPasswordBytes);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   ENAMEL_ASSIGN_OR_RETURN(out.person.login, CheckedLogin(login));
-  ENAMEL_ASSIGN_OR_RETURN(out.person.display_name, CheckedName(name, "display_name"));
+  ENAMEL_ASSIGN_OR_RETURN(out.person.display_name, CheckedPersonName(name, "display_name"));
   out.person.role = Role::kAdmin;
   return out;
 }

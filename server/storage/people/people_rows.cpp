@@ -38,6 +38,26 @@ std::string EditJson(const Person& person, const Person& other) {
                  {"disabled", person.disabled ? "yes" : "no"}});
 }
 
+// A name in letters of another script that is drawn as another person's. Only these names are
+// compared with all others: of two that look alike, one is not what it seems.
+Status MustNotLookLikeAnother(Db& db, const Person& person) {
+  if (!LooksLatin(person.display_name)) return Status::Ok();
+  const std::string look = LookOf(person.display_name);
+  Query q(db, "SELECT login, display_name FROM people WHERE tenant = ?1 AND id <> ?2");
+  q.Bind(person.id);
+  while (q.Next()) {
+    for (const std::string& other : {q.Text(0), q.Text(1)}) {
+      if (other == person.display_name || LookOf(other) != look) continue;
+      return {Code::kConflict,
+              "\"" + person.display_name + "\" looks like \"" + other +
+                  "\", another person's, and is in letters of another script; write the name so "
+                  "that people can tell the two apart",
+              "display_name"};
+    }
+  }
+  return q.status();
+}
+
 // Writes `after` over `before`. Nothing changed: nothing is written.
 Status UpdatePerson(Db& db, const Person& before, Person& after, const char* action,
                     const Actor& by) {
@@ -49,6 +69,9 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
     return Status::Ok();
   }
   ENAMEL_RETURN_IF_ERROR(KeepAnAdmin(db, before, after));
+  if (after.display_name != before.display_name) {
+    ENAMEL_RETURN_IF_ERROR(MustNotLookLikeAnother(db, after));
+  }
   ++after.revision;
   {
     Query q(db,
@@ -117,6 +140,7 @@ Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
 }
 
 Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(MustNotLookLikeAnother(db, person));
   Query q(
       db,
       "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "

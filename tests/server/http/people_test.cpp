@@ -266,7 +266,9 @@ TEST_F(PeopleTest, ARosterIsItsBytesAndMayBeReadOtherwise) {
   const json::value latin = Parsed(post(""));
   EXPECT_EQ(latin.at("reading"), "windows-1252");
   EXPECT_EQ(latin.at("people").at(0).at("display_name"), "Müller");
-  EXPECT_EQ(Parsed(post("&reading=windows-1251")).at("people").at(0).at("display_name"), "Mьller");
+  EXPECT_NE(post("&reading=windows-1251").body.find("Mьller\\\", which mixes several"),
+            std::string::npos)
+      << "a wrong reading is found out";
   EXPECT_EQ(post("&reading=utf-8").status, 400);
   EXPECT_EQ(post("&reading=ebcdic").status, 400);
   EXPECT_EQ(post("&other_cohorts=leave").status, 200);

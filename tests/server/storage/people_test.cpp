@@ -32,6 +32,23 @@ class PeopleStoreTest : public StoreSuite {
 };
 INSTANTIATE_TEST_SUITE_P(Backends, PeopleStoreTest, ::testing::ValuesIn(Backends()), BackendName);
 
+TEST_P(PeopleStoreTest, NobodyIsGivenANameThatIsDrawnAsAnothers) {
+  const std::string copa = "\u0421\u043e\u0440\u0430";  // Cyrillic
+  AddPerson(*store_, "copa", Role::kAdmin);
+  const Uuid ben = AddPerson(*store_, "ben", Role::kStudent);
+  const Status renamed =
+      store_->people.EditPerson(ben, {.display_name = copa}, 1, kSystem).status();
+  EXPECT_EQ(renamed.code(), Code::kConflict);
+  EXPECT_EQ(renamed.field(), "display_name");
+  Person another;
+  another.login = "other";
+  another.display_name = copa;
+  EXPECT_EQ(store_->people.CreatePerson(another, "", {}, kSystem).status().field(), "display_name");
+  // Two people of one name are no disguise.
+  another.display_name = store_->people.PersonById(ben)->display_name;
+  EXPECT_TRUE(store_->people.CreatePerson(another, "", {}, kSystem).ok());
+}
+
 TEST_P(PeopleStoreTest, EditCountsTheRevisionAndAStaleOneChangesNothing) {
   Uuid id = AddPerson(*store_, "ada", Role::kInstructor);
   auto renamed = store_->people.EditPerson(id, {.display_name = "Ada B."}, 1, kSystem);

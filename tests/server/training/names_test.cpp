@@ -30,6 +30,30 @@ TEST(NamesTest, NamesOfPeopleEverywhereAreNames) {
   }
 }
 
+TEST(NamesTest, WordsThatMixScriptsAreNoNamesOfPeople) {
+  for (const char* name :
+       {"Zoë Müller", "李 小龍", "李David", "Ольга Müller", "Müller-Παπαδόπουλος", "O'Brien", "Ng",
+        "Дмитрий", "Łukasz (2)", "山田 太郎 たろう", "김철수", "Nguyễn Thị Hương", "प्रिया",
+        "Γιώργος Νικολάου", "王伟3"}) {
+    EXPECT_EQ(CheckedPersonName(name, "name").value(), name);
+  }
+  for (const char* name : {"\u0430dmin", "Anna M\u043eller", "Paul \u0391da", "Ив\u0061н"}) {
+    const Status refused = CheckedPersonName(name, "name").status();
+    EXPECT_EQ(refused.field(), "name") << name;
+    EXPECT_NE(refused.message().find("mixes several"), std::string::npos) << refused.message();
+  }
+}
+
+TEST(NamesTest, NamesOfAnotherScriptThatLookLatinAreKnown) {
+  const char* const copa = "\u0421\u043e\u0440\u0430";  // Cyrillic
+  EXPECT_TRUE(LooksLatin(copa));
+  EXPECT_EQ(LookOf(copa), LookOf("copa"));
+  EXPECT_NE(LookOf(copa), LookOf("cope"));
+  for (const char* name : {"Copa", "Zoë", "Дмитрий", "Ольга", "王伟", "Γιώργος", "김철수"}) {
+    EXPECT_FALSE(LooksLatin(name)) << name;
+  }
+}
+
 TEST(NamesTest, FormulasControlsAndBrokenTextAreNoNames) {
   for (const std::string name : {"=1+1",
                                  "+49 30",
