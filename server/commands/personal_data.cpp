@@ -309,6 +309,13 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
       "them in due time; restoring one erases this person again if you name the newest key ring\n",
       login, Counted(report.attempts, "attempt"), Counted(report.blobs, "blob"),
       Counted(report.references, "reference cut"));
+  for (const Mentions& one : report.mentions) {
+    std::string places;
+    for (const std::string& place : one.places) places += (places.empty() ? ": " : ", ") + place;
+    Say("the name is still in what people typed, which stays until somebody edits it on the page: "
+        "{}{}\n",
+        Counted(one.count, one.kind), places);
+  }
   if (!report.finished) {
     Say("copies of the erased data may remain in unused parts of the database until the server "
         "rewrites it: within an hour, or, if no server is running, after the next start\n");

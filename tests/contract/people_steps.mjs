@@ -128,6 +128,7 @@ export const people = [
   { of: "listSessionsOf", by: "admin", at: (w) => w.zoe.id },
   { of: "endSessionsOf", by: "admin", at: (w) => w.zoe.id },
   { of: "resetPassword", by: "admin", at: (w) => w.zoe.id },
+  { of: "editCohort", by: "admin", at: (w) => w.second, body: () => ({ name: "Cohort of Zoe", archived: false }) },
   { of: "erasePerson", by: "admin", at: (w) => w.zoe.id, body: () => ({ login: "zoe", with_references: false }) },
 
   {

@@ -207,6 +207,20 @@ Response ResetPassword(const Call& call, PeopleRows& people) {
   return WithPassword(call, *person, password->text, 200);
 }
 
+namespace {
+
+json::array MentionsJson(const std::vector<Mentions>& mentions) {
+  json::array out;
+  for (const Mentions& one : mentions) {
+    out.push_back({{"kind", one.kind},
+                   {"count", one.count},
+                   {"places", json::array(one.places.begin(), one.places.end())}});
+  }
+  return out;
+}
+
+}  // namespace
+
 Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
@@ -231,7 +245,8 @@ Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
   if (!erased.ok()) return ErrorResponse(erased.status());
   return JsonResponse({{"attempts", erased->attempts},
                        {"references", erased->references},
-                       {"blobs", erased->blobs}});
+                       {"blobs", erased->blobs},
+                       {"mentions", MentionsJson(erased->mentions)}});
 }
 
 Response ListSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {

@@ -135,6 +135,10 @@ Result<ErasureReport> Erasures::ErasePerson(const Uuid& person, bool with_refere
   ENAMEL_ASSIGN_OR_RETURN(auto removed, blobs_.Remove(freed));
   report.blobs = removed;
   report.finished = rewriter_.RunIfMarked().ok();
+  // The person's own texts are gone by now.
+  auto mentions = rows_.Read([&](Db& db) { return MentionsOf(db, found); });
+  if (!mentions.ok()) return mentions.status();
+  report.mentions = std::move(*mentions);
   return report;
 }
 

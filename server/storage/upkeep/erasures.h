@@ -12,6 +12,7 @@
 #include "server/storage/engine/transactions.h"
 #include "server/storage/keys/keyring.h"
 #include "server/storage/recordings/sealed_rows.h"
+#include "server/storage/upkeep/mentions.h"
 
 namespace enamel::server {
 
@@ -20,6 +21,7 @@ struct ErasureReport {
   size_t attempts = 0, references = 0, blobs = 0;
   // False: copies of erased data may be in unused parts of the database until FinishErasures.
   bool finished = true;
+  std::vector<Mentions> mentions{};  // of the name, which stay
 };
 
 // Erases people: the key first, then the rows, then the blobs.

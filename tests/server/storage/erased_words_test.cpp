@@ -125,6 +125,24 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
   EXPECT_TRUE(tells("{\"erased\":true}"));
 }
 
+TEST_F(ErasedWordsTest, ThoseThatOthersTypedAreListedWithTheirPlaces) {
+  const Uuid other = AddPerson(*store_, "other", Role::kStudent);
+  const Uuid attempt = Scored(other);
+  Remark(attempt, "as ÁLONSO  Quijano does it", 0);
+  Remark(attempt, "quixote's way", 0);
+  Remark(attempt, "quixotesque", 0);
+  Remark(Scored(gone_), "Alonso Quijano himself", 0);
+  const Uuid cohort = *store_->cohorts.CreateCohort("Friends of (quixote)", kSystem);
+  const auto report = store_->erasures.ErasePerson(gone_, true, kSystem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  ASSERT_EQ(report->mentions.size(), 2u);
+  EXPECT_EQ(report->mentions[0].kind, "attempt");
+  EXPECT_EQ(report->mentions[0].count, 2u);
+  EXPECT_EQ(report->mentions[0].places, (std::vector<std::string>{attempt.Text()}));
+  EXPECT_EQ(report->mentions[1].kind, "cohort");
+  EXPECT_EQ(report->mentions[1].places, (std::vector<std::string>{cohort.Text()}));
+}
+
 TEST_F(ErasedWordsTest, WhatACrashLeftInTheDatabaseIsGoneOnceTheNextServerRuns) {
   SayAll(Scored(gone_), gone_, "Sancho Panza");
   ASSERT_TRUE(store_->erasures.ErasePerson(gone_, true, kSystem).ok());

@@ -2,6 +2,7 @@ import { ok } from "../base/result";
 import { type ApiResult, type Http, queryText, segment } from "./http";
 import type {
   Cohort,
+  ErasureReport,
   FirstAdmin,
   ListedCohort,
   PersonDetail,
@@ -55,7 +56,7 @@ export class PeopleApi {
   }
   // Cannot be undone; the login is repeated for that.
   erase(id: string, login: string, withReferences: boolean) {
-    return this.http.json<{ attempts: number }>("POST", `${personPath(id)}/erase`, {
+    return this.http.json<ErasureReport>("POST", `${personPath(id)}/erase`, {
       body: { login, with_references: withReferences },
     });
   }

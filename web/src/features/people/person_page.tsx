@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
-import type { PersonDetail, PersonWithCohorts } from "../../api/types";
+import type { Mentions, PersonDetail, PersonWithCohorts } from "../../api/types";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
@@ -306,6 +306,50 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
   );
 }
 
+// Where each kind of place is edited; the others have no page of their own.
+const kPageOf: Partial<Record<Mentions["kind"], string>> = {
+  attempt: "/attempts",
+  reference: "/attempts",
+  exercise: "/exercises",
+  cohort: "/cohorts",
+};
+
+// Where the name of somebody erased is still in what people typed.
+function Left({
+  name,
+  mentions,
+  onRead,
+}: {
+  readonly name: string;
+  readonly mentions: readonly Mentions[];
+  readonly onRead: () => void;
+}) {
+  return (
+    <Card title={say("person.erased", { name })}>
+      <p>{say("person.mentions")}</p>
+      <ul>
+        {mentions.map(({ kind, count, places }) => (
+          <li key={kind}>
+            {say(`person.mention_${kind}`)}: {count}{" "}
+            {places.map((place, i) => (
+              <a
+                key={place}
+                href={`${kPageOf[kind]}/${place}`}
+                aria-label={`${say(`person.mention_${kind}`)} ${i + 1}`}
+              >
+                {i + 1}{" "}
+              </a>
+            ))}
+          </li>
+        ))}
+      </ul>
+      <button type="button" class="button" onClick={onRead}>
+        {say("person.mentions_read")}
+      </button>
+    </Card>
+  );
+}
+
 // Ends everything that is kept about a person (schemas/personal_data.md).
 function Erase({
   client,
@@ -319,6 +363,8 @@ function Erase({
   const [open, setOpen] = useState(false);
   const [login, setLogin] = useState("");
   const [withReferences, setWithReferences] = useState(false);
+  const [left, setLeft] = useState<readonly Mentions[]>([]);
+  if (left.length > 0) return <Left name={person.display_name} mentions={left} onRead={onGone} />;
   return (
     <Card title={say("person.erase")}>
       <p>{say("person.erase_hint")}</p>
@@ -333,7 +379,9 @@ function Erase({
           onConfirm={async () => {
             const result = await client.people.erase(person.id, login.trim(), withReferences);
             if (!result.ok) return result.error.message;
-            onGone();
+            if (result.value.mentions.length === 0) onGone();
+            setOpen(false);
+            setLeft(result.value.mentions);
             return undefined;
           }}
         >
