@@ -10,7 +10,8 @@ namespace enamel::server::http {
 
 struct RawResponse {
   int status = 0;
-  std::map<std::string, std::string> headers;  // names in lower case; a repeated one: joined by ", "
+  std::map<std::string, std::string>
+      headers;  // names in lower case; a repeated one: joined by ", "
   std::string body;
 };
 
