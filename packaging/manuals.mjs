@@ -20,7 +20,10 @@ function readHelp(words) {
   const help = { about: [], usage: '', positionals: [], options: [], subcommands: [], more: [] };
   let into = 'about';
   for (const line of text.split('\n')) {
-    const part = { 'Positionals:': 'positionals', 'Options:': 'options', 'Subcommands:': 'subcommands' }[line];
+    // Options of a section of the settings file come under its name: "budgets:".
+    const part =
+      { 'Positionals:': 'positionals', 'Options:': 'options', 'Subcommands:': 'subcommands' }[line] ??
+      (/^[a-z]+:$/.test(line) ? 'options' : undefined);
     if (line.startsWith('Usage: ')) {
       help.usage = line.slice(7);
     } else if (part) {
