@@ -32,7 +32,7 @@ int NoPassphrase(char*, int, int, void*) { return -1; }
 Status MustFit(const std::filesystem::path& certificate, const Bytes& certificate_pem,
                const std::filesystem::path& private_key, const Bytes& key_pem) {
   const std::string_view text = AsText(key_pem);
-  if (text.find("BEGIN ENCRYPTED PRIVATE KEY") != std::string_view::npos ||
+  if (text.find("ENCRYPTED PRIVATE KEY") != std::string_view::npos ||
       text.find("Proc-Type: 4,ENCRYPTED") != std::string_view::npos) {
     return Status(Code::kInvalidInput,
                   private_key.string() +
