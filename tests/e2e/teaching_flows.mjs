@@ -390,7 +390,7 @@ async function appeal(world) {
   await page.getByRole("heading", { name: "Compared with 2 dentists" }).waitFor();
   await page.getByLabel("Your answer").fill("We replay it.");
   await page.getByRole("button", { name: "Answer and rescore" }).click();
-  await page.getByText("Rescored").waitFor();
+  await page.locator(".badge", { hasText: "Rescored" }).waitFor();
   await page.getByRole("region", { name: "Scored more than once" }).waitFor();
   await accessible(page, "an answered appeal");
 }
