@@ -96,7 +96,7 @@ std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_
     if (!meets[other]) continue;
     const auto& query = surface_->of_family[other];
     if (!query->IsWithin(point_m, found->distance_m + kLineAngle_m)) continue;
-    // As far again from the edge, at most.
+    // The edge is at most as far again.
     const auto edge = edges_->NearestTriangle(point_m, 2 * (found->distance_m + kLineAngle_m));
     if (edge) out.nearest.piece = piece_of_edge_[edge->triangle];
     break;
@@ -152,8 +152,9 @@ std::optional<AcceptableCut::Nearest> AcceptableCut::Brick::At(int i) {
   return Nearest{distance_m, block.middle->nearest.piece, block.middle->nearest.next_to};
 }
 
-// A region's area is that of a layer along the hollow's side of R's surface, by the same cells as faults: triangles
-// round a sharp edge off by up to half a voxel, and differently at every place of the grid.
+// The area of a region is that of a thin layer on the hollow's side of R's surface, counted by the cells that count
+// faults. Triangles would not do: they round a sharp edge off by up to half a voxel, at every place of the grid
+// by another amount.
 void AcceptableCut::MeasureTask() {
   constexpr double kLayer_m = 0.1e-3;
   for (Region& region : surface_->regions) region.area_m2 = 0;

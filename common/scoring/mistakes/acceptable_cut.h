@@ -20,7 +20,7 @@
 // Deterministic: + - * / sqrt in fixed orders. Thread safety: const after construction. Not real-time.
 namespace enamel::scoring {
 
-// What nobody is charged for: an examiner's eye just sees 0.1 mm (a minute of arc at 0.3 m).
+// Nobody pays for less: an examiner's eye just sees 0.1 mm (a minute of arc at 0.3 m).
 inline constexpr double kLeeway_m = 0.1e-3;
 
 // The part of a layer along R's surface between two distances from it, of even area.
@@ -99,29 +99,28 @@ class AcceptableCut {
   const std::vector<SurfacePiece>& pieces() const;
   const cutting::Volume& initial() const { return initial_; }
   const cutting::Volume& prepared() const { return prepared_; }
-  // R's surface is that of a stump: its walls face away from its middle.
+  // R leaves a stump: the walls face away from their common middle.
   bool is_stump() const;
-  // Of the task, what lies farther than kLeeway_m from R's surface.
+  // The part of the task that is farther than kLeeway_m from R's surface.
   double task_beyond_m3() const { return task_beyond_m3_; }
 
   struct Nearest {
     double distance_m = 0;  // without a side
-    uint32_t piece = 0;     // that is charged
-    // That is nearest. Another one, where it is about as near to two surfaces that meet in a sharp
-    // edge: then a piece of the edge is charged.
+    uint32_t piece = 0;     // the piece that pays
+    // The nearest piece. It is another one where the point is about as near to two surfaces that meet
+    // in a sharp edge: then a piece of the edge pays.
     uint32_t next_to = 0;
   };
   struct Found {
     Nearest nearest;
     uint32_t triangle = 0;
   };
-  // The piece of R's surface that each voxel of one brick is nearest to, worked out as it is asked for. Not for
-  // two threads at once.
+  // Looks up the nearest piece of R's surface for the voxels of one brick. One thread at a time.
   class Brick {
    public:
     // `limit_m`: beyond it there is none.
     Brick(const AcceptableCut& r, int brick, double limit_m);
-    // Of voxel i of cutting::kBrickVoxels.
+    // `i`: the voxel, below cutting::kBrickVoxels.
     std::optional<Nearest> At(int i);
     dvec3 PointOf(int i) const;
 

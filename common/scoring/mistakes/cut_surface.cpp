@@ -20,7 +20,7 @@ constexpr double kUp = 0.6;
 constexpr double kSharp = 0.766;
 // A cut that faces up to this share has no walls worth the name. Boxes have 0.27 to 0.45, a veneer 0.9.
 constexpr double kFaceShare = 0.65;
-// Of a region; less is part of the line angles.
+// A smaller region is part of the line angles.
 constexpr double kLeastArea_m2 = 0.3e-6;
 // Floors: a smaller part is a shelf at the rim. A higher step is another floor.
 constexpr double kLeastOfLargest = 0.1, kStep_m = 0.2e-3;
@@ -168,7 +168,7 @@ class Divider {
     }
   }
 
-  // Connected parts of what faces up, by triangle; those of walls are -1.
+  // The number of the connected upward surface that each triangle belongs to; -1 for walls.
   std::vector<int> UpwardParts(int& count) const {
     std::vector<uint32_t> parent(cut_.position_m.size());
     std::iota(parent.begin(), parent.end(), 0U);

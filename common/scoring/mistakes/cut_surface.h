@@ -11,7 +11,7 @@ namespace enamel::scoring {
 
 inline constexpr uint32_t kNoPiece = 0xffffffff;
 
-// Of the surface of `cut`, triangle by triangle.
+// The regions of a mesh, triangle by triangle.
 struct CutSurface {
   std::vector<Region> regions;  // by name, the line angles last
   std::vector<SurfacePiece> pieces;

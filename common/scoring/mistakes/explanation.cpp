@@ -129,7 +129,7 @@ class Dictionary {
     Motion motion;
     motion.of = kind;
     motion.kind = MotionKind::kHeight;
-    // Of one region: its offset says the same.
+    // With one region, its offset says the same.
     if (regions > 1) Add(motion, kRegion, counts, [](const SurfacePiece&) { return 1.0; });
     motion.kind = MotionKind::kSlopeX;
     Add(motion, kRegion, counts,
@@ -327,7 +327,7 @@ std::vector<double> Fit(const AcceptableCut& r, const std::vector<Atom>& atoms,
     }
     return most;
   };
-  // Those with a part in it until they are still, then all once more.
+  // The atoms that are not 0 move until they are still, then all of them once more.
   for (int i = 0; i < kMostSweeps; ++i) {
     if (sweep(all) < kStill) break;
     active.clear();

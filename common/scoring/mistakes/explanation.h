@@ -46,7 +46,7 @@ struct Motion {
   std::vector<double> d_mm;  // what it explains at each piece: beta phi
 };
 
-// Those with a part in it, in the order of the dictionary.
+// The motions that explain something, in the order of the dictionary.
 std::vector<Motion> Explain(const AcceptableCut& r, const FaultVolumes& faults);
 
 // + over and - left as an even layer at each piece, mm: what is explained.

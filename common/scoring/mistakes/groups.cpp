@@ -139,7 +139,7 @@ class Grouper {
     return true;
   }
 
-  // The explanation leaves out what lies at edges: what moved the nearest surfaces moved them too.
+  // The explanation leaves pieces at edges out. A group moved them as it moved the nearest other pieces.
   void ReachOverEdges() {
     const auto& pieces = r_.pieces();
     for (size_t e = 0; e < pieces.size(); ++e) {

@@ -40,7 +40,7 @@ class Finder {
   }
 
  private:
-  // `points` of a piece to those that moved it that way.
+  // Shares `points` of a piece among the groups that moved it in the direction of `sign`.
   void ShareAt(size_t piece, double sign, double points) {
     double sum = 0;
     for (const Group& group : groups_) sum += std::max(0.0, sign * group.d_mm[piece]);
@@ -77,7 +77,7 @@ class Finder {
     }
   }
 
-  // What is no region's.
+  // Shares the rows that belong to no region.
   void ShareRest() {
     const size_t groups = groups_.size();
     for (const RegionCost& row : cost_.rows) {

@@ -57,8 +57,7 @@ struct Mistake {
   double points = 0;
 };
 
-// The dearest first. Points sum to `cost.sum`; kUneven and those of less than `kLeastPoints` may be
-// among them.
+// The dearest mistake is first. Their points sum to `cost.sum`.
 std::vector<Mistake> FindMistakes(const AcceptableCut& r, const FaultVolumes& faults,
                                   const CutCost& cost);
 

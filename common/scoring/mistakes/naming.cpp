@@ -10,7 +10,7 @@ namespace {
 constexpr double kMm = 1e3;
 // A groove is this many times longer than wide.
 constexpr double kLong = 2.0;
-// Of a wall's height.
+// Shares of a wall's height: from kRimFrom up is the rim, up to kFootTo the foot.
 constexpr double kRimFrom = 0.6, kFootTo = 0.4;
 // A lean is said where it moves the ends of a wall by more than this part of what moved all of it.
 constexpr double kLeanSaid = 0.6;
@@ -179,7 +179,7 @@ class Namer {
     }
   }
 
-  // What a group moved of one region: how far, and how much of its area.
+  // How far a group moved one region, and how much of the region's area.
   struct Touched {
     double off_mm = 0, share = 0;
   };

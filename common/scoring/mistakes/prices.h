@@ -24,8 +24,7 @@ struct PriceCurve {
 };
 
 struct RegionPrice {
-  // The sizes at which M is 1 of what was taken beyond the region and what was left: what cannot be
-  // mended is dearer.
+  // M is 1 at these sizes. Taking too much is dearer than leaving: it cannot be mended.
   double over_m = 0, left_m = 0;
   PriceCurve price;
 };
@@ -42,7 +41,7 @@ Prices ChosenPrices();
 
 enum class Measure : uint8_t { kOver, kLeft, kNotDone, kElsewhere, kNeighbour, kPulp, kCaries };
 
-// What one region, or what is no region of R, paid.
+// A measure with its points: of a region, or of the attempt where `region` is -1.
 struct RegionCost {
   int region = -1;  // of AcceptableCut::regions(); -1: none
   Measure measure = Measure::kOver;

@@ -9,8 +9,8 @@
 #include "common/base/result.h"
 #include "station/lab/grades/hollow.h"
 
-// Laws that no grade may break, tried on random mixtures of faults: a fault is made larger, or a
-// further one added, in the volume that was cut, which is measured and priced anew. Thread safety:
+// Tries the laws that no grade may break on random mixtures of faults: cuts a fault larger, or a
+// further one, and measures and prices the new volume. Thread safety:
 // functions, any thread. Blocks.
 namespace enamel::station::lab {
 
