@@ -94,9 +94,16 @@ class LayoutTest : public testing::TestWithParam<Size> {
 };
 
 // A person's way through the window, with a server on loopback.
+// Minutes of pictures: the smallest, the upright and the largest window for every commit.
+bool IsOfEveryCommit(const Size& size) {
+  return size.width_px == 900 || size.width_px == 1080 || size.width_px == 3840;
+}
+
 class PagesLayoutTest : public LayoutTest {
  protected:
   void SetUp() override {
+    if (std::getenv("ENAMEL_FULL") == nullptr && !IsOfEveryCommit(GetParam()))
+      GTEST_SKIP() << "one of five more sizes: ./check --full";
     LayoutTest::SetUp();
     if (IsSkipped()) return;
     server_.emplace(folder_);
