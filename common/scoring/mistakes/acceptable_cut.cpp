@@ -152,9 +152,8 @@ std::optional<AcceptableCut::Nearest> AcceptableCut::Brick::At(int i) {
   return Nearest{distance_m, block.middle->nearest.piece, block.middle->nearest.next_to};
 }
 
-// The area of a region is that of a thin layer on the hollow's side of R's surface, counted by the cells that count
-// faults. Triangles would not do: they round a sharp edge off by up to half a voxel, at every place of the grid
-// by another amount.
+// Measures a region's area by a thin layer on the hollow's side of R's surface, in the cells in which faults are counted.
+// Triangles round a sharp edge off by up to half a voxel, by another amount at every place of the grid.
 void AcceptableCut::MeasureTask() {
   constexpr double kLayer_m = 0.1e-3;
   for (Region& region : surface_->regions) region.area_m2 = 0;

@@ -53,14 +53,14 @@ inline constexpr size_t kRegionKinds = 7;
 // "floor", "wall", ...
 std::string_view NameOf(RegionKind kind);
 
-// A wall or table that moves leaves a wedge in the cells of its neighbours across a sharp edge. What is
-// nearly as far from the one surface as from the other, by less than this, is the edge's. Chosen.
+// A wall or table that moves leaves a wedge in the cells of its neighbours across a sharp edge. A point whose
+// distances from the two surfaces differ by less than this belongs to the edge. Chosen.
 inline constexpr double kLineAngle_m = 0.35e-3;
 // Farther from R's surface nothing of a task lies.
 inline constexpr double kDeepest_m = 6e-3;
 struct Region {
   RegionKind kind = RegionKind::kFloor;
-  // Stable, of ASCII letters: "wall_mesial", "floor", "floor_upper", "cusp_mesiobuccal".
+  // Stable, of ASCII letters: "wall_mesial", "floor", "floor_1" (of two the upper), "cusp_mesiobuccal".
   std::string name;
   double area_m2 = 0;
 

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 namespace enamel::scoring {
 namespace {
 
-// Of lambda, by how much of R a motion takes with it. A wall alone is dearer than half of a shift and half of
-// a change of size; two walls are dearer than one shift.
+// Factors of lambda. The wall that moves alone costs less than half a shift with half a change of size; two opposite
+// walls cost more than one shift.
 constexpr double kWhole = 1, kRegion = 1.2, kOfRegion = 1.5, kLocal = 2.2;
 // mm mm: of a deviation over an area A, what is noise is d sqrt(A). 0.02 mm over 4 mm^2.
 constexpr double kLambda = 0.04;
@@ -351,9 +350,8 @@ std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& fau
   return out;
 }
 
-std::vector<Motion> Explain(const AcceptableCut& r, const FaultVolumes& faults) {
+std::vector<Motion> Explain(const AcceptableCut& r, const std::vector<double>& off_mm) {
   std::vector<Atom> atoms = Dictionary(r).Take();
-  const std::vector<double> off_mm = Deviation_mm(r, faults);
   WeighByAgreement(r, off_mm, atoms);
   const std::vector<double> beta = Fit(r, atoms, off_mm);
   std::vector<Motion> out;

@@ -13,8 +13,8 @@
 //
 // (the elastic net; Zou and Hastie 2005, J. R. Stat. Soc. B 67:301). It is strictly convex, so that there is one
 // answer, and one that moves continuously with d: nothing jumps where two explanations are about as
-// good. Each phi is scaled to unit norm first. Motions of the whole are the cheapest, then those of one region, then
-// patches.
+// good. Each phi is scaled to unit norm first. Motions of the whole have the smallest lambda, motions of one region a
+// larger one, and patches the largest.
 //
 // Deterministic: coordinate descent in a fixed order. Thread safety: functions, any thread.
 namespace enamel::scoring {
@@ -46,10 +46,10 @@ struct Motion {
   std::vector<double> d_mm;  // what it explains at each piece: beta phi
 };
 
-// The motions that explain something, in the order of the dictionary.
-std::vector<Motion> Explain(const AcceptableCut& r, const FaultVolumes& faults);
-
 // + over and - left as an even layer at each piece, mm: what is explained.
 std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& faults);
+
+// The motions that explain a part of `off_mm`, which is Deviation_mm, in the order of the dictionary.
+std::vector<Motion> Explain(const AcceptableCut& r, const std::vector<double>& off_mm);
 
 }  // namespace enamel::scoring

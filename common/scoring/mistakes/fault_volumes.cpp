@@ -110,7 +110,6 @@ class FaultMeter {
     constexpr double kDeep_m = 0.4e-3;
     const double depth_m =
         std::min(kDeep_m, -h_m_ * r_.initial().PhiAt(VoxelOf(b, i)) / cutting::kPhiPerVoxel);
-    out_.neighbour_m3 += over * voxel_m3_;
     out_.neighbour_moment_m5 += over * voxel_m3_ * std::max(0.0, depth_m) * std::max(0.0, depth_m);
   }
   ivec3 VoxelOf(int b, int i) const {

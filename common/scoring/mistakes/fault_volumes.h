@@ -4,8 +4,8 @@
 
 #include "common/scoring/mistakes/acceptable_cut.h"
 
-// What an attempt took beyond an acceptable cut R (over) and what it left within R's hollow (left),
-// voxel by voxel, at the region of R's surface that is nearest and by how far from it.
+// Compares an attempt with an acceptable cut R: the volume taken beyond R (over) and the volume left within R's hollow
+// (left), voxel by voxel, each counted at the nearest piece of R's surface and weighted by the distance from it.
 //
 // For a region of area A, and each of the two sets, with the distance delta from R's surface and the
 // leeway lambda taken off it:
@@ -42,9 +42,9 @@ struct FaultVolumes {
   dvec3 far_at_m{0};  // its middle
   // Caries of the task, and what was left of it; not in `left`.
   double caries_m3 = 0, caries_left_m3 = 0;
-  // Taken from a neighbour, and the integral of the square of the depth under its surface, which
-  // counts to 0.4 mm.
-  double neighbour_m3 = 0, neighbour_moment_m5 = 0;
+  // The integral, over what was taken from a neighbour, of the square of the depth under its surface,
+  // which counts to 0.4 mm.
+  double neighbour_moment_m5 = 0;
   double pulp_m3 = 0;  // taken from the pulp beyond R
 };
 

@@ -20,15 +20,16 @@ constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
 
 class Grouper {
  public:
-  Grouper(const AcceptableCut& r, const std::vector<Motion>& all, const std::vector<double>& off)
-      : r_(r), motions(all), off_mm(off) {}
+  Grouper(const AcceptableCut& r, const std::vector<Motion>& motions,
+          const std::vector<double>& off_mm)
+      : r_(r), motions_(motions), off_mm_(off_mm) {}
 
   std::vector<Group> Make() {
     MakeGroups();
     TakePatches();
-    for (Group& group : groups) Refit(group);
+    for (Group& group : groups_) Refit(group);
     ReachOverEdges();
-    return std::move(groups);
+    return std::move(groups_);
   }
 
  private:
@@ -64,10 +65,10 @@ class Grouper {
       return {6, 0};
     };
     std::map<std::pair<int, int>, Group> by_key;
-    for (const Motion& m : motions) {
+    for (const Motion& m : motions_) {
       if (!IsLocal(m)) by_key[key(m)].Take(m);
     }
-    for (auto& [k, group] : by_key) groups.push_back(std::move(group));
+    for (auto& [k, group] : by_key) groups_.push_back(std::move(group));
   }
   static std::pair<int, int> KeyOfKind(RegionKind kind) { return {4, static_cast<int>(kind)}; }
   // The only floor moves and slopes as one.
@@ -79,7 +80,7 @@ class Grouper {
 
   void TakePatches() {
     std::vector<const Motion*> patches;
-    for (const Motion& m : motions) {
+    for (const Motion& m : motions_) {
       if (IsLocal(m) && !JoinMove(m)) patches.push_back(&m);
     }
     std::vector<size_t> parent(patches.size());
@@ -104,12 +105,12 @@ class Grouper {
     for (auto& [k, group] : clusters) {
       const int region = group.motions.front()->region;
       if (signs[region][0] < kWavy || signs[region][1] < kWavy) {
-        groups.push_back(std::move(group));
+        groups_.push_back(std::move(group));
         continue;
       }
       for (const Motion* m : group.motions) waves[region].Take(*m);
     }
-    for (auto& [region, group] : waves) groups.push_back(std::move(group));
+    for (auto& [region, group] : waves) groups_.push_back(std::move(group));
   }
 
   static bool Touch(const Motion& a, const Motion& b) {
@@ -129,7 +130,7 @@ class Grouper {
     }
     const double peak = patch.d_mm[middle];
     Group* best = nullptr;
-    for (Group& group : groups) {
+    for (Group& group : groups_) {
       const double there = group.d_mm[middle];
       if (there * peak <= 0 || std::fabs(there) < kSameMove * std::fabs(peak)) continue;
       if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;
@@ -144,7 +145,7 @@ class Grouper {
     const auto& pieces = r_.pieces();
     for (size_t e = 0; e < pieces.size(); ++e) {
       if (!IsEdge(e)) continue;
-      std::vector<double> sum(groups.size());
+      std::vector<double> sum(groups_.size());
       double weights = 0;
       for (size_t i = 0; i < pieces.size(); ++i) {
         if (IsEdge(i)) continue;
@@ -153,15 +154,15 @@ class Grouper {
         if (t <= 0) continue;
         const double weight = t * pieces[i].area_m2;
         weights += weight;
-        for (size_t g = 0; g < groups.size(); ++g) sum[g] += weight * groups[g].d_mm[i];
+        for (size_t g = 0; g < groups_.size(); ++g) sum[g] += weight * groups_[g].d_mm[i];
       }
-      for (size_t g = 0; g < groups.size(); ++g) {
-        if (weights > 0) groups[g].d_mm[e] = sum[g] / weights;
+      for (size_t g = 0; g < groups_.size(); ++g) {
+        if (weights > 0) groups_[g].d_mm[e] = sum[g] / weights;
       }
     }
   }
 
-  // The penalty draws sizes towards 0, and shares what two motions can say. For the words, the motions that name
+  // The penalty draws sizes towards 0, and shares what two motions_ can say. For the words, the motions_ that name
   // the group are fitted to what no other group explains, without a penalty.
   void Refit(Group& group) const {
     group.sizes.assign(group.motions.size(), 0);
@@ -173,10 +174,10 @@ class Grouper {
     const size_t n = which.size();
     if (n == 0) return;
     std::vector<std::vector<double>> rows(n, std::vector<double>(n + 1));
-    for (size_t i = 0; i < off_mm.size(); ++i) {
+    for (size_t i = 0; i < off_mm_.size(); ++i) {
       if (IsEdge(i)) continue;
-      double rest = off_mm[i];
-      for (const Group& other : groups) {
+      double rest = off_mm_[i];
+      for (const Group& other : groups_) {
         if (&other != &group) rest -= other.d_mm[i];
       }
       std::vector<double> phi(n);
@@ -190,7 +191,7 @@ class Grouper {
         rows[a][n] += area * phi[a] * rest;
       }
     }
-    // Positive definite, but for motions that say the same.
+    // Positive definite, but for motions_ that say the same.
     for (size_t a = 0; a < n; ++a) rows[a][a] *= 1 + kTie;
     for (size_t a = 0; a < n; ++a) {
       if (!(rows[a][a] > 0)) return;
@@ -207,9 +208,9 @@ class Grouper {
   }
 
   const AcceptableCut& r_;
-  const std::vector<Motion>& motions;
-  const std::vector<double>& off_mm;
-  std::vector<Group> groups;
+  const std::vector<Motion>& motions_;
+  const std::vector<double>& off_mm_;
+  std::vector<Group> groups_;
 };
 
 }  // namespace

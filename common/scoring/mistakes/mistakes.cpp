@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include "common/scoring/mistakes/naming.h"
@@ -22,8 +21,8 @@ class Finder {
       : r_(r),
         faults_(faults),
         cost_(cost),
-        motions_(Explain(r, faults)),
         off_mm_(Deviation_mm(r, faults)),
+        motions_(Explain(r, off_mm_)),
         groups_(GroupMotions(r, motions_, off_mm_)) {}
 
   std::vector<Mistake> Find() {
@@ -160,8 +159,8 @@ class Finder {
   const AcceptableCut& r_;
   const FaultVolumes& faults_;
   const CutCost& cost_;
-  const std::vector<Motion> motions_;
   const std::vector<double> off_mm_;
+  const std::vector<Motion> motions_;
   const std::vector<Group> groups_;
   std::vector<Mistake> out_, rest_;
   std::vector<dvec3> points_at_;

@@ -10,7 +10,7 @@
 // What a teacher says of a cut: a few mistakes, each with its place, size and points. The motions of
 // an explanation that belong together are one mistake (a wall's offset and lean, neighbouring
 // patches of one sign), and the points that each region paid are shared among the mistakes that
-// moved its surface, by how far each moved it where it cost. The shares sum to the cost exactly.
+// moved its surface, by how far each moved it where it cost. The shares sum to the cost, but for rounding.
 //
 // Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {

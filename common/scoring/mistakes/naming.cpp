@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace enamel::scoring {
 namespace {
@@ -62,7 +63,7 @@ class Namer {
     return hi > lo ? 0.5 * (hi - lo) : 0;
   }
 
-  static double TangentOf(double degrees) { return degrees * 0.017453292519943295; }
+  static double TangentOf(double degrees) { return degrees * std::numbers::pi / 180; }
 
   void NameWalls(const Group& group, double moved_mm, double lean_deg, Mistake& m) const {
     const double ends_mm = std::fabs(TangentOf(lean_deg)) * HalfExtent_mm(group, 2);

@@ -27,15 +27,9 @@ double CubeRoot(double x) {
 // Points, at least, where nothing was cut.
 constexpr double kNothingCut = 100;
 
-struct RegionSums {
-  PieceFault over, left;
+struct Moments {
+  double over_m5 = 0, left_m5 = 0;
 };
-
-void Add(PieceFault& sum, const PieceFault& more) {
-  sum.volume_m3 += more.volume_m3;
-  sum.moment_m5 += more.moment_m5;
-  sum.beyond_m3 += more.beyond_m3;
-}
 
 // M, with L of 1: metres as an even layer beyond the leeway.
 double EvenLayer_m(double moment_m5, double area_m2) {
@@ -77,12 +71,12 @@ Prices ChosenPrices() {
 
 CutCost CostOf(const AcceptableCut& r, const FaultVolumes& faults, const Prices& prices) {
   const auto& regions = r.regions();
-  std::vector<RegionSums> sums(regions.size());
+  std::vector<Moments> moments(regions.size());
   double elsewhere_m3 = faults.far_m3, left_beyond_m3 = 0;
   for (size_t k = 0; k < r.pieces().size(); ++k) {
-    RegionSums& sum = sums[r.pieces()[k].region];
-    Add(sum.over, faults.over[k]);
-    Add(sum.left, faults.left[k]);
+    Moments& sum = moments[r.pieces()[k].region];
+    sum.over_m5 += faults.over[k].moment_m5;
+    sum.left_m5 += faults.left[k].moment_m5;
     left_beyond_m3 += faults.left[k].beyond_m3;
     elsewhere_m3 += faults.elsewhere_m3[k];
   }
@@ -92,8 +86,8 @@ CutCost CostOf(const AcceptableCut& r, const FaultVolumes& faults, const Prices&
   };
   for (size_t i = 0; i < regions.size(); ++i) {
     const RegionPrice& price = prices.regions[static_cast<size_t>(regions[i].kind)];
-    const double over_m = EvenLayer_m(sums[i].over.moment_m5, regions[i].area_m2);
-    const double left_m = EvenLayer_m(sums[i].left.moment_m5, regions[i].area_m2);
+    const double over_m = EvenLayer_m(moments[i].over_m5, regions[i].area_m2);
+    const double left_m = EvenLayer_m(moments[i].left_m5, regions[i].area_m2);
     const int number = static_cast<int>(i);
     const RegionCost over{number, Measure::kOver, (over_m + kLeeway_m) * kMm,
                           price.price.At(over_m / price.over_m)};

@@ -9,7 +9,7 @@
 // Points of a cut: what each region's measures cost. A region pays its dearest measure, once; a cut
 // costs the sum over its regions, and the score is 100 less that. Every measure only grows with its
 // set of voxels and every price only grows with its measure, so a larger or a further fault never
-// earns points.
+// earns points. Where one voxel holds something left and something taken too far, the voxel has their difference.
 //
 // A price of a measure M is  p M / sqrt(1 + (M / s)^2):  p points where M is 1 and small against s,
 // p s points at most, and no corner between.
@@ -24,7 +24,7 @@ struct PriceCurve {
 };
 
 struct RegionPrice {
-  // M is 1 at these sizes. Taking too much is dearer than leaving: it cannot be mended.
+  // M is 1 at these sizes. What was taken cannot be mended, so that over_m is at most left_m.
   double over_m = 0, left_m = 0;
   PriceCurve price;
 };

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <random>
 
 #include "common/scene/builder.h"
 #include "common/scene/builtin/builtin.h"
@@ -176,6 +175,11 @@ TEST(PricesTest, AnEvenLayerIsAsThickAsItIs) {
   }
 }
 
+TEST(PricesTest, NoRegionIsDearerWhereItCanBeMended) {
+  const Prices prices = ChosenPrices();
+  for (const RegionPrice& region : prices.regions) EXPECT_LE(region.over_m, region.left_m);
+}
+
 struct Known {
   const char* what;
   Hollow taken;
@@ -224,95 +228,10 @@ TEST(MistakesTest, TheMistakeThatWasMadeIsNamedFirst) {
   }
 }
 
-// One fault of a random kind, at two sizes of which the second holds the first. Over faults lie outside
-// the task and left ones inside, so that none undoes another.
-struct RandomFault {
-  bool over = true;
-  Hollow small, large;
-};
-
-class Mixtures {
- public:
-  explicit Mixtures(uint64_t seed) : random_(seed) {}
-
-  RandomFault Draw() {
-    const Hollow cavity = Taken(FaultBlockCavity());
-    const dvec3 at(Uniform(-1.8, 1.8), Uniform(-1.5, 1.5), Uniform(-2.2, 0));
-    const double r = Uniform(0.25, 0.6), t = Uniform(0.1, 0.4), more = Uniform(1.1, 1.8);
-    auto grown = [&](double by_mm) {
-      BoxCavity out = FaultBlockCavity();
-      out.faces[face_].moved_m = by_mm * kMm;
-      return Taken(out);
-    };
-    face_ = static_cast<size_t>(Uniform(0, 4.999));
-    switch (static_cast<int>(Uniform(0, 4.999))) {
-      case 0:
-        return {true, Ball(at, r), Ball(at, r * more)};
-      case 1:
-        return {true, Rod(at.x, at.y, r, -2), Rod(at.x, at.y, r * more, -2)};
-      case 2:
-        return {true, grown(t), grown(t * more)};
-      case 3:
-        return {false, Ball(at, r), Ball(at, r * more)};
-      default:
-        return {false, Beyond(grown(-t)), Beyond(grown(-t * more))};
-    }
-  }
-
-  double Uniform(double from, double to) {
-    return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
-
-  // Of a list of faults, the larger of those with a mark.
-  static Hollow Cut(const std::vector<RandomFault>& faults, size_t grown) {
-    Hollow out = Taken(FaultBlockCavity());
-    for (size_t i = 0; i < faults.size(); ++i) {
-      if (faults[i].over) out = Both(out, i == grown ? faults[i].large : faults[i].small);
-    }
-    const Hollow task = Taken(FaultBlockCavity());
-    for (size_t i = 0; i < faults.size(); ++i) {
-      if (!faults[i].over) {
-        out = Without(out, Within(i == grown ? faults[i].large : faults[i].small, task));
-      }
-    }
-    return out;
-  }
-
- private:
-  static Hollow Beyond(const Hollow& smaller) {
-    return [=](const dvec3& p) { return -smaller(p); };
-  }
-  std::mt19937_64 random_;
-  size_t face_ = 0;
-};
-
-constexpr double kRounding = 1e-9;
-
-TEST(LawsTest, NeitherALargerNorAFurtherFaultEarnsPointsAndSharesSumToTheLoss) {
-  constexpr uint64_t kSeeds = 8;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    Mixtures mixtures(seed);
-    std::vector<RandomFault> faults = {mixtures.Draw(), mixtures.Draw()};
-    constexpr size_t kNone = 99;
-    const Scored scored = Usual().Score(Mixtures::Cut(faults, kNone));
-    double points = 0;
-    for (const Mistake& m : scored.mistakes) points += m.points;
-    EXPECT_NEAR(points, scored.cost.sum, kRounding) << seed;
-    for (size_t i = 0; i < faults.size(); ++i) {
-      const Scored grown = Usual().Score(Mixtures::Cut(faults, i));
-      EXPECT_LE(grown.score, scored.score + kRounding) << seed << ", fault " << i;
-    }
-    faults.push_back(mixtures.Draw());
-    EXPECT_LE(Usual().Score(Mixtures::Cut(faults, kNone)).score, scored.score + kRounding) << seed;
-  }
-}
-
 TEST(LawsTest, AMirroredCutHasTheScoreOfItsMirror) {
-  const Cavity& cavity = Usual();
-  for (uint64_t seed = 1; seed <= 4; ++seed) {
-    Mixtures mixtures(seed);
-    const Hollow taken = Mixtures::Cut({mixtures.Draw(), mixtures.Draw()}, 9);
-    EXPECT_NEAR(cavity.Score(taken).score, cavity.Score(Mirrored(taken)).score, 0.2) << seed;
+  for (const Known& known : KnownMistakes()) {
+    EXPECT_NEAR(Usual().Score(known.taken).score, Usual().Score(Mirrored(known.taken)).score, 0.2)
+        << known.what;
   }
 }
 
