@@ -48,9 +48,7 @@ void Strangers::Begin() {
 }
 
 void Strangers::Stop() {
-  if (!thread_.joinable()) return;
-  thread_.request_stop();
-  thread_.join();
+  thread_ = {};  // asks it to stop and waits
 }
 
 void Strangers::Run(const std::stop_token& stop) {

@@ -148,9 +148,7 @@ void Thief::Begin() {
 }
 
 void Thief::Stop() {
-  if (!thread_.joinable()) return;
-  thread_.request_stop();
-  thread_.join();
+  thread_ = {};  // asks it to stop and waits
 }
 
 void Thief::Run(const std::stop_token& stop) {
