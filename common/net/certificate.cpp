@@ -214,7 +214,7 @@ std::string ChainProblem(ByteView pem) {
     if (X509_check_issued(all[i].get(), all[i - 1].get()) == X509_V_OK) continue;
     return "certificate " + std::to_string(i + 1) + ", " + SubjectOf(all[i].get()) +
            ", did not sign certificate " + std::to_string(i) + ", " + SubjectOf(all[i - 1].get()) +
-           "; after each certificate put the one that signed it";
+           "; put each signer's certificate after the one that it signed";
   }
   return {};
 }

@@ -44,7 +44,7 @@ Result<CertificateTime> CertificateTimeOf(ByteView pem);
 // Where each certificate of the text is not signed by the next one: which is out of order, and what
 // to do. Clients that do not sort them refuse the first. Empty: they are in order, or there is one.
 std::string ChainProblem(ByteView pem);
-// Of several certificates, the one that the key belongs to: 1 for the first; 0: none.
+// Number of the certificate that the key belongs to: 1 is the first, 0 none.
 size_t CertificateOfKey(ByteView pem, const evp_pkey_st* key);
 int64_t EndOfCertificateMs(const x509_st* certificate);
 

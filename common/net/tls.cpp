@@ -24,11 +24,11 @@ Status Refused(const std::filesystem::path& file, const std::string& expected,
                 file.string() + ": expected " + expected + "; OpenSSL says: " + error.message());
 }
 
-// Nobody is there to type a passphrase: OpenSSL is told that there is none.
+// Nobody is there to type a passphrase: without this, OpenSSL would ask for one.
 int NoPassphrase(char*, int, int, void*) { return -1; }
 
-// What OpenSSL words so that nobody finds the fault: an encrypted key, and a chain in which the
-// key's certificate is not the first.
+// Refuses an encrypted key, and a chain in which the key's certificate is not the first. OpenSSL's own words for the two
+// lead nobody to the fault.
 Status MustFit(const std::filesystem::path& certificate, const Bytes& certificate_pem,
                const std::filesystem::path& private_key, const Bytes& key_pem) {
   const std::string_view text = AsText(key_pem);
@@ -53,8 +53,8 @@ Status MustFit(const std::filesystem::path& certificate, const Bytes& certificat
                 certificate.string() + ": expected the certificate of " + private_key.string() +
                     " first, found it at place " + std::to_string(at) +
                     ": the chain is in the wrong order; put the server's own certificate first, "
-                    "after each certificate the one that signed it, and the root last or not at "
-                    "all");
+                    "each signer's certificate after the one that it signed, and the root last "
+                    "or not at all");
 }
 
 boost::asio::const_buffer Buffer(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }

@@ -173,7 +173,7 @@ class PgDb::Race {
     }
     return out;
   }
-  // Why the others are not. Of several causes the one that somebody has to mend: a standby beside a
+  // Why the others are not. Among several causes, names the one that somebody has to mend: a standby beside a
   // primary that cannot be reached is as it should be.
   PgFailure Problem(bool opening) const {
     PgFailure out{PgFailure::Kind::kReadOnly, {}, {}, opening};
@@ -353,7 +353,8 @@ Result<int64_t> PgDb::ReadTimeline() {
 }
 
 PgHost PgDb::Described(std::string where) {
-  PgHost out{std::move(where)};
+  PgHost out;
+  out.where = std::move(where);
   const auto timeline = ReadTimeline();
   if (!timeline.ok()) out.problem = failure_.words;
   out.timeline = timeline.ok() ? *timeline : 0;

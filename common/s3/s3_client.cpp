@@ -31,7 +31,7 @@ bool MayPass(long status, const std::string& code) {
          code == "OperationAborted" || (status == 409 && code.empty());
 }
 
-// Whether the store answers that it knows no such setting of a bucket.
+// The store does not know the setting of a bucket that was asked for.
 bool IsUnknownSetting(long status, const std::string& code) {
   return status == 501 || status == 405 || code == "NotImplemented" || code == "MethodNotAllowed";
 }
