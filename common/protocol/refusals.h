@@ -21,6 +21,7 @@ inline constexpr const char* kAnyway = "anyway";
 // Fields of a problem: why an attempt has failed (`kConflict`) or is quarantined.
 inline constexpr const char* kNoReference = "no_reference";
 inline constexpr const char* kReplay = "replay";
+inline constexpr const char* kBrokenLaw = "broken_law";
 inline constexpr const char* kUnreadable = "unreadable";
 inline constexpr const char* kOtherHand = "other_hand";
 inline constexpr const char* kFasterThanTime = "faster_than_time";
@@ -78,6 +79,7 @@ inline constexpr std::array kRefusals = {
     // AttemptState.problem
     Refusal{Code::kConflict, kNoReference},
     Refusal{Code::kConflict, kReplay},
+    Refusal{Code::kConflict, kBrokenLaw},
     Refusal{Code::kConflict, kUnreadable},
     Refusal{Code::kConflict, kOtherHand},
     Refusal{Code::kConflict, kFasterThanTime},

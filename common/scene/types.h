@@ -243,29 +243,35 @@ struct RubricPoint {
   bool operator==(const RubricPoint&) const = default;
 };
 
+// What a kind of region costs, or a kind of damage (scoring/mistakes/prices.h). With M the measure in
+// units of `over` or `left`, a price is points * M / sqrt(1 + (M * points / most)^2).
+struct RubricPrice {
+  // Of a region: "floor", "wall", "table", "axial_wall", "margin", "face" or "line_angle". Of the
+  // whole: "elsewhere", "neighbour", "pulp" or "caries".
+  std::string of;
+  // Sizes at which the price is about `points`, in the unit of `of` (scoring::UnitOf): what was cut too
+  // far, and what was left. 0: this kind has no such side.
+  double over = 0, left = 0;
+  double points = 0, most = 0;
+  // From these points on, an examiner asks for a change, or for the work to be done anew.
+  double modify_points = 0, redo_points = 0;
+  std::string source;  // of the figures; "chosen": none was read
+
+  bool operator==(const RubricPrice&) const = default;
+};
+
+// What the hand's time, force or way costs.
 struct RubricCriterion {
-  std::string metric;            // a name from scoring/metrics.h
-  std::string title;             // "Mesial wall"
-  std::string unit;              // must equal the metric's unit
-  double points = 0;             // full marks
-  std::vector<RubricPoint> map;  // piecewise linear in value, at least one, sorted
+  std::string metric;  // a name from scoring/metrics.h that the finished tooth does not show
+  std::string title;   // "Light hand"
+  std::string unit;    // must equal the metric's unit
+  double points = 0;   // the most that it costs
+  std::vector<RubricPoint> map;  // share kept; piecewise linear in value, at least one, sorted
   std::string comment;           // shown where points are lost
   // Critical: when value exceeds this the whole score is 0.
   std::optional<double> fails_above;
 
   bool operator==(const RubricCriterion&) const = default;
-};
-
-// Multiplies every criterion's points: by how far the task was done, or how much was destroyed
-// beside it.
-struct RubricGate {
-  std::string metric;
-  std::string title;
-  std::string unit;
-  std::vector<RubricPoint> map;  // share of all points, 0..1
-  std::string comment;           // shown where it takes points
-
-  bool operator==(const RubricGate&) const = default;
 };
 
 // An error that no examiner would pass: the attempt is not acceptable, whatever else is right.
@@ -285,32 +291,11 @@ struct RubricCritical {
 // restoration.h has the names in documents.
 enum class Restoration : uint8_t { kNone, kAmalgam, kComposite, kCeramic };
 
-// How far a wall may lean from the way out of the cavity without losing points, in degrees: + it
-// opens towards the top (divergent), - it leans over the cavity (convergent).
-struct DivergenceRange {
-  double from_deg = 0, to_deg = 0;
-
-  bool operator==(const DivergenceRange&) const = default;
-};
-
-// What one material tolerates in place of the rubric's own maps and limits.
+// What one material changes: prices and limits that count in place of the rubric's own.
 struct RestorationTolerance {
   Restoration restoration = Restoration::kNone;
   std::string source;  // of the figures
-  struct Ranges {
-    DivergenceRange mesiodistal, buccolingual;  // of mesial and distal, buccal and lingual walls
-
-    bool operator==(const Ranges&) const = default;
-  };
-  // With it, the maps of undercut_deg and wall_tilt_deg are for the degrees beyond the range.
-  std::optional<Ranges> divergence = {};
-  struct Map {
-    std::string metric;  // of a criterion
-    std::vector<RubricPoint> map;
-
-    bool operator==(const Map&) const = default;
-  };
-  std::vector<Map> criteria;
+  std::vector<RubricPrice> prices;
   struct Limit {
     std::string error, metric;  // of a critical error
     double limit = 0;           // on the side on which the critical error has its own
@@ -325,8 +310,8 @@ struct RestorationTolerance {
 struct Rubric {
   std::string name;
   int32_t version = 1;
-  std::vector<RubricCriterion> criteria;
-  std::vector<RubricGate> gates;
+  std::vector<RubricPrice> prices;        // each kind once
+  std::vector<RubricCriterion> criteria;  // of the hand
   std::vector<RubricCritical> critical = {};
   Restoration restoration = Restoration::kNone;
   // By material, each once; the one that `restoration` names counts.

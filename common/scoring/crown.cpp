@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/math/trig.h"
-#include "common/scoring/causes/planes.h"
+#include "common/scoring/planes.h"
 
 namespace enamel::scoring {
 namespace {

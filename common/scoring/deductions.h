@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "common/cutting/volume.h"
-#include "common/scene/types.h"
-#include "common/scoring/metrics.h"
+#include "common/scoring/mistakes/mistakes.h"
 #include "common/scoring/movement/provenance.h"
 #include "common/scoring/movement/strokes.h"
-#include "common/surface/surface.h"
 
 // Where and when points were lost: schemas/score.md, "Deductions".
 // Deterministic. Thread safety: functions, any thread.
@@ -27,11 +25,11 @@ struct FaultStroke {
   bool operator==(const FaultStroke&) const = default;
 };
 
-// One criterion's places of one kind.
+// Where a mistake lies, and what made it.
 struct Deduction {
-  std::string criterion;  // metric
-  bool left = false;      // true: left standing, so there is no moment; false: taken too much
-  double volume_m3 = 0;   // all of it
+  uint32_t mistake = 0;  // its number in ScoreResult::mistakes, from 0
+  bool left = false;     // true: left standing, so there is no moment; false: taken too much
+  double volume_m3 = 0;  // all of it
   // The middle of the fault in the brick of 8 voxels that holds most of it, scene frame.
   dvec3 position_m{0};
   // Unit vector out of the tooth there: where to look at it from.
@@ -58,25 +56,17 @@ struct Deduction {
 };
 
 struct DeductionInputs {
-  const cutting::Volume* initial = nullptr;
+  const AcceptableCut* r = nullptr;
   const cutting::Volume* attempt = nullptr;
-  const cutting::Volume* reference = nullptr;
-  // The reference's cut surface (CutPart in task.h); only where near and far are distinguished.
-  const surface::Mesh* reference_cut = nullptr;
-  double near_m = 0;  // farther than this from it is elsewhere
+  const FoundMistakes* found = nullptr;
   const Provenance* provenance = nullptr;
   const StrokeRecorder* strokes = nullptr;
-  const std::vector<WorstPlace>* places = nullptr;  // ComputeMetrics'; may be null
 };
-// A fault of a line or a section includes everything within this distance of its worst place.
+// A fault that spreads over a surface has its strokes within this distance of its worst place.
 inline constexpr double kNearPlace_m = 1e-3;
 
-// The deductions of `criteria`, metrics that cost points, in their order: one for too much taken
-// and one for too much left, where the metric has a place and there is any of it. Metrics of force,
-// time and path have none. A metric with its own place (`places`) has a deduction at that place,
-// even where nothing near it differs by a voxel's hundredth. Requires: equal grids.
-std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::CavityTarget& target,
-                                      const std::vector<std::string>& criteria,
-                                      const DeductionInputs& inputs);
+// One for each mistake and side of which there is any volume, in the mistakes' order, too much taken first. Requires: equal
+// grids; `attempt` is what `found` was found in.
+std::vector<Deduction> FindDeductions(const DeductionInputs& inputs);
 
 }  // namespace enamel::scoring

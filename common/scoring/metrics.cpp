@@ -8,7 +8,6 @@
 #include "common/cutting/voxel_limit.h"
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
-#include "common/scoring/causes/causes.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/measured.h"
 #include "common/scoring/movement/path_align.h"
@@ -107,41 +106,6 @@ void MeasureTissues(const AttemptData& attempt, const Side& side, bool cover, Me
   if (m.has_neighbour && cover) m.neighbour_depth_m = NeighbourDepth_m(attempt, side);
 }
 
-// Metrics of a line or a section, and where each is at its worst.
-struct PlaceEntry {
-  std::string_view name;
-  Spot CrownFigures::*at;
-};
-constexpr PlaceEntry kPlaces[] = {
-    {"convergence_mesiodistal_deg", &CrownFigures::mesiodistal_at},
-    {"convergence_buccolingual_deg", &CrownFigures::buccolingual_at},
-    {"convergence_least_deg", &CrownFigures::least_at},
-    {"convergence_most_deg", &CrownFigures::most_at},
-    {"crown_axis_deg", &CrownFigures::axis_at},
-    {"crown_undercut_mm2", &CrownFigures::undercut_at},
-    {"finish_width_mm", &CrownFigures::width_at},
-    {"finish_width_least_mm", &CrownFigures::width_at},
-    {"finish_complete_percent", &CrownFigures::width_at},
-    {"finish_depth_mm", &CrownFigures::depth_at},
-    {"finish_waviness_mm", &CrownFigures::waviness_at},
-};
-
-void AddPlaces(const Measured& m, const MetricPlan& plan, MetricSet& out) {
-  if (plan.Has(MetricGroup::kCrown) && m.crown.made) {
-    for (const PlaceEntry& p : kPlaces) {
-      if (p.at == &CrownFigures::undercut_at && m.crown.undercut_m2 == 0) continue;
-      const Spot& spot = m.crown.*p.at;
-      out.places.push_back({std::string(p.name), spot.at_m, spot.facing});
-    }
-  }
-  if (m.deepest_over.depth_m > 0) {
-    out.places.push_back({"deepest_over_mm", m.deepest_over.at_m, {}});
-  }
-  if (plan.Has(MetricGroup::kMargin) && m.margin.made) {
-    out.places.push_back({"cavosurface_off_deg", m.margin.worst_at_m, m.margin.worst_facing});
-  }
-}
-
 }  // namespace
 
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
@@ -236,18 +200,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kMotion)) m.smoothness = attempt.process->MeasureSmoothness();
   ENAMEL_RETURN_IF_ERROR(tell(1));
 
-  MetricSet out = Collect(m, plan);
-  AddPlaces(m, plan, out);
-  const auto charges = FindCharges(
-      m, {a.cut_side, r.cut_side, deviation, back, boxes.target, exercise.target.depth_um * 1e-6,
-          NearOf_m(exercise.target, initial.spec()), reference_cut});
-  for (const Charge& charge : charges) {
-    const auto metric = std::ranges::find(out.values, charge.name, &MetricValue::name);
-    if (metric == out.values.end()) continue;
-    metric->charged = charge.value;
-    metric->under.assign(charge.under.begin(), charge.under.end());
-  }
-  return out;
+  return Collect(m, plan);
 }
 
 }  // namespace enamel::scoring

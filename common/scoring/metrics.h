@@ -54,7 +54,6 @@ struct AttemptData {
   const std::vector<float>* deviation_m = nullptr;
 };
 
-inline constexpr size_t kMaxUnder = 4;
 struct MetricValue {
   std::string name;
   double value = 0;
@@ -62,10 +61,6 @@ struct MetricValue {
   // A metric of force, and the device was at its limit for more than kMostLimited_percent of the
   // ticks with any force: the hand may have done more than could be rendered.
   bool limited = false;
-  // What a criterion is charged for, where something else explains a part of the value, and the
-  // metrics that the part is charged under: causes/causes.h, Charge.
-  std::optional<double> charged = {};
-  std::vector<std::string> under = {};
   // Of a thickness below it: the least that the grid can measure, in the metric's unit. The value
   // may be off by all of it, and 0 may be a wall.
   std::optional<double> below_grid = {};
@@ -119,8 +114,8 @@ class MetricPlan {
                                              MetricGroup::kRecording};
 
   static MetricPlan All();
-  // The base and the groups of the rubric's criteria and gates. Metrics that do not exist are
-  // ignored (ValidateRubric reports them).
+  // The base, the groups of the rubric's criteria and critical errors, and those that say more of a region that it has a
+  // price for. Metrics that do not exist are ignored (ValidateRubric reports them).
   static MetricPlan For(const scene::Rubric& rubric);
 
   void Add(MetricGroup group) { groups_.set(static_cast<size_t>(group)); }
@@ -144,20 +139,10 @@ struct MissingMetric {
   bool operator==(const MissingMetric&) const = default;
 };
 
-// Where a metric that is about a line or a section is at its worst, scene frame.
-struct WorstPlace {
-  std::string name;
-  dvec3 at_m{0};
-  std::optional<dvec3> facing{};  // unit: where to look at it from; none: out of the tooth there
-
-  bool operator==(const WorstPlace&) const = default;
-};
-
-// Every metric of Metrics() is in one of the first two lists, in its order.
+// Every metric of Metrics() is in one of the lists, in its order.
 struct MetricSet {
   std::vector<MetricValue> values;
   std::vector<MissingMetric> missing;
-  std::vector<WorstPlace> places;  // of values that have one
 
   bool operator==(const MetricSet&) const = default;
 };

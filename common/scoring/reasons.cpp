@@ -5,15 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <span>
 
 namespace enamel::scoring {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kMm3 = 1e9;
-// Less is read as 0.00 mm3.
-constexpr double kLeastLeft_mm3 = 0.005;
 
 // The values that earn the most points, and those around them that earn none, as far as the map
 // says.
@@ -92,13 +90,6 @@ std::string Found(const MetricInfo& info, double value, int digits) {
   return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
 }
 
-std::string Clock(double s) {
-  const auto whole = std::llround(std::max(0.0, s));
-  char text[32];
-  std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
-  return text;
-}
-
 // What follows the finding, by code: where full marks end, where none begin.
 struct Wording {
   std::string_view code, full, none;
@@ -155,21 +146,6 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   if (reason.code == "below_grid" && v.size() == 1) {
     return "Thinner than " + Value(reason, 0, info.unit) +
            ": the grid cannot measure it more exactly";
-  }
-  if (reason.code == "keeps" && v.size() == 1) {
-    return "Every criterion keeps " + Number(v[0], "%") + " of its points";
-  }
-  const bool by_stroke = reason.code == "stop_earlier" || reason.code == "stop_earlier_here";
-  const bool by_moment = reason.code == "stop_earlier_by" || reason.code == "stop_earlier_here_by";
-  if ((by_stroke || by_moment) && v.size() == 2) {
-    const bool here = reason.code.find("_here") != std::string::npos;
-    return std::string(here ? "At the worst spot, it began at " : "It began at ") + Clock(v[0]) +
-           (by_stroke ? ", and stroke " + Digits(v[1], 0) + " removed most of it"
-                      : ", and half of it was gone by " + Clock(v[1])) +
-           ". Stop earlier there";
-  }
-  if (reason.code == "cut_further" && v.size() == 1) {
-    return Number(v[0], "mm3") + " was left uncut. Cut further there";
   }
   return std::string(RemedyText(reason.code));
 }
@@ -238,42 +214,11 @@ Reason BelowGridReason(const MetricInfo& info, double least) {
   return {"below_grid", {least}, {std::string(info.unit)}};
 }
 
-Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }
-
 const Remedy* RemedyOf(const MetricInfo& info, double value,
                        const std::vector<scene::RubricPoint>& map) {
   const Asked asked = AskedFor(map);
   if (value >= asked.from && value <= asked.to) return nullptr;
   return FindRemedy(info.name, value > asked.to);
-}
-
-std::optional<Reason> Advice(const MetricInfo& info, double value,
-                             const std::vector<scene::RubricPoint>& map,
-                             const std::vector<Deduction>& deductions) {
-  const Remedy* remedy = RemedyOf(info, value, map);
-  if (remedy == nullptr) return std::nullopt;
-  const bool either = remedy->code == kWhereMost, left = remedy->code == kCutFurther;
-  if (!either && !left && remedy->code != kStopEarlier)
-    return Reason{std::string(remedy->code), {}, {}};
-  const Deduction* most = nullptr;
-  for (const Deduction& d : deductions) {
-    if (d.criterion != info.name || (!either && d.left != left)) continue;
-    if (most == nullptr || d.volume_m3 > most->volume_m3) most = &d;
-  }
-  if (most == nullptr) return std::nullopt;
-  if (most->left) {
-    const double left_mm3 = most->volume_m3 * kMm3;
-    if (left_mm3 < kLeastLeft_mm3) return std::nullopt;
-    return Reason{"cut_further", {left_mm3}, {"mm3"}};
-  }
-  if (most->strokes.empty()) return std::nullopt;
-  const FaultStroke& stroke = most->strokes.front();
-  const std::string code = most->here ? "stop_earlier_here" : "stop_earlier";
-  // After one long stroke without lifting, or a little in each of many strokes, the advice names a
-  // moment: no one stroke could have been left out.
-  if (stroke.lasts_s > kLongStroke_s || stroke.volume_m3 < 0.5 * most->strokes_m3)
-    return Reason{code + "_by", {most->first_s, most->half_s}, {"s", "s"}};
-  return Reason{code, {most->first_s, static_cast<double>(stroke.number)}, {"s", "count"}};
 }
 
 std::string Sentence(std::string_view title, const MetricInfo& info,

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/scene/types.h"
-#include "common/scoring/deductions.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/remedies.h"
 
@@ -22,7 +20,6 @@ struct Reason {
 
   bool operator==(const Reason&) const = default;
 };
-inline constexpr double kLongStroke_s = 10;
 inline constexpr size_t kMaxReasons = 4, kMaxReasonValues = 8;
 
 // The value found, with the values where the map gives full marks, and where it gives none if marks
@@ -37,24 +34,10 @@ Reason MissingReason(NoValue why);
 Reason LimitReason(const MetricInfo& info, double value);
 // A thickness below what the grid can measure, beside the value found: "below_grid".
 Reason BelowGridReason(const MetricInfo& info, double least);
-// The share that every criterion keeps by a gate that took points: "keeps".
-Reason KeepsReason(double share);
 // The metric's fault and remedy on the side where the map gives less; nullptr where the value earns
 // full marks, or is no fault.
 const Remedy* RemedyOf(const MetricInfo& info, double value,
                        const std::vector<scene::RubricPoint>& map);
-// What would mend it: the remedy (remedies.h) of the metric on the side where the map gives less. A
-// remedy for a cut that ends in the wrong place is said of the place where the most was lost, on the
-// remedy's side or on the larger one:
-//  * "stop_earlier" with the first moment and the stroke that took most.
-//  * "stop_earlier_by" with the first moment and the moment by which half was gone, where no stroke
-//    took half, or that stroke lasted longer than kLongStroke_s.
-//  * Either with "_here" where it is of the worst place only (Deduction::here).
-//  * "cut_further" with the volume that was left.
-// None where no place or moment is known, and for metrics that have no remedy.
-std::optional<Reason> Advice(const MetricInfo& info, double value,
-                             const std::vector<scene::RubricPoint>& map,
-                             const std::vector<Deduction>& deductions);
 // Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
 // of a degree or of a second. More, up to four, only for a limit that they would not show exactly
 // (0.025 mm, not 0.03), and for a value that they would show on the wrong side of where full marks end.
@@ -66,10 +49,8 @@ std::string WithUnit(std::string number, std::string_view unit);
 // Of a signed metric, in its unit: a smaller value shows as 0.00, neither too deep nor short.
 inline constexpr double kNeitherWay = 0.005;
 
-// The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03
-// mm, none beyond 0.25 mm). At the worst spot, it began at 1:12, and stroke 14 removed most of it.
-// Stop earlier there." A code that is not known, of a newer server, is left out. `comment`: the
-// rubric's, told last; may be empty.
+// The sentences, each with its full stop: "Light hand: 5.20 N (full marks up to 4.00 N, none from 8.00 N). Press less and
+// let the bur cut." A code that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.
 std::string Sentence(std::string_view title, const MetricInfo& info,
                      const std::vector<Reason>& reasons, std::string_view comment);
 

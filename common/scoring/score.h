@@ -11,47 +11,32 @@
 #include "common/scoring/deductions.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/mistakes/mistakes.h"
 #include "common/scoring/reasons.h"
 
 // From metrics to points and sentences; the stored form is in schemas/score.md.
 // Thread safety: functions, any thread. Deterministic.
 namespace enamel::scoring {
 
+// What a group of regions cost, or a figure of the hand.
 struct CriterionResult {
-  std::string name;  // metric
+  std::string name;  // NameOf(Group), or the metric
+  Group group = Group::kHand;
   std::string title;
-  double value = 0;
+  double value = 0;  // the hand's, in `unit`; a group has none
   std::string unit;
-  double points = 0;
-  double max_points = 0;
-  std::string reason;  // for the student, in English: Sentence of `reasons` and `comment`
-  // False: the exercise does not ask for it (NoValue::kNotInTask), so it has neither points nor a
-  // value; or there is nothing to measure yet (kNotMade), so it has no value and no points; or the
-  // device was at its limit (MetricValue::limited), so it has a value and no points to be had.
+  double lost = 0;  // points
+  // What the hand's figure can cost. Of a group: full marks where a person marks it by hand; it may cost more.
+  double most = 0;
+  State state = State::kAcceptable;
+  // False: the hand's figure has no value here, or the device was at its limit
+  // (MetricValue::limited), so it costs nothing.
   bool judged = true;
-  // The finding, then what to do.
+  std::string reason;  // the hand's, in English: Sentence of `reasons` and `comment`
   std::vector<Reason> reasons = {};
   std::string comment = {};  // the rubric's, where much was lost (kWorthCommentShare)
-  // The value that points are for: `value`, but for what the criterion with the title `under` is
-  // charged for already.
-  double charged = 0;
-  std::string under = {};
 
   bool operator==(const CriterionResult&) const = default;
-};
-
-// A factor of every criterion's points.
-struct GateResult {
-  std::string name;  // metric
-  std::string title;
-  double value = 0;
-  std::string unit;
-  double share = 1;
-  std::string reason;
-  std::vector<Reason> reasons = {};  // as a criterion's
-  std::string comment = {};
-
-  bool operator==(const GateResult&) const = default;
 };
 
 // How scores are measured and computed. Only scores of one version compare: a change that may move
@@ -63,8 +48,11 @@ inline constexpr double kWorthAdvice = 0.5;
 // this many of a hundred.
 inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 
-// What an examiner says of the whole, beside the points. With remarks: a criterion or a gate lost so
-// much that its comment is shown. Not acceptable: a critical error.
+// Fewer points are not acceptable. Chosen.
+inline constexpr double kAcceptablePoints = 50;
+
+// What an examiner says of the whole, beside the points. With remarks: something is to be changed. Not acceptable: a
+// critical error, a region to be done anew, or fewer than kAcceptablePoints.
 enum class Acceptance : uint8_t { kAcceptable, kWithRemarks, kNotAcceptable };
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
@@ -74,16 +62,19 @@ struct ScoreResult {
   std::vector<CriticalResult> critical;
   double points = 0;  // the score as if no error were critical
   Acceptance acceptance = Acceptance::kAcceptable;
-  std::vector<CriterionResult> criteria;  // points after the gates
-  std::vector<GateResult> gates;
+  std::vector<CriterionResult> criteria;  // groups in their order, then the hand's
+  std::vector<RegionMeasure> measures;    // of the acceptable cut that was the kindest
+  std::vector<RegionCost> costs;          // of the measures, in their order
+  std::vector<Mistake> mistakes;          // the dearest first
+  // Points lost beyond a hundred, which a score of 0 does not show: `points` is 100 less the sum of what `criteria` lost,
+  // plus this.
+  double beyond = 0;
   std::vector<MetricValue> metrics;    // all that was measured, also what the rubric does not use
   std::vector<MissingMetric> missing;  // those without a value here
-  // Where and when the criteria lost points; by the caller (CostlyCriteria, FindDeductions,
-  // Advise).
-  std::vector<Deduction> deductions;
+  std::vector<Deduction> deductions;   // by the caller (FindDeductions)
   // The attempt's place among several references; filled by the caller (PlaceInEnvelope).
   std::optional<Envelope> envelope;
-  std::string reference_attempt;  // UUID text
+  std::string reference_attempt;  // UUID text; empty: judged by the exercise's own target
   int32_t rubric_version = 1;
   int32_t scoring_version = kScoringVersion;
   uint32_t core_version = core::kCoreVersion;
@@ -96,41 +87,45 @@ struct ScoreResult {
   bool operator==(const ScoreResult&) const = default;
 };
 
-inline constexpr size_t kMaxCriteria = 64, kMaxGates = 8;
-inline constexpr size_t kMaxDeductions = 2 * (kMaxCriteria + kMaxGates);
+inline constexpr size_t kMaxCriteria = 64;
+// Of one region: a few motions and a patch or two.
+inline constexpr size_t kMaxMistakes = 256, kMaxMeasures = 64;
+inline constexpr size_t kMaxDeductions = 2 * kMaxMistakes;
 inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
-// Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
-// metric, critical error or another unit, has an empty or unsorted map, a share outside 0..1, no
-// points at all, or more than kMaxCriteria criteria, kMaxGates gates or kMaxCritical errors; and
-// those of ValidateRestorations (tolerances.h).
+// A cut as an acceptable cut measures it.
+struct JudgedCut {
+  std::vector<RegionMeasure> measures;
+  CutCost cost;
+  FoundMistakes found;
+};
+// Errors: those of CostOf.
+Result<JudgedCut> JudgeCut(const AcceptableCut& r, const cutting::Volume& attempt,
+                           const scene::Rubric& rubric);
+
+// Errors: kInvalidInput naming the member ("criteria[2].map") when the rubric names an unknown metric, one that the
+// finished tooth shows, an unknown critical error or another unit, has an empty or unsorted map, a share outside 0..1, or
+// more than kMaxCriteria criteria or kMaxCritical errors; and those of ValidatePrices and ValidateRestorations.
 Status ValidateRubric(const scene::Rubric& rubric);
 
-// Points by the piecewise linear map, the material's where the rubric names one (tolerances.h),
-// constant beyond its ends; the score is the share of all points in percent, times every gate's
-// share, or 0 after a critical error. A criterion whose metric is not in the task is left out of
-// both sums, and so is one of a force at the device's limit, unless the force that is known already
-// costs all that it can. Fills score, critical_fail, critical, points, acceptance, criteria, gates,
-// metrics, missing and rubric_version; the caller fills the rest.
-// Errors: those of ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a
-// gate's metric has no value, or no criterion with points is in the task.
-Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);
+// The groups that have a price, in their order: what a person can mark on a tooth.
+std::vector<Group> GroupsOf(const scene::Rubric& rubric);
+std::string_view TitleOf(Group group);  // "Outline"
+// Full marks of a group where a person marks by hand: a hundred, shared evenly.
+double FullMarksOf(const scene::Rubric& rubric);
 
-// The metrics that cost points: of criteria that earned less than their points before the gates or
-// failed the attempt, and of gates with a share below 1; each once, in the rubric's order, gates
-// last. `result`: ApplyRubric's with this rubric.
-std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
+// The score: 100 less what the cut and the hand cost, at least 0, or 0 after a critical error. A criterion of the hand
+// costs its points times 1 - share by the piecewise linear map, constant beyond its ends; nothing where it has no value,
+// or is a force at the device's limit, unless the force that is known already costs all that it can. `mistakes` may be
+// empty where only the points are asked for. Fills all but deductions, envelope, reference_attempt and what the replay
+// tells. Errors: those of ValidateRubric and CostOf; kInvalidInput when a metric is in neither list or not finite.
+Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics,
+                                std::vector<RegionMeasure> measures,
+                                std::vector<Mistake> mistakes = {});
 
-// A gate takes the value that was measured, whatever explains it. The criterion under which most of
-// what closed `result.gates[gate]` is charged, which says better what to do; empty where there is
-// none. `rubric`: WithTolerances (tolerances.h).
-std::optional<size_t> CriterionBehind(const scene::Rubric& rubric, const ScoreResult& result,
-                                      size_t gate);
-
-// Takes the deductions into the result, and with them what to do into the reasons of the criteria
-// and gates that lost at least kWorthAdvice points: the same words once, where most was lost.
-// `result`: ApplyRubric's with this rubric.
-void Advise(const scene::Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result);
+// The law that a result breaks, in words; empty: none. Points lost by criteria, regions and mistakes sum to what the
+// score lacks, to 1e-9 of each. A result that breaks one waits for a person.
+std::string BrokenLaw(const ScoreResult& result);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
 // equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.
@@ -138,7 +133,7 @@ std::string ToJson(const ScoreResult& result);
 // Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or
 // of another type. Unknown members are ignored: a newer server may have written more.
 Result<ScoreResult> ScoreFromJson(std::string_view json);
-// Criteria and gates alone, for lists of thousands of attempts. Errors: as ScoreFromJson.
+// Criteria and mistakes alone, for lists of thousands of attempts. Errors: as ScoreFromJson.
 Result<ScoreResult> PointsFromJson(std::string_view json);
 
 }  // namespace enamel::scoring

@@ -45,11 +45,64 @@ json::value EnvelopeJson(const std::optional<Envelope>& envelope) {
                       {"metrics", std::move(metrics)}};
 }
 
+json::array Triple(const dvec3& v) {
+  // Adding zero turns -0 into 0.
+  return {Rounded(v.x) + 0.0, Rounded(v.y) + 0.0, Rounded(v.z) + 0.0};
+}
+
+json::array CriteriaJson(const std::vector<CriterionResult>& criteria) {
+  json::array out;
+  for (const CriterionResult& c : criteria) {
+    out.push_back({{"name", c.name},
+                   {"group", scoring::NameOf(c.group)},
+                   {"title", c.title},
+                   {"value", Rounded(c.value)},
+                   {"unit", c.unit},
+                   {"lost", Rounded(c.lost)},
+                   {"most", Rounded(c.most)},
+                   {"state", scoring::NameOf(c.state)},
+                   {"judged", c.judged},
+                   {"reason", c.reason},
+                   {"reasons", ReasonsJson(c.reasons)},
+                   {"comment", c.comment}});
+  }
+  return out;
+}
+
+json::array RegionsJson(const ScoreResult& score) {
+  json::array out;
+  for (size_t i = 0; i < score.measures.size(); ++i) {
+    const RegionMeasure& m = score.measures[i];
+    const RegionCost& cost = score.costs[i];
+    out.push_back({{"name", m.name},
+                   {"kind", m.kind},
+                   {"group", scoring::NameOf(GroupOf(m.kind))},
+                   {"over", Rounded(m.over)},
+                   {"left", Rounded(m.left)},
+                   {"unit", UnitOf(m.kind)},
+                   {"dearer", stored::NameOf(kSides, cost.over)},
+                   {"lost", Rounded(cost.lost)},
+                   {"state", scoring::NameOf(cost.state)}});
+  }
+  return out;
+}
+
+json::array MistakesJson(const std::vector<Mistake>& mistakes) {
+  json::array out;
+  for (const Mistake& m : mistakes) {
+    out.push_back({{"kind", scoring::NameOf(m.kind)},
+                   {"place", m.place},
+                   {"size", Rounded(m.size)},
+                   {"unit", UnitOf(m.kind)},
+                   {"points", Rounded(m.points)},
+                   {"group", scoring::NameOf(m.group)},
+                   {"at_mm", Triple(m.at_m / kMPerMm)},
+                   {"towards", Triple(m.towards)}});
+  }
+  return out;
+}
+
 json::array DeductionsJson(const std::vector<Deduction>& deductions) {
-  auto triple = [](const dvec3& v) {
-    // Adding zero turns -0 into 0.
-    return json::array{Rounded(v.x) + 0.0, Rounded(v.y) + 0.0, Rounded(v.z) + 0.0};
-  };
   json::array out;
   for (const Deduction& d : deductions) {
     json::array strokes;
@@ -60,11 +113,11 @@ json::array DeductionsJson(const std::vector<Deduction>& deductions) {
                          {"lasts_s", Rounded(stroke.lasts_s)},
                          {"volume_mm3", Rounded(stroke.volume_m3 / kM3PerMm3)}});
     }
-    out.push_back({{"criterion", d.criterion},
+    out.push_back({{"mistake", d.mistake},
                    {"left", d.left},
                    {"volume_mm3", Rounded(d.volume_m3 / kM3PerMm3)},
-                   {"position_mm", triple(d.position_m / kMPerMm)},
-                   {"facing", triple(d.facing)},
+                   {"position_mm", Triple(d.position_m / kMPerMm)},
+                   {"facing", Triple(d.facing)},
                    {"first_tick", d.first_tick},
                    {"first_s", Rounded(d.first_s)},
                    {"here", d.here},
@@ -94,54 +147,26 @@ json::array CriticalJson(const std::vector<CriticalResult>& critical) {
 }  // namespace
 
 std::string ToJson(const ScoreResult& result) {
-  json::array criteria;
-  for (const CriterionResult& c : result.criteria) {
-    criteria.push_back({{"name", c.name},
-                        {"title", c.title},
-                        {"value", Rounded(c.value)},
-                        {"unit", c.unit},
-                        {"points", Rounded(c.points)},
-                        {"max_points", Rounded(c.max_points)},
-                        {"reason", c.reason},
-                        {"judged", c.judged},
-                        {"reasons", ReasonsJson(c.reasons)},
-                        {"comment", c.comment},
-                        {"charged", Rounded(c.charged)},
-                        {"under", c.under}});
-  }
-  json::array gates;
-  for (const GateResult& g : result.gates) {
-    gates.push_back({{"name", g.name},
-                     {"title", g.title},
-                     {"value", Rounded(g.value)},
-                     {"unit", g.unit},
-                     {"share", Rounded(g.share)},
-                     {"reason", g.reason},
-                     {"reasons", ReasonsJson(g.reasons)},
-                     {"comment", g.comment}});
-  }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {
     json::object metric{{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}};
     if (m.limited) metric["limited"] = true;
     if (m.below_grid) metric["below_grid"] = Rounded(*m.below_grid);
-    if (m.charged) {
-      metric["charged"] = Rounded(*m.charged);
-      metric["under"] = json::value_from(m.under);
-    }
     metrics.push_back(std::move(metric));
   }
   json::array missing;
   for (const MissingMetric& m : result.missing) {
-    missing.push_back({{"name", m.name}, {"why", NameOf(kWhy, m.why)}});
+    missing.push_back({{"name", m.name}, {"why", stored::NameOf(kWhy, m.why)}});
   }
   json::object out{{"score", Rounded(result.score)},
                    {"critical_fail", result.critical_fail},
                    {"critical", CriticalJson(result.critical)},
                    {"points", Rounded(result.points)},
-                   {"acceptance", NameOf(kAcceptances, result.acceptance)},
-                   {"criteria", std::move(criteria)},
-                   {"gates", std::move(gates)},
+                   {"acceptance", stored::NameOf(kAcceptances, result.acceptance)},
+                   {"criteria", CriteriaJson(result.criteria)},
+                   {"regions", RegionsJson(result)},
+                   {"mistakes", MistakesJson(result.mistakes)},
+                   {"beyond", Rounded(result.beyond)},
                    {"metrics", std::move(metrics)},
                    {"missing", std::move(missing)},
                    {"deductions", DeductionsJson(result.deductions)},

@@ -32,6 +32,8 @@ inline constexpr Name<NoValue> kWhy[] = {{NoValue::kNotInTask, "not_in_task"},
 inline constexpr Name<Acceptance> kAcceptances[] = {{Acceptance::kAcceptable, "acceptable"},
                                                     {Acceptance::kWithRemarks, "with_remarks"},
                                                     {Acceptance::kNotAcceptable, "not_acceptable"}};
+// Whether the dearer side of a region is what was cut too far.
+inline constexpr Name<bool> kSides[] = {{true, "over"}, {false, "left"}};
 template <typename T, size_t kCount>
 std::string_view NameOf(const Name<T> (&names)[kCount], T value) {
   return std::ranges::find(names, value, &Name<T>::first)->second;

@@ -94,6 +94,22 @@ class ObjectReader {
     for (const Name<T>& n : names) all += (all.empty() ? "" : ", ") + std::string(n.second);
     Fail(Path(name), "one of " + all + ", found \"" + text + "\"");
   }
+  // One of the first `count` values of T, by NameOf.
+  template <typename T>
+  void ReadEnum(const char* name, size_t count, T& out) {
+    std::string text, all;
+    Read(name, text);
+    if (!status_.ok()) return;
+    for (size_t i = 0; i < count; ++i) {
+      const std::string_view known = scoring::NameOf(static_cast<T>(i));
+      if (known == text) {
+        out = static_cast<T>(i);
+        return;
+      }
+      all += (i == 0 ? "" : ", ") + std::string(known);
+    }
+    Fail(Path(name), "one of " + all + ", found \"" + text + "\"");
+  }
   bool Has(const char* name) const { return object_ && object_->contains(name); }
   const json::value* Member(const char* name) {
     if (!object_ || !status_.ok()) return nullptr;
@@ -134,21 +150,6 @@ void ReadReasons(ObjectReader& reader, Status& status, const std::string& at,
   reader.Read("comment", comment);
 }
 
-void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
-  const json::array* list = reader.Array("gates", kMaxGates);
-  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    ObjectReader item((*list)[i], "gates[" + std::to_string(i) + "]", status);
-    GateResult& g = out.gates.emplace_back();
-    item.Read("name", g.name);
-    item.Read("title", g.title);
-    item.Read("value", g.value);
-    item.Read("unit", g.unit);
-    item.Read("share", g.share);
-    item.Read("reason", g.reason);
-    ReadReasons(item, status, "gates[" + std::to_string(i) + "]", g.reasons, g.comment);
-  }
-}
-
 void ReadCriteria(ObjectReader& reader, Status& status, ScoreResult& out) {
   const json::array* list = reader.Array("criteria", kMaxCriteria);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
@@ -158,13 +159,45 @@ void ReadCriteria(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.Read("title", c.title);
     item.Read("value", c.value);
     item.Read("unit", c.unit);
-    item.Read("points", c.points);
-    item.Read("max_points", c.max_points);
+    item.Read("lost", c.lost);
+    item.Read("most", c.most);
+    item.ReadEnum("group", kGroups, c.group);
+    item.ReadEnum("state", kStates, c.state);
     item.Read("reason", c.reason);
     item.Read("judged", c.judged);
-    item.Read("charged", c.charged);
-    item.Read("under", c.under);
     ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
+  }
+}
+
+void ReadRegions(ObjectReader& reader, Status& status, ScoreResult& out) {
+  const json::array* list = reader.Array("regions", kMaxMeasures);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "regions[" + std::to_string(i) + "]", status);
+    RegionMeasure& m = out.measures.emplace_back();
+    RegionCost& cost = out.costs.emplace_back();
+    item.Read("name", m.name);
+    item.Read("kind", m.kind);
+    item.Read("over", m.over);
+    item.Read("left", m.left);
+    item.ReadName("dearer", kSides, cost.over);
+    item.Read("lost", cost.lost);
+    item.ReadEnum("state", kStates, cost.state);
+  }
+}
+
+void ReadMistakes(ObjectReader& reader, Status& status, ScoreResult& out) {
+  const json::array* list = reader.Array("mistakes", kMaxMistakes);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "mistakes[" + std::to_string(i) + "]", status);
+    Mistake& m = out.mistakes.emplace_back();
+    item.ReadEnum("kind", kMistakeKinds, m.kind);
+    item.Read("place", m.place);
+    item.Read("size", m.size);
+    item.Read("points", m.points);
+    item.ReadEnum("group", kGroups, m.group);
+    item.Read("at_mm", m.at_m);
+    m.at_m *= kMPerMm;
+    item.Read("towards", m.towards);
   }
 }
 
@@ -237,7 +270,7 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
     const std::string at = "deductions[" + std::to_string(i) + "]";
     ObjectReader item((*list)[i], at, status);
     Deduction& d = out.deductions.emplace_back();
-    item.Read("criterion", d.criterion);
+    item.ReadInteger("mistake", d.mistake);
     item.Read("left", d.left);
     item.Read("volume_mm3", d.volume_m3);
     d.volume_m3 *= kM3PerMm3;
@@ -294,7 +327,7 @@ Result<ScoreResult> PointsFromJson(std::string_view text) {
   ScoreResult out;
   ObjectReader reader(value, "", status);
   ReadCriteria(reader, status, out);
-  ReadGates(reader, status, out);
+  ReadMistakes(reader, status, out);
   if (!status.ok()) return status;
   return out;
 }
@@ -310,7 +343,9 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   reader.Read("points", out.points);
   reader.ReadName("acceptance", kAcceptances, out.acceptance);
   ReadCriteria(reader, status, out);
-  ReadGates(reader, status, out);
+  ReadRegions(reader, status, out);
+  ReadMistakes(reader, status, out);
+  reader.Read("beyond", out.beyond);
   if (const json::array* list = reader.Array("metrics", 1024)) {
     for (size_t i = 0; i < list->size(); ++i) {
       ObjectReader item((*list)[i], "metrics[" + std::to_string(i) + "]", status);
@@ -320,10 +355,6 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("unit", m.unit);
       if (item.Has("limited")) item.Read("limited", m.limited);
       if (item.Has("below_grid")) item.Read("below_grid", m.below_grid.emplace());
-      if (item.Has("charged")) {
-        item.Read("charged", m.charged.emplace());
-        item.Read("under", m.under, kMaxUnder);
-      }
     }
   }
   ReadMissing(reader, status, out);

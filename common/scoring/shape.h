@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/scoring/causes/planes.h"
 #include "common/scoring/deviation.h"
+#include "common/scoring/planes.h"
 #include "common/scoring/zones.h"
 
 // The shape of a cut against the reference's. Statistics are taken over the reference's cut

@@ -1,6 +1,7 @@
 #include "common/scoring/trial.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "common/scene/preparation.h"
@@ -9,16 +10,8 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr double kExact = 1e-6;  // points: the rounding of their sums
 // Of the work: an untouched surface is far from the exact cut, and distances take the longer.
 constexpr double kExactShare = 0.2;
-
-Result<cutting::Volume> ExactCut(const scene::Scene& scene, const scene::Exercise& exercise,
-                                 const cutting::Volume& initial) {
-  if (const auto& tooth = exercise.target.prepared_tooth) return tooth->volume;
-  ENAMEL_ASSIGN_OR_RETURN(const auto shape, scene::TargetShape(scene, exercise.target));
-  return scene::Prepared(initial, shape, scene::Neighbours::kSpared);
-}
 
 // What only a hand that cuts can show is not asked for.
 void LeaveOutTheHand(MetricSet& metrics) {
@@ -27,49 +20,34 @@ void LeaveOutTheHand(MetricSet& metrics) {
   }
 }
 
-bool HasValue(const MetricSet& metrics, const std::string& name) {
-  return std::ranges::find(metrics.values, name, &MetricValue::name) != metrics.values.end();
-}
-
-Result<ScoreResult> Judge(scene::Rubric rubric, MetricSet metrics) {
+Result<ScoreResult> Judge(const scene::Rubric& rubric, MetricSet metrics, const AcceptableCut& r,
+                          const cutting::Volume& final_volume) {
   ENAMEL_RETURN_IF_ERROR(CheckCriticalIsMeasured(rubric, metrics));
   LeaveOutTheHand(metrics);
-  std::erase_if(rubric.gates, [&](const scene::RubricGate& gate) {
-    return !IsSeenOnTheTooth(gate.metric) && !HasValue(metrics, gate.metric);
-  });
-  return ApplyRubric(rubric, metrics);
-}
-
-std::vector<Trial::Item> Lost(const scene::Rubric& rubric, const ScoreResult& score) {
-  double left = 1;
-  std::vector<Trial::Item> all, out;
-  for (const GateResult& gate : score.gates) {
-    left *= gate.share;
-    all.push_back({gate.name, gate.title, gate.share});
-  }
-  for (const CriterionResult& c : score.criteria) {
-    const double most = c.max_points * left;
-    if (c.max_points > 0) all.push_back({c.name, c.title, most > 0 ? c.points / most : 0});
-  }
-  // Where two criteria judge one metric: the one that lost more.
-  for (const std::string& metric : CostlyCriteria(rubric, score)) {
-    const auto worst = std::ranges::min_element(
-        all, {}, [&](const Trial::Item& item) { return item.metric == metric ? item.share : 2; });
-    out.push_back(*worst);
-  }
-  return out;
-}
-
-std::vector<Trial::Item> FullMarks(const ScoreResult& score) {
-  std::vector<Trial::Item> out;
-  for (const CriterionResult& c : score.criteria) {
-    if (c.judged && c.max_points > 0 && c.points >= c.max_points - kExact)
-      out.push_back({c.name, c.title, 1});
-  }
-  return out;
+  ENAMEL_ASSIGN_OR_RETURN(JudgedCut cut, JudgeCut(r, final_volume, rubric));
+  return ApplyRubric(rubric, metrics, std::move(cut.measures), std::move(cut.found.mistakes));
 }
 
 }  // namespace
+
+Result<cutting::Volume> ExactCut(const scene::Scene& scene, const scene::Exercise& exercise,
+                                 const cutting::Volume& initial) {
+  if (const auto& tooth = exercise.target.prepared_tooth) return tooth->volume;
+  ENAMEL_ASSIGN_OR_RETURN(const auto shape, scene::TargetShape(scene, exercise.target));
+  return scene::Prepared(initial, shape, scene::Neighbours::kSpared);
+}
+
+std::vector<LostItem> LostItems(const ScoreResult& score) {
+  std::vector<LostItem> out;
+  for (size_t i = 0; i < score.costs.size(); ++i) {
+    if (score.costs[i].lost > 0) out.push_back({score.measures[i].name, score.costs[i].lost});
+  }
+  for (const CriterionResult& c : score.criteria) {
+    if (c.group == Group::kHand && c.lost > 0) out.push_back({c.name, c.lost});
+  }
+  std::ranges::stable_sort(out, std::greater<>(), &LostItem::points);
+  return out;
+}
 
 ProcessRecorder CalmRecording() {
   const core::CoreParams params;
@@ -111,14 +89,13 @@ Result<Trial> TryExercise(const scene::Scene& scene, const scene::Exercise& exer
   const CalmAttempts attempts(initial, std::move(exact));
   const MetricPlan plan = MetricPlan::For(exercise.rubric);
   Trial out;
+  const AcceptableCut r(initial, attempts.exact(), {scene.tooth, scene.up});
   ENAMEL_ASSIGN_OR_RETURN(
       auto cut, attempts.Measure(scene, exercise, attempts.exact(), from(0, kExactShare), plan));
-  ENAMEL_ASSIGN_OR_RETURN(out.exact, Judge(exercise.rubric, std::move(cut)));
+  ENAMEL_ASSIGN_OR_RETURN(out.exact, Judge(exercise.rubric, std::move(cut), r, attempts.exact()));
   ENAMEL_ASSIGN_OR_RETURN(auto left, attempts.Measure(scene, exercise, initial,
                                                       from(kExactShare, 1 - kExactShare), plan));
-  ENAMEL_ASSIGN_OR_RETURN(out.untouched, Judge(exercise.rubric, std::move(left)));
-  out.lost_by_exact = Lost(exercise.rubric, out.exact);
-  out.full_untouched = FullMarks(out.untouched);
+  ENAMEL_ASSIGN_OR_RETURN(out.untouched, Judge(exercise.rubric, std::move(left), r, initial));
   return out;
 }
 

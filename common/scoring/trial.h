@@ -34,22 +34,25 @@ class CalmAttempts {
   ProcessRecorder process_;
 };
 
-// The two attempts that show whether a rubric is right: it has to give full marks for the target
-// cut exactly, and none for a tooth that nobody touched. Of the hand's figures those count that a
-// calm recording has: nobody moved a bur for these.
+// The two attempts that show whether a rubric is right: the target cut exactly has to cost nothing, and a tooth that
+// nobody touched everything. Of the hand's figures those count that a calm recording has: nobody moved a bur for these.
 struct Trial {
-  // A criterion with the share of its points before the gates, or a gate with the share of all
-  // points that it leaves.
-  struct Item {
-    std::string metric, title;
-    double share = 1;
-
-    bool operator==(const Item&) const = default;
-  };
   ScoreResult exact, untouched;
-  std::vector<Item> lost_by_exact;   // those of CostlyCriteria
-  std::vector<Item> full_untouched;  // criteria with full points, after the gates
 };
+
+// What cost points: regions, kinds of damage, and the hand's criteria, the dearest first.
+struct LostItem {
+  std::string name;
+  double points = 0;
+
+  bool operator==(const LostItem&) const = default;
+};
+std::vector<LostItem> LostItems(const ScoreResult& score);
+
+// The target cut exactly, which is an acceptable cut. Errors: those of TargetShape. Requires: the target's prepared tooth
+// is loaded.
+Result<cutting::Volume> ExactCut(const scene::Scene& scene, const scene::Exercise& exercise,
+                                 const cutting::Volume& initial);
 
 // `progress` (0..1) may be empty; false ends the trial.
 // Errors: those of TargetShape, ComputeMetrics, CheckCriticalIsMeasured and ApplyRubric;

@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 
-#include "common/protocol/refusals.h"
 #include "server/app/data_folder.h"
 #include "server/app/school_folder.h"
 #include "server/app/stop_signals.h"
@@ -34,8 +33,6 @@ WorkerOptions LoggedJobs(const trace::KeyPair& key, int threads) {
       spdlog::warn("jobs: {}", status.message());
     } else if (status.ok()) {
       spdlog::info("job {} of attempt {} done", job.kind, job.attempt.Text());
-    } else if (status.field() == protocol::kNoReference) {
-      spdlog::info("attempt {} waits for a reference: {}", job.attempt.Text(), status.message());
     } else {
       spdlog::warn("job {} of attempt {}: {}", job.kind, job.attempt.Text(), status.message());
     }

@@ -17,7 +17,6 @@
 #include "server/auth/password.h"
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
-#include "server/commands/state_text.h"
 #include "server/commands/teaching.h"
 #include "server/jobs/reference_check.h"
 #include "server/training/access.h"
@@ -64,8 +63,8 @@ void Show(const AttemptRow& row) {
   std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
   std::string flags;
   for (const char* flag : AttemptFlagNames(row.flags)) flags += std::string("  ") + flag;
-  Say("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), StateText(row), score,
-      row.ticks, row.person_name, row.exercise_title, flags,
+  Say("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), AttemptStateName(row.state),
+      score, row.ticks, row.person_name, row.exercise_title, flags,
       row.problem.empty() ? "" : "  (" + row.problem + ")");
 }
 
@@ -327,8 +326,8 @@ Status WithdrawReference(const std::filesystem::path& data, const std::string& r
       "again\n",
       row.version, row.dentist);
   Say("{}\n", left.empty()
-                  ? "the exercise has no reference now: what is cut is compared with itself "
-                    "until there is one"
+                  ? "the exercise has no reference now: what is cut is compared with its own "
+                    "target until there is one"
                   : Counted(left.size(), "reference counts", "references count") + " now");
   return Status::Ok();
 }

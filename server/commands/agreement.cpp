@@ -27,8 +27,8 @@ Status WriteBlank(const std::filesystem::path& file, const std::vector<ScoredWor
   for (const ScoredWork& a : attempts) {
     // First: whoever has given points would rate by them.
     text += CsvLine({a.attempt.Text(), std::string(kRatingCriterion), "5", "", ""});
-    for (const auto& c : a.score.criteria) {
-      text += CsvLine({a.attempt.Text(), c.title, fmt::format("{:g}", c.max_points), "", ""});
+    for (const auto& group : MarkedGroups(a.score)) {
+      text += CsvLine({a.attempt.Text(), group.title, fmt::format("{:g}", group.most), "", ""});
     }
     text += CsvLine({a.attempt.Text(), std::string(kTotalCriterion), "100", "", ""});
   }
@@ -111,7 +111,7 @@ Status CompareAgreement(const AgreementOptions& options) {
   for (Mark& mark : ComputedMarks(attempts)) marks.push_back(std::move(mark));
   ENAMEL_ASSIGN_OR_RETURN(auto criteria, CompareMarks(marks));
   Say("Each range in brackets holds the true value in 95 of 100 cases. What the program gave is "
-      "compared\nwith people apart, criteria before the gates.\n");
+      "compared\nwith people apart.\n");
   for (const CriterionAgreement& c : criteria) Show(c);
   if (!options.json.empty()) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));

@@ -18,7 +18,6 @@
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
 #include "server/commands/say.h"
-#include "server/commands/state_text.h"
 #include "server/results/result_document.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/attempts/job_rows.h"
@@ -122,20 +121,25 @@ SignedBy ReadSigned(const AttemptRow& row, const AttemptResult& result) {
 
 json::object Facts(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
                    const std::string& page_url) {
-  json::array criteria, metrics;
+  json::array criteria, mistakes, metrics;
   for (const auto& c : score.criteria) {
     criteria.push_back(json::object{{"name", c.name},
+                                    {"group", scoring::NameOf(c.group)},
                                     {"title", c.title},
                                     {"value", c.value},
                                     {"unit", c.unit},
-                                    {"points", c.points},
-                                    {"max_points", c.max_points},
+                                    {"lost", c.lost},
+                                    {"most", c.most},
+                                    {"state", scoring::NameOf(c.state)},
                                     {"reason", c.reason},
                                     {"judged", c.judged}});
   }
-  json::array gates;
-  for (const auto& g : score.gates) {
-    gates.push_back({{"name", g.name}, {"value", g.value}, {"unit", g.unit}, {"share", g.share}});
+  for (const auto& m : score.mistakes) {
+    mistakes.push_back(json::object{{"kind", scoring::NameOf(m.kind)},
+                                    {"place", m.place},
+                                    {"size", m.size},
+                                    {"unit", scoring::UnitOf(m.kind)},
+                                    {"points", m.points}});
   }
   for (const auto& m : score.metrics) {
     metrics.push_back(json::object{{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
@@ -145,7 +149,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score, const Attemp
                    {"score", score.score},
                    {"critical_fail", score.critical_fail},
                    {"criteria", std::move(criteria)},
-                   {"gates", std::move(gates)},
+                   {"mistakes", std::move(mistakes)},
                    {"metrics", std::move(metrics)}};
   auto deviation = Metric(score, kDeviationMetric);
   out["deviation_rms_mm"] = deviation ? json::value(*deviation) : json::value();
@@ -172,6 +176,14 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score, const Attemp
 
 void Line(const std::string& name, const std::string& value) { Say("  {:<34} {}\n", name, value); }
 
+// "over extended, wall mesial".
+std::string WordsOf(const scoring::Mistake& mistake) {
+  std::string out(scoring::NameOf(mistake.kind));
+  if (!mistake.place.empty()) out += ", " + mistake.place;
+  std::ranges::replace(out, '_', ' ');
+  return out;
+}
+
 void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
                 const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
@@ -181,13 +193,16 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptRe
     Say("What counts instead is a person's score, {:.1f}: {}\n", row.overridden->score,
         Printable(row.overridden->reason));
   }
-  for (const auto& g : score.gates) {
-    Say("  {:<34} {:>9.3f} {:<5} x {:<10.2f} {}\n", g.title, g.value, g.unit, g.share, g.reason);
-  }
   for (const auto& c : score.criteria) {
-    const std::string value = c.judged ? fmt::format("{:.3f}", c.value) : "-";
-    Say("  {:<34} {:>9} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, value, c.unit, c.points,
-        c.max_points, c.reason);
+    const bool has_value = c.judged && !c.unit.empty();
+    Say("  {:<34} {:>9} {:<5} {:>5.1f} lost, {}  {}\n", c.title,
+        has_value ? fmt::format("{:.3f}", c.value) : "", has_value ? c.unit : "", c.lost,
+        scoring::NameOf(c.state), c.reason);
+  }
+  if (!score.mistakes.empty()) Say("Mistakes\n");
+  for (const auto& m : score.mistakes) {
+    Say("  {:<34} {:>9.2f} {:<5} {:>5.1f} lost\n", WordsOf(m), m.size, scoring::UnitOf(m.kind),
+        m.points);
   }
   Say("Measured\n");
   for (const auto& m : score.metrics) {
@@ -226,8 +241,9 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptRe
     Line("result", by.problem);
   }
   Line("attempt", row.id.Text());
-  Line("reference",
-       score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);
+  Line("reference", !score.reference_attempt.empty() ? score.reference_attempt
+                    : row.as_reference               ? "none: compared with itself"
+                                                     : "none: judged by the exercise's own target");
   if (score.envelope) {
     const auto& nearest = score.envelope->members.front();
     Line("among " + Counted(score.envelope->members.size(), "reference"),
@@ -244,10 +260,8 @@ Status Report(const ReportOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto row,
                           WaitForVerdict(store->attempts, store->jobs, id, options.wait_s));
   if (row.state != AttemptState::kScored) {
-    const std::string state = StateText(row);
-    return Status(Code::kConflict, fmt::format("attempt {} {}{}: {}", id.Text(),
-                                               state == AttemptStateName(row.state) ? "is " : "",
-                                               state, row.problem));
+    return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id.Text(),
+                                               AttemptStateName(row.state), row.problem));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto result, store->results.ResultOf(id));
   ENAMEL_ASSIGN_OR_RETURN(auto text, store->blobs.GetBlob(result.score_json));

@@ -14,15 +14,15 @@
 namespace enamel::server::app {
 namespace {
 
-// Each criterion once: what a student who is just good enough would earn for it.
+// Each group once: what a student who is just good enough would earn for it.
 Status WriteBorderlineForm(const std::filesystem::path& file, const ScoredWork& any) {
   if (std::filesystem::exists(file)) {
     return Status(Code::kConflict, file.string() + " is there already; name a new file");
   }
   std::string text = CsvLine({"work", "criterion", "full_marks", "marker", "mark"});
-  for (const auto& c : any.score.criteria) {
-    text +=
-        CsvLine({std::string(kBorderlineWork), c.title, fmt::format("{:g}", c.max_points), "", ""});
+  for (const auto& group : MarkedGroups(any.score)) {
+    text += CsvLine(
+        {std::string(kBorderlineWork), group.title, fmt::format("{:g}", group.most), "", ""});
   }
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(text)));
   Say("{}: each examiner fills in `marker` and, as `mark`, the points that a student would earn "

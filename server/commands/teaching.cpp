@@ -11,6 +11,7 @@
 #include "common/base/in_document.h"
 #include "common/base/unix_time.h"
 #include "common/scene/json/json.h"
+#include "common/scoring/trial.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/commands/admin.h"
@@ -67,13 +68,12 @@ Result<scene::Exercise> ReadDocument(const std::filesystem::path& path) {
   return document;
 }
 
-void Show(const char* what, const scoring::ScoreResult& score, const char* named,
-          const std::vector<scoring::Trial::Item>& items) {
+void Show(const char* what, const scoring::ScoreResult& score) {
   Say("{}: {:.1f} of 100 points\n", what, score.score);
   for (const scoring::CriticalResult& critical : score.critical)
     Say("  critical error: {}\n", critical.error);
-  for (const scoring::Trial::Item& item : items)
-    Say("  {}: {} ({}), {:.0f} %\n", named, item.title, item.metric, 100 * item.share);
+  for (const scoring::LostItem& lost : scoring::LostItems(score))
+    Say("  {} costs {:.1f} points\n", lost.name, lost.points);
 }
 
 // Whether the document would be published, and what its rubric makes of two attempts without a hand.
@@ -84,8 +84,8 @@ Status TryDocument(Store& store, const std::filesystem::path& path) {
     return InDocument(path, right);
   const auto begin = std::chrono::steady_clock::now();
   ENAMEL_ASSIGN_OR_RETURN(const auto trial, TryStored(store.blobs, exercise));
-  Show("target cut exactly", trial.exact, "loses points", trial.lost_by_exact);
-  Show("untouched tooth", trial.untouched, "keeps full points", trial.full_untouched);
+  Show("target cut exactly", trial.exact);
+  Show("untouched tooth", trial.untouched);
   for (const std::string& warning : ExerciseWarnings(store.blobs, exercise))
     Say("warning: {}\n", warning);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
@@ -139,7 +139,7 @@ Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const Ex
 }
 
 // What the publisher has to know: others' work does not change, practice may be coarse, and graded
-// work waits for a reference.
+// work needs a reference.
 Status SayWhatFollows(Store& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.assignments.Assignments({}));
   for (const AssignmentRow& each : assignments) {
@@ -153,7 +153,8 @@ Status SayWhatFollows(Store& store, const ExerciseRow& row) {
     Say("  warning: {}\n", warning);
   ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store.blobs, store.references, row));
   if (row.graded && !comparable) {
-    Say("  it has no reference yet: what is cut before there is one is scored once there is\n");
+    Say("  it has no reference yet: what is cut is compared with its own target, and scored again "
+        "once there is one\n");
   }
   return Status::Ok();
 }

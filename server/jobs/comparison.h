@@ -5,8 +5,9 @@
 
 namespace enamel::server {
 
-// Whether there is something to compare attempts at this version with: a reference, or the prepared
-// tooth that its target names. Errors: the store's.
+// Whether somebody has cut what attempts at this version are compared with: a reference, or the
+// prepared tooth that its target names. Without one they are compared with the target's own shape,
+// which is enough for practice. Errors: the store's.
 Result<bool> HasComparison(StoredBlobs& blobs, ReferenceRows& references,
                            const ExerciseRow& version);
 

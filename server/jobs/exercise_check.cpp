@@ -1,8 +1,10 @@
 #include "server/jobs/exercise_check.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -82,16 +84,37 @@ Status CheckMetric(const scene::Scene& scene, const scene::Exercise& exercise,
 }
 
 Status CheckMetrics(const scene::Scene& scene, const scene::Exercise& exercise) {
-  auto check = [&](const auto& items, const std::string& of) -> Status {
-    for (size_t i = 0; i < items.size(); ++i) {
-      ENAMEL_RETURN_IF_ERROR(CheckMetric(scene, exercise, items[i].metric,
-                                         "rubric." + of + "[" + std::to_string(i) + "].metric"));
-    }
-    return Status::Ok();
+  const auto& critical = exercise.rubric.critical;
+  for (size_t i = 0; i < critical.size(); ++i) {
+    ENAMEL_RETURN_IF_ERROR(CheckMetric(scene, exercise, critical[i].metric,
+                                       "rubric.critical[" + std::to_string(i) + "].metric"));
+  }
+  return Status::Ok();
+}
+
+// The kinds of region that a cavity, a stump and a cut surface without walls have. Work on a region
+// without a price cannot be scored. The regions themselves are known only once a tooth is cut.
+constexpr std::array<std::string_view, 3> kOfCavity = {"floor", "wall", "line_angle"};
+constexpr std::array<std::string_view, 4> kOfStump = {"table", "axial_wall", "margin",
+                                                      "line_angle"};
+constexpr std::array<std::string_view, 2> kOfFace = {"face", "line_angle"};
+
+Status CheckPrices(const scene::Exercise& exercise) {
+  auto has = [&](const auto& kinds) {
+    return std::ranges::all_of(kinds, [&](std::string_view kind) {
+      const auto& prices = exercise.rubric.prices;
+      return std::ranges::find(prices, kind, &scene::RubricPrice::of) != prices.end();
+    });
   };
-  ENAMEL_RETURN_IF_ERROR(check(exercise.rubric.criteria, "criteria"));
-  ENAMEL_RETURN_IF_ERROR(check(exercise.rubric.gates, "gates"));
-  return check(exercise.rubric.critical, "critical");
+  const bool is_prepared = !exercise.target.prepared.IsZero();
+  const bool is_stump = scoring::IsCrown(exercise.target) && !is_prepared;
+  if (has(kOfStump) || (!is_stump && (has(kOfCavity) || has(kOfFace)))) return Status::Ok();
+  std::string expected = is_stump ? ""
+                                  : fmt::format("{}, or {}, or ", fmt::join(kOfCavity, ", "),
+                                                fmt::join(kOfFace, ", "));
+  expected += fmt::format("{}", fmt::join(kOfStump, ", "));
+  return Refused("rubric.prices", "prices of all kinds of region that the target has: " + expected,
+                 fmt::format("prices of {} kinds without these", exercise.rubric.prices.size()));
 }
 
 // How far the tooth itself reaches along x and y, by whole bricks, m.
@@ -188,6 +211,7 @@ Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
   if (Status rubric = scoring::ValidateRubric(exercise.rubric); !rubric.ok()) {
     return in_rubric(rubric);
   }
+  ENAMEL_RETURN_IF_ERROR(CheckPrices(exercise));
   if (Status words = CheckRubricWords(exercise.rubric); !words.ok()) return in_rubric(words);
   if (exercise.time_limit_s != 0 && exercise.time_limit_s < kLeastTime_s) {
     return Refused("time_limit_s", "none (0) or at least " + std::to_string(kLeastTime_s) + " s",

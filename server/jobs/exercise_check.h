@@ -16,10 +16,10 @@ namespace enamel::server {
 inline constexpr int32_t kLeastTime_s = 30;
 
 // Errors: kInvalidInput with the member, what was expected and found: the rubric (ValidateRubric,
-// CheckRubricWords), a landmark that the scene does not have, a time limit of seconds, a bur that
+// CheckRubricWords; a price for each kind of region that a target like this has), a landmark that the scene does not have, a time limit of seconds, a bur that
 // is wider than the target, graded work whose voxels are too coarse for its bur
 // (common/cutting/voxel_limit.h), a target wider than the tooth or through a pulp whose opening
-// fails the attempt, a criterion of caries, a neighbour or a crown where there is none. What needs
+// fails the attempt, a critical error of caries, a neighbour or a crown where there is none. What needs
 // scene or volume is left out where that cannot be read.
 Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise);
 

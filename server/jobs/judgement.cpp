@@ -27,16 +27,17 @@ Sha256 JudgementOf(const scoring::ScoreResult& score) {
   out.U32(static_cast<uint32_t>(score.criteria.size()));
   for (const scoring::CriterionResult& criterion : score.criteria) {
     out.Text(criterion.name);
-    number(criterion.points);
-    number(criterion.max_points);
+    number(criterion.lost);
+    out.Text(scoring::NameOf(criterion.state));
     WriteWhy(criterion.reasons, criterion.comment, out);
     out.U8(criterion.judged ? 1 : 0);
   }
-  out.U32(static_cast<uint32_t>(score.gates.size()));
-  for (const scoring::GateResult& gate : score.gates) {
-    out.Text(gate.name);
-    number(gate.share);
-    WriteWhy(gate.reasons, gate.comment, out);
+  out.U32(static_cast<uint32_t>(score.mistakes.size()));
+  for (const scoring::Mistake& mistake : score.mistakes) {
+    out.Text(scoring::NameOf(mistake.kind));
+    out.Text(mistake.place);
+    number(mistake.size);
+    number(mistake.points);
   }
   number(score.score);
   out.U8(score.critical_fail ? 1 : 0);

@@ -1,5 +1,7 @@
 #include "server/jobs/marked_work.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "server/agreement/standard.h"
@@ -23,17 +25,22 @@ Result<std::vector<ScoredWork>> ScoredUnder(Store& store, const Uuid& assignment
   return out;
 }
 
+std::vector<scoring::CriterionResult> MarkedGroups(const scoring::ScoreResult& score) {
+  std::vector<scoring::CriterionResult> out;
+  std::ranges::copy_if(score.criteria, std::back_inserter(out), [](const auto& criterion) {
+    return criterion.group != scoring::Group::kHand;
+  });
+  return out;
+}
+
 std::vector<Mark> ComputedMarks(const std::vector<ScoredWork>& works) {
   std::vector<Mark> out;
   const std::string marker(kComputed);
   for (const ScoredWork& work : works) {
-    // Examiners mark a criterion without knowing the gates, so the gates are divided out. With a
-    // closed gate the points before it are unknown.
-    double share = 1;
-    for (const auto& gate : work.score.gates) share *= gate.share;
-    for (const auto& c : work.score.criteria) {
-      if (!c.judged || share <= 0) continue;
-      out.push_back({work.attempt.Text(), c.title, marker, c.points / share, c.max_points});
+    for (const scoring::CriterionResult& group : MarkedGroups(work.score)) {
+      // A group may cost more than a person can take off for it.
+      const double points = std::max(0.0, group.most - group.lost);
+      out.push_back({work.attempt.Text(), group.title, marker, points, group.most});
     }
     out.push_back(
         {work.attempt.Text(), std::string(kTotalCriterion), marker, work.score.score, 100});

@@ -19,8 +19,11 @@ struct ScoredWork {
 // Errors: kNotFound (no scored attempt under it), those of the store.
 Result<std::vector<ScoredWork>> ScoredUnder(Store& store, const Uuid& assignment);
 
-// The program's marks (kComputed): each judged criterion before the gates, by its title, and
-// kTotalCriterion.
+// What people mark on the tooth: the criteria of a score without those of the hand.
+std::vector<scoring::CriterionResult> MarkedGroups(const scoring::ScoreResult& score);
+
+// The program's marks (kComputed): each of MarkedGroups by its title, full marks less what it lost
+// and never below 0, and kTotalCriterion.
 std::vector<Mark> ComputedMarks(const std::vector<ScoredWork>& works);
 
 }  // namespace enamel::server

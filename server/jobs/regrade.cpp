@@ -5,7 +5,6 @@
 #include <set>
 
 #include "common/scene/json/json.h"
-#include "common/scoring/fine_bands.h"
 #include "server/jobs/rubric_check.h"
 #include "server/training/names.h"
 #include "server/training/revision.h"
@@ -16,12 +15,19 @@ namespace {
 constexpr uint32_t kPage = 200;
 constexpr double kRounding = 1e-9;  // a score document's numbers have twelve digits
 
-// The cuts that an attempt was measured against.
-std::set<std::string> ReferencesOf(const scoring::ScoreResult& score) {
-  if (!score.envelope) return {score.reference_attempt};
-  std::set<std::string> out;
-  for (const scoring::EnvelopeOverlap& member : score.envelope->members) out.insert(member.attempt);
-  return out;
+// Whether an attempt was measured against other references than those that count now. A score that
+// the exercise's own target gave names the references only where there were several.
+bool MeasuredAgainstOthers(const scoring::ScoreResult& score,
+                           const std::set<std::string>& counting) {
+  if (counting.empty()) return false;
+  if (!score.envelope) {
+    const bool by_target = score.reference_attempt.empty();
+    return counting.size() > 1 || (!by_target && !counting.contains(score.reference_attempt));
+  }
+  std::set<std::string> used;
+  for (const scoring::EnvelopeOverlap& member : score.envelope->members)
+    used.insert(member.attempt);
+  return used != counting;
 }
 
 RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRow& row,
@@ -32,7 +38,7 @@ RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRo
     out.problem = before.status().message();
     return out;
   }
-  out.other_references = !counting.empty() && ReferencesOf(*before) != counting;
+  out.other_references = MeasuredAgainstOthers(*before, counting);
   // A rubric judges numbers. Those of another version may mean something else under the same name.
   if (before->scoring_version != scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
@@ -41,7 +47,7 @@ RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRo
     return out;
   }
   Result<scoring::ScoreResult> after =
-      scoring::ApplyRubric(rubric, {before->metrics, before->missing, {}});
+      scoring::ApplyRubric(rubric, {before->metrics, before->missing}, before->measures);
   if (!after.ok()) {
     out.problem = after.status().message();
     return out;
@@ -101,13 +107,6 @@ std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercis
     const auto objections = Objections(store, exercise, *counting, rubric, quick);
     if (objections.ok() && !objections->empty()) out.push_back(*objections);
   }
-  const auto text = store.blobs.GetBlob(exercise.scene);
-  if (!text.ok()) return out;
-  const auto scene = scene::SceneFromJson(AsText(*text));
-  if (!scene.ok()) return out;
-  for (const scoring::FineBand& band : scoring::FineBands(rubric, scene->voxel_nm)) {
-    out.push_back(scoring::FineBandText(band, scene->voxel_nm));
-  }
   return out;
 }
 
@@ -153,6 +152,7 @@ Result<RubricRow> PublishCorrection(Store& store, const Uuid& exercise, scene::R
   ENAMEL_ASSIGN_OR_RETURN(std::string why, CheckedReason(reason, "reason"));
   ENAMEL_ASSIGN_OR_RETURN(auto row, store.exercises.ExerciseById(exercise));
   ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingOf(store.blobs, store.rubrics, row));
+  ENAMEL_RETURN_IF_ERROR(MustKeepRegions(counting, rubric));
   // Two corrections at once: the second has not seen the first, and would undo it.
   if (counting.version != seen) {
     return Status(Code::kConflict,

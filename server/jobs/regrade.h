@@ -16,8 +16,8 @@
 #include "server/storage/store.h"
 #include "server/storage/teaching/rubric_rows.h"
 
-// What a corrected rubric would change. Scores keep their metrics, so new points need no replay, as
-// long as the correction uses no metric that was not measured. BatchRows queues the jobs that then
+// What a corrected rubric would change. Scores keep their metrics and measures, so new points need
+// no replay, as long as the correction uses no metric that was not measured. BatchRows queues the jobs that then
 // replay. Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
@@ -55,10 +55,9 @@ struct RubricPreview {
   double mean_before = 0, mean_after = 0;
 };
 
-// Warnings for people: bands finer than the exercise's score can resolve (scoring::FineBands),
-// metrics used twice, and objections that refuse publication unless somebody insists
-// (rubric_check.h). Unreadable parts are left out: a preview does without. `quick`: while somebody
-// types.
+// Warnings for people: metrics used twice, and objections that refuse publication unless somebody
+// insists (rubric_check.h). Unreadable parts are left out: a preview does without. `quick`: while
+// somebody types.
 std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercise,
                                         const scene::Rubric& rubric, bool quick);
 
@@ -68,8 +67,10 @@ inline constexpr size_t kMaxPreviewed = 2000;
 // kMaxPreviewed.
 Result<std::vector<AttemptRow>> ScoredAttempts(AttemptRows& attempts, AttemptFilter which);
 
-// `rubric` on the metrics of those attempts, which are of one exercise version; `counting`: its
-// references that do (ReferenceRows::Counting). Errors: those of scoring::ValidateRubric.
+// `rubric` on what was measured of those attempts against the cut that judged them, which are of one
+// exercise version. Under another rubric another acceptable cut may be kinder, so that scoring again
+// may give more. `counting`: the version's references that count (ReferenceRows::Counting). Errors:
+// those of scoring::ValidateRubric.
 Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
                                     const scene::Rubric& rubric,
                                     const std::vector<ReferenceRow>& counting);

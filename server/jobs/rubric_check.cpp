@@ -9,6 +9,7 @@
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/trial.h"
 #include "server/jobs/reference_cache.h"
 #include "server/jobs/regrade.h"
 #include "server/training/names.h"
@@ -18,26 +19,6 @@ namespace {
 
 // A score is shown with one decimal.
 constexpr double kFullMarks = 99.95;
-
-template <typename T>
-Status CheckItems(const std::vector<T>& items, const std::string& list) {
-  for (size_t i = 0; i < items.size(); ++i) {
-    const std::string place = list + "[" + std::to_string(i) + "].";
-    ENAMEL_RETURN_IF_ERROR(CheckOneLine(items[i].title, place + "title"));
-    ENAMEL_RETURN_IF_ERROR(CheckOneLine(items[i].comment, place + "comment"));
-  }
-  return Status::Ok();
-}
-
-template <typename T>
-void AddRepeated(const std::vector<T>& items, const char* what, std::vector<std::string>& out) {
-  std::set<std::string> seen, told;
-  for (const T& item : items) {
-    if (seen.insert(item.metric).second || !told.insert(item.metric).second) continue;
-    out.push_back(item.metric + " is asked for by more than one " + what +
-                  ": what is found there costs more than once");
-  }
-}
 
 Result<scene::Exercise> DocumentOf(StoredBlobs& blobs, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(row.content));
@@ -68,14 +49,46 @@ Result<scoring::MetricSet> MeasuredAgainstItself(Store& store, const ExerciseRow
 }  // namespace
 
 Status CheckRubricWords(const scene::Rubric& rubric) {
-  ENAMEL_RETURN_IF_ERROR(CheckItems(rubric.criteria, "criteria"));
-  return CheckItems(rubric.gates, "gates");
+  for (size_t i = 0; i < rubric.prices.size(); ++i) {
+    const std::string place = "prices[" + std::to_string(i) + "].";
+    ENAMEL_RETURN_IF_ERROR(CheckOneLine(rubric.prices[i].source, place + "source"));
+  }
+  for (size_t i = 0; i < rubric.criteria.size(); ++i) {
+    const std::string place = "criteria[" + std::to_string(i) + "].";
+    ENAMEL_RETURN_IF_ERROR(CheckOneLine(rubric.criteria[i].title, place + "title"));
+    ENAMEL_RETURN_IF_ERROR(CheckOneLine(rubric.criteria[i].comment, place + "comment"));
+  }
+  return Status::Ok();
+}
+
+Status MustKeepRegions(const scene::Rubric& counting, const scene::Rubric& rubric) {
+  using namespace scoring;
+  for (const scene::RubricPrice& price : counting.prices) {
+    const bool of_whole = price.of == scoring::whole::kElsewhere ||
+                          price.of == scoring::whole::kNeighbour ||
+                          price.of == scoring::whole::kPulp || price.of == scoring::whole::kCaries;
+    if (of_whole ||
+        std::ranges::find(rubric.prices, price.of, &scene::RubricPrice::of) != rubric.prices.end())
+      continue;
+    return Status(
+        Code::kInvalidInput,
+        "expected a price for \"" + price.of +
+            "\", which the current rubric has, found none: work on it could not be scored",
+        "prices");
+  }
+  return Status::Ok();
 }
 
 std::vector<std::string> RepeatedMetrics(const scene::Rubric& rubric) {
   std::vector<std::string> out;
-  AddRepeated(rubric.criteria, "criterion", out);
-  AddRepeated(rubric.gates, "gate", out);
+  std::set<std::string> seen, told;
+  for (const scene::RubricCriterion& criterion : rubric.criteria) {
+    const std::string& metric = criterion.metric;
+    if (seen.insert(metric).second || !told.insert(metric).second) continue;
+    out.push_back(metric +
+                  " is asked for by more than one criterion: what is found there costs more than "
+                  "once");
+  }
   return out;
 }
 
@@ -103,40 +116,28 @@ Result<std::optional<scoring::ScoreResult>> ReferenceUnder(Store& store,
   ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.references.ReferenceFor(exercise.id));
   if (!reference) return none;
   const auto stored = StoredScore(store.blobs, store.results, reference->attempt);
-  const bool against_itself =
-      stored.ok() &&
-      (stored->reference_attempt.empty() || stored->reference_attempt == reference->attempt.Text());
+  const bool against_itself = stored.ok() && stored->reference_attempt == reference->attempt.Text();
   if (against_itself && stored->scoring_version == scoring::kScoringVersion) {
-    auto score = scoring::ApplyRubric(rubric, {stored->metrics, stored->missing, {}});
+    auto score = scoring::ApplyRubric(rubric, {stored->metrics, stored->missing}, stored->measures);
     if (score.ok()) return std::optional(std::move(*score));
   }
   if (stored_only) return none;
   ENAMEL_ASSIGN_OR_RETURN(const auto metrics,
                           MeasuredAgainstItself(store, exercise, reference->attempt, rubric));
   ENAMEL_RETURN_IF_ERROR(scoring::CheckCriticalIsMeasured(rubric, metrics));
-  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(rubric, metrics));
+  // A cut has no fault beside itself, so that no region of it is measured: the hand alone can cost.
+  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(rubric, metrics, {}));
   return std::optional(std::move(score));
 }
 
 std::string LostByReference(const scoring::ScoreResult& score) {
   if (score.score >= kFullMarks && !score.critical_fail) return {};
   std::string why;
-  auto add = [&why](const std::string& text) { why += (why.empty() ? "" : ", ") + text; };
-  for (const scoring::GateResult& gate : score.gates) {
-    if (gate.share < 1) {
-      add(fmt::format("gate {} ({}) leaves {:.1f} % at {:.3g} {}", gate.title, gate.name,
-                      100 * gate.share, gate.value, gate.unit));
-    }
+  for (const scoring::LostItem& lost : scoring::LostItems(score)) {
+    why += fmt::format("{} {} costs {:.1f}", why.empty() ? ":" : ",", lost.name, lost.points);
   }
-  double share = 1;
-  for (const scoring::GateResult& gate : score.gates) share *= gate.share;
-  for (const scoring::CriterionResult& c : score.criteria) {
-    if (c.judged && c.points < c.max_points * share - 1e-6) {
-      add(fmt::format("{} ({}) {:.1f} of {:.1f}", c.title, c.name, c.points, c.max_points));
-    }
-  }
-  return fmt::format("the reference itself would get {:.1f} of 100{}{}{}", score.score,
-                     score.critical_fail ? ", failed" : "", why.empty() ? "" : ": ", why);
+  return fmt::format("the reference itself would get {:.1f} of 100{}{}", score.score,
+                     score.critical_fail ? ", failed" : "", why);
 }
 
 Result<std::string> Objections(Store& store, const ExerciseRow& exercise,

@@ -13,12 +13,15 @@
 // Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
-// Titles and comments are shown unchanged in terminals and tables. Errors: kInvalidInput naming the
+// Titles, comments and sources are shown unchanged in terminals and tables. Errors: kInvalidInput naming the
 // member.
 Status CheckRubricWords(const scene::Rubric& rubric);
 
-// Metrics that more than one criterion, or more than one gate, uses: each costs points twice. A
-// warning.
+// Whether a correction can judge what `counting` judges. Errors: kInvalidInput, field "prices", where
+// a kind of region has lost its price: work on it could not be scored.
+Status MustKeepRegions(const scene::Rubric& counting, const scene::Rubric& rubric);
+
+// Metrics that more than one criterion uses: each costs points twice. A warning.
 std::vector<std::string> RepeatedMetrics(const scene::Rubric& rubric);
 
 // The exercise whose rubric has this name where `exercise`'s does not; none: no other has it.
@@ -34,7 +37,7 @@ Result<std::optional<scoring::ScoreResult>> ReferenceUnder(Store& store,
                                                            const ExerciseRow& exercise,
                                                            const scene::Rubric& rubric,
                                                            bool stored_only);
-// "The reference itself would get 60.0 of 100: Mesial wall 0.0 of 40 …"; empty: full marks.
+// "the reference itself would get 90.0 of 100: time_s costs 10.0"; empty: full marks.
 std::string LostByReference(const scoring::ScoreResult& score);
 
 // Objections that refuse a rubric unless somebody insists: it is another exercise's, or the

@@ -1,6 +1,7 @@
 #include "server/jobs/score_job.h"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "common/base/unix_time.h"
@@ -14,6 +15,7 @@
 #include "common/scoring/score.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
+#include "common/scoring/trial.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
 #include "common/timeline/deviation.h"
@@ -47,6 +49,14 @@ Status Stopped() {
 // Not the place in the recording, which says little to its person.
 Status AsUnreadable(const Status& status) {
   return status.ok() ? status : Status(status.code(), status.message(), protocol::kUnreadable);
+}
+
+// An instructor sets the score, or has the program mended.
+Status WaitsForAPerson(const std::string& law) {
+  return Status(Code::kInternal,
+                "the score waits for a person: it breaks a law of grading (" + law +
+                    "). Set a score by hand, and report this",
+                protocol::kBrokenLaw);
 }
 
 // Farther than this from the pulp nobody asks how far.
@@ -163,13 +173,8 @@ class ScoreJob {
   Status LoadReferences() {
     ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.references.Counting(row_.exercise));
     if (rows.empty()) {
-      // Then the tooth that the target names is what an attempt is compared with.
-      if (row_.as_reference || exercise_.target.prepared_tooth) return Status::Ok();
-      return Status(Code::kConflict,
-                    "no reference yet: exercise \"" + exercise_.title +
-                        "\" has no reference cut to compare with; the attempt is scored once an "
-                        "instructor adds one",
-                    protocol::kNoReference);
+      // Then the exercise's own target is all that an attempt is compared with.
+      return Status::Ok();
     }
     for (const ReferenceRow& row : rows) {
       is_reference_ = is_reference_ || row.attempt == attempt_;
@@ -244,24 +249,22 @@ class ScoreJob {
                 const scoring::SeriesRecorder& series) {
     const CelledSurface surface = CelledSurfaceOf(final_volume);
     scoring::AttemptData attempt{&initial_, &final_volume, &surface.mesh, &process};
-    // A reference cut is compared with itself: deviation 0, so that its own figures can be looked
-    // at.
-    scoring::AttemptData itself = attempt;
-    surface::Mesh wanted_mesh;
-    if (const auto& wanted = exercise_.target.prepared_tooth;
-        wanted && !is_reference_ && references_.empty()) {
-      wanted_mesh = surface::ExtractSurface(wanted->volume);
-      itself = {&initial_, &wanted->volume, &wanted_mesh, nullptr};
-    }
-    ENAMEL_ASSIGN_OR_RETURN(Judged judged, Judge(attempt, itself));
+    ENAMEL_RETURN_IF_ERROR(FindAcceptable(attempt));
+    ENAMEL_ASSIGN_OR_RETURN(Judged judged, Judge(attempt));
     attempt.deviation_m = &judged.deviation_m;
     scoring::ScoreResult& score = judged.score;
     if (is_reference_) reference_attempt_ = attempt_;
-    if (judged.reference) reference_attempt_ = judged.reference->attempt;
-    if (judged.reference) reference_ = judged.reference->cut;
+    if (const Reference* by = judged.by->reference) {
+      reference_attempt_ = by->attempt;
+      reference_ = by->cut;
+    }
     FillStation(process, score);
-    FillDeductions(attempt, judged.compared, judged.metrics, score);
-    ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, judged.compared, judged.metrics, score));
+    const scoring::Provenance provenance = moments_->Take();
+    score.deductions = scoring::FindDeductions(
+        {&judged.by->r, &final_volume, &judged.by->cut.found, &provenance, &process.strokes()});
+    ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, judged.by->data, judged.metrics, score));
+    if (const std::string law = scoring::BrokenLaw(score); !law.empty())
+      return WaitsForAPerson(law);
 
     AttemptResult result;
     result.score = score.score;
@@ -296,44 +299,75 @@ class ScoreJob {
     return store_.results.FinishAttempt(attempt_, result, lease_);
   }
 
-  // Of several references, the one under which the attempt earns the most judges it: a student may
-  // follow any of the dentists (schemas/score.md, "Envelope").
+  // Of several acceptable cuts the kindest judges the attempt: a student may follow any of the dentists, or the task as it
+  // is written (schemas/score.md, "Acceptable cuts").
   struct Reference {
     Uuid attempt;
     std::shared_ptr<const ReferenceCut> cut;
   };
+  struct Acceptable {
+    const Reference* reference;  // null: the attempt itself, or the exercise's own target
+    scoring::AttemptData data;
+    scoring::AcceptableCut r;
+    scoring::JudgedCut cut;
+  };
   struct Judged {
-    const Reference* reference = nullptr;  // null: `compared` is none of them
-    scoring::AttemptData compared;
+    const Acceptable* by = nullptr;
     std::vector<float> deviation_m;
     scoring::MetricSet metrics;
     scoring::ScoreResult score;
   };
-  Result<Judged> Judge(const scoring::AttemptData& attempt, const scoring::AttemptData& itself) {
-    if (is_reference_ || references_.empty()) return JudgedBy(attempt, itself, nullptr, 0, 1);
-    std::optional<Judged> best;
-    for (size_t i = 0; i < references_.size(); ++i) {
-      const ReferenceCut& cut = *references_[i].cut;
-      ENAMEL_ASSIGN_OR_RETURN(
-          Judged judged,
-          JudgedBy(attempt, {&initial_, &cut.final_volume, &cut.surface, &cut.process},
-                   &references_[i], i, references_.size()));
-      // After a critical error the score is 0 and the points are not. Equal: the newest.
-      auto earned = [](const Judged& j) { return std::pair(j.score.score, j.score.points); };
-      if (!best || earned(judged) > earned(*best)) best = std::move(judged);
+
+  Status AddAcceptable(const Reference* reference, const scoring::AttemptData& data,
+                       const cutting::Volume& attempt) {
+    ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
+    auto added = std::unique_ptr<Acceptable>(new Acceptable{
+        reference, data, {initial_, *data.final_volume, {scene_.tooth, scene_.up}}, {}});
+    ENAMEL_ASSIGN_OR_RETURN(added->cut, scoring::JudgeCut(added->r, attempt, exercise_.rubric));
+    acceptable_.push_back(std::move(added));
+    return Status::Ok();
+  }
+
+  // A reference cut is compared with itself alone, so that its own figures can be looked at.
+  Status FindAcceptable(const scoring::AttemptData& attempt) {
+    const cutting::Volume& cut = *attempt.final_volume;
+    if (is_reference_ || (row_.as_reference && references_.empty()))
+      return AddAcceptable(nullptr, attempt, cut);
+    for (const Reference& reference : references_) {
+      const ReferenceCut& of = *reference.cut;
+      ENAMEL_RETURN_IF_ERROR(
+          AddAcceptable(&reference, {&initial_, &of.final_volume, &of.surface, &of.process}, cut));
     }
-    return *std::move(best);
+    ENAMEL_ASSIGN_OR_RETURN(target_, scoring::ExactCut(scene_, exercise_, initial_));
+    target_surface_ = surface::ExtractSurface(target_);
+    ENAMEL_RETURN_IF_ERROR(
+        AddAcceptable(nullptr, {&initial_, &target_, &target_surface_, nullptr}, cut));
+    // Equal: the newest reference.
+    std::ranges::stable_sort(acceptable_, {}, [](const auto& a) { return a->cut.cost.sum; });
+    return Status::Ok();
+  }
+
+  // By the kindest under which no error is critical; where each finds one, by the kindest.
+  Result<Judged> Judge(const scoring::AttemptData& attempt) {
+    std::optional<Judged> first;
+    for (size_t i = 0; i < acceptable_.size(); ++i) {
+      ENAMEL_ASSIGN_OR_RETURN(Judged judged,
+                              JudgedBy(attempt, *acceptable_[i], i, acceptable_.size()));
+      if (!judged.score.critical_fail) return judged;
+      if (!first) first = std::move(judged);
+    }
+    return *std::move(first);
   }
   // `part` of `parts`: how far the measuring is.
-  Result<Judged> JudgedBy(scoring::AttemptData attempt, const scoring::AttemptData& compared,
-                          const Reference* reference, size_t part, size_t parts) {
-    Judged out{reference, compared, {}, {}, {}};
+  Result<Judged> JudgedBy(scoring::AttemptData attempt, const Acceptable& by, size_t part,
+                          size_t parts) {
+    Judged out{&by, {}, {}, {}};
     out.deviation_m =
         scoring::DeviationPerVertex(*attempt.final_surface, initial_, *attempt.final_volume,
-                                    *compared.final_volume, *compared.final_surface);
+                                    *by.data.final_volume, *by.data.final_surface);
     attempt.deviation_m = &out.deviation_m;
     auto metrics = scoring::ComputeMetrics(
-        scene_, exercise_, attempt, compared,
+        scene_, exercise_, attempt, by.data,
         [&](double done) {
           const double all = (static_cast<double>(part) + done) / static_cast<double>(parts);
           return Tell(kReplayTo + (kMeasureTo - kReplayTo) * all).ok();
@@ -341,7 +375,9 @@ class ScoreJob {
         scoring::MetricPlan::For(exercise_.rubric));
     if (metrics.status().code() == Code::kUnavailable) return Stopped();
     ENAMEL_ASSIGN_OR_RETURN(out.metrics, std::move(metrics));
-    ENAMEL_ASSIGN_OR_RETURN(out.score, scoring::ApplyRubric(exercise_.rubric, out.metrics));
+    ENAMEL_ASSIGN_OR_RETURN(out.score,
+                            scoring::ApplyRubric(exercise_.rubric, out.metrics, by.cut.measures,
+                                                 by.cut.found.mistakes));
     return out;
   }
 
@@ -450,23 +486,6 @@ class ScoreJob {
     score.witness_ok = report_.witness_ok;
   }
 
-  void FillDeductions(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
-                      const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
-    const std::vector<std::string> costly = scoring::CostlyCriteria(exercise_.rubric, score);
-    if (costly.empty()) return;
-    const scoring::Provenance provenance = moments_->Take();
-    const surface::Mesh cut = scoring::CutPart(
-        *reference.final_surface,
-        scoring::CutVertices(*reference.final_surface, initial_, *reference.final_volume));
-    scoring::Advise(
-        exercise_.rubric,
-        scoring::FindDeductions(scene_, exercise_.target, costly,
-                                {&initial_, attempt.final_volume, reference.final_volume, &cut,
-                                 scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance,
-                                 &attempt.process->strokes(), &metrics.places}),
-        score);
-  }
-
   // Where there is more than one reference.
   Status FillEnvelope(const scoring::AttemptData& attempt, const scoring::AttemptData& compared,
                       const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
@@ -486,7 +505,8 @@ class ScoreJob {
   // A reference measured as the attempt was: against the one that judged it, for the same rubric.
   Result<scoring::MetricSet> MetricsOf(const Uuid& member, const ReferenceCut& cut,
                                        const scoring::AttemptData& reference) const {
-    const std::string key = member.Text() + " " + reference_attempt_->Text() + " " +
+    const std::string key = member.Text() + " " +
+                            (reference_attempt_ ? reference_attempt_->Text() : "target") + " " +
                             row_.exercise_content.Hex() + " " +
                             HashSha256(AsBytes(scene::ToJson(exercise_.rubric))).Hex();
     if (auto known = cache_.Metrics(key)) return *known;
@@ -525,6 +545,10 @@ class ScoreJob {
   scene::Scene scene_;
   scene::Exercise exercise_;
   cutting::Volume initial_;
+  // The kindest first, once found; they point at the attempt's volume and surface.
+  std::vector<std::unique_ptr<const Acceptable>> acceptable_;
+  cutting::Volume target_;
+  surface::Mesh target_surface_;
   std::vector<Reference> references_;  // those that count and are not this attempt, newest first
   bool is_reference_ = false;          // one that counts itself: compared with itself
   std::optional<Uuid> reference_attempt_;          // that judged it; none: there is no reference

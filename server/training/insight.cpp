@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -53,57 +54,76 @@ void FindOutliers(const std::string& what, const std::vector<Of>& all, std::vect
 // A criterion's figures while reading the students.
 struct Gathered {
   CriterionInsight insight;
-  double points = 0;
-  double lost = 0;
+  std::vector<double> lost;
   std::vector<Of> values;
 };
 
-Gathered& Named(std::vector<Gathered>& all, const CriterionPoints& criterion) {
-  for (Gathered& each : all) {
-    if (each.insight.name == criterion.name) return each;
-  }
-  all.push_back({});
-  all.back().insight.name = criterion.name;
-  all.back().insight.title = criterion.title;
-  all.back().insight.unit = criterion.unit;
-  return all.back();
-}
-
 void Gather(const StudentWork& work, size_t student, std::vector<Gathered>& all) {
-  for (const CriterionPoints& criterion : work.criteria) {
-    Gathered& to = Named(all, criterion);
-    // A criterion worth nothing has no points to lose. A metric that was not measured has no value,
-    // and its points are lost.
-    if (criterion.max_points <= 0) continue;
-    CriterionInsight& insight = to.insight;
+  for (const CriterionLost& criterion : work.criteria) {
+    auto to = std::ranges::find(
+        all, criterion.name,
+        [](const Gathered& each) -> const std::string& { return each.insight.name; });
+    if (to == all.end()) to = all.insert(to, Gathered{});
+    CriterionInsight& insight = to->insight;
+    insight.name = criterion.name;
+    insight.group = criterion.group;
+    insight.title = criterion.title;
+    insight.unit = criterion.unit;
+    if (!criterion.judged) continue;
     ++insight.judged;
-    insight.max_points = std::max(insight.max_points, criterion.max_points);
-    insight.half_lost += criterion.points <= criterion.max_points / 2 ? 1 : 0;
-    CountTenth(100 * criterion.points / criterion.max_points, insight.earned);
-    to.points += criterion.points;
-    to.lost += criterion.max_points - criterion.points;
-    if (criterion.judged) to.values.push_back({student, criterion.value});
+    insight.to_change += criterion.to_change ? 1 : 0;
+    to->lost.push_back(criterion.lost);
+    if (criterion.value) to->values.push_back({student, *criterion.value});
   }
 }
 
-void GatherGates(const StudentWork& work, std::vector<GateInsight>& all) {
-  for (const GateTaken& gate : work.gates) {
-    if (gate.share >= 1) continue;
-    auto found = std::ranges::find(all, gate.name, &GateInsight::name);
-    if (found == all.end()) found = all.insert(all.end(), GateInsight{gate.name, gate.title, 0});
-    ++found->taken;
+// What one student lost by the mistakes of one kind at one place, and the dearest of them.
+struct MadeByOne {
+  double points = 0;
+  const MistakeMade* dearest = nullptr;
+};
+using KindAndPlace = std::pair<std::string, std::string>;
+using MadeByClass = std::map<KindAndPlace, std::vector<MadeByOne>>;
+
+void GatherMistakes(const StudentWork& work, MadeByClass& all) {
+  std::map<KindAndPlace, MadeByOne> made;
+  for (const MistakeMade& mistake : work.mistakes) {
+    MadeByOne& to = made[{mistake.kind, mistake.place}];
+    to.points += mistake.points;
+    if (to.dearest == nullptr || mistake.points > to.dearest->points) to.dearest = &mistake;
+  }
+  for (const auto& [what, by_one] : made) {
+    if (by_one.points >= kWorthTelling) all[what].push_back(by_one);
   }
 }
 
-std::optional<size_t> Commonest(const std::vector<Gathered>& all) {
-  std::optional<size_t> out;
-  for (size_t i = 0; i < all.size(); ++i) {
-    const auto rank = [&](size_t place) {
-      return std::pair(all[place].insight.half_lost, all[place].lost);
-    };
-    if (all[i].insight.half_lost > 0 && (!out || rank(i) > rank(*out))) out = i;
+// Requires: somebody made it.
+MistakeInsight InsightInto(const std::vector<MadeByOne>& made) {
+  const MistakeMade& any = *made.front().dearest;
+  MistakeInsight out{any.kind, any.place, any.group, any.unit, 0, 0, 0, {}};
+  out.students = static_cast<uint32_t>(made.size());
+  std::vector<double> sizes;
+  for (const MadeByOne& by_one : made) {
+    out.points += by_one.points;
+    sizes.push_back(by_one.dearest->size);
+    for (size_t i = 0; i < out.at_mm.size(); ++i) out.at_mm[i] += by_one.dearest->at_mm[i];
   }
+  for (double& coordinate : out.at_mm) coordinate /= static_cast<double>(made.size());
+  out.size = SpreadOf(std::move(sizes))->median;
   return out;
+}
+
+std::vector<MistakeInsight> DearestFirst(const MadeByClass& all) {
+  std::vector<MistakeInsight> out;
+  for (const auto& [what, made] : all) out.push_back(InsightInto(made));
+  std::ranges::stable_sort(out, std::ranges::greater{}, &MistakeInsight::points);
+  return out;
+}
+
+std::optional<size_t> Commonest(const std::vector<MistakeInsight>& mistakes) {
+  const auto found = std::ranges::max_element(mistakes, {}, &MistakeInsight::students);
+  if (found == mistakes.end()) return std::nullopt;
+  return static_cast<size_t>(found - mistakes.begin());
 }
 
 }  // namespace
@@ -129,6 +149,7 @@ Insight InsightOf(const std::vector<StudentWork>& students) {
   Insight out;
   out.students = static_cast<uint32_t>(students.size());
   std::vector<Gathered> criteria;
+  MadeByClass mistakes;
   std::vector<Of> scores, times;
   for (size_t i = 0; i < students.size(); ++i) {
     const StudentWork& work = students[i];
@@ -146,17 +167,20 @@ Insight InsightOf(const std::vector<StudentWork>& students) {
     scores.push_back({i, *work.score});
     CountTenth(*work.score, out.score_tenths);
     Gather(work, i, criteria);
-    GatherGates(work, out.gates);
+    GatherMistakes(work, mistakes);
   }
   out.scores = SpreadOf(ValuesOf(scores));
   out.times_s = SpreadOf(ValuesOf(times));
-  out.commonest = Commonest(criteria);
+  out.mistakes = DearestFirst(mistakes);
+  out.commonest = Commonest(out.mistakes);
   FindOutliers("score", scores, out.outliers);
   FindOutliers("time_all_attempts_s", times, out.outliers);
   for (Gathered& each : criteria) {
     FindOutliers(each.insight.name, each.values, out.outliers);
     each.insight.values = SpreadOf(ValuesOf(each.values));
-    if (each.insight.judged > 0) each.insight.mean_points = each.points / each.insight.judged;
+    each.insight.lost = SpreadOf(each.lost);
+    const double sum = std::accumulate(each.lost.begin(), each.lost.end(), 0.0);
+    if (each.insight.judged > 0) each.insight.mean_lost = sum / each.insight.judged;
     out.criteria.push_back(std::move(each.insight));
   }
   std::ranges::stable_sort(out.outliers, [](const Outlier& a, const Outlier& b) {

@@ -6,28 +6,30 @@
 #include <string>
 #include <vector>
 
-// A class's results under one assignment: students who have not begun, points lost, outliers. Pure
-// functions over plain values; the output is for people and enters no score.
+// A class's results under one assignment: students who have not begun, mistakes, points lost,
+// outliers. Pure functions over plain values; the output is for people and enters no score.
 namespace enamel::server {
 
 // A criterion of one score, as schemas/score.md stores it.
-struct CriterionPoints {
-  std::string name;  // metric
+struct CriterionLost {
+  std::string name;  // a group, or a metric of the hand
+  std::string group;
   std::string title;
   std::string unit;
-  double value = 0;
-  double points = 0;  // after the gates
-  double max_points = 0;
-  bool judged = true;
-  bool operator==(const CriterionPoints&) const = default;
+  double lost = 0;         // points
+  bool to_change = false;  // an examiner asks for a change, or for the work to be done anew
+  bool judged = true;      // false: it could not cost anything
+  std::optional<double> value = {};  // the hand's
+  bool operator==(const CriterionLost&) const = default;
 };
 
-// A gate that took points from a score.
-struct GateTaken {
-  std::string name;  // metric
-  std::string title;
-  double share = 1;  // of the points that it left
-  bool operator==(const GateTaken&) const = default;
+// A mistake of one score, likewise.
+struct MistakeMade {
+  std::string kind, place, group, unit;
+  double points = 0;  // that it cost
+  double size = 0;    // in `unit`
+  std::array<double, 3> at_mm{};
+  bool operator==(const MistakeMade&) const = default;
 };
 
 // One student's work under the assignment.
@@ -37,8 +39,8 @@ struct StudentWork {
   double time_s = 0;            // recorded in all those attempts
   bool failed = false;          // of the attempt below: critically
   // Of the attempt that counts; empty: none is scored.
-  std::vector<CriterionPoints> criteria;
-  std::vector<GateTaken> gates;
+  std::vector<CriterionLost> criteria;
+  std::vector<MistakeMade> mistakes;
 };
 
 // The least, the quartiles and the most of some numbers. A quartile that falls between two of them
@@ -55,24 +57,29 @@ std::optional<Spread> SpreadOf(std::vector<double> values);
 using Tenths = std::array<uint32_t, 10>;
 
 struct CriterionInsight {
-  std::string name, title, unit;
-  double max_points = 0;         // the most that it was worth to somebody
+  std::string name, group, title, unit;
   uint32_t judged = 0;           // students
-  uint32_t half_lost = 0;        // of those, who lost at least half of its points
-  double mean_points = 0;        // of those
-  Tenths earned{};               // by the share of its points that they earned
+  uint32_t to_change = 0;        // of those, whose work is not acceptable there
+  double mean_lost = 0;          // points, of those
+  std::optional<Spread> lost;    // likewise
   std::optional<Spread> values;  // of what was measured
 };
 
-struct GateInsight {
-  std::string name, title;
-  uint32_t taken = 0;  // students from whom it took points
+// The mistakes of one kind at one place.
+struct MistakeInsight {
+  std::string kind, place, group, unit;
+  uint32_t students = 0;          // who lost at least kWorthTelling by it
+  double points = 0;              // that it cost these together
+  double size = 0;                // the median of theirs
+  std::array<double, 3> at_mm{};  // the middle of theirs
 };
+// Points. A mistake that costs a student less is not counted.
+inline constexpr double kWorthTelling = 0.5;
 
 // Far from the rest of the class.
 struct Outlier {
   size_t student = 0;  // place in what was given
-  // "score", "time_all_attempts_s" or a criterion's metric, of which time_s is one
+  // "score", "time_all_attempts_s" or a metric of the hand, of which time_s is one
   std::string what;
   double value = 0;
   double median = 0;  // of the class
@@ -88,8 +95,8 @@ struct Insight {
   std::optional<Spread> scores, times_s;
   Tenths score_tenths{};
   std::vector<CriterionInsight> criteria;  // in the order in which scores have them
-  std::vector<GateInsight> gates;          // those that took points from somebody
-  std::optional<size_t> commonest;         // of `criteria`: on which most lost at least half
+  std::vector<MistakeInsight> mistakes;    // those first that cost the class most
+  std::optional<size_t> commonest;         // of `mistakes`: that most students made
   std::vector<Outlier> outliers;           // by student, the farthest first
 };
 
@@ -98,7 +105,8 @@ struct Insight {
 // median nor MAD. More than half of a class may share a value, which makes the MAD 0. Then z = (x -
 // median) / (1.2533 MeanAD), MeanAD the mean of |x - median| (IBM, Cognos Analytics, "Modified z
 // score"). With fewer than 8 values there are no outliers. Times are of students who began. Of
-// equally common errors the one that cost more points is listed.
+// equally common mistakes the dearest is listed. A student who made a mistake of one kind twice at
+// one place lost the points of both by it; its size and place are those of the dearer.
 Insight InsightOf(const std::vector<StudentWork>& students);
 
 }  // namespace enamel::server

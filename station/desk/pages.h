@@ -72,12 +72,12 @@ class Pages : private TypedByPerson {
   void Result();
   std::vector<Picture> PicturesOfResult();
   void BelowPictures();
-  std::string Points(const scoring::CriterionResult& criterion) const;
   void Losses(const std::vector<Loss>& losses);
   void ShownLoss();
   void Practice();
   void PracticePaused();
   void Score(const scoring::ScoreResult& score);
+  void Criterion(const scoring::CriterionResult& criterion);
   void ResultChoices();
   void Paused();
   void AskFinish();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/language/score_text.h"
 #include "station/desk/pages.h"
 #include "station/desk/problem_words.h"
 #include "station/desk/stop_sign.h"
@@ -190,22 +191,30 @@ void Pages::Score(const scoring::ScoreResult& score) {
   for (const scoring::CriticalResult& c : score.critical) {
     ui_.Problem(ReasonText(flow_.words(), c));
   }
-  if (std::string next = NextStep(flow_.words(), score); !next.empty()) ui_.Text(next);
-  const std::vector<Loss> dearest = DearestLosses(score);
-  Losses(dearest);
+  ui_.Text(CountText(flow_.words(), score));
+  const std::vector<Loss> losses = LossesOf(score);
+  Losses({losses.begin(),
+          losses.begin() + static_cast<std::ptrdiff_t>(std::min(losses.size(), kLossesShown))});
+  ui_.Gap(8);
   for (const scoring::CriterionResult& c : score.criteria) {
-    if (c.max_points == 0) continue;  // not in this exercise
-    if (std::ranges::find(dearest, &c, &Loss::criterion) != dearest.end()) continue;
-    const bool lost = c.max_points - c.points > kLossShown;
-    ui_.Line(WordedTitle(flow_.words(), c.title), Points(c),
-             lost ? DetailText(flow_.words(), c) : "", lost);
+    if (c.most > 0 || c.group != scoring::Group::kHand) Criterion(c);
+  }
+  if (score.beyond > kLossShown) {
+    ui_.Note(Say("result.beyond", {{"points", NumberText(flow_.words(), score.beyond, 1)}}));
   }
   ui_.EndList();
 }
 
-std::string Pages::Points(const scoring::CriterionResult& criterion) const {
-  return Say("result.points", {{"points", NumberText(flow_.words(), criterion.points, 1)},
-                               {"most", NumberText(flow_.words(), criterion.max_points, 1)}});
+// A group with its state, or a figure of the hand with its reason.
+void Pages::Criterion(const scoring::CriterionResult& criterion) {
+  const Words& words = flow_.words();
+  const bool lost = criterion.lost > kLossShown;
+  const bool hand = criterion.group == scoring::Group::kHand;
+  std::string below;
+  if (lost || !criterion.judged) below = hand ? DetailText(words, criterion) : "";
+  if (!hand) below = language::StateText(words, criterion.state);
+  ui_.Line(hand ? WordedTitle(words, criterion.title) : language::GroupText(words, criterion.group),
+           LostText(words, criterion.lost), below, lost);
 }
 
 void Pages::Result() {

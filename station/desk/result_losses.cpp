@@ -9,14 +9,14 @@
 namespace enamel::station::desk {
 namespace {
 
-const scoring::Deduction* PlaceOf(const scoring::ScoreResult& score, const std::string& metric) {
+const scoring::Deduction* PlaceOf(const scoring::ScoreResult& score, size_t mistake) {
   const scoring::Deduction* found = nullptr;
   auto shown_before = [](const scoring::Deduction& a, const scoring::Deduction& b) {
     if (a.strokes.empty() != b.strokes.empty()) return !a.strokes.empty();
     return a.volume_m3 > b.volume_m3;
   };
   for (const scoring::Deduction& each : score.deductions) {
-    if (each.criterion != metric) continue;
+    if (each.mistake != mistake) continue;
     if (found == nullptr || shown_before(each, *found)) found = &each;
   }
   return found;
@@ -28,33 +28,32 @@ uint64_t Ticks(double seconds, uint32_t rate_hz) {
 
 }  // namespace
 
-std::vector<Loss> DearestLosses(const scoring::ScoreResult& score) {
+std::vector<Loss> LossesOf(const scoring::ScoreResult& score) {
   std::vector<Loss> out;
-  for (const scoring::GateResult& g : score.gates) {
-    if (g.share < 1) out.push_back({&g, nullptr, PlaceOf(score, g.name)});
+  for (size_t i = 0; i < score.mistakes.size(); ++i) {
+    const scoring::Mistake& mistake = score.mistakes[i];
+    if (mistake.points >= scoring::kWorthAdvice) out.push_back({&mistake, PlaceOf(score, i)});
   }
-  for (const scoring::CriterionResult& c : score.criteria) {
-    if (c.max_points - c.points > kLossShown) {
-      out.push_back({nullptr, &c, PlaceOf(score, c.name)});
-    }
-  }
-  std::ranges::stable_sort(out, [](const Loss& a, const Loss& b) {
-    if (a.gate != nullptr && b.gate != nullptr) return a.gate->share < b.gate->share;
-    if (a.gate != nullptr || b.gate != nullptr) return a.gate != nullptr;
-    return a.points() > b.points();
-  });
-  out.resize(std::min(out.size(), kLossesShown));
   return out;
 }
 
-std::string NextStep(const Words& words, const scoring::ScoreResult& score) {
-  const std::vector<Loss> losses = DearestLosses(score);
-  if (losses.empty()) return {};
-  const Loss& dearest = losses.front();
-  const std::string title = WordedTitle(words, dearest.title());
-  if (dearest.gate != nullptr) return words.Say("result.next_all", {{"title", title}});
-  return words.Say("result.next",
-                   {{"title", title}, {"points", NumberText(words, dearest.points(), 1)}});
+std::string CountText(const Words& words, const scoring::ScoreResult& score) {
+  if (score.mistakes.empty()) return words.Say("result.no_mistake");
+  const auto count = static_cast<int64_t>(LossesOf(score).size());
+  return count == 0 ? words.Say("result.small_mistakes")
+                    : words.Say("result.mistakes", {{"count", count}});
+}
+
+std::string LostText(const Words& words, double points) {
+  if (points <= kLossShown) return "0";
+  return "\u2212" + NumberText(words, points, 1);
+}
+
+std::string StrokeText(const Words& words, const scoring::Deduction& place) {
+  if (place.strokes.empty()) return {};
+  const scoring::FaultStroke& stroke = place.strokes.front();
+  return words.Say("result.stroke", {{"stroke", std::to_string(stroke.number)},
+                                     {"moment", render::TimerText(stroke.first_s)}});
 }
 
 std::string PlaceOfLossText(const Words& words, const scoring::Deduction& place) {

@@ -8,29 +8,28 @@
 
 namespace enamel::station::desk {
 
-// One of the things that cost most. Points into the score.
+// A mistake that cost points, and where it is shown. Points into the score.
 struct Loss {
-  const scoring::GateResult* gate = nullptr;  // one of both
-  const scoring::CriterionResult* criterion = nullptr;
+  const scoring::Mistake* mistake = nullptr;
   // Its largest place on the tooth, first one with a stroke; none: it has none.
   const scoring::Deduction* place = nullptr;
-
-  const std::string& title() const { return gate != nullptr ? gate->title : criterion->title; }
-  double points() const {  // that a criterion lost
-    return criterion != nullptr ? criterion->max_points - criterion->points : 0;
-  }
 };
 
 inline constexpr size_t kLossesShown = 3;
-// Half of the tenth that is shown: "10 of 10" with a reason would be puzzling.
+// Half of the tenth that is shown: "−0" with a reason would be puzzling.
 inline constexpr double kLossShown = 0.05;
 
-// The dearest first: what takes points of every criterion, then the criteria that lost most; at most
-// kLossesShown. `score` outlives them.
-std::vector<Loss> DearestLosses(const scoring::ScoreResult& score);
+// The mistakes worth advice (scoring::kWorthAdvice), the dearest first. `score` outlives them.
+std::vector<Loss> LossesOf(const scoring::ScoreResult& score);
 
-// The one thing to work on next: the dearest loss. Empty: nothing lost any.
-std::string NextStep(const language::Words& words, const scoring::ScoreResult& score);
+// How many mistakes were made, above the first of them.
+std::string CountText(const language::Words& words, const scoring::ScoreResult& score);
+
+// Beside what cost them: "−4.2", or "0".
+std::string LostText(const language::Words& words, double points);
+
+// The stroke that did most of it: "Stroke 14, at 1:12"; empty: none did.
+std::string StrokeText(const language::Words& words, const scoring::Deduction& place);
 
 // What the ring marks: "Stroke 14, at 1:12", or that too much was left there.
 std::string PlaceOfLossText(const language::Words& words, const scoring::Deduction& place);

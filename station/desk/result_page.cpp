@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/language/score_text.h"
 #include "station/desk/pages.h"
 #include "station/desk/stop_sign.h"
 #include "station/render/materials.h"
-#include "station/words/score_words.h"
 
 namespace enamel::station::desk {
 namespace {
-
-std::string LossText(const Words& words, const Loss& loss) {
-  return loss.gate != nullptr ? ReasonText(words, *loss.gate) : DetailText(words, *loss.criterion);
-}
 
 // Over the picture, below the page.
 void DrawRing(const LossView::Ring& ring, float px) {
@@ -103,13 +99,15 @@ void Pages::BelowPictures() {
 }
 
 void Pages::Losses(const std::vector<Loss>& losses) {
+  const Words& words = flow_.words();
   for (const Loss& loss : losses) {
-    const bool gate = loss.gate != nullptr;
-    ui_.Line(
-        WordedTitle(flow_.words(), loss.title()),
-        gate ? flow_.words().Decimal(100 * loss.gate->share, 0) + " %" : Points(*loss.criterion),
-        LossText(flow_.words(), loss), true);
+    ui_.Line(language::MistakeText(words, *loss.mistake), LostText(words, loss.mistake->points),
+             language::RemedyText(words, *loss.mistake), true);
     if (loss.place == nullptr) continue;
+    if (const std::string stroke = StrokeText(words, *loss.place); !stroke.empty()) {
+      ui_.Indent();
+      ui_.Note(stroke);
+    }
     ui_.Indent();
     if (ui_.Button(Say("result.show"), Ui::Look::kSmall, !flow_.busy())) flow_.ShowLoss(loss);
     ui_.Gap(8);
@@ -119,8 +117,8 @@ void Pages::Losses(const std::vector<Loss>& losses) {
 void Pages::ShownLoss() {
   const Loss& loss = flow_.loss_shown();
   ui_.Begin("loss", {0.02f, 0.04f, 0.34f, 0.5f, true});
-  ui_.Text(WordedTitle(flow_.words(), loss.title()));
-  ui_.Note(LossText(flow_.words(), loss));
+  ui_.Text(language::MistakeText(flow_.words(), *loss.mistake));
+  ui_.Note(language::RemedyText(flow_.words(), *loss.mistake));
   ui_.Text(PlaceOfLossText(flow_.words(), *loss.place));
   LossView& view = *flow_.loss();
   const ImVec2 size = ImGui::GetIO().DisplaySize;

@@ -521,10 +521,15 @@ void Ui::Line(const std::string& name, const std::string& value, const std::stri
   Say(name + " | " + value + " | " + words);
   ImVec4 colour = lost ? ImVec4{1, 0.78f, 0.50f, 1} : ImGui::GetStyleColorVec4(ImGuiCol_Text);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextUnformatted(name.c_str());
-  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x -
-                  30 * px());
+  const ImVec2 from = ImGui::GetCursorPos();
+  const float at =
+      ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x - 30 * px();
+  ImGui::SetCursorPosX(at);
   ImGui::TextUnformatted(value.c_str());
+  ImGui::SetCursorPos(from);
+  // A long name continues below itself.
+  const std::string lines = render::InLines(name, at - from.x - 12 * px(), *ImGui::GetFont());
+  ImGui::TextUnformatted(lines.c_str());
   ImGui::PopStyleColor();
   if (!words.empty()) {
     ImGui::Indent(kWords_px * px());

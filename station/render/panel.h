@@ -27,7 +27,7 @@ struct Reach {
   struct Leeway {
     double left_mm = 0;  // to its end; below zero: beyond it
     double whole_mm = 0;
-    std::string_view where;  // the nearest end, a key: "place.mesial_wall"; empty: all is left
+    std::string_view where;  // the nearest end, a key: "reach.mesial_wall"; empty: all is left
   };
   std::optional<Leeway> leeway;
   std::optional<double> pulp_mm;  // thickness over the pulp at its thinnest

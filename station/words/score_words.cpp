@@ -112,13 +112,6 @@ std::string QuantityText(const Words& words, double value, std::string_view unit
   return QuantityText(words, value, unit, scoring::UsualDigits(unit));
 }
 
-// A moment in the attempt, "2:07.4".
-std::string MomentText(const Words& words, double s) {
-  const auto tenths = std::llround(10 * std::max(0.0, s));
-  const std::string rest = words.Decimal(static_cast<double>(tenths % 600) / 10, 1);
-  return std::to_string(tenths / 600) + ":" + (rest.size() < 4 ? "0" : "") + rest;
-}
-
 // The key form of MetricInfo's English: "too deep", "more open at the top".
 std::string DirectionKey(std::string_view direction) {
   std::string key = "direction." + std::string(direction);
@@ -174,27 +167,13 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
         key, {{"found", QuantityText(words, v[0], unit)}, {"share", NumberText(words, v[1], 1)}});
   }
   if (code == "below_grid" && v.size() == 1) return words.Say(key, {{"limit", quantity(0)}});
-  if (code == "keeps" && v.size() == 1) {
-    return words.Say(key, {{"percent", NumberText(words, v[0], 1)}});
-  }
-  if (code == "cut_further" && v.size() == 1) {
-    return words.Say(key, {{"volume", QuantityText(words, v[0], "mm3")}});
-  }
-  if ((code == "stop_earlier" || code == "stop_earlier_here") && v.size() == 2) {
-    return words.Say(key,
-                     {{"moment", MomentText(words, v[0])}, {"stroke", NumberText(words, v[1], 0)}});
-  }
-  if ((code == "stop_earlier_by" || code == "stop_earlier_here_by") && v.size() == 2) {
-    return words.Say(key, {{"moment", MomentText(words, v[0])}, {"half", MomentText(words, v[1])}});
-  }
   const bool bare = code == "not_in_task" || code == "not_made";
   if (bare || !scoring::RemedyText(code).empty()) return words.Say(key);
   return std::nullopt;
 }
 
 // `titled`: begins with the title. Below a title the measured value has a name instead.
-template <typename Judged>
-std::string ReasonTextOf(const Words& words, const Judged& judged, bool titled = true) {
+std::string ReasonTextOf(const Words& words, const scoring::CriterionResult& judged, bool titled) {
   if (judged.reasons.empty()) return judged.reason;
   std::string out;
   if (titled) out = words.Say("reason.title", {{"title", WordedTitle(words, judged.title)}});
@@ -230,17 +209,10 @@ std::string WordedText(const Words& words, std::string_view text) {
 }
 
 std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion) {
-  std::string out = ReasonTextOf(words, criterion);
-  if (criterion.under.empty() || out == criterion.reason) return out;
-  return out.append(Between(words))
-      .append(
-          words.Say("reason.one_mistake", {{"criterion", WordedTitle(words, criterion.under)}}));
+  return ReasonTextOf(words, criterion, true);
 }
 std::string DetailText(const Words& words, const scoring::CriterionResult& criterion) {
   return ReasonTextOf(words, criterion, false);
-}
-std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
-  return ReasonTextOf(words, gate);
 }
 
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical) {

@@ -20,12 +20,11 @@ std::string WordedTitle(const Words& words, std::string_view title);
 // not built in, none is translated.
 std::string WordedText(const Words& words, std::string_view text);
 
-// One sentence for each reason, then the rubric's comment. The server's own text if a code is
-// unknown (a newer server) or missing (scores before version 4).
+// One sentence for each reason of a figure of the hand, then the rubric's comment. The server's own text if a
+// code is unknown (a newer server).
 std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion);
-// The same below the criterion's title: "Measured: 7.62 mm³ (full marks up to 0.02 mm³, …)".
+// The same below the criterion's title: "Measured: 7.62 N (full marks up to 4.00 N, …)".
 std::string DetailText(const Words& words, const scoring::CriterionResult& criterion);
-std::string ReasonText(const Words& words, const scoring::GateResult& gate);
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical);
 
 // With at most so many decimals: 10, 9.5.

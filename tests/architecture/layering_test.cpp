@@ -26,7 +26,7 @@ const std::map<std::string, Names>& Allowed() {
     // Direct dependencies; Closure() adds what those may include.
     std::map<std::string, Names> t = {
         {"common/base", {}},
-        {"common/language", {"common/base"}},
+        {"common/language", {"common/base", "common/scoring"}},
         {"common/sql", {"common/base"}},
         {"common/sqlite", {"common/sql"}},
         {"common/postgres", {"common/sql"}},

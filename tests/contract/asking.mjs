@@ -28,7 +28,7 @@ const kUnseen = [
   // Faults: of other servers, of a tooth, of a trial, of a recording.
   ...["Health.peers", "ToothImport.problem", "ExerciseTrial.problem", "AttemptDetail.contradictions"],
   // Of classes, of which there is one of two.
-  ...["AssignmentInsight.outliers", "StandardSetting.borderline", "StandardSetting.angoff", "TrialScore.named"],
+  ...["AssignmentInsight.outliers", "StandardSetting.borderline", "StandardSetting.angoff", "AttemptDetail.reference"],
   "Marking.results.agreement.limits_of_agreement",
   // Of exams, which take a station with somebody at it.
   ...["AttemptDetail.evidence", "AttemptDetail.sign_off"],

@@ -96,7 +96,14 @@ export const exercises = [
       const wide = ({ corners_um, ...part }) =>
         corners_um === undefined ? part : { ...part, corners_um: corners_um.map((at) => at.map((um) => 3 * um)) };
       const parts = target.parts.filter(({ outline }) => outline !== "box").map(wide);
-      const body = { ...w.document, name: "of-parts", handpiece, target: { ...target, landmark, parts } };
+      // What is left standing has regions of its own.
+      const [like] = w.document.rubric.prices;
+      const kinds = ["table", "axial_wall", "margin", "line_angle"].filter(
+        (of) => !w.document.rubric.prices.some((price) => price.of === of),
+      );
+      const prices = [...w.document.rubric.prices, ...kinds.map((of) => ({ ...like, of }))];
+      const rubric = { ...w.document.rubric, prices };
+      const body = { ...w.document, name: "of-parts", rubric, handpiece, target: { ...target, landmark, parts } };
       w.ofParts = (await w.ben.need("POST", "/api/v1/exercises", { body })).json.id;
     },
     at: (w) => w.ofParts,
@@ -122,9 +129,8 @@ export const exercises = [
     at: (w) => w.mine,
     body: (w) => {
       const rubric = structuredClone(w.rubric);
-      rubric.criteria[0].points += 1;
-      rubric.criteria[1].points -= 1;
-      return { reason: "The first matters more", rubric, anyway: "Asked for" };
+      rubric.prices[0].points /= 2;
+      return { reason: "The first matters less", rubric, anyway: "Asked for" };
     },
   },
   {

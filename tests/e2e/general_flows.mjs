@@ -132,7 +132,7 @@ async function speaksLanguages(world) {
   await teacher.goto(world.assignment("graded"));
   await teacher.locator(".insight .tenths").first().waitFor();
   await eventually(async () =>
-    assert.match(await teacher.locator(".insight").innerText(), /近中壁/, "titles of built-in criteria"),
+    assert.match(await teacher.locator(".insight").innerText(), /内部形态/, "names of groups"),
   );
   // Why there is no score; the server's own words only where there are no others.
   await teacher.goto(world.attempt("set_aside"));

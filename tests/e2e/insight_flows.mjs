@@ -15,7 +15,7 @@ const kRealMolar = join(
 
 export const insightFlows = [
   {
-    name: "an assignment says who has not begun, the most common problem, and who is far from the class",
+    name: "an assignment says who has not begun, the most common mistake, and who is far from the class",
     run: classInsight,
   },
   { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
@@ -52,7 +52,8 @@ async function pictures(world, page, name) {
 async function classInsight(world) {
   const page = await signedIn(world, "instructor", world.assignment("graded"));
   const card = page.getByRole("region", { name: "The class" });
-  await card.getByText("Most common problem:").waitFor();
+  await card.getByText("Most common mistake:").waitFor();
+  await card.getByRole("img", { name: "Where the mistakes are, seen from above" }).waitFor();
   await eventually(async () => assert.match(await card.locator(".facts").innerText(), /Not started\s+\d+ of \d+/));
   const waiting = card.getByRole("region", { name: "Not started" });
   await eventually(async () =>
@@ -166,8 +167,10 @@ async function editExercise(world) {
     .getByRole("table", { name: "Changes from the published version" })
     .getByRole("row", { name: /Burs to change to.*806 314 001 524 016/ })
     .waitFor();
-  const first = page.getByRole("group", { name: /^Criterion 1:/ });
-  await first.getByLabel("Points", { exact: true }).fill("45");
+  const first = page.getByRole("group", { name: "Floor", exact: true });
+  const most = first.getByLabel("Never more than (points)");
+  await most.fill("45");
+  await first.getByText("It never costs more than 45.").waitFor();
   await page.getByRole("button", { name: "Check past attempts" }).click();
   await page.getByText("Mean score, now and new").waitFor();
   await page.getByRole("button", { name: "Try it" }).click();
@@ -177,10 +180,10 @@ async function editExercise(world) {
   await pictures(world, page, "exercise_editor");
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.getByRole("button", { name: "Undo", exact: true }).click();
-  await eventually(async () => assert.notEqual(await first.getByLabel("Points", { exact: true }).inputValue(), "45"));
+  await eventually(async () => assert.notEqual(await most.inputValue(), "45"));
   await page.getByText("The rubric has changed since. Check again.").waitFor();
   await page.getByRole("button", { name: "Redo", exact: true }).click();
-  await eventually(async () => assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45"));
+  await eventually(async () => assert.equal(await most.inputValue(), "45"));
   await page.getByRole("button", { name: "Add a criterion" }).click();
   await page
     .getByRole("group", { name: /^Criterion \d+:/ })
@@ -200,7 +203,8 @@ async function editExercise(world) {
   const { exercises } = await admin.get("/exercises?state=draft");
   const draft = exercises.find((row) => row.title === "Occlusal cavity, deeper");
   const document = await admin.get(`/exercises/${draft.id}/document`);
-  assert.deepEqual([document.target.depth_um, document.rubric.criteria[0].points], [2500, 45]);
+  const floor = document.rubric.prices.find(({ of }) => of === "floor");
+  assert.deepEqual([document.target.depth_um, floor.most], [2500, 45]);
   await page.getByRole("link", { name: "Edit the draft" }).click();
   await page.getByText("No unsaved changes").waitFor();
   assert.equal(await page.getByText("Unsaved changes restored").count(), 0);
@@ -213,9 +217,10 @@ async function correctRubric(world) {
   const publish = page.getByRole("button", { name: "Publish the correction" });
   await eventually(async () => assert.equal(await whyGrey(page, publish), "Nothing has changed yet."));
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
-  await first.getByLabel("Share of points (%)").first().fill("140");
+  const share = first.getByLabel("Share of the points kept (%)").nth(1);
+  await share.fill("140");
   await first.getByText("Enter a number from 0 to 100.").waitFor();
-  await first.getByLabel("Share of points (%)").first().fill("90");
+  await share.fill("10");
   await wrongPoints(world, page, first, publish);
   await page.getByText("Valid, not saved").waitFor();
   await eventually(async () => assert.equal(await whyGrey(page, publish), "Give the reason for the correction first."));
@@ -229,7 +234,7 @@ async function correctRubric(world) {
   const { rubrics } = await (await world.as("admin")).get(`${world.exercise("graded")}/rubrics`);
   const [counts] = rubrics;
   assert.equal(counts.version, 2);
-  assert.equal(counts.document.criteria[0].map[0][1], 0.9);
+  assert.equal(counts.document.criteria[0].map[1][1], 0.1);
   await page.goto(`/editor?rubric=${world.school.exercises.graded}`);
   await page.getByLabel("Compare with").selectOption("1");
   await page.getByRole("table", { name: "Changes from the selected version" }).waitFor();
@@ -244,7 +249,7 @@ async function whyGrey(page, button) {
 // A wrong number is reported at once, at its field and in words above; both disappear when it is
 // right.
 async function wrongPoints(world, page, criterion, publish) {
-  const points = criterion.getByLabel("Points", { exact: true });
+  const points = criterion.getByLabel("Costs at most (points)");
   const kept = await points.inputValue();
   const told = page.locator(".edit-notices .notice");
   for (const [typed, said] of [

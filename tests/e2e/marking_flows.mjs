@@ -44,18 +44,18 @@ async function blind(world) {
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   const text = await page.locator("main").innerText();
   assert.ok(!/Student \w+/.test(text), "no name is seen");
-  assert.equal(await page.getByLabel("Points for Mesial wall").count(), 0, "points come after the rating");
+  assert.equal(await page.getByLabel("Points for Outline").count(), 0, "points come after the rating");
   await accessible(page, "a work before its rating");
   await page.keyboard.press("3");
   await eventually(async () => assert.ok(await page.getByLabel("Clear pass").isChecked()));
-  await page.getByLabel("Points for Mesial wall").fill("16");
+  await page.getByLabel("Points for Outline").fill("160");
   await page.getByRole("button", { name: "Full marks for the rest" }).click();
   await eventually(async () =>
-    assert.ok(await page.getByRole("button", { name: "Give this mark" }).isDisabled(), "16 of 6 points"),
+    assert.ok(await page.getByRole("button", { name: "Give this mark" }).isDisabled(), "more than full marks"),
   );
   await page.getByText("1 criterion has no valid points yet.").waitFor();
-  await page.getByLabel("Points for Mesial wall").fill("3.5");
-  await page.getByLabel("Comment on Mesial wall").fill("cut too far");
+  await page.getByLabel("Points for Outline").fill("3.5");
+  await page.getByLabel("Comment on Outline").fill("cut too far");
   await accessible(page, "a work with its points");
   await world.picture(page, "blind_mark", { fullPage: true });
   await page.getByLabel("Moment", { exact: true }).fill("0");
@@ -91,9 +91,9 @@ async function begunAndGivenUp(world) {
   const page = await signedIn(world, "colleague", world.assignment("blind"));
   await begin(page);
   await page.getByLabel("Borderline").check();
-  await page.getByLabel("Points for Mesial wall").fill("3");
+  await page.getByLabel("Points for Outline").fill("3");
   await page.reload();
-  await eventually(async () => assert.equal(await page.getByLabel("Points for Mesial wall").inputValue(), "3"));
+  await eventually(async () => assert.equal(await page.getByLabel("Points for Outline").inputValue(), "3"));
   await eventually(async () => assert.ok(await page.getByLabel("Borderline").isChecked()));
   const address = page.url();
   await page.goto(world.assignment("blind"));

@@ -17,7 +17,10 @@ export const reviewFlows = [
   },
   { name: "a score that is being computed shows progress and then appears", run: scoringProgress },
   { name: "an instructor releases a graded score and the student then sees it", run: release },
-  { name: "long names of criteria are readable, and their card stays beside the tooth", run: longNames },
+  {
+    name: "many mistakes and long names of criteria are readable, and their card stays beside the tooth",
+    run: longNames,
+  },
   { name: "a lost point leads to its moment", run: lostPointLeadsToItsMoment },
   { name: "the bur that took too much is glass over the colours of the deviation", seldom: true, run: burIsGlass },
   { name: "a pointer over the plot leaves the moment where it is, a press sets it", seldom: true, run: plotPointer },
@@ -66,31 +69,31 @@ async function instructorReviews(world) {
     /^[0-9a-f]{64}$/,
     "what the printed report is checked by",
   );
-  const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) =>
-    rows.map((row) => {
-      const [points, of] = row.querySelector(".points").textContent.split("/").map(Number.parseFloat);
-      return of - points;
-    }),
-  );
-  assert.ok(lost.length >= 3);
+  const lost = await page
+    .locator(".mistakes .lost")
+    .evaluateAll((all) => all.map(({ textContent }) => Number.parseFloat(textContent.replace("−", ""))));
+  assert.ok(lost.length >= 1);
   assert.deepEqual(
     lost,
     [...lost].sort((a, b) => b - a),
-    "criteria that lost most come first",
+    "the dearest mistakes come first",
   );
+  await page.getByText("Points by group").click();
+  await page.locator(".groups summary", { hasText: "Outline" }).click();
+  await page.locator(".parts tr", { hasText: "Mesial wall" }).waitFor();
   await accessible(page, "an attempt");
   await world.picture(page, "attempt", { fullPage: true });
   await heatMapIsThere(page);
   await plotIsThere(page);
 }
 
-// A lost point has a line with its moment; a click puts timeline and tooth there.
+// A mistake has a line with its moment; a click puts timeline and tooth there.
 async function lostPointLeadsToItsMoment(world) {
   const page = await openScoredAttempt(world);
   const slider = page.getByRole("slider", { name: /moment|time/i }).first();
   const before = await slider.inputValue();
   await page
-    .getByRole("button", { name: /^Show me Mesial wall: .* too much; .* \d:\d\d\.\d with stroke \d+$/ })
+    .getByRole("button", { name: /^Show me Mesial wall: over-extended .* too much[;,] .*\d:\d\d\.\d.* stroke \d+/ })
     .click();
   await eventually(async () => assert.notEqual(await slider.inputValue(), before, "the timeline moves"));
   await world.picture(page, "lost_point", { fullPage: true });
@@ -110,7 +113,7 @@ async function burIsGlass(world) {
     await toothAtRest(page);
     return countColors(page, ".tooth-frame canvas", { deep: isDeep, outline: isOutline });
   };
-  await page.getByRole("button", { name: /^Show me Mesial wall: .* too much/ }).click();
+  await page.getByRole("button", { name: /^Show me Mesial wall: over-extended .* too much/ }).click();
   await page.locator(".way-back").waitFor({ state: "attached" });
   const shown = await counted();
   await world.picture(page, "glass_bur");
@@ -133,26 +136,29 @@ async function longNames(world) {
     const response = await route.fetch({ maxRetries: 3 });
     const score = await response.json();
     const [place] = score.deductions;
-    score.deductions = score.criteria.flatMap(({ name }) =>
-      [true, false].map((left) => ({ ...place, criterion: name, left })),
-    );
-    for (const [i, each] of score.criteria.entries())
-      Object.assign(each, { title: kNames[i % 2], points: 0.3 * each.max_points });
+    const [mistake] = score.mistakes;
+    score.mistakes = Array.from({ length: 12 }, () => mistake);
+    score.deductions = score.mistakes.flatMap((_, i) => [true, false].map((left) => ({ ...place, mistake: i, left })));
+    const hand = score.criteria.filter(({ group }) => group === "hand");
+    for (const [i, each] of hand.entries()) Object.assign(each, { title: kNames[i % 2], lost: 0.3 * each.most });
     await route.fulfill({ response, json: score });
   });
   await page.goto(world.attempt("shown"));
-  await page.locator(".criteria tbody th").first().waitFor();
+  await page.locator(".mistakes li").first().waitFor();
+  await page.evaluate(() => {
+    for (const details of document.querySelectorAll(".score-card details")) details.open = true;
+  });
   for (const width of [1440, 1024, 390]) {
     await page.setViewportSize({ width, height: 800 });
-    await eventually(async () => readableCriteria(await page.evaluate(criteriaBoxes), width));
+    await eventually(async () => readableNames(await page.evaluate(nameBoxes), width));
   }
 }
 
-function criteriaBoxes() {
+function nameBoxes() {
   const box = (element) => element.getBoundingClientRect();
   const isCut = ({ scrollWidth, clientWidth }) => scrollWidth > clientWidth;
   return {
-    names: [...document.querySelectorAll(".criteria tbody th")].map((name) => ({
+    names: [...document.querySelectorAll(".mistake b, .parts tbody th")].map((name) => ({
       width: box(name).width,
       cut: [name, ...name.children].some(isCut),
     })),
@@ -162,7 +168,7 @@ function criteriaBoxes() {
   };
 }
 
-function readableCriteria({ names, card, tooth, whole }, width) {
+function readableNames({ names, card, tooth, whole }, width) {
   for (const name of names) assert.ok(name.width > 100 && !name.cut, `${width} px: ${JSON.stringify(name)}`);
   assert.ok(card.right <= tooth.left || card.top >= tooth.bottom, `${width} px: the score is under the tooth`);
   assert.ok(whole <= width, `${width} px: the page scrolls sideways`);
@@ -464,14 +470,14 @@ async function oneViewport(world) {
     const card = await page.locator(".tooth-card").boundingBox();
     assert.ok(picture.height >= Math.max(360, height / 2), `a picture ${picture.height} px high of ${height}`);
     assert.ok(picture.width >= 0.6 * card.width);
-    for (const row of await page.locator(".criteria tbody tr:visible").all())
+    for (const row of await page.locator(".mistake:visible").all())
       assert.ok((await row.boundingBox()).height < 52, `${await row.innerText()} is two lines at most`);
     // What is said of them scrolls by; they stay.
     await page.mouse.move(200, height / 2);
     await page.mouse.wheel(0, 250);
     await page.waitForFunction(() => window.scrollY > 100);
     const far = await toothAtRest(page);
-    await page.getByRole("button", { name: /^Show me Mesial wall: .* too much/ }).click();
+    await page.getByRole("button", { name: /^Show me Mesial wall: over-extended .* too much/ }).click();
     await eventually(async () => {
       const near = await page.locator(".tooth-frame canvas[data-drawn=full]").screenshot();
       assert.ok(differing(far, near) > 0.2, "the place comes near");

@@ -27,7 +27,7 @@ export const teachingFlows = [
     ? [{ name: "forty stations on one screen take at most a megabit a second", run: fortyLive }]
     : []),
   { name: "a reference is withdrawn", run: withdrawReference },
-  { name: "a student sees how the criteria come on and what to work at next", run: progress },
+  { name: "a student sees what each criterion cost and what to work on next", run: progress },
   { name: "a student's result prints as a document", run: print },
 ];
 
@@ -43,11 +43,11 @@ async function exerciseLife(world) {
     page,
     "Exercise document (JSON)",
     "new.json",
-    JSON.stringify({ ...document, rubric: { ...document.rubric, criteria: [] } }),
+    JSON.stringify({ ...document, rubric: { ...document.rubric, prices: [] } }),
   );
   await page.getByRole("button", { name: "Add", exact: true }).click();
   await page.getByText("The document has errors").waitFor();
-  await eventually(async () => assert.match(await page.getByRole("alert").innerText(), /criteria\b.*expected/));
+  await eventually(async () => assert.match(await page.getByRole("alert").innerText(), /prices\b.*expected/));
   await accessible(page, "a refused document");
   await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify(document));
   await page.getByRole("button", { name: "Add", exact: true }).click();
@@ -103,7 +103,7 @@ async function copyExercise(world) {
   assert.deepEqual(await material.locator("option").allInnerTexts(), ["Not named", "Amalgam", "Composite", "Ceramic"]);
   await material.selectOption({ label: "Composite" });
   await page.getByRole("button", { name: "Save the draft" }).click();
-  await page.getByText(/^Composite: mesial and distal walls may diverge/).waitFor();
+  await page.getByText(/bonding holds composite/).waitFor();
   const { rubric } = await teacher.get(`/exercises/${page.url().split("/").at(-1)}/document`);
   assert.equal(rubric.restoration, "composite");
 }
@@ -493,26 +493,21 @@ async function withdrawReference(world) {
 async function progress(world) {
   const page = await signedIn(world, "student", world.exercise("practice"));
   const card = page.getByRole("region", { name: "Your progress" });
-  await card.getByText("Work on next: Mesial wall").waitFor();
-  await eventually(async () => assert.match(await card.innerText(), /cost you 6 points in your attempt/));
+  await card.getByText(/^Mesial wall: over-extended by/).waitFor();
+  await eventually(async () => assert.match(await card.innerText(), /cost you [\d.]+ points in your attempt/));
+  await eventually(async () => assert.match(await card.getByRole("row", { name: /Outline/ }).innerText(), /−\d+\.\d/));
   await eventually(async () =>
-    assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /0 \/ 6/),
-  );
-  await eventually(async () =>
-    assert.match(
-      await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"),
-      /\b0 % of the points/,
-    ),
+    assert.match(await card.getByRole("img", { name: /^Outline/ }).getAttribute("aria-label"), /points lost \d/),
   );
   await accessible(page, "a student's progress");
   await world.picture(page, "progress", { fullPage: true });
   // The same where work is waiting, with the way to the attempt.
   await page.goto("/");
-  const work = page.locator("article", { hasText: "Work on next: Mesial wall" }).first();
-  await eventually(async () => assert.match(await work.locator(".my-scores").innerText(), /Last\s+94\.0/));
+  const work = page.locator("article", { hasText: "Work on this next" }).first();
+  await eventually(async () => assert.match(await work.locator(".my-scores").innerText(), /Last\s+96\.0/));
   await accessible(page, "my work");
   await world.picture(page, "my_work");
-  await work.getByRole("link", { name: "94.0" }).click();
+  await work.getByRole("link", { name: "96.0" }).click();
   await page.locator(".score-card").waitFor();
 }
 

@@ -35,10 +35,10 @@ start_server "$data" "$port"
 attempt student-deep-mesial
 node -e '
   const report = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
-  const wall = (report.criteria ?? []).find((c) => (c.metric ?? c.name) === "wall_mesial_mm");
-  console.log(`score ${report.score}, mesial wall ${wall?.value} mm`);
-  process.exit(report.score < 100 && wall && Math.abs(wall.value - 0.3) < 0.06 ? 0 : 1);' "$work/student-deep-mesial.json" ||
-  { cat "$work/student-deep-mesial.json"; fail "the mesial wall is not found 0.3 mm too deep"; }
+  const wall = report.mistakes.find(({ kind, place }) => kind === "over_extended" && place === "wall_mesial");
+  console.log(`score ${report.score}, mesial wall ${wall?.size} mm too far`);
+  process.exit(report.score < 100 && wall && Math.abs(wall.size - 0.3) < 0.06 ? 0 : 1);' "$work/student-deep-mesial.json" ||
+  { cat "$work/student-deep-mesial.json"; fail "the mesial wall is not found 0.3 mm over-extended"; }
 rows=$(psql -X -A -t -d "$ENAMEL_POSTGRES" -c "SELECT count(*) FROM school.attempts WHERE state = 5")
 [ "$rows" = 2 ] || fail "expected 2 scored attempts in PostgreSQL, found $rows"
 echo "ok: two attempts are scored, and their rows are in PostgreSQL"

@@ -52,8 +52,8 @@ server_cli admin assign-exercise --data "$data" --exercise "$name" --hands any >
 attempt "$(published "$work/next.log")" student-deep-mesial "$work/deep.json"
 node -e '
   const report = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
-  const wall = (report.criteria ?? []).find((c) => (c.metric ?? c.name) === "wall_mesial_mm");
-  console.log(`mesial wall ${wall?.value} mm`);
-  process.exit(wall && Math.abs(wall.value - 0.3) < 0.06 ? 0 : 1);' "$work/deep.json" || { cat "$work/deep.json"; fail "the mesial wall is not found 0.3 mm too deep"; }
+  const wall = report.mistakes.find(({ kind, place }) => kind === "over_extended" && place === "wall_mesial");
+  console.log(`mesial wall ${wall?.size} mm too far`);
+  process.exit(wall && Math.abs(wall.size - 0.3) < 0.06 ? 0 : 1);' "$work/deep.json" || { cat "$work/deep.json"; fail "the mesial wall is not found 0.3 mm over-extended"; }
 server_cli verify --data "$data" >"$work/verify.log" || { cat "$work/verify.log"; fail "what is stored does not agree"; }
 echo "ok: the reference's tooth is the target of version 2, and verify agrees"

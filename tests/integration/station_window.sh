@@ -184,7 +184,8 @@ page finish
 click Hand in
 page result
 see of 100 points
-see Next step:
+see You made
+see Outline
 see Before
 see After
 see Target

@@ -13,10 +13,10 @@ import { openAttempt, workersOf } from "./opening.mjs";
 import { instructor, startSchool } from "./real_school.mjs";
 
 const kSkipped = 77;
-const kMostLost = "Mesial wall";
+const kMostLost = "Outline";
 
 // Of scripts and style as they travel (compressed), and of clicks; raised only on purpose.
-const kBudget = { sign_in_bytes: 51_500, list_bytes: 81_200, attempt_bytes: 169_000, clicks: 12 };
+const kBudget = { sign_in_bytes: 52_200, list_bytes: 85_700, attempt_bytes: 175_500, clicks: 12 };
 
 function option(name) {
   const at = process.argv.indexOf(name);
@@ -53,7 +53,7 @@ async function grade(page, most) {
   await click(page.locator("table.grading tr", { hasText: "To release" }).first().locator("th a"));
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".plot canvas").waitFor();
-  await click(page.locator(".criteria button").first());
+  await click(page.locator(".mistakes button").first());
   const remark = page.getByLabel(/New remark/);
   await click(remark);
   await remark.fill("The wall was cut too far here.");

@@ -3,7 +3,7 @@ import { accessibilityViolations } from "../../tests/e2e/browser.mjs";
 import { signedInPage } from "./opening.mjs";
 import { instructor, kClass, kCohort } from "./real_school.mjs";
 
-const kMostLost = "Mesial wall";
+const kMostLost = "Outline";
 const kFine = ".tooth-frame[data-tooth=fine]";
 
 const gradeLink = (page) =>
@@ -27,7 +27,7 @@ export async function clicksToGradeAWall(browser, url) {
   await click(page.getByRole("button", { name: kMostLost, exact: true }));
   await click(page.locator("table.grading tbody th a").first());
   await page.locator(kFine).waitFor();
-  await click(page.locator("table.criteria tr", { hasText: kMostLost }).getByRole("button", { name: "Show me" }));
+  await click(page.locator(".mistakes li", { hasText: "Mesial wall" }).getByRole("button", { name: /^Show me/ }));
   const graded = page.url();
   await click(page.getByRole("button", { name: "Release, then next" }));
   await page.waitForFunction((at) => location.href !== at, graded);

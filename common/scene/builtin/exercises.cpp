@@ -19,12 +19,10 @@ using cutting::Tissue;
 // what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
-constexpr char kNeighbourDepth[] = "neighbour_depth_mm";
-
 // How far a side may be off, as a student reads it.
 std::string SidesText() {
-  return "A side that is off by at most " + Mm(kRight_um) +
-         " gets full marks, one that is off by " + Mm(kLeeway_um) + " gets none.";
+  return "A side that is off by at most 0.1 mm costs no points. Tissue that must stay begins " +
+         Mm(kLeeway_um) + " beyond a side.";
 }
 
 // ISO numbers of what one would take (schemas/exercise.schema.json): diamonds of medium grit with a friction grip
@@ -50,48 +48,14 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
-  // The mesial side is open: its points, and the outline's, are for the neighbour.
-  auto& criteria = e.rubric.criteria;
-  for (RubricCriterion& c : criteria) {
-    if (c.metric == "wall_distal_mm") {
-      c.title = "Axial wall";
-      c.comment = "The axial wall is not where it should be.";
-    } else if (c.metric == "floor_mm") {
-      c.title = "Gingival floor";
-      c.comment =
-          "A deep gingival floor comes near the gingiva. A shallow one may leave the contact "
-          "closed.";
-    }
-  }
-  std::erase_if(criteria, [](const RubricCriterion& c) {
-    // The outline ends in the open side, where it has no place of its own.
-    return c.metric == "wall_mesial_mm" || c.metric == "outline_over_mm";
-  });
-  // A nick can be polished out; a groove in the neighbour is caries to come. A bur that goes by at
-  // 0.05 mm moves its surface by less than a voxel of 0.1 mm: as deep as that says nothing yet.
-  criteria.push_back(AtMost("neighbour_removed_mm3", "Adjacent tooth untouched", "mm3", 4, 0.001,
-                            0.1, "The adjacent tooth was cut."));
-  criteria.push_back(AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
-                            "The adjacent tooth has a groove."));
-  criteria.push_back(NoCariesCriterion(10));
-  e.rubric.gates.push_back(CariesGate());
+  e.rubric.prices.push_back(PriceOfCaries());
   e.rubric.critical.clear();
   for (const auto& critical : {CriticalOfCavity(), CriticalOfPulp(), CriticalOfWidth(true),
                                CriticalOfContact(), CriticalOfCaries()}) {
     AddCritical(e.rubric, critical);
   }
   e.rubric.restorations = TolerancesOfCavity(true);
-  for (const auto& [metric, points] : {std::pair{"task_done_percent", 2},
-                                       {"left_standing_mm3", 10},
-                                       {"outside_removed_mm3", 5},
-                                       {"remaining_dentin_mm", 1},
-                                       {"floor_waviness_mm", 2},
-                                       {"force_sent_p95_n", 3},
-                                       {"time_s", 2}}) {
-    for (RubricCriterion& c : criteria) {
-      if (c.metric == metric) c.points = points;
-    }
-  }
+  e.rubric.criteria = HandCriteria(3, 2, {240, 600});
   return e;
 }
 
@@ -133,19 +97,6 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
   e.rubric.restorations.clear();
   std::erase_if(e.rubric.critical,
                 [](const RubricCritical& c) { return c.error == "gross_overextension"; });
-  // The wall towards the pulp is down in this scene.
-  const struct {
-    const char *metric, *title, *comment;
-  } named[] = {{"wall_buccal_mm", "Gingival wall", "The gingival wall is not where it should be."},
-               {"wall_lingual_mm", "Occlusal wall", "The occlusal wall is not where it should be."},
-               {"floor_mm", "Axial wall",
-                "A deep axial wall endangers the pulp. A shallow one leaves the filling too thin."},
-               {"tilt_floor_deg", "Axial wall parallel to the face", "The axial wall slopes."},
-               {"floor_waviness_mm", "Axial wall flat", "The axial wall is uneven."}};
-  for (RubricCriterion& c : e.rubric.criteria)
-    for (const auto& n : named) {
-      if (c.metric == n.metric) c.title = n.title, c.comment = n.comment;
-    }
   return e;
 }
 
@@ -181,11 +132,7 @@ Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
                    Mm(2 * e.target.half_size_um[0]) + " x " + Mm(2 * e.target.half_size_um[1]) +
                    " and " + Mm(kAccessDepth_um) +
                    " deep, with upright walls. Do not touch the floor of the chamber.";
-  e.rubric = ShapeRubric("access-cavity", 30, 10);
-  e.rubric.criteria[0].title = "Roof removed";
-  e.rubric.criteria[0].comment = "Part of the roof of the chamber was not removed.";
-  e.rubric.criteria.push_back(
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 5, 3, 12, "A wall is tilted."));
+  e.rubric = ShapeRubric("access-cavity");
   return e;
 }
 
@@ -202,22 +149,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.isolation = Isolation::kNone;
   e.graded = false;
   e.touch_cues = kPracticeCues;
-  const std::string rubric = "practice-" + shape.name;
-  // How upright and even walls are is judged too, not only how far off. Waves are measured on a box's
-  // walls only.
-  const bool box = e.target.parts.empty();
-  // 0.3 mm at the short wall of a line must cost a point.
-  e.rubric = box ? ShapeRubric(rubric, 24, 7) : ShapeRubric(rubric, 22, 11);
-  auto& criteria = e.rubric.criteria;
-  criteria.push_back(
-      AtMost("wall_tilt_deg", "Walls upright", "deg", box ? 4 : 7, 3, 12, "A wall is tilted."));
-  criteria.push_back(
-      AtMost("undercut_deg", "No undercut", "deg", box ? 4 : 5, 4, 12, "A wall is undercut."));
-  if (!box) return e;
-  criteria.push_back(
-      AtMost("wall_waviness_mm", "Walls smooth", "mm", 3, 0.03, 0.12, "A wall is wavy."));
-  criteria.push_back(
-      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.03, 0.12, "The floor is uneven."));
+  e.rubric = ShapeRubric("practice-" + shape.name);
   return e;
 }
 
@@ -279,26 +211,15 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
   e.title = "Preparation from an example";
   e.instructions = "Prepare the tooth like the example: remove what is marked, and keep " +
                    std::string(Has(scene, Tissue::kNeighbour) ? "the adjacent teeth and " : "") +
-                   "the rest of the tooth. A place that is off by at most " + Mm(kRight_um) +
-                   " is right, and tissue that must stay begins " + Mm(target.leeway_side_um) +
-                   " beyond it.";
+                   "the rest of the tooth. A place that is off by at most 0.1 mm is right, and "
+                   "tissue that must stay begins " +
+                   Mm(target.leeway_side_um) + " beyond it.";
   e.target = target;
   e.isolation = Isolation::kNone;
   e.time_limit_s = 1'800;
-  e.rubric = ShapeRubric("prepared-tooth", 25, 10, {1'200, 2'400});
-  auto& criteria = e.rubric.criteria;
-  for (RubricCriterion& c : criteria) {
-    if (c.metric != "deviation_rms_mm") continue;
-    c.title = "Closeness to the example";
-    c.comment = "The surface is far from that of the example.";
-  }
-  const bool tooth = Has(scene, Tissue::kPulp);
-  criteria.push_back(AtMost("undercut_deg", "No undercut", "deg", tooth ? 4 : 10, 2, 8,
-                            "A wall is undercut more than in the example."));
-  if (tooth) {
-    criteria.push_back(PulpCriterion(3));
-    criteria.push_back(CoverCriterion(3));
-  }
+  e.rubric = ShapeRubric("prepared-tooth", {1'200, 2'400});
+  e.rubric.prices = AllPrices();
+  if (Has(scene, Tissue::kCaries)) e.rubric.prices.push_back(PriceOfCaries());
   return e;
 }
 
@@ -306,18 +227,6 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
   std::vector<Exercise> out = ExercisesOf(scene, scene_hash);
   if (!Has(scene, Tissue::kNeighbour)) return out;
   for (Exercise& e : out) {
-    const auto& criteria = e.rubric.criteria;
-    if (std::any_of(criteria.begin(), criteria.end(),
-                    [](const RubricCriterion& c) { return c.metric == kNeighbourDepth; })) {
-      continue;
-    }
-    // Where it is not what the exercise is about, it has no points of its own, and takes all
-    // others'.
-    e.rubric.gates.push_back({kNeighbourDepth,
-                              "Adjacent tooth untouched",
-                              "mm",
-                              {{0.1, 1}, {0.3, 0}},
-                              "The adjacent tooth was cut."});
     if (e.name.starts_with("crown")) AddCritical(e.rubric, {CriticalOfContact().back()});
   }
   return out;

@@ -98,21 +98,11 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
       " from mesial to distal and " + Mm(2 * kVeneerHalf_um[1]) +
       " from gingival to incisal, with a chamfer all around. Keep the incisal edge and the "
       "contacts.";
-  e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
-  // Its end is judged separately, because hardly any of its area is there.
-  e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
-                                     "The reduction is wider than it should be."));
-  // Half a millimetre is all that stands between the face and trouble.
-  e.rubric.criteria.push_back(PulpCriterion(3));
-  e.rubric.criteria.push_back(CoverCriterion(2));
+  e.rubric = ShapeRubric("veneer-labial", {600, 1'200});
+  e.rubric.prices = PricesOfFace();
+  e.rubric.criteria = HandCriteria(8, 2, {600, 1'200});
   AddCritical(e.rubric, CriticalOfPulp());
   AddCritical(e.rubric, CriticalOfFace());
-  for (RubricCriterion& c : e.rubric.criteria) {
-    if (c.metric == "force_sent_p95_n") c.points = 8;
-    if (c.metric == "time_s") c.points = 2;
-  }
-  e.rubric.criteria[0].title = "Face fully reduced";
-  e.rubric.criteria[0].comment = "Part of the face was not reduced.";
   return e;
 }
 

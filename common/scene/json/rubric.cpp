@@ -57,18 +57,56 @@ void ReadMap(ObjectReader& in, std::vector<RubricPoint>& map) {
   }
 }
 
-json::array RangeJson(const DivergenceRange& range) { return {range.from_deg, range.to_deg}; }
+// Members of a price's sizes: the unit of a kind is part of their names.
+struct SizeNames {
+  const char *over, *left;  // nullptr: it has no such side
+};
+SizeNames SizeNamesOf(std::string_view of) {
+  if (of == "elsewhere" || of == "pulp") return {"over_mm3", nullptr};
+  if (of == "neighbour") return {"over_mm", nullptr};
+  if (of == "caries") return {nullptr, "left_percent"};
+  return {"over_mm", "left_mm"};
+}
+
+json::array PricesJson(const std::vector<RubricPrice>& prices) {
+  json::array out;
+  for (const RubricPrice& p : prices) {
+    json::object item{{"of", p.of}};
+    const SizeNames names = SizeNamesOf(p.of);
+    if (names.over) item[names.over] = p.over;
+    if (names.left) item[names.left] = p.left;
+    item["points"] = p.points;
+    item["most"] = p.most;
+    item["modify_points"] = p.modify_points;
+    item["redo_points"] = p.redo_points;
+    item["source"] = p.source;
+    out.push_back(std::move(item));
+  }
+  return out;
+}
+
+std::vector<RubricPrice> ReadPrices(ObjectReader& in, size_t least) {
+  std::vector<RubricPrice> out;
+  for (ObjectReader& item : in.Objects("prices", least, 32)) {
+    RubricPrice& p = out.emplace_back();
+    p.of = item.Name("of");
+    const SizeNames names = SizeNamesOf(p.of);
+    if (names.over) p.over = item.Number(names.over, 0, 1000);
+    if (names.left) p.left = item.Number(names.left, 0, 1000);
+    p.points = item.Number("points", 0, 10'000);
+    p.most = item.Number("most", 0, 10'000);
+    p.modify_points = item.Number("modify_points", 0, 10'000);
+    p.redo_points = item.Number("redo_points", 0, 10'000);
+    p.source = item.Text("source", 1, 500);
+    item.Finish();
+  }
+  return out;
+}
 
 json::object ToleranceJson(const RestorationTolerance& t) {
   json::object out{{"restoration", RestorationName(t.restoration)}, {"source", t.source}};
-  if (t.divergence) {
-    out["divergence_deg"] = {{"mesiodistal", RangeJson(t.divergence->mesiodistal)},
-                             {"buccolingual", RangeJson(t.divergence->buccolingual)}};
-  }
-  json::array criteria, critical;
-  for (const auto& c : t.criteria)
-    criteria.push_back({{"metric", c.metric}, {"map", MapJson(c.map)}});
-  out["criteria"] = std::move(criteria);
+  json::array critical;
+  if (!t.prices.empty()) out["prices"] = PricesJson(t.prices);
   for (const auto& c : t.critical)
     critical.push_back({{"error", c.error}, {"metric", c.metric}, {"limit", c.limit}});
   if (!critical.empty()) out["critical"] = std::move(critical);
@@ -86,30 +124,11 @@ Restoration ReadRestoration(ObjectReader& in) {
   return Restoration::kNone;
 }
 
-DivergenceRange ReadRange(ObjectReader& in, const char* name) {
-  const auto rows = in.Ints(name, 2, -45, 45);
-  if (rows[0] >= rows[1]) {
-    in.Refuse(name, "the lesser angle first",
-              std::to_string(rows[0]) + " and " + std::to_string(rows[1]));
-  }
-  return {static_cast<double>(rows[0]), static_cast<double>(rows[1])};
-}
-
 RestorationTolerance ReadTolerance(ObjectReader& item) {
   RestorationTolerance t;
   t.restoration = ReadRestoration(item);
   t.source = item.Text("source", 1, 500);
-  if (item.Has("divergence_deg")) {
-    ObjectReader pairs = item.Object("divergence_deg");
-    t.divergence = {ReadRange(pairs, "mesiodistal"), ReadRange(pairs, "buccolingual")};
-    pairs.Finish();
-  }
-  for (ObjectReader& c : item.Objects("criteria", 0, 64)) {
-    RestorationTolerance::Map& map = t.criteria.emplace_back();
-    map.metric = c.Name("metric");
-    ReadMap(c, map.map);
-    c.Finish();
-  }
+  if (item.Has("prices")) t.prices = ReadPrices(item, 1);
   if (item.Has("critical")) {
     for (ObjectReader& c : item.Objects("critical", 1, 32)) {
       t.critical.push_back({c.Name("error"), c.Name("metric"), c.Number("limit", -1e9, 1e9)});
@@ -123,17 +142,12 @@ RestorationTolerance ReadTolerance(ObjectReader& item) {
 }  // namespace
 
 boost::json::object RubricJson(const Rubric& r) {
-  json::array criteria, gates;
+  json::array criteria;
   for (const RubricCriterion& c : r.criteria) criteria.push_back(CriterionJson(c));
-  for (const RubricGate& g : r.gates) {
-    gates.push_back({{"metric", g.metric},
-                     {"title", g.title},
-                     {"unit", g.unit},
-                     {"map", MapJson(g.map)},
-                     {"comment", g.comment}});
-  }
-  json::object out{{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
-  if (!gates.empty()) out["gates"] = std::move(gates);
+  json::object out{{"name", r.name},
+                   {"version", r.version},
+                   {"prices", PricesJson(r.prices)},
+                   {"criteria", std::move(criteria)}};
   json::array critical;
   for (const RubricCritical& c : r.critical) critical.push_back(CriticalJson(c));
   if (!critical.empty()) out["critical"] = std::move(critical);
@@ -148,7 +162,8 @@ Rubric ReadRubric(ObjectReader& rubric) {
   Rubric r;
   r.name = rubric.Name("name");
   r.version = static_cast<int32_t>(rubric.Int("version", 1, 1'000'000));
-  for (ObjectReader& item : rubric.Objects("criteria", 1, 64)) {
+  r.prices = ReadPrices(rubric, 1);
+  for (ObjectReader& item : rubric.Objects("criteria", 0, 64)) {
     RubricCriterion c;
     c.metric = item.Name("metric");
     c.title = item.Text("title", 1, 200);
@@ -159,18 +174,6 @@ Rubric ReadRubric(ObjectReader& rubric) {
     if (item.Has("fails_above")) c.fails_above = item.Number("fails_above", -1e9, 1e9);
     item.Finish();
     r.criteria.push_back(std::move(c));
-  }
-  if (rubric.Has("gates")) {
-    for (ObjectReader& item : rubric.Objects("gates", 1, 8)) {
-      RubricGate g;
-      g.metric = item.Name("metric");
-      g.title = item.Text("title", 1, 200);
-      g.unit = item.Text("unit", 1, 16);
-      ReadMap(item, g.map);
-      g.comment = item.Text("comment", 0, 1'000);
-      item.Finish();
-      r.gates.push_back(std::move(g));
-    }
   }
   if (rubric.Has("critical")) {
     for (ObjectReader& item : rubric.Objects("critical", 1, 32)) {

@@ -162,13 +162,19 @@ void AcceptableCut::MeasureTask() {
   for (int b = 0; b < initial_.spec().brick_count(); ++b) {
     if (!task.Brick(b)) continue;
     const BrickSamples before(initial_, b), wanted(prepared_, b);
-    Brick brick(*this, b, kDeepest_m);
+    // Deeper, all of a voxel is beyond layer and leeway. Three voxels more than that: at the rim a voxel may be nearer than
+    // its triangle.
+    Brick brick(*this, b, std::max(kLayer_m, kLeeway_m) + 3 * voxel_m);
     for (int i = 0; i < cutting::kBrickVoxels; ++i) {
       const int32_t f0 = before.Solid(i), fr = std::min(f0, wanted.Solid(i));
       if (f0 == fr) continue;
       const auto nearest = brick.At(i);
       const double share = (f0 - fr) / 65536.0;
       const double share_m3 = share * voxel_m * voxel_m * voxel_m;
+      if (!nearest) {
+        task_beyond_m3_ += share_m3;
+        continue;
+      }
       const double side_m = fr > 0.5 * f0 ? -nearest->distance_m : nearest->distance_m;
       const Layer layer = Layer::In(side_m, voxel_m, share);
       task_beyond_m3_ += share_m3 * layer.Beyond();

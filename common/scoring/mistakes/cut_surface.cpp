@@ -240,11 +240,13 @@ class Divider {
     std::ranges::sort(floors, [&](size_t a, size_t b) {
       return height[a] != height[b] ? height[a] > height[b] : a < b;
     });
-    // Parts at one height are one floor.
+    // Parts at one height are one floor, and so is all that is below the third.
+    constexpr size_t kMostLevels = 4;
     std::vector<size_t> level(area.size());
     size_t levels = 0;
     for (size_t k = 0; k < floors.size(); ++k) {
-      if (k == 0 || height[floors[k - 1]] - height[floors[k]] > kStep_m) ++levels;
+      if (k == 0 || height[floors[k - 1]] - height[floors[k]] > kStep_m)
+        levels = std::min(levels + 1, kMostLevels);
       level[floors[k]] = levels;
     }
     const int table = floors.empty() ? -1

@@ -22,7 +22,7 @@ constexpr double kPatchWidths_mm[] = {0.3, 0.6};
 constexpr double kDegree = std::numbers::pi / 180;
 
 struct Atom {
-  Motion motion;
+  Displacement motion;
   double weight = kWhole;  // of lambda
   double norm = 0;
   // Pieces where it is not 0, in their order, and its value there, of unit norm.
@@ -54,15 +54,15 @@ class Dictionary {
  private:
   RegionKind KindOf(const SurfacePiece& piece) const { return r_.regions()[piece.region].kind; }
 
-  static Motion Of(MotionKind kind) {
-    Motion out;
+  static Displacement Of(MotionKind kind) {
+    Displacement out;
     out.kind = kind;
     return out;
   }
 
   // `phi` of a piece, in mm to the unit of the motion's size.
   template <typename Phi, typename Counts>
-  void Add(const Motion& motion, double weight, const Counts& counts, const Phi& phi) {
+  void Add(const Displacement& motion, double weight, const Counts& counts, const Phi& phi) {
     Atom atom{motion, weight, 0, {}};
     double square = 0;
     for (uint32_t i = 0; i < pieces_.size(); ++i) {
@@ -125,7 +125,7 @@ class Dictionary {
     if (regions == 0) return;
     auto counts = [&](const SurfacePiece& p) { return KindOf(p) == kind; };
     const dvec3 middle = MiddleOf(counts);
-    Motion motion;
+    Displacement motion;
     motion.of = kind;
     motion.kind = MotionKind::kHeight;
     // With one region, its offset says the same.
@@ -141,7 +141,7 @@ class Dictionary {
   void OfRegion(size_t region) {
     auto counts = [&](const SurfacePiece& p) { return p.region == region; };
     const dvec3 middle = MiddleOf(counts);
-    Motion motion;
+    Displacement motion;
     motion.region = static_cast<int>(region);
     motion.of = r_.regions()[region].kind;
     motion.kind = MotionKind::kOffset;
@@ -187,7 +187,7 @@ class Dictionary {
       const double at = Dot(along, p.at_m) * kMm;
       return p.region == region && at >= from_mm && at < to_mm;
     };
-    Motion motion = Of(kind);
+    Displacement motion = Of(kind);
     motion.region = static_cast<int>(region);
     motion.of = r_.regions()[region].kind;
     motion.at_m = MiddleOf(counts);
@@ -220,7 +220,7 @@ class Dictionary {
     }
     for (const dvec3& middle : middles) {
       for (const double width : kPatchWidths_mm) {
-        Motion motion;
+        Displacement motion;
         motion.kind = MotionKind::kPatch;
         motion.region = static_cast<int>(region);
         motion.of = r_.regions()[region].kind;
@@ -350,14 +350,14 @@ std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& fau
   return out;
 }
 
-std::vector<Motion> Explain(const AcceptableCut& r, const std::vector<double>& off_mm) {
+std::vector<Displacement> Explain(const AcceptableCut& r, const std::vector<double>& off_mm) {
   std::vector<Atom> atoms = Dictionary(r).Take();
   WeighByAgreement(r, off_mm, atoms);
   const std::vector<double> beta = Fit(r, atoms, off_mm);
-  std::vector<Motion> out;
+  std::vector<Displacement> out;
   for (size_t k = 0; k < atoms.size(); ++k) {
     if (beta[k] == 0) continue;
-    Motion motion = atoms[k].motion;
+    Displacement motion = atoms[k].motion;
     motion.size = beta[k] / atoms[k].norm;
     motion.d_mm.assign(r.pieces().size(), 0);
     for (const auto& [i, phi] : atoms[k].at) motion.d_mm[i] = beta[k] * phi;

@@ -37,7 +37,7 @@ enum class MotionKind : uint8_t {
   kPatch,  // a bump, mm
 };
 
-struct Motion {
+struct Displacement {
   MotionKind kind = MotionKind::kOffset;
   int region = -1;           // of one region; -1: of the whole or a kind
   RegionKind of{};           // kHeight and slopes: of all regions of this kind
@@ -50,6 +50,6 @@ struct Motion {
 std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& faults);
 
 // The motions that explain a part of `off_mm`, which is Deviation_mm, in the order of the dictionary.
-std::vector<Motion> Explain(const AcceptableCut& r, const std::vector<double>& off_mm);
+std::vector<Displacement> Explain(const AcceptableCut& r, const std::vector<double>& off_mm);
 
 }  // namespace enamel::scoring

@@ -56,7 +56,7 @@ class FaultMeter {
       // A surface may only recede: what a resampled R has more of was not put there.
       const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
       const auto tissue = static_cast<Tissue>(labels ? labels[i] : uniform);
-      if (tissue == Tissue::kCaries) AddCaries(Share(f0 - fr), Share(std::max(0, fa - fr)));
+      if (tissue == Tissue::kCaries) out_.caries_m3 += Share(f0 - fr) * voxel_m3_;
       if (fa == fr) continue;
       if (tissue == Tissue::kNeighbour) {
         if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
@@ -67,11 +67,6 @@ class FaultMeter {
   }
 
   static double Share(int32_t units) { return units / 65536.0; }
-
-  void AddCaries(double task, double left) {
-    out_.caries_m3 += task * voxel_m3_;
-    out_.caries_left_m3 += left * voxel_m3_;
-  }
 
   void Add(AcceptableCut::Brick& places, int i, Tissue tissue, double f0, double fa, double fr) {
     const double over = fr - fa, left = fa - fr;
@@ -94,15 +89,20 @@ class FaultMeter {
       out_.elsewhere_m3[k] += away;
       AddTo(out_.over[k], over * voxel_m3_ - away, layer);
     }
-    if (left > 0 && tissue != Tissue::kCaries) {
-      AddTo(out_.left[k], left * voxel_m3_, Layer::In(-solid_side_m, h_m_, left));
+    if (left > 0) {
+      const Layer layer = Layer::In(-solid_side_m, h_m_, left);
+      const double beyond_m3 = left * voxel_m3_ * layer.Beyond();
+      out_.left_beyond_m3 += beyond_m3;
+      if (tissue == Tissue::kCaries)
+        out_.caries_left_m3 += beyond_m3;
+      else
+        AddTo(out_.left[k], left * voxel_m3_, layer);
     }
   }
 
   static void AddTo(PieceFault& fault, double volume_m3, const Layer& layer) {
     fault.volume_m3 += volume_m3;
     fault.moment_m5 += volume_m3 * layer.Moment_m2();
-    fault.beyond_m3 += volume_m3 * layer.Beyond();
   }
 
   void AddNeighbour(int b, int i, double over) {

@@ -28,7 +28,6 @@ struct PieceFault {
   double volume_m3 = 0;
   // integral of ((delta - lambda)+)^2 dV, m^5: 3 / (A L^3) of it is M^3.
   double moment_m5 = 0;
-  double beyond_m3 = 0;  // of the volume, farther than the leeway
 };
 
 struct FaultVolumes {
@@ -40,7 +39,9 @@ struct FaultVolumes {
   std::vector<double> elsewhere_m3;
   double far_m3 = 0;
   dvec3 far_at_m{0};  // its middle
-  // Caries of the task, and what was left of it; not in `left`.
+  // Left of the task in any tissue, farther than the leeway.
+  double left_beyond_m3 = 0;
+  // Caries of the task, and what was left of it, farther than the leeway; not in `left`.
   double caries_m3 = 0, caries_left_m3 = 0;
   // The integral, over what was taken from a neighbour, of the square of the depth under its surface,
   // which counts to 0.4 mm.

@@ -20,14 +20,14 @@ constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
 
 class Grouper {
  public:
-  Grouper(const AcceptableCut& r, const std::vector<Motion>& motions,
+  Grouper(const AcceptableCut& r, const std::vector<Displacement>& motions,
           const std::vector<double>& off_mm)
       : r_(r), motions_(motions), off_mm_(off_mm) {}
 
-  std::vector<Group> Make() {
+  std::vector<MotionGroup> Make() {
     MakeGroups();
     TakePatches();
-    for (Group& group : groups_) Refit(group);
+    for (MotionGroup& group : groups_) Refit(group);
     ReachOverEdges();
     return std::move(groups_);
   }
@@ -37,7 +37,7 @@ class Grouper {
 
   // All but patches, by what they move.
   void MakeGroups() {
-    auto key = [&](const Motion& m) -> std::pair<int, int> {
+    auto key = [&](const Displacement& m) -> std::pair<int, int> {
       switch (m.kind) {
         case MotionKind::kShiftX:
         case MotionKind::kShiftY:
@@ -64,23 +64,23 @@ class Grouper {
       }
       return {6, 0};
     };
-    std::map<std::pair<int, int>, Group> by_key;
-    for (const Motion& m : motions_) {
+    std::map<std::pair<int, int>, MotionGroup> by_key;
+    for (const Displacement& m : motions_) {
       if (!IsLocal(m)) by_key[key(m)].Take(m);
     }
     for (auto& [k, group] : by_key) groups_.push_back(std::move(group));
   }
   static std::pair<int, int> KeyOfKind(RegionKind kind) { return {4, static_cast<int>(kind)}; }
   // The only floor moves and slopes as one.
-  std::pair<int, int> KeyOfRegion(const Motion& m) const {
+  std::pair<int, int> KeyOfRegion(const Displacement& m) const {
     const auto same = std::ranges::count(r_.regions(), m.of, &Region::kind);
     const bool wall = m.of == RegionKind::kWall || m.of == RegionKind::kAxialWall;
     return same == 1 && !wall ? KeyOfKind(m.of) : std::pair(5, m.region);
   }
 
   void TakePatches() {
-    std::vector<const Motion*> patches;
-    for (const Motion& m : motions_) {
+    std::vector<const Displacement*> patches;
+    for (const Displacement& m : motions_) {
       if (IsLocal(m) && !JoinMove(m)) patches.push_back(&m);
     }
     std::vector<size_t> parent(patches.size());
@@ -95,25 +95,25 @@ class Grouper {
         if (same && Touch(*patches[a], *patches[b])) parent[root(a)] = root(b);
       }
     }
-    std::map<size_t, Group> clusters;
+    std::map<size_t, MotionGroup> clusters;
     for (size_t k = 0; k < patches.size(); ++k) clusters[root(k)].Take(*patches[k]);
     std::map<int, std::array<size_t, 2>> signs;
     for (const auto& [k, group] : clusters) {
       ++signs[group.motions.front()->region][group.motions.front()->size > 0];
     }
-    std::map<int, Group> waves;
+    std::map<int, MotionGroup> waves;
     for (auto& [k, group] : clusters) {
       const int region = group.motions.front()->region;
       if (signs[region][0] < kWavy || signs[region][1] < kWavy) {
         groups_.push_back(std::move(group));
         continue;
       }
-      for (const Motion* m : group.motions) waves[region].Take(*m);
+      for (const Displacement* m : group.motions) waves[region].Take(*m);
     }
     for (auto& [region, group] : waves) groups_.push_back(std::move(group));
   }
 
-  static bool Touch(const Motion& a, const Motion& b) {
+  static bool Touch(const Displacement& a, const Displacement& b) {
     const dvec3 way = (a.at_m - b.at_m) * kMm;
     if (Dot(way, way) < kNear_mm * kNear_mm) return true;
     for (size_t i = 0; i < a.d_mm.size(); ++i) {
@@ -123,14 +123,14 @@ class Grouper {
   }
 
   // A patch that only says where a wall moved more than elsewhere belongs to that wall's mistake.
-  bool JoinMove(const Motion& patch) {
+  bool JoinMove(const Displacement& patch) {
     size_t middle = 0;
     for (size_t i = 0; i < patch.d_mm.size(); ++i) {
       if (std::fabs(patch.d_mm[i]) > std::fabs(patch.d_mm[middle])) middle = i;
     }
     const double peak = patch.d_mm[middle];
-    Group* best = nullptr;
-    for (Group& group : groups_) {
+    MotionGroup* best = nullptr;
+    for (MotionGroup& group : groups_) {
       const double there = group.d_mm[middle];
       if (there * peak <= 0 || std::fabs(there) < kSameMove * std::fabs(peak)) continue;
       if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;
@@ -164,7 +164,7 @@ class Grouper {
 
   // The penalty draws sizes towards 0, and shares what two motions_ can say. For the words, the motions_ that name
   // the group are fitted to what no other group explains, without a penalty.
-  void Refit(Group& group) const {
+  void Refit(MotionGroup& group) const {
     group.sizes.assign(group.motions.size(), 0);
     std::vector<size_t> which;
     for (size_t k = 0; k < group.motions.size(); ++k) {
@@ -177,12 +177,12 @@ class Grouper {
     for (size_t i = 0; i < off_mm_.size(); ++i) {
       if (IsEdge(i)) continue;
       double rest = off_mm_[i];
-      for (const Group& other : groups_) {
+      for (const MotionGroup& other : groups_) {
         if (&other != &group) rest -= other.d_mm[i];
       }
       std::vector<double> phi(n);
       for (size_t a = 0; a < n; ++a) {
-        const Motion& m = *group.motions[which[a]];
+        const Displacement& m = *group.motions[which[a]];
         phi[a] = m.d_mm[i] / m.size;
       }
       const double area = r_.pieces()[i].area_m2 * kMm * kMm;
@@ -208,37 +208,38 @@ class Grouper {
   }
 
   const AcceptableCut& r_;
-  const std::vector<Motion>& motions_;
+  const std::vector<Displacement>& motions_;
   const std::vector<double>& off_mm_;
-  std::vector<Group> groups_;
+  std::vector<MotionGroup> groups_;
 };
 
 }  // namespace
 
-bool IsLocal(const Motion& motion) {
+bool IsLocal(const Displacement& motion) {
   return motion.kind == MotionKind::kPart || motion.kind == MotionKind::kStrip ||
          motion.kind == MotionKind::kPatch;
 }
 
-void Group::Take(const Motion& motion) {
+void MotionGroup::Take(const Displacement& motion) {
   motions.push_back(&motion);
   if (d_mm.empty()) d_mm.assign(motion.d_mm.size(), 0);
   for (size_t i = 0; i < d_mm.size(); ++i) d_mm[i] += motion.d_mm[i];
 }
 
-bool Group::Has(MotionKind kind) const {
-  return std::ranges::any_of(motions, [&](const Motion* m) { return m->kind == kind; });
+bool MotionGroup::Has(MotionKind kind) const {
+  return std::ranges::any_of(motions, [&](const Displacement* m) { return m->kind == kind; });
 }
 
-double Group::SizeOf(MotionKind kind) const {
+double MotionGroup::SizeOf(MotionKind kind) const {
   for (size_t k = 0; k < motions.size(); ++k) {
     if (motions[k]->kind == kind) return sizes[k];
   }
   return 0;
 }
 
-std::vector<Group> GroupMotions(const AcceptableCut& r, const std::vector<Motion>& motions,
-                                const std::vector<double>& off_mm) {
+std::vector<MotionGroup> GroupMotions(const AcceptableCut& r,
+                                      const std::vector<Displacement>& motions,
+                                      const std::vector<double>& off_mm) {
   return Grouper(r, motions, off_mm).Make();
 }
 

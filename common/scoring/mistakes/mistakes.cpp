@@ -25,53 +25,155 @@ class Finder {
         motions_(Explain(r, off_mm_)),
         groups_(GroupMotions(r, motions_, off_mm_)) {}
 
-  std::vector<Mistake> Find() {
+  FoundMistakes Find() {
     out_.resize(groups_.size());
     points_at_.resize(groups_.size());
+    paid_.assign(groups_.size(), std::vector<double>(r_.regions().size()));
     ShareRegions();
     ShareRest();
     for (size_t g = 0; g < groups_.size(); ++g) {
-      if (out_[g].points > 0) NameMistake({r_, faults_, off_mm_}, groups_[g], out_[g]);
+      if (!(out_[g].points > 0)) continue;
+      NameMistake({r_, faults_, off_mm_, paid_[g]}, groups_[g], out_[g]);
+      if (!IsTrue(out_[g])) CallUneven(g);
     }
-    std::erase_if(out_, [](const Mistake& m) { return !(m.points > 0); });
-    std::ranges::stable_sort(out_, std::greater<>(), &Mistake::points);
-    return std::move(out_);
+    return Sorted();
   }
 
  private:
+  FoundMistakes Sorted() {
+    std::vector<int> order;
+    for (size_t i = 0; i < out_.size(); ++i) {
+      if (out_[i].points > 0) order.push_back(static_cast<int>(i));
+    }
+    std::ranges::stable_sort(order, std::greater<>(),
+                             [&](int i) { return out_[static_cast<size_t>(i)].points; });
+    FoundMistakes found;
+    std::vector<int> place(out_.size(), -1);
+    for (const int i : order) {
+      place[static_cast<size_t>(i)] = static_cast<int>(found.mistakes.size());
+      Mistake& m = out_[static_cast<size_t>(i)];
+      m.group = GroupOfMistake(m);
+      found.mistakes.push_back(std::move(m));
+    }
+    for (const double sign : {1.0, -1.0}) {
+      auto& of = sign > 0 ? found.over : found.left;
+      of.assign(r_.pieces().size(), -1);
+      for (size_t i = 0; i < of.size(); ++i) of[i] = PlaceOrNone(place, MostAt(i, sign));
+    }
+    return found;
+  }
+  // A motion of one region moves the pieces along its edges too, and may have been paid for there alone. Where its own
+  // place has nothing of what the kind says, the sentence would be false.
+  bool IsTrue(const Mistake& m) const {
+    const int sign = SignOf(m.kind);
+    if (sign == 0 || m.place.empty()) return true;
+    const auto& faults = sign > 0 ? faults_.over : faults_.left;
+    for (size_t i = 0; i < faults.size(); ++i) {
+      const Region& region = r_.regions()[r_.pieces()[i].region];
+      const std::string_view kind = NameOf(region.kind);
+      const bool there =
+          region.name == m.place || kind == m.place || kind.starts_with(m.place + "_");
+      if (there && faults[i].moment_m5 > 0) return true;
+    }
+    return false;
+  }
+  // What a kind says was done: + cut too far, - left, 0 both.
+  static int SignOf(MistakeKind kind) {
+    switch (kind) {
+      case MistakeKind::kOverExtended:
+      case MistakeKind::kDeep:
+      case MistakeKind::kOverReduced:
+      case MistakeKind::kGroove:
+      case MistakeKind::kPit:
+        return 1;
+      case MistakeKind::kUnderExtended:
+      case MistakeKind::kShallow:
+      case MistakeKind::kUnderReduced:
+      case MistakeKind::kLedge:
+      case MistakeKind::kOverhang:
+      case MistakeKind::kLip:
+      case MistakeKind::kCorner:
+      case MistakeKind::kBump:
+      case MistakeKind::kStanding:
+        return -1;
+      default:
+        return 0;
+    }
+  }
+  void CallUneven(size_t group) {
+    const auto most = std::ranges::max_element(paid_[group]) - paid_[group].begin();
+    Mistake& m = out_[group];
+    m.kind = MistakeKind::kUneven;
+    m.place = r_.regions()[static_cast<size_t>(most)].name;
+    m.towards = dvec3(0);
+  }
+  static int PlaceOrNone(const std::vector<int>& place, int i) {
+    return i < 0 ? -1 : place[static_cast<size_t>(i)];
+  }
+  // The number in out_ of what moved a piece most.
+  int MostAt(size_t piece, double sign) const {
+    int best = -1;
+    double most = 0;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      const double part = sign * groups_[g].d_mm[piece];
+      if (part > most) best = static_cast<int>(g), most = part;
+    }
+    if (best >= 0) return best;
+    const auto uneven = uneven_.find({r_.pieces()[piece].region, sign > 0});
+    return uneven == uneven_.end() ? -1 : uneven->second.number;
+  }
+  Group GroupOfMistake(const Mistake& m) const {
+    switch (m.kind) {
+      case MistakeKind::kHole:
+      case MistakeKind::kNeighbour:
+      case MistakeKind::kPulp:
+        return Group::kTissuePreserved;
+      case MistakeKind::kCaries:
+      case MistakeKind::kNotDone:
+        return Group::kInternalForm;
+      default:
+        break;
+    }
+    const auto region = std::ranges::find(r_.regions(), m.place, &Region::name);
+    if (region != r_.regions().end()) return GroupOf(NameOf(region->kind));
+    if (m.place == "axial") return Group::kInternalForm;
+    return m.place.empty() ? (r_.is_stump() ? Group::kInternalForm : Group::kOutline)
+                           : GroupOf(m.place);
+  }
+
   // Shares `points` of a piece among the groups that moved it in the direction of `sign`.
   void ShareAt(size_t piece, double sign, double points) {
     double sum = 0;
-    for (const Group& group : groups_) sum += std::max(0.0, sign * group.d_mm[piece]);
+    for (const MotionGroup& group : groups_) sum += std::max(0.0, sign * group.d_mm[piece]);
     for (size_t g = 0; g < groups_.size(); ++g) {
       const double part = std::max(0.0, sign * groups_[g].d_mm[piece]);
-      if (part > 0) Give(g, r_.pieces()[piece].at_m, points * part / sum);
+      if (part > 0) Give(g, r_.pieces()[piece], points * part / sum);
     }
     if (sum > 0) return;
     Uneven& uneven = uneven_[{r_.pieces()[piece].region, sign > 0}];
     uneven.points += points;
     uneven.points_at += points * r_.pieces()[piece].at_m;
   }
-  void Give(size_t group, const dvec3& at_m, double points) {
+  void Give(size_t group, const SurfacePiece& piece, double points) {
     out_[group].points += points;
-    points_at_[group] += points * at_m;
+    points_at_[group] += points * piece.at_m;
+    paid_[group][piece.region] += points;
   }
 
   void ShareRegions() {
-    for (const RegionCost& row : cost_.rows) {
-      if (row.region < 0) continue;
-      const bool over = row.measure == Measure::kOver;
+    for (size_t row = 0; row < r_.regions().size(); ++row) {
+      const RegionCost& cost = cost_.rows[row];
+      if (!(cost.lost > 0)) continue;
+      const bool over = cost.over;
       const auto& faults = over ? faults_.over : faults_.left;
       double all = 0;
-      auto counts = [&](size_t i) {
-        return r_.pieces()[i].region == static_cast<uint32_t>(row.region);
-      };
+      auto counts = [&](size_t i) { return r_.pieces()[i].region == row; };
       for (size_t i = 0; i < faults.size(); ++i) {
         if (counts(i)) all += faults[i].moment_m5;
       }
       for (size_t i = 0; i < faults.size(); ++i) {
         if (!counts(i) || faults[i].moment_m5 <= 0) continue;
-        ShareAt(i, over ? 1 : -1, row.points * faults[i].moment_m5 / all);
+        ShareAt(i, over ? 1 : -1, cost.lost * faults[i].moment_m5 / all);
       }
     }
   }
@@ -79,35 +181,30 @@ class Finder {
   // Shares the rows that belong to no region.
   void ShareRest() {
     const size_t groups = groups_.size();
-    for (const RegionCost& row : cost_.rows) {
-      if (row.region >= 0) continue;
+    const auto measures = MeasuresOf(r_, faults_);
+    for (size_t i = r_.regions().size(); i < measures.size(); ++i) {
+      const double lost = cost_.rows[i].lost;
+      if (!(lost > 0)) continue;
       Mistake mistake;
-      mistake.size = row.size;
-      mistake.points = row.points;
-      switch (row.measure) {
-        case Measure::kElsewhere:
-          ShareElsewhere(row.points);
-          continue;
-        case Measure::kNeighbour:
-          mistake.kind = MistakeKind::kNeighbour;
-          break;
-        case Measure::kPulp:
-          mistake.kind = MistakeKind::kPulp;
-          break;
-        case Measure::kCaries:
-          mistake.kind = MistakeKind::kCaries;
-          break;
-        default:
-          mistake.kind = MistakeKind::kNotDone;
-          break;
+      mistake.points = lost;
+      mistake.size = cost_.rows[i].over ? measures[i].over : measures[i].left;
+      if (measures[i].kind == whole::kElsewhere) {
+        ShareElsewhere(lost);
+        continue;
       }
+      mistake.kind = measures[i].kind == whole::kNeighbour ? MistakeKind::kNeighbour
+                     : measures[i].kind == whole::kPulp    ? MistakeKind::kPulp
+                     : measures[i].kind == whole::kCaries  ? MistakeKind::kCaries
+                                                           : MistakeKind::kNotDone;
+      mistake.at_m = MiddleOfTask();
       rest_.push_back(mistake);
     }
     for (size_t g = 0; g < groups; ++g) {
       if (out_[g].points > 0) out_[g].at_m = points_at_[g] / out_[g].points;
     }
-    for (const auto& [where, uneven] : uneven_) {
+    for (auto& [where, uneven] : uneven_) {
       const auto [region, over] = where;
+      uneven.number = static_cast<int>(groups + rest_.size());
       Mistake mistake;
       mistake.points = uneven.points;
       mistake.at_m = uneven.points_at / uneven.points;
@@ -125,13 +222,21 @@ class Finder {
     out_.insert(out_.end(), rest_.begin(), rest_.end());
   }
 
+  dvec3 MiddleOfTask() const {
+    dvec3 sum(0);
+    double area = 0;
+    for (const SurfacePiece& piece : r_.pieces())
+      sum += piece.area_m2 * piece.at_m, area += piece.area_m2;
+    return area > 0 ? sum / area : sum;
+  }
+
   // Root mean square of what no motion explains of a region, where it goes both ways; else 0.
   double Waves_mm(uint32_t region) const {
     double square = 0, area = 0, over = 0;
     for (size_t i = 0; i < off_mm_.size(); ++i) {
       if (r_.pieces()[i].region != region) continue;
       double rest = off_mm_[i];
-      for (const Group& group : groups_) rest -= group.d_mm[i];
+      for (const MotionGroup& group : groups_) rest -= group.d_mm[i];
       const double weight = r_.pieces()[i].area_m2;
       square += weight * rest * rest;
       area += weight;
@@ -160,13 +265,15 @@ class Finder {
   const FaultVolumes& faults_;
   const CutCost& cost_;
   const std::vector<double> off_mm_;
-  const std::vector<Motion> motions_;
-  const std::vector<Group> groups_;
+  const std::vector<Displacement> motions_;
+  const std::vector<MotionGroup> groups_;
   std::vector<Mistake> out_, rest_;
   std::vector<dvec3> points_at_;
+  std::vector<std::vector<double>> paid_;  // by group and region
   struct Uneven {
     double points = 0;
     dvec3 points_at{0};
+    int number = -1;  // in out_
   };
   std::map<std::pair<uint32_t, bool>, Uneven> uneven_;  // by region and whether it is over
 };
@@ -184,8 +291,42 @@ std::string_view NameOf(MistakeKind kind) {
   return kNames[static_cast<size_t>(kind)];
 }
 
-std::vector<Mistake> FindMistakes(const AcceptableCut& r, const FaultVolumes& faults,
-                                  const CutCost& cost) {
+std::string_view UnitOf(MistakeKind kind) {
+  switch (kind) {
+    case MistakeKind::kTurned:
+    case MistakeKind::kTipped:
+    case MistakeKind::kLeansOut:
+    case MistakeKind::kLeansIn:
+    case MistakeKind::kSlopes:
+      return "deg";
+    case MistakeKind::kStanding:
+    case MistakeKind::kHole:
+    case MistakeKind::kPulp:
+      return "mm3";
+    case MistakeKind::kCaries:
+    case MistakeKind::kNotDone:
+      return "%";
+    default:
+      return "mm";
+  }
+}
+
+std::string_view NameOf(Group group) {
+  constexpr std::array<std::string_view, kGroups> kNames = {"outline", "internal_form", "margins",
+                                                            "tissue_preserved", "hand"};
+  return kNames[static_cast<size_t>(group)];
+}
+
+Group GroupOf(std::string_view kind) {
+  if (kind == NameOf(RegionKind::kWall)) return Group::kOutline;
+  if (kind == NameOf(RegionKind::kMargin)) return Group::kMargins;
+  if (kind == whole::kElsewhere || kind == whole::kNeighbour || kind == whole::kPulp)
+    return Group::kTissuePreserved;
+  return Group::kInternalForm;
+}
+
+FoundMistakes FindMistakes(const AcceptableCut& r, const FaultVolumes& faults,
+                           const CutCost& cost) {
   return Finder(r, faults, cost).Find();
 }
 

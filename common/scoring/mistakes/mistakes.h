@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,19 +47,35 @@ enum class MistakeKind : uint8_t {
 };
 inline constexpr size_t kMistakeKinds = 27;
 std::string_view NameOf(MistakeKind kind);  // "shifted", "over_extended"
+std::string_view UnitOf(MistakeKind kind);  // "mm", "deg", "mm3", "%"; of kUneven "mm"
+
+// Under what an examiner writes a mistake down.
+enum class Group : uint8_t { kOutline, kInternalForm, kMargins, kTissuePreserved, kHand };
+inline constexpr size_t kGroups = 5;
+std::string_view NameOf(
+    Group group);  // "outline", "internal_form", "margins", "tissue_preserved", "hand"
+// The group of a kind of region, or of a kind of damage.
+Group GroupOf(std::string_view kind);
 
 struct Mistake {
   MistakeKind kind = MistakeKind::kUneven;
   // "", of the whole; or a region's name, or of all of one kind ("floor", "wall", "table").
   std::string place;
-  double size = 0;   // in the kind's unit, above 0
+  double size = 0;   // in UnitOf(kind), above 0
   dvec3 at_m{0};     // the middle of where it cost
   dvec3 towards{0};  // kShifted: unit; kSlopes: where it is too deep
   double points = 0;
+  Group group = Group::kOutline;
+
+  bool operator==(const Mistake&) const = default;
 };
 
-// The dearest mistake is first. Their points sum to `cost.sum`.
-std::vector<Mistake> FindMistakes(const AcceptableCut& r, const FaultVolumes& faults,
-                                  const CutCost& cost);
+struct FoundMistakes {
+  std::vector<Mistake> mistakes;  // the dearest first; their points sum to `cost.sum`
+  // Of each piece of R's surface: the mistake that moved it most, outwards of R's hollow and into it. -1: none.
+  std::vector<int> over, left;
+};
+// `cost`: of MeasuresOf(r, faults).
+FoundMistakes FindMistakes(const AcceptableCut& r, const FaultVolumes& faults, const CutCost& cost);
 
 }  // namespace enamel::scoring

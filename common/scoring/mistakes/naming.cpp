@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 namespace enamel::scoring {
 namespace {
@@ -23,8 +24,8 @@ class Namer {
  public:
   explicit Namer(const NamedFrom& from) : from_(from), r_(from.r) {}
 
-  void Name(const Group& group, Mistake& m) const {
-    const Motion& first = *group.motions.front();
+  void Name(const MotionGroup& group, Mistake& m) const {
+    const Displacement& first = *group.motions.front();
     if (group.Has(MotionKind::kShiftX) || group.Has(MotionKind::kShiftY)) {
       const dvec3 v(group.SizeOf(MotionKind::kShiftX), group.SizeOf(MotionKind::kShiftY), 0);
       m.kind = MistakeKind::kShifted;
@@ -53,7 +54,7 @@ class Namer {
   }
 
   // How far apart the pieces of the group lie along an axis, half.
-  double HalfExtent_mm(const Group& group, int axis) const {
+  double HalfExtent_mm(const MotionGroup& group, int axis) const {
     double lo = 1e9, hi = -1e9;
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
       if (group.d_mm[i] == 0) continue;
@@ -65,7 +66,7 @@ class Namer {
 
   static double TangentOf(double degrees) { return degrees * std::numbers::pi / 180; }
 
-  void NameWalls(const Group& group, double moved_mm, double lean_deg, Mistake& m) const {
+  void NameWalls(const MotionGroup& group, double moved_mm, double lean_deg, Mistake& m) const {
     const double ends_mm = std::fabs(TangentOf(lean_deg)) * HalfExtent_mm(group, 2);
     if (ends_mm > kLeanSaid * std::fabs(moved_mm)) {
       // A cavity's wall that is farther out higher up opens; a stump's converges.
@@ -81,8 +82,8 @@ class Namer {
   }
 
   // Floors, tables, margins, faces.
-  void NameLevel(const Group& group, Mistake& m) const {
-    const Motion& first = *group.motions.front();
+  void NameLevel(const MotionGroup& group, Mistake& m) const {
+    const Displacement& first = *group.motions.front();
     const bool one = first.region >= 0 && !group.Has(MotionKind::kHeight);
     const RegionKind kind = first.of;
     m.place = one && std::ranges::count(r_.regions(), kind, &Region::kind) > 1
@@ -118,7 +119,7 @@ class Namer {
   }
 
   // Lengths of the patch along its longest and second axis, by the spread of what it moved.
-  double LengthOverWidth(const Group& group, const dvec3& middle) const {
+  double LengthOverWidth(const MotionGroup& group, const dvec3& middle) const {
     // Second moments, by power iteration twice: 20 steps are enough for a ratio that is compared with 2.
     glm::dmat3 moments(0.0);
     double weights = 0;
@@ -145,11 +146,11 @@ class Namer {
     return second > 0 ? std::sqrt(first / second) : kLong;
   }
 
-  void NamePatch(const Group& group, Mistake& m) const {
+  void NamePatch(const MotionGroup& group, Mistake& m) const {
     std::map<int, double> by_region;
     double all = 0;
     size_t over = 0;
-    for (const Motion* motion : group.motions) {
+    for (const Displacement* motion : group.motions) {
       double part = 0;
       for (size_t i = 0; i < motion->d_mm.size(); ++i) {
         part += std::fabs(motion->d_mm[i]) * r_.pieces()[i].area_m2;
@@ -158,8 +159,9 @@ class Namer {
       all += part;
       over += motion->size > 0;
     }
-    const int main = std::ranges::max_element(by_region, {}, [](const auto& entry) {
-                       return entry.second;
+    const int main = std::ranges::max_element(by_region, {}, [&](const auto& entry) {
+                       const bool pays = from_.paid[static_cast<size_t>(entry.first)] > 0;
+                       return std::pair(pays, entry.second);
                      })->first;
     const Region& region = r_.regions()[static_cast<size_t>(main)];
     m.place = region.name;
@@ -184,25 +186,30 @@ class Namer {
   struct Touched {
     double off_mm = 0, share = 0;
   };
-  Touched Touch(const Group& group, int region) const {
+  Touched Touch(const MotionGroup& group, int region) const {
     double peak = 0, sum = 0, square = 0, area = 0;
     auto counts = [&](size_t i) { return r_.pieces()[i].region == static_cast<uint32_t>(region); };
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
       if (counts(i)) peak = std::max(peak, std::fabs(group.d_mm[i]));
     }
+    double fitted = 0, fitted_square = 0;  // where over and left are equal at each piece
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
-      if (!counts(i) || std::fabs(group.d_mm[i]) < kTouched * peak) continue;
+      const double moved = std::fabs(group.d_mm[i]);
+      if (!counts(i) || moved < kTouched * peak) continue;
       const double weight = r_.pieces()[i].area_m2, off = std::fabs(from_.off_mm[i]);
       sum += weight * off;
       square += weight * off * off;
+      fitted += weight * moved;
+      fitted_square += weight * moved * moved;
       area += weight;
     }
+    if (!(sum > 0)) sum = fitted, square = fitted_square;
     return {sum > 0 ? square / sum : 0, area / r_.regions()[static_cast<size_t>(region)].area_m2};
   }
 
-  MistakeKind KindOfOver(const Group& group, const Region& region, const Touched& touched,
+  MistakeKind KindOfOver(const MotionGroup& group, const Region& region, const Touched& touched,
                          double all, const dvec3& middle) const {
-    const Motion* part = LargestPart(group, all);
+    const Displacement* part = LargestPart(group, all);
     const bool strip = part != nullptr && part->kind == MotionKind::kStrip;
     const bool wall = region.kind == RegionKind::kWall || region.kind == RegionKind::kAxialWall;
     // A wall that is over in most of its width has a groove in the rest of it, if in any.
@@ -238,10 +245,10 @@ class Namer {
   }
 
   // A part of a region that is most of the group.
-  const Motion* LargestPart(const Group& group, double all) const {
-    const Motion* best = nullptr;
+  const Displacement* LargestPart(const MotionGroup& group, double all) const {
+    const Displacement* best = nullptr;
     double most = kMostly * all;
-    for (const Motion* m : group.motions) {
+    for (const Displacement* m : group.motions) {
       if (m->kind != MotionKind::kPart && m->kind != MotionKind::kStrip) continue;
       double part = 0;
       for (size_t i = 0; i < m->d_mm.size(); ++i) {
@@ -266,7 +273,7 @@ class Namer {
 
 }  // namespace
 
-void NameMistake(const NamedFrom& from, const Group& group, Mistake& m) {
+void NameMistake(const NamedFrom& from, const MotionGroup& group, Mistake& m) {
   Namer(from).Name(group, m);
 }
 

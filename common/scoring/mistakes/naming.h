@@ -10,9 +10,11 @@ struct NamedFrom {
   const AcceptableCut& r;
   const FaultVolumes& faults;
   const std::vector<double>& off_mm;  // Deviation_mm
+  // Points that the group costs, by region: a patch is named after a region that pays for it.
+  const std::vector<double>& paid;
 };
 // Sets kind, place, size and towards. Requires: m.at_m.
-void NameMistake(const NamedFrom& from, const Group& group, Mistake& m);
+void NameMistake(const NamedFrom& from, const MotionGroup& group, Mistake& m);
 
 // Volume of what was left at pieces, if it stands away from R's surface; else 0.
 template <typename Counts>

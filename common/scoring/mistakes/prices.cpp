@@ -1,7 +1,9 @@
 #include "common/scoring/mistakes/prices.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 namespace enamel::scoring {
 namespace {
@@ -26,10 +28,8 @@ double CubeRoot(double x) {
 
 // Points, at least, where nothing was cut.
 constexpr double kNothingCut = 100;
-
-struct Moments {
-  double over_m5 = 0, left_m5 = 0;
-};
+// States of what was not done: a tenth of the points of a hundred, and a half. Chosen.
+constexpr double kNotDoneModify = 2, kNotDoneRedo = 15;
 
 // M, with L of 1: metres as an even layer beyond the leeway.
 double EvenLayer_m(double moment_m5, double area_m2) {
@@ -42,79 +42,142 @@ double NotDone(double share) {
   return t * t * t * (10 + t * (6 * t - 15));
 }
 
+struct Kind {
+  std::string_view name, unit;
+  bool over, left;  // the sides that it has
+};
+constexpr std::array<Kind, kRegionKinds + 4> kPriced = {{{"floor", "mm", true, true},
+                                                         {"wall", "mm", true, true},
+                                                         {"table", "mm", true, true},
+                                                         {"axial_wall", "mm", true, true},
+                                                         {"margin", "mm", true, true},
+                                                         {"face", "mm", true, true},
+                                                         {"line_angle", "mm", true, true},
+                                                         {whole::kElsewhere, "mm3", true, false},
+                                                         {whole::kNeighbour, "mm", true, false},
+                                                         {whole::kPulp, "mm3", true, false},
+                                                         {whole::kCaries, "%", false, true}}};
+
+State StateOf(double points, double modify, double redo) {
+  return points >= redo ? State::kRedo : points >= modify ? State::kModify : State::kAcceptable;
+}
+
+RegionCost CostOfOne(const RegionMeasure& measure, const scene::RubricPrice& price) {
+  const double over = price.over > 0 ? PriceOf(price, measure.over, price.over) : 0;
+  const double left = price.left > 0 ? PriceOf(price, measure.left, price.left) : 0;
+  const double lost = std::max(over, left);
+  return {over >= left, lost, StateOf(lost, price.modify_points, price.redo_points)};
+}
+
 }  // namespace
 
-double PriceCurve::At(double measure) const {
+std::string_view UnitOf(std::string_view kind) {
+  if (kind == whole::kNotDone) return "%";
+  const auto found = std::ranges::find(kPriced, kind, &Kind::name);
+  return found == kPriced.end() ? "" : found->unit;
+}
+
+std::string_view NameOf(State state) {
+  constexpr std::array<std::string_view, 3> kNames = {"acceptable", "modify", "redo"};
+  return kNames[static_cast<size_t>(state)];
+}
+
+double PriceOf(const scene::RubricPrice& price, double measure, double size) {
   if (!(measure > 0)) return 0;
-  const double x = measure / saturates;
-  return points * measure / std::sqrt(1 + x * x);
+  const double m = measure / size, x = m * price.points / price.most;
+  return price.points * m / std::sqrt(1 + x * x);
 }
 
-Prices ChosenPrices() {
-  Prices p;
-  auto set = [&](RegionKind kind, double over_mm, double left_mm, double points, double saturates) {
-    p.regions[static_cast<size_t>(kind)] = {over_mm / kMm, left_mm / kMm, {points, saturates}};
-  };
-  set(RegionKind::kFloor, 0.45, 0.6, 14, 3);
-  set(RegionKind::kWall, 0.45, 0.6, 12, 3);
-  set(RegionKind::kTable, 0.45, 0.45, 6, 3);
-  set(RegionKind::kAxialWall, 0.4, 0.4, 7, 3);
-  set(RegionKind::kMargin, 0.3, 0.4, 4, 3);
-  set(RegionKind::kFace, 0.3, 0.3, 12, 3);
-  set(RegionKind::kLineAngle, 0.6, 0.6, 5, 1.2);
-  p.elsewhere = {12, 5};
-  p.neighbour = {40, 1};
-  p.pulp = {1000, 0.05};
-  p.caries = {120, 0.5};
-  return p;
-}
-
-CutCost CostOf(const AcceptableCut& r, const FaultVolumes& faults, const Prices& prices) {
+std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes& faults) {
   const auto& regions = r.regions();
-  std::vector<Moments> moments(regions.size());
-  double elsewhere_m3 = faults.far_m3, left_beyond_m3 = 0;
+  std::vector<double> over_m5(regions.size()), left_m5(regions.size());
+  double elsewhere_m3 = faults.far_m3;
   for (size_t k = 0; k < r.pieces().size(); ++k) {
-    Moments& sum = moments[r.pieces()[k].region];
-    sum.over_m5 += faults.over[k].moment_m5;
-    sum.left_m5 += faults.left[k].moment_m5;
-    left_beyond_m3 += faults.left[k].beyond_m3;
+    over_m5[r.pieces()[k].region] += faults.over[k].moment_m5;
+    left_m5[r.pieces()[k].region] += faults.left[k].moment_m5;
     elsewhere_m3 += faults.elsewhere_m3[k];
   }
-  CutCost out;
-  auto add = [&](const RegionCost& row) {
-    if (row.points > 0) out.rows.push_back(row);
-  };
+  std::vector<RegionMeasure> out;
   for (size_t i = 0; i < regions.size(); ++i) {
-    const RegionPrice& price = prices.regions[static_cast<size_t>(regions[i].kind)];
-    const double over_m = EvenLayer_m(moments[i].over_m5, regions[i].area_m2);
-    const double left_m = EvenLayer_m(moments[i].left_m5, regions[i].area_m2);
-    const int number = static_cast<int>(i);
-    const RegionCost over{number, Measure::kOver, (over_m + kLeeway_m) * kMm,
-                          price.price.At(over_m / price.over_m)};
-    const RegionCost left{number, Measure::kLeft, (left_m + kLeeway_m) * kMm,
-                          price.price.At(left_m / price.left_m)};
-    add(over.points >= left.points ? over : left);
+    out.push_back({regions[i].name, std::string(NameOf(regions[i].kind)),
+                   EvenLayer_m(over_m5[i], regions[i].area_m2) * kMm,
+                   EvenLayer_m(left_m5[i], regions[i].area_m2) * kMm});
   }
-  auto other = [&](Measure measure, double size, const PriceCurve& price) {
-    add({-1, measure, size, price.At(size)});
+  auto add = [&](std::string_view kind, double over, double left) {
+    out.push_back({std::string(kind), std::string(kind), over, left});
   };
-  other(Measure::kElsewhere, elsewhere_m3 * kMm3, prices.elsewhere);
   constexpr double kNick_m2 = 1e-6;
-  other(Measure::kNeighbour, EvenLayer_m(faults.neighbour_moment_m5, kNick_m2) * kMm,
-        prices.neighbour);
-  other(Measure::kPulp, faults.pulp_m3 * kMm3, prices.pulp);
-  if (faults.caries_m3 > 0) {
-    other(Measure::kCaries, faults.caries_left_m3 / faults.caries_m3, prices.caries);
+  add(whole::kElsewhere, elsewhere_m3 * kMm3, 0);
+  add(whole::kNeighbour, EvenLayer_m(faults.neighbour_moment_m5, kNick_m2) * kMm, 0);
+  add(whole::kPulp, faults.pulp_m3 * kMm3, 0);
+  if (faults.caries_m3 > 0) add(whole::kCaries, 0, 100 * faults.caries_left_m3 / faults.caries_m3);
+  if (r.task_beyond_m3() > 0)
+    add(whole::kNotDone, 0, 100 * faults.left_beyond_m3 / r.task_beyond_m3());
+  return out;
+}
+
+Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
+                       const std::vector<scene::RubricPrice>& prices) {
+  CutCost out;
+  double not_done = 0;
+  for (const RegionMeasure& measure : measures) {
+    RegionCost& row = out.rows.emplace_back();
+    if (measure.kind == whole::kNotDone) {
+      not_done = kNothingCut * NotDone(measure.left / 100);
+      continue;
+    }
+    const auto price = std::ranges::find(prices, measure.kind, &scene::RubricPrice::of);
+    if (price != prices.end()) {
+      row = CostOfOne(measure, *price);
+      out.sum += row.lost;
+    } else if (measure.kind != whole::kElsewhere && measure.kind != whole::kNeighbour &&
+               measure.kind != whole::kPulp && measure.kind != whole::kCaries) {
+      return Status(Code::kInvalidInput,
+                    "rubric: expected a price for \"" + measure.kind + "\", which " + measure.name +
+                        " of this exercise is; add one to prices",
+                    "prices");
+    }
   }
-  for (const RegionCost& row : out.rows) out.sum += row.points;
   // The larger of two sums that only grow only grows.
-  if (r.task_beyond_m3() > 0) {
-    const double share = left_beyond_m3 / r.task_beyond_m3();
-    const double rest = kNothingCut * NotDone(share) - out.sum;
-    add({-1, Measure::kNotDone, share, rest});
-    out.sum += std::max(0.0, rest);
+  for (size_t i = 0; i < measures.size(); ++i) {
+    if (measures[i].kind != whole::kNotDone) continue;
+    const double rest = std::max(0.0, not_done - out.sum);
+    out.rows[i] = {false, rest, StateOf(not_done, kNotDoneModify, kNotDoneRedo)};
+    out.sum += rest;
   }
   return out;
+}
+
+Status ValidatePrices(const std::vector<scene::RubricPrice>& prices, const std::string& where) {
+  std::set<std::string> seen;
+  for (size_t i = 0; i < prices.size(); ++i) {
+    const scene::RubricPrice& p = prices[i];
+    auto bad = [&](const char* member, const std::string& message) {
+      const std::string field = where + "[" + std::to_string(i) + "]." + member;
+      return Status(Code::kInvalidInput, "rubric, " + field + ": " + message, field);
+    };
+    const auto kind = std::ranges::find(kPriced, p.of, &Kind::name);
+    if (kind == kPriced.end()) {
+      return bad("of", "nothing that has a price is called \"" + p.of + "\"");
+    }
+    if (!seen.insert(p.of).second) return bad("of", "\"" + p.of + "\" has a price already");
+    auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+    if (positive(p.over) != kind->over || positive(p.left) != kind->left) {
+      return bad(kind->over ? "over" : "left", "expected a size above 0 for each side of " + p.of);
+    }
+    if (!positive(p.points)) return bad("points", "expected points above 0");
+    if (!(p.most >= p.points && p.most <= 1e4)) {
+      return bad("most", "expected at least the points at its size, and at most 10000");
+    }
+    if (kind->over && kind->left && p.over > p.left) {
+      return bad("over",
+                 "expected at most the size of what was left: it can be mended, and this cannot");
+    }
+    if (!positive(p.modify_points) || !(p.redo_points > p.modify_points)) {
+      return bad("redo_points", "expected more than modify_points, and both above 0");
+    }
+  }
+  return Status::Ok();
 }
 
 }  // namespace enamel::scoring

@@ -1,62 +1,71 @@
 #pragma once
 
-#include <array>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "common/base/result.h"
+#include "common/scene/types.h"
 #include "common/scoring/mistakes/fault_volumes.h"
 
 // Points of a cut: what each region's measures cost. A region pays its dearest measure, once; a cut
-// costs the sum over its regions, and the score is 100 less that. Every measure only grows with its
-// set of voxels and every price only grows with its measure, so a larger or a further fault never
-// earns points. Where one voxel holds something left and something taken too far, the voxel has their difference.
+// costs the sum over its regions. Every measure only grows with its set of voxels and every price only grows with its
+// measure, so a larger or a further fault never earns points. Where one voxel holds something left and something taken
+// too far, the voxel has their difference.
 //
-// A price of a measure M is  p M / sqrt(1 + (M / s)^2):  p points where M is 1 and small against s,
-// p s points at most, and no corner between.
+// A price of a measure M is  p M / sqrt(1 + (M p / most)^2):  p points where M is 1 and small against most / p,
+// `most` points at most, and no corner between.
 // Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
-struct PriceCurve {
-  double points = 0;     // p
-  double saturates = 1;  // s
+// Of the whole, beside the kinds of regions.
+namespace whole {
+inline constexpr std::string_view kElsewhere = "elsewhere", kNeighbour = "neighbour",
+                                  kPulp = "pulp", kCaries = "caries", kNotDone = "not_done";
+}  // namespace whole
+// "mm" of regions and a neighbour, "mm3" elsewhere and of the pulp, "%" of caries and what was not
+// done; empty: no such kind.
+std::string_view UnitOf(std::string_view kind);
 
-  double At(double measure) const;
+// What was measured of one region, or of the whole.
+struct RegionMeasure {
+  std::string name;  // Region::name; of the whole its kind
+  std::string kind;  // NameOf(RegionKind), or one of the whole's
+  // In UnitOf(kind). Of a region: as an even layer, beyond the leeway.
+  double over = 0, left = 0;
+
+  bool operator==(const RegionMeasure&) const = default;
 };
+// Those of r.regions() in their order, then those of the whole.
+std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes& faults);
 
-struct RegionPrice {
-  // M is 1 at these sizes. What was taken cannot be mended, so that over_m is at most left_m.
-  double over_m = 0, left_m = 0;
-  PriceCurve price;
-};
+// What an examiner asks for.
+enum class State : uint8_t { kAcceptable, kModify, kRedo };
+inline constexpr size_t kStates = 3;
+std::string_view NameOf(State state);  // "acceptable"
 
-struct Prices {
-  std::array<RegionPrice, kRegionKinds> regions;  // by RegionKind
-  PriceCurve elsewhere;                           // of mm^3 taken where R is not near
-  PriceCurve neighbour;                           // of mm, as deep over 1 mm^2
-  PriceCurve pulp;                                // of mm^3
-  PriceCurve caries;                              // of the share left
-};
-// Chosen, as is every figure in it: no source gives the points of a size.
-Prices ChosenPrices();
-
-enum class Measure : uint8_t { kOver, kLeft, kNotDone, kElsewhere, kNeighbour, kPulp, kCaries };
-
-// A measure with its points: of a region, or of the attempt where `region` is -1.
 struct RegionCost {
-  int region = -1;  // of AcceptableCut::regions(); -1: none
-  Measure measure = Measure::kOver;
-  // mm as an even layer, with the leeway; a share where not done or caries; mm^3 elsewhere and of the
-  // pulp.
-  double size = 0;
-  double points = 0;
-};
+  bool over = false;  // else what was left is the dearer
+  double lost = 0;    // points
+  State state = State::kAcceptable;
 
+  bool operator==(const RegionCost&) const = default;
+};
 struct CutCost {
-  std::vector<RegionCost> rows;  // those above 0, regions in their order
-  double sum = 0;                // of them
-  double score() const { return sum < 100 ? 100 - sum : 0; }
+  std::vector<RegionCost> rows;  // of the measures, in their order
+  double sum = 0;                // of them; may be above 100
 };
 
-CutCost CostOf(const AcceptableCut& r, const FaultVolumes& faults, const Prices& prices);
+double PriceOf(const scene::RubricPrice& price, double measure, double size);
+
+// Of the share of the task that was not done, in percent: what is missing of it beyond what its regions pay already.
+// Errors: kInvalidInput where a kind has no price.
+Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
+                       const std::vector<scene::RubricPrice>& prices);
+
+// Errors: kInvalidInput naming "prices[2].most" where a kind is unknown or stands twice, a size or price is not finite or
+// not above 0, a side is missing, `most` is below `points`, or the points of the states do not rise.
+Status ValidatePrices(const std::vector<scene::RubricPrice>& prices, const std::string& where);
 
 }  // namespace enamel::scoring

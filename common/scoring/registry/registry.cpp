@@ -55,8 +55,14 @@ MetricPlan MetricPlan::For(const scene::Rubric& rubric) {
     }
   };
   for (const scene::RubricCriterion& criterion : rubric.criteria) use(criterion.metric);
-  for (const scene::RubricGate& gate : rubric.gates) use(gate.metric);
   for (const scene::RubricCritical& critical : rubric.critical) use(critical.metric);
+  for (const scene::RubricPrice& price : rubric.prices) {
+    if (price.of == "wall" || price.of == "floor") {
+      for (MetricGroup group : {MetricGroup::kWalls, MetricGroup::kOutline}) plan.Add(group);
+    }
+    if (price.of == "table" || price.of == "margin") plan.Add(MetricGroup::kCrown);
+    if (price.of == "pulp" || price.of == "neighbour") plan.Add(MetricGroup::kCover);
+  }
   return plan;
 }
 

@@ -20,26 +20,25 @@ namespace {
 // An answer of that many has about 6 MB.
 constexpr uint32_t kMostGraded = 10'000;
 static_assert(kMostGraded <= AttemptFilter::kMostAtOnce);
-constexpr char kTaskDone[] = "task_done_percent";
 
 // The columns of the table, in the order in which the scores name them.
 class Columns {
  public:
-  // Points lost by column; null where the attempt's rubric has no such criterion or it could not be
-  // lost. What was not made is lost whole.
+  // Points lost by column; null where the attempt's rubric has no such criterion, or it could cost
+  // nothing.
   json::array LostIn(const scoring::ScoreResult& score) {
     json::array out(columns_.size());
     for (const scoring::CriterionResult& c : score.criteria) {
       const size_t at = PlaceOf(c);
       if (at >= out.size()) out.resize(at + 1);
-      if (c.max_points > 0) out[at] = std::max(0.0, c.max_points - c.points);
+      if (c.judged) out[at] = c.lost;
     }
     return out;
   }
   json::array Json() const {
     json::array out;
     for (const scoring::CriterionResult& c : columns_) {
-      out.push_back({{"name", c.name}, {"title", c.title}, {"max_points", c.max_points}});
+      out.push_back({{"name", c.name}, {"group", scoring::NameOf(c.group)}, {"title", c.title}});
     }
     return out;
   }
@@ -48,9 +47,6 @@ class Columns {
   size_t PlaceOf(const scoring::CriterionResult& c) {
     const auto [found, added] = places_.try_emplace(c.name, columns_.size());
     if (added) columns_.push_back(c);
-    // A corrected rubric may give it more points than the one before.
-    double& full = columns_[found->second].max_points;
-    full = std::max(full, c.max_points);
     return found->second;
   }
 
@@ -58,11 +54,11 @@ class Columns {
   std::map<std::string, size_t> places_;
 };
 
-// Percent of the work, where that took points of every criterion.
-json::value StoppedEarly(const scoring::ScoreResult& score) {
-  const auto gate = std::ranges::find_if(
-      score.gates, [](const scoring::GateResult& g) { return g.share < 1 && g.name == kTaskDone; });
-  return gate == score.gates.end() ? json::value() : json::value(gate->value);
+// Percent of the work; null where all of it was done.
+json::value DoneIn(const scoring::ScoreResult& score) {
+  const auto rest =
+      std::ranges::find(score.mistakes, scoring::MistakeKind::kNotDone, &scoring::Mistake::kind);
+  return rest == score.mistakes.end() ? json::value() : json::value(100 - rest->size);
 }
 
 class Grading {
@@ -154,7 +150,7 @@ class Grading {
     if (text.ok()) {
       if (const auto points = scoring::PointsFromJson(AsText(*text)); points.ok()) {
         lost = columns_.LostIn(*points);
-        done = StoppedEarly(*points);
+        done = DoneIn(*points);
         return;
       }
     }

@@ -68,7 +68,7 @@ double ScoreOf(const AttemptRow& row) {
   return row.overridden ? row.overridden->score : row.score.value_or(0);
 }
 
-// The attempt whose criteria count: the one whose score is the result; for a mean or a median, the
+// The attempt whose mistakes count: the one whose score is the result; for a mean or a median, the
 // newest scored one.
 std::optional<Uuid> LookedAt(const GradeView::Work& work) {
   if (work.grade.attempt) return work.grade.attempt;
@@ -78,16 +78,26 @@ std::optional<Uuid> LookedAt(const GradeView::Work& work) {
   return std::nullopt;
 }
 
-// False: its score document cannot be read, so its criteria are left out.
+// False: its score document cannot be read, so its criteria and mistakes are left out.
 bool AddScore(StoredBlobs& blobs, ResultRows& results, const Uuid& attempt, StudentWork& out) {
   const Result<scoring::ScoreResult> score = StoredScore(blobs, results, attempt);
   if (!score.ok()) return false;
   out.failed = score->critical_fail;
   for (const scoring::CriterionResult& c : score->criteria) {
-    out.criteria.push_back({c.name, c.title, c.unit, c.value, c.points, c.max_points, c.judged});
+    const bool of_hand = c.group == scoring::Group::kHand;
+    out.criteria.push_back({c.name, std::string(scoring::NameOf(c.group)), c.title, c.unit, c.lost,
+                            c.state != scoring::State::kAcceptable, c.judged,
+                            of_hand ? std::optional(c.value) : std::nullopt});
   }
-  for (const scoring::GateResult& gate : score->gates) {
-    out.gates.push_back({gate.name, gate.title, gate.share});
+  for (const scoring::Mistake& m : score->mistakes) {
+    const dvec3 at_mm = m.at_m * 1e3;
+    out.mistakes.push_back({std::string(scoring::NameOf(m.kind)),
+                            m.place,
+                            std::string(scoring::NameOf(m.group)),
+                            std::string(scoring::UnitOf(m.kind)),
+                            m.points,
+                            m.size,
+                            {at_mm.x, at_mm.y, at_mm.z}});
   }
   return true;
 }
@@ -109,13 +119,13 @@ const char* StateOf(const StudentWork& work) {
   return work.score ? "scored" : "waiting";
 }
 
-// Points by criterion, in the order of the answer's criteria; null if there are none.
-json::array PointsJson(const Insight& insight, const StudentWork& work) {
+// Points by criterion, in the order of the answer's criteria; null where there were none to lose.
+json::array LostJson(const Insight& insight, const StudentWork& work) {
   json::array out;
   for (const CriterionInsight& criterion : insight.criteria) {
-    const auto found = std::ranges::find(work.criteria, criterion.name, &CriterionPoints::name);
-    const bool has = found != work.criteria.end() && found->judged && found->max_points > 0;
-    out.push_back(has ? json::value(found->points) : json::value());
+    const auto found = std::ranges::find(work.criteria, criterion.name, &CriterionLost::name);
+    const bool has = found != work.criteria.end() && found->judged;
+    out.push_back(has ? json::value(found->lost) : json::value());
   }
   return out;
 }
@@ -135,23 +145,35 @@ json::array CriteriaJson(const Insight& insight) {
   json::array out;
   for (const CriterionInsight& c : insight.criteria) {
     out.push_back({{"name", c.name},
+                   {"group", c.group},
                    {"title", c.title},
                    {"unit", c.unit},
-                   {"max_points", c.max_points},
                    {"judged", c.judged},
-                   {"half_lost", c.half_lost},
-                   {"mean_points", c.mean_points},
-                   {"earned_tenths", TenthsJson(c.earned)},
+                   {"to_change", c.to_change},
+                   {"mean_lost", c.mean_lost},
+                   {"lost", SpreadJson(c.lost)},
                    {"values", SpreadJson(c.values)}});
   }
   return out;
 }
 
-json::object InsightJson(const Insight& insight, const Class& people) {
-  json::array gates, outliers;
-  for (const GateInsight& gate : insight.gates) {
-    gates.push_back({{"name", gate.name}, {"title", gate.title}, {"taken", gate.taken}});
+json::array MistakesJson(const Insight& insight) {
+  json::array out;
+  for (const MistakeInsight& m : insight.mistakes) {
+    out.push_back({{"kind", m.kind},
+                   {"place", m.place},
+                   {"group", m.group},
+                   {"students", m.students},
+                   {"points", m.points},
+                   {"size", m.size},
+                   {"unit", m.unit},
+                   {"at_mm", json::array(m.at_mm.begin(), m.at_mm.end())}});
   }
+  return out;
+}
+
+json::object InsightJson(const Insight& insight, const Class& people) {
+  json::array outliers;
   for (const Outlier& o : insight.outliers) {
     outliers.push_back({{"person_id", people.students[o.student].id.Text()},
                         {"what", o.what},
@@ -160,10 +182,10 @@ json::object InsightJson(const Insight& insight, const Class& people) {
                         {"z", o.z}});
   }
   json::value commonest;
-  if (insight.commonest) commonest = insight.criteria[*insight.commonest].name;
+  if (insight.commonest) commonest = *insight.commonest;
   return {{"summary", SummaryJson(insight)},
           {"criteria", CriteriaJson(insight)},
-          {"gates", std::move(gates)},
+          {"mistakes", MistakesJson(insight)},
           {"commonest", std::move(commonest)},
           {"outliers", std::move(outliers)}};
 }
@@ -232,7 +254,7 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
                         {"time_s", class_work[i].time_s},
                         {"failed", class_work[i].failed},
                         {"attempt_id", std::move(attempt)},
-                        {"points", PointsJson(insight, class_work[i])}});
+                        {"lost", LostJson(insight, class_work[i])}});
   }
   json::object out = InsightJson(insight, people);
   out["assignment_id"] = row.id.Text();

@@ -1,10 +1,12 @@
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <boost/json.hpp>
 #include <map>
 #include <set>
 
 #include "common/scene/json/json.h"
-#include "common/scoring/metrics.h"
+#include "common/scoring/score.h"
 #include "server/agreement/standard.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
@@ -60,15 +62,6 @@ Result<scene::Rubric> RubricOf(Store& store, const AssignmentRow& assignment) {
   return CountingRubric(store.blobs, store.rubrics, row.id, exercise.rubric);
 }
 
-// Those that give points and that a tooth shows.
-std::vector<scene::RubricCriterion> SeenCriteria(const scene::Rubric& rubric) {
-  std::vector<scene::RubricCriterion> out;
-  for (const scene::RubricCriterion& c : rubric.criteria) {
-    if (c.points > 0 && scoring::IsSeenOnTheTooth(c.metric)) out.push_back(c);
-  }
-  return out;
-}
-
 // Each marker's own, and not that of the attempts or of the ids.
 std::vector<MarkingWork> InOrderOf(const Uuid& marker, std::vector<MarkingWork> works) {
   auto place = [&](const MarkingWork& work) {
@@ -89,7 +82,7 @@ double TotalOf(const json::array& criteria) {
   return full > 0 ? 100 * points / full : 0;
 }
 
-// As schemas/marks.md has them: by attempt, criterion and marker.
+// As schemas/marks.md has them: by attempt, group and marker.
 Result<std::vector<Mark>> MarksFrom(Store& store, const MarkingRow& row,
                                     const std::vector<BlindMark>& blind) {
   ENAMEL_ASSIGN_OR_RETURN(const auto works, store.markings.WorksOf(row.id));
@@ -172,7 +165,7 @@ Result<json::object> SummaryJson(Store& store, const MarkingRow& row) {
                       {"markers", std::move(markers)}};
 }
 
-// What this marker has said of each criterion before, newest first: to say it again in one click.
+// What this marker has said of each group before, newest first: to say it again in one click.
 Result<json::array> CommentsJson(Store& store, const Uuid& marker) {
   ENAMEL_ASSIGN_OR_RETURN(const auto earlier, store.markings.CriteriaBy(marker));
   json::array out;
@@ -189,21 +182,23 @@ Result<json::array> CommentsJson(Store& store, const Uuid& marker) {
   return out;
 }
 
-// Exactly the criteria that are marked. Errors: kInvalidInput naming the criterion.
+// Exactly the groups that are marked. Errors: kInvalidInput naming the group.
 Result<std::string> CriteriaText(const scene::Rubric& rubric, const std::string& document) {
   const json::object given = json::parse(document).as_object();
+  const double full_marks = scoring::FullMarksOf(rubric);
   json::array out;
-  for (const scene::RubricCriterion& c : SeenCriteria(rubric)) {
-    const json::value* mark = given.if_contains(c.metric);
+  for (const scoring::Group group : scoring::GroupsOf(rubric)) {
+    const std::string name(scoring::NameOf(group)), title(scoring::TitleOf(group));
+    const json::value* mark = given.if_contains(name);
     const json::value* points =
         mark != nullptr && mark->is_object() ? mark->as_object().if_contains("points") : nullptr;
     const double value =
         points != nullptr && points->is_number() ? points->to_number<double>() : -1;
-    if (!(value >= 0 && value <= c.points)) {
-      return Status(Code::kInvalidInput,
-                    "expected points from 0 to " + std::to_string(c.points) + " for \"" + c.title +
-                        "\" (" + c.metric + ")",
-                    "criteria");
+    if (!(value >= 0 && value <= full_marks)) {
+      return Status(
+          Code::kInvalidInput,
+          fmt::format("expected points from 0 to {:g} for \"{}\" ({})", full_marks, title, name),
+          "criteria");
     }
     std::string comment;
     if (const json::value* said = mark->as_object().if_contains("comment");
@@ -216,14 +211,14 @@ Result<std::string> CriteriaText(const scene::Rubric& rubric, const std::string&
                     "criteria");
     }
     if (!comment.empty()) ENAMEL_RETURN_IF_ERROR(CheckOneLine(comment, "criteria"));
-    out.push_back({{"name", c.metric},
-                   {"title", c.title},
+    out.push_back({{"name", name},
+                   {"title", title},
                    {"points", value},
-                   {"max_points", c.points},
+                   {"max_points", full_marks},
                    {"comment", comment}});
   }
   if (given.size() != out.size()) {
-    return Status(Code::kInvalidInput, "expected the marking's criteria and no others", "criteria");
+    return Status(Code::kInvalidInput, "expected the marking's groups and no others", "criteria");
   }
   return json::serialize(out);
 }
@@ -317,8 +312,10 @@ Response GetMarking(const Call& call, Store& store) {
   Result<scene::Rubric> rubric = RubricOf(store, seen->assignment);
   if (!rubric.ok()) return ErrorResponse(rubric.status());
   json::array criteria, mine, comments;
-  for (const scene::RubricCriterion& c : SeenCriteria(*rubric)) {
-    criteria.push_back({{"name", c.metric}, {"title", c.title}, {"max_points", c.points}});
+  for (const scoring::Group group : scoring::GroupsOf(*rubric)) {
+    criteria.push_back({{"name", scoring::NameOf(group)},
+                        {"title", scoring::TitleOf(group)},
+                        {"max_points", scoring::FullMarksOf(*rubric)}});
   }
   const Uuid& person = call.caller->person.id;
   if (seen->is_marker) {

@@ -23,8 +23,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// Body, rubric, restorations, one of them, its criteria, one of them, its map, a row of it.
-constexpr size_t kRubricDepth = 8;
+// Body, rubric, criteria, one of them, its map, a row of it.
+constexpr size_t kRubricDepth = 6;
 
 Result<scene::Exercise> DocumentOf(StoredBlobs& blobs, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, blobs.GetBlob(row.content));
@@ -142,7 +142,8 @@ Response ListScoringMetrics(const Call&) {
     out.push_back({{"name", metric.name},
                    {"unit", metric.unit},
                    {"title", metric.title},
-                   {"formula", metric.formula}});
+                   {"formula", metric.formula},
+                   {"hand", !scoring::IsSeenOnTheTooth(metric.name)}});
   }
   return JsonResponse({{"metrics", std::move(out)}});
 }

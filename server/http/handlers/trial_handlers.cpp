@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/base/utf8.h"
+#include "common/scoring/trial.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/checked_exercise.h"
@@ -13,18 +14,17 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-json::object ScoreJson(const scoring::ScoreResult& score,
-                       const std::vector<scoring::Trial::Item>& named) {
-  json::array errors, items;
+json::object ScoreJson(const scoring::ScoreResult& score) {
+  json::array errors, lost;
   for (const scoring::CriticalResult& critical : score.critical)
     errors.push_back(json::value(critical.error));
-  for (const scoring::Trial::Item& item : named) {
-    items.push_back({{"metric", item.metric}, {"title", item.title}, {"share", item.share}});
+  for (const scoring::LostItem& each : scoring::LostItems(score)) {
+    lost.push_back({{"name", each.name}, {"points", each.points}});
   }
   return {{"score", score.score},
           {"failed", score.critical_fail},
           {"critical", std::move(errors)},
-          {"named", std::move(items)}};
+          {"lost", std::move(lost)}};
 }
 
 json::object TrialJson(const ExerciseTrials::About& about) {
@@ -35,8 +35,8 @@ json::object TrialJson(const ExerciseTrials::About& about) {
                {"field", about.problem.field()}};
   }
   if (about.trial) {
-    exact = ScoreJson(about.trial->exact, about.trial->lost_by_exact);
-    untouched = ScoreJson(about.trial->untouched, about.trial->full_untouched);
+    exact = ScoreJson(about.trial->exact);
+    untouched = ScoreJson(about.trial->untouched);
   }
   return {{"id", about.id.Text()},
           {"state", StateName(about.state)},

@@ -7,6 +7,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/json/preparation.h"
 #include "common/scene/restoration.h"
+#include "common/scoring/mistakes/prices.h"
 #include "common/scoring/tolerances.h"
 #include "server/training/access.h"
 
@@ -172,27 +173,29 @@ json::value RestorationJson(const scene::Rubric& rubric) {
   const auto tolerance = std::ranges::find(rubric.restorations, rubric.restoration,
                                            &scene::RestorationTolerance::restoration);
   if (tolerance == rubric.restorations.end()) return nullptr;
-  auto range = [](const scene::DivergenceRange& r) { return json::array{r.from_deg, r.to_deg}; };
-  json::value divergence;
-  if (tolerance->divergence) {
-    divergence = {{"mesiodistal", range(tolerance->divergence->mesiodistal)},
-                  {"buccolingual", range(tolerance->divergence->buccolingual)}};
+  return {{"name", scene::RestorationName(rubric.restoration)}, {"source", tolerance->source}};
+}
+
+json::array PricesJson(const scene::Rubric& rubric) {
+  auto side = [](double size) { return size > 0 ? json::value(size) : json::value(); };
+  json::array out;
+  for (const scene::RubricPrice& price : rubric.prices) {
+    out.push_back({{"of", price.of},
+                   {"unit", scoring::UnitOf(price.of)},
+                   {"over", side(price.over)},
+                   {"left", side(price.left)},
+                   {"points", price.points},
+                   {"most", price.most},
+                   {"modify_points", price.modify_points},
+                   {"redo_points", price.redo_points},
+                   {"source", price.source}});
   }
-  return {{"name", scene::RestorationName(rubric.restoration)},
-          {"source", tolerance->source},
-          {"divergence_deg", std::move(divergence)}};
+  return out;
 }
 
 json::object RubricJson(const scene::Rubric& written) {
   const scene::Rubric rubric = scoring::WithTolerances(written);
-  json::array criteria, gates, critical;
-  for (const scene::RubricGate& gate : rubric.gates) {
-    gates.push_back({{"metric", gate.metric},
-                     {"title", gate.title},
-                     {"unit", gate.unit},
-                     {"map", MapJson(gate.map)},
-                     {"comment", gate.comment}});
-  }
+  json::array criteria, critical;
   for (const scene::RubricCriterion& criterion : rubric.criteria) {
     json::value fails_above;
     if (criterion.fails_above) fails_above = *criterion.fails_above;
@@ -214,9 +217,9 @@ json::object RubricJson(const scene::Rubric& written) {
   }
   return {{"name", rubric.name},
           {"version", rubric.version},
-          {"critical", std::move(critical)},
+          {"prices", PricesJson(rubric)},
           {"criteria", std::move(criteria)},
-          {"gates", std::move(gates)},
+          {"critical", std::move(critical)},
           {"restoration", RestorationJson(rubric)}};
 }
 

@@ -15,19 +15,23 @@
 namespace enamel::server {
 namespace {
 
-// Including attempts whose run is under way: it may have looked for a reference before this one was
-// added.
-Status QueueUnreferenced(Db& db, const Uuid& exercise) {
+// The cut itself, which is now compared with itself; runs under way, which may have looked for
+// references before this one was added; and where it is the only one that counts, attempts that the
+// exercise's own target has judged for want of one.
+Status QueueScoredWithout(Db& db, const ReferenceRow& row) {
   std::vector<Uuid> waiting;
   {
     Query q(
         db,
-        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (" +
-            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
-            Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) +
-            ") AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
-            "FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND j.state = 'queued')");
-    q.Bind(exercise);
+        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.expired_ms = "
+        "0 AND (a.id = ?3 OR a.state IN (" +
+            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) +
+            ") OR (a.state = " + Sql(AttemptState::kScored) +
+            " AND a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE "
+            "r.tenant = a.tenant AND r.exercise = a.exercise AND r.id <> ?4 AND r.withdrawn_ms "
+            "= 0))) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
+            "j.attempt = a.id AND j.state = 'queued')");
+    q.Bind(row.exercise).Bind(row.attempt).Bind(row.id);
     while (q.Next()) waiting.push_back(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
   }
@@ -117,9 +121,8 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
     ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
     ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
-    // Attempts scored without a reference are scored again with it; those compared with an earlier
-    // one keep their score until somebody asks.
-    ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
+    // Scores made beside an earlier reference stay until somebody asks.
+    ENAMEL_RETURN_IF_ERROR(QueueScoredWithout(db, row));
     const std::string exercise = row.exercise.Text(), version = std::to_string(row.version);
     return WriteAudit(
         db, by, "reference.add", attempt.Text(), "{}",

@@ -18,11 +18,11 @@ class ReferenceRows {
  public:
   explicit ReferenceRows(Transactions& rows) : rows_(rows) {}
 
-  // A sealed and scored attempt becomes a reference of the exercise; attempts of that exercise which were sealed without a reference are queued for scoring,
-  // itself included (it then reads deviation 0). `consent`: students may see the name. Marked
-  // again, it counts once, under its new name. `anyway`: why it is one although a check speaks
-  // against it (jobs/reference_check.h); it goes to the audit trail. Errors also: kConflict, field
-  // "score", of one that scored 0.
+  // A sealed and scored attempt becomes a reference of the exercise. It is queued for scoring (it
+  // then reads deviation 0). So are attempts that the exercise's own target has judged, where this
+  // is the only reference that counts. `consent`: students may see the name. Marked again, it counts once, under its new name.
+  // `anyway`: why it is one although a check speaks against it (jobs/reference_check.h); it goes to
+  // the audit trail. Errors also: kConflict, field "score", of one that scored 0.
   Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, bool consent,
                                     const Actor& by, const std::string& anyway = {});
   Result<ReferenceRow> ReferenceById(const Uuid& id);

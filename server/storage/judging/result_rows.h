@@ -24,7 +24,7 @@ struct AttemptResult {
   double score = 0;
   bool critical_fail = false;
   Sha256 score_json, final_volume, deviation, series;
-  std::optional<Uuid> reference;      // none when the exercise has no reference yet
+  std::optional<Uuid> reference;      // none: the exercise's own target
   double replay_realtime_factor = 0;  // recorded time / replay time: of the machine, not the work
   UnixMs scored_ms = 0;               // 0: now
   Bytes document;                     // signed (schemas/result.md)

@@ -118,11 +118,11 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
   double beside = target.leeway_side_um * 1e-6, below = target.leeway_bottom_um * 1e-6;
   const bool to_right = box.mesial_x > 0;
   sides_ = {
-      {to_right ? "place.mesial_wall" : "place.distal_wall", {1, 0, 0}, box.hi_m.x, beside, 0},
-      {to_right ? "place.distal_wall" : "place.mesial_wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
-      {"place.buccal_wall", {0, 1, 0}, box.hi_m.y, beside, 0},
-      {"place.lingual_wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
-      {"place.floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
+      {to_right ? "reach.mesial_wall" : "reach.distal_wall", {1, 0, 0}, box.hi_m.x, beside, 0},
+      {to_right ? "reach.distal_wall" : "reach.mesial_wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
+      {"reach.buccal_wall", {0, 1, 0}, box.hi_m.y, beside, 0},
+      {"reach.lingual_wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
+      {"reach.floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
   Publish();
 }
 
@@ -203,8 +203,8 @@ void ReachWatch::Publish() {
   if (FollowsShape()) {
     out.leeway = {{1e3 * (shape_leeway_m_ - beyond_shape_m_), 1e3 * shape_leeway_m_,
                    beyond_shape_m_ <= 0 ? ""
-                   : below_shape_       ? "place.floor"
-                                        : "place.outline"}};
+                   : below_shape_       ? "reach.floor"
+                                        : "reach.outline"}};
   }
   if (!sides_.empty()) {
     // A leeway of nothing is used up by the least excess.

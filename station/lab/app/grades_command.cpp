@@ -85,6 +85,7 @@ Status RunMixtures(const GradesCommand& command) {
                 static_cast<unsigned long long>(r.seed), r.score, larger, r.further,
                 faults.c_str());
     for (const std::string& law : r.broken) std::printf("%28sBROKEN: %s\n", "", law.c_str());
+    for (const std::string& what : r.wrong) std::printf("%28sFALSE: %s\n", "", what.c_str());
     broken += r.broken.size();
   };
   ENAMEL_ASSIGN_OR_RETURN(const auto rows,
@@ -93,11 +94,15 @@ Status RunMixtures(const GradesCommand& command) {
                           }));
   progress.Clear();
   double sum_error = 0;
-  for (const MixtureRow& r : rows) sum_error = std::max(sum_error, r.sum_error);
+  size_t said = 0, wrong = 0;
+  for (const MixtureRow& r : rows) {
+    sum_error = std::max(sum_error, r.sum_error);
+    said += r.sentences, wrong += r.wrong.size();
+  }
   std::printf(
       "\n%12zu  laws broken in %zu mixtures\n%12.1e  points, the largest difference between the "
-      "mistakes' points and the loss\n",
-      broken, rows.size(), sum_error);
+      "mistakes' points and the loss\n%12zu  of %zu sentences are false\n",
+      broken, rows.size(), sum_error, wrong, said);
   ENAMEL_RETURN_IF_ERROR(WriteRows(command.json, MixturesJson(rows)));
   return broken == 0 ? Status::Ok()
                      : Status(Code::kInternal, std::to_string(broken) + " laws are broken");
@@ -276,17 +281,18 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       "  found   what the metric says; it should be the size, within a quarter of a voxel (a\n"
       "          volume: its area times that) or half a degree\n"
       "  lost    points the exercise's rubric takes for it; a critical fault takes all\n"
-      "Then what all of them come to, each figure with the rows that miss it: whether a mistake "
-      "costs\n"
-      "points as itself, is called by its name, and is critical where it should be.\n"
+      "Then what all of them come to, each figure with the rows that miss it: whether the first\n"
+      "mistake named is the one made, costs the points, and is critical where it should be, and\n"
+      "whether every sentence said of a cut is true of its volume.\n"
       "All of it takes an hour or more; --quick a few minutes.\n"
       "\n"
       "With --mixtures, one to three faults of random kind, place and size are cut in every "
       "exercise\n"
       "in turn, then each of them larger, then one more; voxels of 0.1 mm unless --voxel-um says\n"
-      "otherwise. The points of regions may not rise, the exact task has 100, and the points of "
-      "the\n"
-      "mistakes sum to the loss. Rubrics do not use these points yet.\n"
+      "otherwise. The exercise's own rubric prices the cut: its points may not rise, the exact "
+      "task\n"
+      "has 100, and the points of the mistakes sum to the loss. Sentences that are false are "
+      "listed.\n"
       "Examples:\n"
       "  enamel-lab grades --quick\n"
       "  enamel-lab grades --exercise class-1-molar --json grades.json\n"

@@ -22,7 +22,7 @@ Status RunReasons(const ReasonsCommand& command) {
   FaultSheetOptions options;
   if (const auto language = language::LanguageOf(command.language)) options.language = *language;
   bench::Progress progress;
-  auto html = FaultSheet(options, [&](double ratio) { progress.Show("faults", ratio); });
+  auto html = FaultSheet(options, [&](double ratio) { progress.Show("mistakes", ratio); });
   progress.Clear();
   if (!html.ok()) return html.status();
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(command.sheet, AsBytes(*html)));
@@ -35,7 +35,7 @@ Status RunReasons(const ReasonsCommand& command) {
 void RegisterReasons(CLI::App& app, int* exit_code) {
   auto command = std::make_shared<ReasonsCommand>();
   CLI::App* reasons = app.add_subcommand(
-      "reasons", "A sheet to print: what a score says of each fault, with a picture of it");
+      "reasons", "A sheet to print: what a score says of each mistake, with a picture of it");
   reasons->add_option("--sheet", command->sheet, "Write the sheet to this HTML file")
       ->required()
       ->type_name("FILE");
@@ -43,17 +43,18 @@ void RegisterReasons(CLI::App& app, int* exit_code) {
       ->check(CLI::IsMember({"en", "de", "zh"}))
       ->capture_default_str();
   reasons->footer(
-      "For a dentist who checks Enamel's words before students read them. Each fault that a score\n"
+      "For a dentist who checks Enamel's words before students read them. Each mistake that a "
+      "score\n"
       "can name has a card: the sentence, the reason it matters, and the advice for next time. "
       "Two\n"
-      "sections show the tooth as it should be and as it was cut. Most cuts are the faults of\n"
+      "sections show the tooth as it should be and as it was cut. Many cuts are the faults of\n"
       "'enamel-lab grades'; each sentence gives what was measured on the cut in its picture. It\n"
       "takes about a minute.\n"
       "The file needs nothing beside it: no script, no network.\n"
       "Examples:\n"
       "  enamel-lab reasons --sheet reasons.html\n"
       "  enamel-lab reasons --sheet fehler.html --language de\n"
-      "To change a word: schemas/words/LANGUAGE/faults.json and exercise.json (reason.*).\n"
+      "To change a word: schemas/words/LANGUAGE/faults.json and exercise.json (mistake*).\n"
       "Exit codes: 0 written, 1 failed.");
   reasons->callback([command, exit_code] {
     const Status status = RunReasons(*command);

@@ -12,8 +12,6 @@
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/movement/provenance.h"
-#include "common/scoring/task.h"
-#include "common/scoring/zones.h"
 #include "common/trace/replay.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/cutting/attempt.h"
@@ -125,59 +123,62 @@ Status Verify(const Attempt& attempt) {
   return chain.AcceptSeal(attempt.seal);
 }
 
-// Surface, metrics, points.
-Result<scoring::ScoreResult> Measure(const Attempt& attempt, const Attempt& reference_attempt,
-                                     Replayed& replayed, const Replayed& reference,
-                                     const scoring::MetricPlan& plan) {
-  replayed.mesh = surface::ExtractSurface(replayed.core->volume());
-  auto metrics =
-      scoring::ComputeMetrics(attempt.built.scene, attempt.exercise, replayed.Data(attempt),
-                              reference.Data(reference_attempt), {}, plan);
-  if (!metrics.ok()) return metrics.status();
-  return scoring::ApplyRubric(attempt.exercise.rubric, *metrics);
-}
-
-void FindDeductions(const Attempt& attempt, const Replayed& replayed, const Replayed& reference,
-                    const scoring::Provenance& provenance, scoring::ScoreResult& score) {
-  const cutting::Volume &initial = attempt.built.volume, &wanted = reference.core->volume();
-  const surface::Mesh cut =
-      scoring::CutPart(reference.mesh, scoring::CutVertices(reference.mesh, initial, wanted));
-  scoring::Advise(
-      attempt.exercise.rubric,
-      scoring::FindDeductions(attempt.built.scene, attempt.exercise.target,
-                              scoring::CostlyCriteria(attempt.exercise.rubric, score),
-                              {&initial, &replayed.core->volume(), &wanted, &cut,
-                               scoring::NearOf_m(attempt.exercise.target, initial.spec()),
-                               &provenance, &replayed.process->strokes()}),
-      score);
-}
-
+// A reference's cut divides the tooth into regions once.
 struct Reference {
   Attempt attempt;
   Replayed cut;
+  std::unique_ptr<scoring::AcceptableCut> r;
 };
+
+using References = std::vector<std::unique_ptr<Reference>>;
+
+struct Scored {
+  scoring::JudgedCut judged;
+  scoring::ScoreResult score;
+};
+
+// Surface, metrics, regions, mistakes, points.
+Result<Scored> Measure(const Attempt& attempt, const Reference& reference, Replayed& replayed,
+                       const scoring::MetricPlan& plan) {
+  replayed.mesh = surface::ExtractSurface(replayed.core->volume());
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto metrics,
+      scoring::ComputeMetrics(attempt.built.scene, attempt.exercise, replayed.Data(attempt),
+                              reference.cut.Data(reference.attempt), {}, plan));
+  Scored out;
+  const scene::Rubric& rubric = attempt.exercise.rubric;
+  ENAMEL_ASSIGN_OR_RETURN(out.judged,
+                          scoring::JudgeCut(*reference.r, replayed.core->volume(), rubric));
+  ENAMEL_ASSIGN_OR_RETURN(out.score, scoring::ApplyRubric(rubric, metrics, out.judged.measures,
+                                                          out.judged.found.mistakes));
+  return out;
+}
 
 // Measured against every reference, and placed among them by what those are against the first: the
 // server keeps that.
-Status JudgeByAll(const Attempt& attempt, const std::vector<Reference>& references,
+Status JudgeByAll(const Attempt& attempt, const References& references,
                   const std::vector<scoring::MetricSet>& among, Replayed& replayed, Least& time) {
   const auto plan = scoring::MetricPlan::For(attempt.exercise.rubric);
   const double from = Now_s();
   replayed.mesh = surface::ExtractSurface(replayed.core->volume());
   std::optional<scoring::MetricSet> first;
-  for (const Reference& reference : references) {
+  for (const auto& reference : references) {
     ENAMEL_ASSIGN_OR_RETURN(
         auto metrics,
         scoring::ComputeMetrics(attempt.built.scene, attempt.exercise, replayed.Data(attempt),
-                                reference.cut.Data(reference.attempt), {}, plan));
-    auto score = scoring::ApplyRubric(attempt.exercise.rubric, metrics);
+                                reference->cut.Data(reference->attempt), {}, plan));
+    const scene::Rubric& rubric = attempt.exercise.rubric;
+    ENAMEL_ASSIGN_OR_RETURN(auto judged,
+                            scoring::JudgeCut(*reference->r, replayed.core->volume(), rubric));
+    auto score = scoring::ApplyRubric(rubric, metrics, std::move(judged.measures),
+                                      std::move(judged.found.mistakes));
     if (!score.ok()) return score.status();
     if (!first) first = std::move(metrics);
   }
   if (references.size() > 1) {
     std::vector<scoring::EnvelopeMember> members;
     for (size_t i = 0; i < references.size(); ++i) {
-      members.push_back({std::to_string(i), &references[i].cut.core->volume(), among[i]});
+      members.push_back({std::to_string(i), &references[i]->cut.core->volume(), among[i]});
     }
     auto envelope =
         scoring::PlaceInEnvelope(attempt.built.volume, replayed.core->volume(), *first, members);
@@ -187,10 +188,9 @@ Status JudgeByAll(const Attempt& attempt, const std::vector<Reference>& referenc
   return Status::Ok();
 }
 
-Status MeasureOnce(const Attempt& attempt, const std::vector<Reference>& references,
+Status MeasureOnce(const Attempt& attempt, const References& references,
                    const std::vector<scoring::MetricSet>& among, Figures& out) {
-  const Attempt& reference_attempt = references.front().attempt;
-  const Replayed& reference = references.front().cut;
+  const Reference& reference = *references.front();
   double from = Now_s();
   ENAMEL_RETURN_IF_ERROR(Verify(attempt));
   out.verify.Take(from);
@@ -200,21 +200,23 @@ Status MeasureOnce(const Attempt& attempt, const std::vector<Reference>& referen
   ENAMEL_ASSIGN_OR_RETURN(auto replayed, Replay(attempt, true, out.replay_with_provenance));
 
   from = Now_s();
-  auto planned = Measure(attempt, reference_attempt, replayed, reference,
-                         scoring::MetricPlan::For(attempt.exercise.rubric));
+  auto planned =
+      Measure(attempt, reference, replayed, scoring::MetricPlan::For(attempt.exercise.rubric));
   if (!planned.ok()) return planned.status();
   out.measure.Take(from);
 
   from = Now_s();
-  ENAMEL_ASSIGN_OR_RETURN(auto score, Measure(attempt, reference_attempt, replayed, reference,
-                                              scoring::MetricPlan::All()));
+  ENAMEL_ASSIGN_OR_RETURN(auto scored,
+                          Measure(attempt, reference, replayed, scoring::MetricPlan::All()));
   out.measure_all.Take(from);
 
   ENAMEL_RETURN_IF_ERROR(JudgeByAll(attempt, references, among, replayed, out.judge));
 
   from = Now_s();
   const scoring::Provenance provenance = replayed.provenance->Take();
-  FindDeductions(attempt, replayed, reference, provenance, score);
+  scored.score.deductions =
+      scoring::FindDeductions({reference.r.get(), &replayed.core->volume(), &scored.judged.found,
+                               &provenance, &replayed.process->strokes()});
   out.deductions.Take(from);
 
   from = Now_s();
@@ -230,7 +232,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   AttemptOptions how;
   how.voxel_nm = voxel_um * 1000;
   how.ticks = options.ticks;
-  std::vector<Reference> references;
+  References references;
   std::vector<scoring::MetricSet> among;
   Least unused;
   for (int i = 0; i < options.references; ++i) {
@@ -240,14 +242,20 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
                             }));
     ENAMEL_ASSIGN_OR_RETURN(auto cut, Replay(recorded, false, unused));
     cut.mesh = surface::ExtractSurface(cut.core->volume());
-    references.push_back({std::move(recorded), std::move(cut)});
+    // On the heap: its volumes are kept, not copied.
+    auto reference = std::make_unique<Reference>(std::move(recorded), std::move(cut));
+    const scene::BuiltScene& built = reference->attempt.built;
+    reference->r = std::make_unique<scoring::AcceptableCut>(
+        built.volume, reference->cut.core->volume(),
+        scoring::ToothPlace{built.scene.tooth, built.scene.up});
+    references.push_back(std::move(reference));
   }
-  for (const Reference& reference : references) {
-    const Attempt& first = references.front().attempt;
+  for (const auto& reference : references) {
+    const Attempt& first = references.front()->attempt;
     ENAMEL_ASSIGN_OR_RETURN(
         among.emplace_back(),
-        scoring::ComputeMetrics(first.built.scene, first.exercise, reference.cut.Data(first),
-                                references.front().cut.Data(first), {},
+        scoring::ComputeMetrics(first.built.scene, first.exercise, reference->cut.Data(first),
+                                references.front()->cut.Data(first), {},
                                 scoring::MetricPlan::For(first.exercise.rubric)));
   }
   how.mesial_extra_m = kMesialExtra_m;
@@ -271,7 +279,9 @@ int Run(const Options& options) {
       "recorded through the core, against one cut as asked for; on one core: signatures and chain "
       "of "
       "every chunk, replay with process metrics, without and with provenance in turn, surface, "
-      "metrics and points, by the exercise's plan and all there are, by the plan against all "
+      "metrics, regions, mistakes and points, by the exercise's plan and all there are, by the "
+      "plan "
+      "against all "
       "references with their envelope, deductions, provenance packed; "
       "total: with all metrics; seconds of the thread: the least of several runs";
   std::printf("Method: %s.\n\n%6s %8s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n",

@@ -165,7 +165,12 @@ Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options
   auto metrics = scoring::ComputeMetrics(built.scene, *exercise, cut.Data(built.volume),
                                          reference.Data(built.volume));
   if (!metrics.ok()) return metrics.status();
-  ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise->rubric, *metrics));
+  const scoring::AcceptableCut r(built.volume, reference.volume,
+                                 {built.scene.tooth, built.scene.up});
+  ENAMEL_ASSIGN_OR_RETURN(auto judged, scoring::JudgeCut(r, cut.volume, exercise->rubric));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto score, scoring::ApplyRubric(exercise->rubric, *metrics, std::move(judged.measures),
+                                             std::move(judged.found.mistakes)));
   out.score = PackedBytes(scoring::ToJson(score));
   if (const auto motion = scoring::MotionOf(cut.process->samples())) {
     out.score += scoring::EncodeMotion(*motion).size();
@@ -181,8 +186,8 @@ int Run(const Options& options) {
       "simulated "
       "dentist's cut; bytes before encryption, as a server stores them; means weighted by a "
       "school's attempts (of 51: class I 9, class V 2, access 3, caries 3, veneer 2, crown 11, "
-      "block 15, class II 6). Curves and score are packed. Score without its reasons for each lost "
-      "point, and the motion, are in `score`";
+      "block 15, class II 6). Curves and score are packed. Score without the places of its "
+      "mistakes, and the motion, are in `score`";
   std::printf("Method: %s.\n\n%-9s %-26s %6s %8s %8s %9s %10s %8s %8s %8s\n", method.c_str(),
               "kind", "exercise", "min", "trace", "series", "timeline", "deviation", "volume",
               "score", "MB");

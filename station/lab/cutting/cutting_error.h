@@ -53,17 +53,17 @@ std::vector<CuttingFigures> MeasureCutting(
 
 // The accuracy of a score at a voxel size: the same hand cuts a class I cavity into the built-in
 // molar as a reference, and again with the mesial wall 0.3 mm and the floor 0.15 mm too deep.
-struct CriterionFigures {
-  std::string metric, unit;
-  double value = 0;
+struct RegionFigures {
+  std::string region, unit;
+  double over = 0;   // what was cut too far, as an even layer
   double error = 0;  // against the finest voxel size
 };
 struct ScoreFigures {
   int32_t voxel_nm = 0;
-  double mb = 0;                           // the whole tooth
-  double realtime_factor = 0;              // of the replay
-  double points = 0;                       // of the score
-  std::vector<CriterionFigures> criteria;  // the exercise's rubric
+  double mb = 0;               // the whole tooth
+  double realtime_factor = 0;  // of the replay
+  double points = 0;           // of the score
+  std::vector<RegionFigures> regions;
 };
 inline constexpr double kMesialExtra_m = 0.3e-3, kFloorExtra_m = 0.15e-3;
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 
 #include "common/scoring/metrics.h"
@@ -56,16 +57,20 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   auto metrics =
       scoring::ComputeMetrics(built.scene, exercise, student.Data(), reference.Data(), {});
   if (!metrics.ok()) return metrics.status();
-  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise.rubric, *metrics));
+  const scoring::AcceptableCut r(built.volume, reference.core->volume(),
+                                 {built.scene.tooth, built.scene.up});
+  ENAMEL_ASSIGN_OR_RETURN(const auto judged,
+                          scoring::JudgeCut(r, student.core->volume(), exercise.rubric));
+  ENAMEL_ASSIGN_OR_RETURN(const auto score,
+                          scoring::ApplyRubric(exercise.rubric, *metrics, judged.measures));
   ScoreFigures out;
   out.voxel_nm = voxel_nm;
   out.mb = static_cast<double>(built.volume.MemoryBytes()) * 1e-6;
   out.realtime_factor = student.realtime_factor;
   out.points = score.score;
-  for (const scene::RubricCriterion& c : exercise.rubric.criteria) {
-    for (const scoring::MetricValue& m : metrics->values) {
-      if (m.name == c.metric) out.criteria.push_back({m.name, m.unit, m.value, 0});
-    }
+  for (size_t i = 0; i < r.regions().size(); ++i) {
+    const scoring::RegionMeasure& m = judged.measures[i];
+    out.regions.push_back({m.name, std::string(scoring::UnitOf(m.kind)), m.over, 0});
   }
   return out;
 }
@@ -85,8 +90,10 @@ Result<std::vector<ScoreFigures>> MeasureScores(
     out.push_back(std::move(figures));
   }
   for (ScoreFigures& f : out) {
-    for (size_t i = 0; i < f.criteria.size(); ++i) {
-      f.criteria[i].error = f.criteria[i].value - out.back().criteria[i].value;
+    for (RegionFigures& region : f.regions) {
+      const auto finest =
+          std::ranges::find(out.back().regions, region.region, &RegionFigures::region);
+      region.error = finest == out.back().regions.end() ? 0 : region.over - finest->over;
     }
   }
   if (progress) progress("scores", voxels_nm.size(), voxels_nm.size());

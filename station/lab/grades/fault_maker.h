@@ -41,10 +41,6 @@ class FaultMaker {
   void AddAllSurfaces(std::string metric_over, std::string metric_short,
                       const std::function<Hollow(double by_m)>& moved);
   Hollow Wanted() const;
-  bool Judges(std::string_view metric) const {
-    return std::ranges::any_of(exercise_.rubric.criteria,
-                               [&](const auto& c) { return c.metric == metric; });
-  }
 
   // A box: faults_of_cavity.cpp.
   void MakeBox();
@@ -52,6 +48,7 @@ class FaultMaker {
   bool HasWall(size_t wall) const { return wall != 0 || !task_.open_mesial; }
   std::vector<Size> WallSizes(size_t wall) const;
   double RoomBehind_m(size_t wall) const;
+  std::vector<Size> LeanSizes(std::initializer_list<double> all) const;
   void MakeLeaningWalls(size_t wall);
   void MoveBox();
   void MakeMargins();

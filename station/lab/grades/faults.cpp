@@ -76,16 +76,13 @@ void FaultMaker::AddDegrees(std::string name, Size size, std::string metric, Hol
 
 void FaultMaker::AddAllSurfaces(std::string metric_over, std::string metric_short,
                                 const std::function<Hollow(double by_m)>& moved) {
-  constexpr double kUnseen_mm = 0.08;
-  // Where no wall or floor is judged, as in practice shapes, closeness is most of the points.
-  std::optional<double> may_cost;
-  if (Judges("floor_mm") || task_.kind == Task::Kind::kCrown) may_cost = 3;
+  constexpr double kUnseen_mm = 0.08, kMayCost = 3;
   AddMm("all_over", {kUnseen_mm, false}, std::move(metric_over), moved(kUnseen_mm / kMm));
-  out_.back().may_cost = may_cost;
+  out_.back().may_cost = kMayCost;
   // Too little is + where the metric has no sign.
   const double size = metric_short == "floor_mm" ? -kUnseen_mm : kUnseen_mm;
   AddMm("all_short", {size, false}, std::move(metric_short), moved(-kUnseen_mm / kMm));
-  out_.back().may_cost = may_cost;
+  out_.back().may_cost = kMayCost;
 }
 
 std::vector<FaultMaker::Size> FaultMaker::Sizes(std::initializer_list<double> all,
@@ -98,7 +95,7 @@ std::vector<FaultMaker::Size> FaultMaker::Sizes(std::initializer_list<double> al
 
 // Pits under a level part of the surface, from lo to hi (equal z), exactly as deep as stated.
 void FaultMaker::AddGouges(const dvec3& lo, const dvec3& hi) {
-  for (const Size s : Sizes({0.1, 0.2, 0.3, 0.57}, 0.3)) {
+  for (const Size s : Sizes({0.1, 0.2, 0.3, 0.57}, 0.57)) {
     const dvec3 from = lo - dvec3(0, 0, s.m()), to(hi.x, hi.y, grid_hi_m_.z + 1);
     AddMm("gouge", s, "deepest_over_mm",
           Both(Wanted(), [=](const dvec3& p) { return BoxDistance_m(p, from, to); }));

@@ -31,9 +31,7 @@ void FaultMaker::MakeBox() {
     for (const Size s : WallSizes(w)) {
       AddMm("wall_" + name, s, "wall_" + name + "_mm", BoxWith(w, {.moved_m = s.m()}));
     }
-    for (Size s : Sizes({1, 5, 10, 20}, 10)) {
-      // Where no criterion is about it, it costs what it takes.
-      s.must_cost = s.must_cost && Judges("wall_tilt_deg");
+    for (const Size s : LeanSizes({1, 5, 10, 20})) {
       AddDegrees("tilt_" + name, s, "tilt_" + name + "_deg", BoxWith(w, {.slope = Slope(s.value)}));
     }
   }
@@ -44,7 +42,7 @@ void FaultMaker::MakeBox() {
   const size_t long_wall = b.half_x_m > b.half_y_m ? 2 : kAnyWall;
   // The height of a wave whose root mean square is the size. Where caries is followed, walls have
   // any position.
-  for (const Size s : Sizes({0.02, 0.05, 0.1, 0.2}, 0.1)) {
+  for (const Size s : Sizes({0.02, 0.05, 0.1, 0.2}, 0.2)) {
     if (HasCaries()) break;
     const Face wave{.wave_m = std::sqrt(2.0) * s.m()};
     AddMm("waviness", s, "wall_waviness_mm", BoxWith(long_wall, wave));
@@ -53,20 +51,17 @@ void FaultMaker::MakeBox() {
   for (const Size s : Sizes({-0.5, -0.3, -0.1, -0.05, 0.05, 0.1, 0.3, 0.5, 1}, 0.3)) {
     AddMm("floor", s, "floor_mm", BoxWith(kFloorFace, {.moved_m = s.m()}));
   }
-  for (const Size s : Sizes({1, 5, 15}, 5)) {
+  for (const Size s : Sizes({1, 5, 15}, 15)) {
     if (HasCaries()) break;  // its floor is where the lesion ends
     AddDegrees("tilt_floor", s, "tilt_floor_deg", BoxWith(kFloorFace, {.slope = Slope(s.value)}));
   }
-  // Where caries is followed, the volume of sound tissue is judged, and 0.08 mm all round are 3 mm3.
-  if (!HasCaries()) {
-    AddAllSurfaces("floor_mm", "floor_mm", [&](double by_m) -> Hollow {
-      BoxCavity box = task_.box;
-      for (size_t f = 0; f < box.faces.size(); ++f) {
-        if (f == kFloorFace || HasWall(f)) box.faces[f].moved_m = by_m;
-      }
-      return [box](const dvec3& p) { return box.Distance_m(p); };
-    });
-  }
+  AddAllSurfaces("floor_mm", "floor_mm", [&](double by_m) -> Hollow {
+    BoxCavity box = task_.box;
+    for (size_t f = 0; f < box.faces.size(); ++f) {
+      if (f == kFloorFace || HasWall(f)) box.faces[f].moved_m = by_m;
+    }
+    return [box](const dvec3& p) { return box.Distance_m(p); };
+  });
   AddPillars();
   // A pit of 0.6 x 0.6 mm in the floor's corner, away from an open side.
   constexpr double kPit_m = 0.6e-3;
@@ -137,8 +132,18 @@ double FaultMaker::RoomBehind_m(size_t wall) const {
   return least;
 }
 
+// Ends of a low wall that leans move by less than costs a point.
+std::vector<FaultMaker::Size> FaultMaker::LeanSizes(std::initializer_list<double> all) const {
+  constexpr double kThreshold_deg = 10, kEndsMove_m = 0.15e-3;
+  std::vector<Size> out = Sizes(all, kThreshold_deg);
+  for (Size& s : out) {
+    s.must_cost = s.must_cost && 0.5 * task_.box.depth_m * Slope(s.value) >= kEndsMove_m;
+  }
+  return out;
+}
+
 void FaultMaker::MakeLeaningWalls(size_t wall) {
-  for (const Size s : Sizes({5, 10, 20}, 10)) {
+  for (const Size s : LeanSizes({5, 10, 20})) {
     AddDegrees("undercut", s, "undercut_deg", BoxWith(wall, {.slope = -Slope(s.value)}));
     BoxCavity box = task_.box;
     for (size_t w = 0; w < kWalls.size(); ++w) {

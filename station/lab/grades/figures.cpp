@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <map>
 
-#include "station/lab/grades/expected_words.h"
-
 namespace enamel::station::lab {
 namespace {
 
@@ -23,10 +21,13 @@ std::string NameOf(const GradeRow& r) {
          Format(" at %g mm", r.voxel_mm);
 }
 
+// The dearest three mistakes.
 std::string LostFor(const GradeRow& r) {
   std::string out;
-  for (size_t i = 0; i < std::min<size_t>(3, r.judged.lost_for.size()); ++i) {
-    out += (i == 0 ? "" : ", ") + r.judged.lost_for[i];
+  for (size_t i = 0; i < std::min<size_t>(3, r.judged.found.size()); ++i) {
+    const scoring::Mistake& m = r.judged.found[i];
+    out += (i == 0 ? "" : ", ") + std::string(NameOf(m.kind)) + (m.place.empty() ? "" : " ") +
+           m.place + Format(" %.1f", m.points);
   }
   return out;
 }
@@ -41,7 +42,9 @@ using Key = std::string GradeRow::*;
 GradeFigure OwnShare(const std::vector<GradeRow>& rows, const char* of, Key key) {
   std::map<std::string, std::vector<double>> groups;
   for (const GradeRow& r : rows) {
-    if (r.judged.own_share) groups[key == nullptr ? "all" : r.*key].push_back(*r.judged.own_share);
+    if (!r.critical.empty()) continue;
+    if (const auto own = r.judged.OwnShare())
+      groups[key == nullptr ? "all" : r.*key].push_back(*own);
   }
   GradeFigure out{std::string("share of the points lost for the mistake itself, 5th percentile ") +
                       of + ", goal 0.85 or more",
@@ -59,9 +62,9 @@ GradeFigure OwnShare(const std::vector<GradeRow>& rows, const char* of, Key key)
   out.value = groups.empty() ? "-" : Format("%.3f", least);
   if (key != nullptr) return out;
   for (const GradeRow& r : rows) {
-    if (!r.judged.own_share || *r.judged.own_share >= kGoalShare) continue;
-    out.misses.push_back(NameOf(r) + ": " + Format("%.3f", *r.judged.own_share) + " (" +
-                         LostFor(r) + ")");
+    const auto own = r.judged.OwnShare();
+    if (!r.critical.empty() || !own || *own >= kGoalShare) continue;
+    out.misses.push_back(NameOf(r) + ": " + Format("%.3f", *own) + " (" + LostFor(r) + ")");
   }
   return out;
 }
@@ -86,27 +89,25 @@ std::string Lost(const GradeRow& r) {
   return Format("%.2f points (", r.points_lost) + LostFor(r) + ")";
 }
 
-GradeFigure Words(const std::vector<GradeRow>& rows, const char* what, std::string Judged::*said,
-                  std::vector<std::string_view> ExpectedWords::*expected) {
+GradeFigure FirstMistakes(const std::vector<GradeRow>& rows, const char* of, bool crowns) {
   return Counted(
-      rows, std::string(what) + " as an instructor would, goal 95 % or more",
-      [](const GradeRow& r) { return r.points_lost >= 1; },
-      [&](const GradeRow& r) {
-        const ExpectedWords* words = ExpectedWordsOf(r);
-        return words != nullptr &&
-               std::ranges::find(words->*expected, r.judged.*said) != (words->*expected).end();
-      },
-      [&](const GradeRow& r) { return "\"" + r.judged.*said + "\" (" + LostFor(r) + ")"; });
+      rows,
+      std::string("first mistakes named as an instructor would, ") + of + ", goal 95 % or more",
+      [&](const GradeRow& r) { return r.NamesItsMistake() && r.IsCrown() == crowns; },
+      [](const GradeRow& r) { return r.judged.FirstIsRight(); }, LostFor);
 }
 
-bool IsOneOf(const GradeRow& r, std::initializer_list<const char*> causes) {
-  return std::ranges::any_of(causes, [&](const char* c) { return r.judged.cause == c; });
-}
-
-bool LosesForAnother(const GradeRow& r) {
-  return std::ranges::any_of(r.judged.lost_for, [](const std::string& what) {
-    return what.find("waviness") != std::string::npos || what.starts_with("deepest_over_mm");
-  });
+GradeFigure TrueSentences(const std::vector<GradeRow>& rows) {
+  GradeFigure out{"sentences that are true of the cut, goal all", "", {}};
+  size_t said = 0;
+  for (const GradeRow& r : rows) {
+    said += r.judged.sentences.said;
+    for (const std::string& wrong : r.judged.sentences.wrong) {
+      out.misses.push_back(NameOf(r) + ": " + wrong);
+    }
+  }
+  out.value = std::to_string(said - out.misses.size()) + " of " + std::to_string(said);
+  return out;
 }
 
 }  // namespace
@@ -126,29 +127,25 @@ std::vector<GradeFigure> FiguresOf(const std::vector<GradeRow>& rows) {
   out.push_back(OwnShare(rows, "of all", nullptr));
   out.push_back(OwnShare(rows, "of the worst exercise", &GradeRow::exercise));
   out.push_back(OwnShare(rows, "of the worst kind of fault", &GradeRow::fault));
-  out.push_back(Words(rows, "mistakes named", &Judged::said_fault, &ExpectedWords::faults));
-  out.push_back(Words(rows, "remedies named", &Judged::said_remedy, &ExpectedWords::remedies));
+  out.push_back(FirstMistakes(rows, "cavities", false));
+  out.push_back(FirstMistakes(rows, "crowns and veneers", true));
+  out.push_back(TrueSentences(rows));
+  const auto cheaper = CheaperThoughLarger(rows);
+  out.push_back({"larger faults that cost less than smaller ones, goal none",
+                 std::to_string(cheaper.size()), cheaper});
   out.push_back(Counted(
       rows, "critical where it should be and nowhere else, goal all", any,
       [](const GradeRow& r) { return r.critical.empty() == r.critical_expected.empty(); },
       [](const GradeRow& r) {
         return "\"" + r.critical + "\" for \"" + r.critical_expected + "\"";
       }));
-  // A gate takes the value that was measured, whatever explains it.
-  out.push_back(Counted(
-      rows, "walls, floors, shifts and turns that lose nothing for waves or gouges, goal all",
-      [](const GradeRow& r) {
-        return r.critical.empty() && r.unit != "deg" &&
-               IsOneOf(r, {"wall", "floor", "shift", "turn"});
-      },
-      [](const GradeRow& r) { return !LosesForAnother(r); }, Lost));
   out.push_back(Counted(
       rows, "all surfaces 0.08 mm off, goal at most 3 points",
       [](const GradeRow& r) { return r.fault.starts_with("all_"); },
       [](const GradeRow& r) { return r.points_lost <= kUnseen_points; }, Lost));
   out.push_back(Counted(
       rows, "walls a millimetre too far, goal at least 25 points",
-      [](const GradeRow& r) { return r.judged.cause == "wall" && r.size >= 1 && r.unit == "mm"; },
+      [](const GradeRow& r) { return r.fault.starts_with("wall_") && r.size >= 1; },
       [](const GradeRow& r) { return r.points_lost >= kMillimetre_points; }, Lost));
   return out;
 }

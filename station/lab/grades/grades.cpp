@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <cstdio>
 
 #include "common/scene/json/json.h"
 
@@ -42,14 +43,25 @@ bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
 
 bool GradeRow::CostsTooMuch() const { return may_cost && points_lost > *may_cost; }
 
+bool GradeRow::NamesItsMistake() const {
+  return points_lost >= 1 && critical.empty() && !judged.expected.empty();
+}
+
+bool GradeRow::IsCrown() const {
+  return exercise.starts_with("crown") || exercise.starts_with("veneer");
+}
+
 GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task)
     : built_(&built),
       exercise_(std::move(exercise)),
       task_(std::move(task)),
-      attempts_(built.volume,
-                CutAway(
-                    built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
-                    Neighbours::kSpared)) {}
+      attempts_(std::make_unique<scoring::CalmAttempts>(
+          built.volume, CutAway(
+                            built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
+                            Neighbours::kSpared))),
+      r_(std::make_unique<scoring::AcceptableCut>(
+          built.volume, attempts_->exact(),
+          scoring::ToothPlace{built.scene.tooth, built.scene.up})) {}
 
 Result<GradedExercise> GradedExercise::Make(const scene::BuiltScene& built,
                                             scene::Exercise exercise) {
@@ -57,15 +69,22 @@ Result<GradedExercise> GradedExercise::Make(const scene::BuiltScene& built,
   return GradedExercise(built, std::move(exercise), std::move(task));
 }
 
+Result<scoring::ScoreResult> GradedExercise::ScoreOf(const cutting::Volume& attempt) const {
+  ENAMEL_ASSIGN_OR_RETURN(const auto metrics,
+                          attempts_->Measure(built_->scene, exercise_, attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto judged, scoring::JudgeCut(*r_, attempt, exercise_.rubric));
+  return scoring::ApplyRubric(exercise_.rubric, metrics, std::move(judged.measures),
+                              std::move(judged.found.mistakes));
+}
+
 Result<scoring::ScoreResult> GradedExercise::Score(const Hollow& taken,
                                                    Neighbours neighbours) const {
-  const cutting::Volume volume = CutAway(built_->volume, taken, neighbours);
-  ENAMEL_ASSIGN_OR_RETURN(const auto metrics, attempts_.Measure(built_->scene, exercise_, volume));
-  return scoring::ApplyRubric(exercise_.rubric, metrics);
+  return ScoreOf(CutAway(built_->volume, taken, neighbours));
 }
 
 Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
-  ENAMEL_ASSIGN_OR_RETURN(const auto score, Score(fault.taken, fault.neighbours));
+  const cutting::Volume attempt = CutAway(built_->volume, fault.taken, fault.neighbours);
+  ENAMEL_ASSIGN_OR_RETURN(const auto score, ScoreOf(attempt));
   GradeRow row;
   row.exercise = exercise_.name;
   row.fault = fault.name;
@@ -85,7 +104,7 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   for (const scoring::CriticalResult& c : score.critical) {
     if (row.critical.empty() || c.error == fault.critical) row.critical = c.error;
   }
-  row.judged = JudgedOf(fault, exercise_.rubric, score);
+  row.judged = JudgedOf(fault, exercise_.name, *r_, attempt, score);
   return row;
 }
 
@@ -129,9 +148,82 @@ Result<std::vector<GradeRow>> MeasureGrades(
   return rows;
 }
 
+std::vector<std::string> CheaperThoughLarger(const std::vector<GradeRow>& rows) {
+  constexpr double kVoxels_points = 0.05;
+  std::vector<std::string> out;
+  for (const GradeRow& a : rows) {
+    for (const GradeRow& b : rows) {
+      const bool same = a.exercise == b.exercise && a.fault == b.fault && a.metric == b.metric &&
+                        a.voxel_mm == b.voxel_mm && (a.size > 0) == (b.size > 0);
+      if (!same || std::fabs(b.size) <= std::fabs(a.size)) continue;
+      if (b.points_lost >= a.points_lost - kVoxels_points) continue;
+      char text[96];
+      std::snprintf(text, sizeof text, "%g %s costs %.2f, %g costs %.2f", a.size, a.unit.c_str(),
+                    a.points_lost, b.size, b.points_lost);
+      out.push_back(a.exercise + ", " + a.fault + ": " + text);
+    }
+  }
+  return out;
+}
+
+namespace {
+
+json::array ExpectedJson(const Judged& judged) {
+  json::array out;
+  for (const ExpectedMistake& e : judged.expected) {
+    out.push_back(json::object{{"kind", NameOf(e.kind)}, {"place", e.place}});
+  }
+  return out;
+}
+
+json::array FoundJson(const Judged& judged) {
+  json::array out;
+  for (const scoring::Mistake& m : judged.found) {
+    out.push_back(json::object{{"kind", NameOf(m.kind)},
+                               {"place", m.place},
+                               {"size", m.size},
+                               {"unit", UnitOf(m.kind)},
+                               {"points", m.points}});
+  }
+  return out;
+}
+
+json::object TotalsJson(const std::vector<GradeRow>& rows) {
+  struct Count {
+    size_t right = 0, all = 0;
+    json::object Json() const { return {{"right", right}, {"all", all}}; }
+  };
+  Count cavities, crowns, metrics, critical;
+  size_t sentences = 0, wrong = 0;
+  double sum_error = 0;
+  for (const GradeRow& r : rows) {
+    if (r.NamesItsMistake()) {
+      Count& first = r.IsCrown() ? crowns : cavities;
+      ++first.all;
+      first.right += r.judged.FirstIsRight();
+    }
+    ++metrics.all, metrics.right += r.AsKnown();
+    ++critical.all, critical.right += r.critical.empty() == r.critical_expected.empty();
+    sentences += r.judged.sentences.said;
+    wrong += r.judged.sentences.wrong.size();
+    sum_error = std::max(sum_error, r.judged.sum_error);
+  }
+  return {{"first_mistakes_of_cavities", cavities.Json()},
+          {"first_mistakes_of_crowns", crowns.Json()},
+          {"found_by_their_metric", metrics.Json()},
+          {"critical_as_made", critical.Json()},
+          {"cheaper_though_larger", CheaperThoughLarger(rows).size()},
+          {"sentences", sentences},
+          {"sentences_false", wrong},
+          {"sum_error", sum_error}};
+}
+
+}  // namespace
+
 json::object GradesJson(const std::vector<GradeRow>& rows) {
   json::array out;
   for (const GradeRow& r : rows) {
+    const auto own = r.judged.OwnShare();
     out.push_back(
         json::object{{"exercise", r.exercise},
                      {"fault", r.fault},
@@ -146,15 +238,15 @@ json::object GradesJson(const std::vector<GradeRow>& rows) {
                      {"may_cost", r.may_cost ? json::value(*r.may_cost) : json::value(nullptr)},
                      {"critical_expected", !r.critical_expected.empty()},
                      {"critical", !r.critical.empty()},
-                     {"cause", r.judged.cause},
-                     {"own_cause_share",
-                      r.judged.own_share ? json::value(*r.judged.own_share) : json::value(nullptr)},
-                     {"lost_for", json::value_from(r.judged.lost_for)},
-                     {"said_fault", r.judged.said_fault},
-                     {"said_remedy", r.judged.said_remedy},
+                     {"mistakes_expected", ExpectedJson(r.judged)},
+                     {"mistakes_found", FoundJson(r.judged)},
+                     {"own_share", own ? json::value(*own) : json::value(nullptr)},
+                     {"sentences", r.judged.sentences.said},
+                     {"sentences_false", r.judged.sentences.wrong.size()},
+                     {"sum_error", r.judged.sum_error},
                      {"score", r.score}});
   }
-  return {{"format", 1}, {"rows", std::move(out)}};
+  return {{"format", 1}, {"totals", TotalsJson(rows)}, {"rows", std::move(out)}};
 }
 
 }  // namespace enamel::station::lab

@@ -2,6 +2,7 @@
 
 #include <boost/json/fwd.hpp>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ struct GradeRow {
   std::optional<double> may_cost;           // points, at most
   Judged judged;
 
+  // Cost enough for its first mistake to be asked for.
+  bool NamesItsMistake() const;
+  bool IsCrown() const;  // or a veneer: its reduction has no walls
   bool AsKnown() const;
   bool CostsEnough() const;
   bool CostsTooMuch() const;
@@ -51,17 +55,21 @@ class GradedExercise {
   Result<scoring::ScoreResult> Score(const Hollow& taken, Neighbours neighbours) const;
   Result<GradeRow> Grade(const Fault& fault) const;
 
+  // The task, as an acceptable cut.
+  const scoring::AcceptableCut& r() const { return *r_; }
   const scene::BuiltScene& built() const { return *built_; }
   const scene::Exercise& exercise() const { return exercise_; }
   const Task& task() const { return task_; }
 
  private:
   GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task);
+  Result<scoring::ScoreResult> ScoreOf(const cutting::Volume& attempt) const;
 
   const scene::BuiltScene* built_;
   scene::Exercise exercise_;
   Task task_;
-  scoring::CalmAttempts attempts_;
+  std::unique_ptr<scoring::CalmAttempts> attempts_;
+  std::unique_ptr<scoring::AcceptableCut> r_;  // of their exact cut
 };
 
 // Works scene by scene. `row` is called with each row as it comes, `progress` (what, 0..1) between
@@ -70,6 +78,9 @@ class GradedExercise {
 Result<std::vector<GradeRow>> MeasureGrades(
     const GradesOptions& options, const std::function<void(const GradeRow&)>& row = {},
     const std::function<void(const std::string&, double)>& progress = {});
+
+// Pairs of rows, of one fault at two sizes, in which the larger one costs less, by more than voxels make.
+std::vector<std::string> CheaperThoughLarger(const std::vector<GradeRow>& rows);
 
 boost::json::object GradesJson(const std::vector<GradeRow>& rows);
 

@@ -5,27 +5,28 @@
 #include <vector>
 
 #include "common/scoring/score.h"
-#include "station/lab/grades/faults.h"
+#include "station/lab/grades/expected_mistakes.h"
+#include "station/lab/grades/sentences.h"
 
-// Whether a grade names the mistake that was made, and charges it as one mistake. Thread safety:
-// functions, any thread.
+// Whether a grade names the mistake that was made, charges it as one mistake, and says nothing that is not true.
+// Thread safety: functions, any thread.
 namespace enamel::station::lab {
 
 struct Judged {
-  // "wall", "floor", "tilt", "shift", "turn", "taper", "gouge" or "wave": one mistake, which
-  // should lose points under its own criteria only. Empty: none of them.
-  std::string cause;
-  // Of the points lost, the share lost for the cause: by criteria that are about it, and by gates,
-  // which no other mistake can have closed. Empty without a cause, for a critical error, and where
-  // less than a point was lost.
-  std::optional<double> own_share;
-  // Where most points were lost: codes of remedies.h, of a critical error its own. Empty where less
-  // than half a point was lost.
-  std::string said_fault, said_remedy;
-  // "wall_mesial_mm 6.0", "gate caries_left_percent 0.8": what cost points, the most first.
-  std::vector<std::string> lost_for;
+  std::vector<ExpectedMistake> expected;  // any of them is right
+  std::vector<scoring::Mistake> found;    // the dearest first
+  Sentences sentences;
+  double sum_error = 0;  // |points of the mistakes - points that regions lost|
+
+  bool IsExpected(const scoring::Mistake& mistake) const;
+  // False too where nothing was found.
+  bool FirstIsRight() const;
+  // Of all mistakes' points, the share of those that are expected. Empty where none is, or less than a point was lost.
+  std::optional<double> OwnShare() const;
 };
 
-Judged JudgedOf(const Fault& fault, const scene::Rubric& rubric, const scoring::ScoreResult& score);
+// `attempt`: what was scored, against `r`.
+Judged JudgedOf(const Fault& fault, const std::string& exercise, const scoring::AcceptableCut& r,
+                const cutting::Volume& attempt, const scoring::ScoreResult& score);
 
 }  // namespace enamel::station::lab

@@ -10,8 +10,9 @@
 #include <random>
 
 #include "common/scene/json/json.h"
-#include "common/scoring/mistakes/mistakes.h"
+#include "common/scoring/score.h"
 #include "station/lab/grades/faults.h"
+#include "station/lab/grades/sentences.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -149,7 +150,7 @@ class Trial {
     return std::unique_ptr<Trial>(new Trial(built, exercise, std::move(task)));
   }
 
-  MixtureRow Try(uint64_t seed) const {
+  Result<MixtureRow> Try(uint64_t seed) const {
     MixtureRow row;
     row.exercise = exercise_.name;
     row.voxel_mm = built_.scene.voxel_nm * 1e-6;
@@ -159,16 +160,16 @@ class Trial {
     const int count = 1 + static_cast<int>(mixer.Uniform(0, 2.999));
     for (int i = 0; i < count; ++i) faults.push_back(mixer.DrawApart(faults));
     for (const RandomFault& fault : faults) row.faults.push_back(fault.name);
-    row.exact = Score(task_, row);
-    row.score = Score(mixer.Cut(faults), row);
+    ENAMEL_ASSIGN_OR_RETURN(row.exact, Score(task_, row));
+    ENAMEL_ASSIGN_OR_RETURN(row.score, Score(mixer.Cut(faults), row));
     for (size_t i = 0; i < faults.size(); ++i) {
-      row.larger.push_back(Score(mixer.Cut(faults, i), row));
+      ENAMEL_ASSIGN_OR_RETURN(row.larger.emplace_back(), Score(mixer.Cut(faults, i), row));
       if (row.larger.back() > row.score + kRounding) {
         row.broken.push_back("a larger fault (" + faults[i].name + ") earns points");
       }
     }
     faults.push_back(mixer.DrawApart(faults));
-    row.further = Score(mixer.Cut(faults), row);
+    ENAMEL_ASSIGN_OR_RETURN(row.further, Score(mixer.Cut(faults), row));
     if (row.further > row.score + kRounding) {
       row.broken.push_back("a further fault (" + faults.back().name + ") earns points");
     }
@@ -185,14 +186,18 @@ class Trial {
         exact_(CutAway(built.volume, task_, Neighbours::kSpared)),
         r_(built.volume, exact_, {built.scene.tooth, built.scene.up}) {}
 
-  double Score(const Hollow& taken, MixtureRow& row) const {
-    const auto faults =
-        scoring::MeasureFaults(r_, CutAway(built_.volume, taken, Neighbours::kSpared));
-    const auto cost = scoring::CostOf(r_, faults, scoring::ChosenPrices());
+  // Points of the cut alone.
+  Result<double> Score(const Hollow& taken, MixtureRow& row) const {
+    const cutting::Volume attempt = CutAway(built_.volume, taken, Neighbours::kSpared);
+    ENAMEL_ASSIGN_OR_RETURN(const auto judged, scoring::JudgeCut(r_, attempt, exercise_.rubric));
     double points = 0;
-    for (const auto& mistake : scoring::FindMistakes(r_, faults, cost)) points += mistake.points;
-    row.sum_error = std::max(row.sum_error, std::fabs(points - cost.sum));
-    return cost.score();
+    for (const auto& mistake : judged.found.mistakes) points += mistake.points;
+    row.sum_error = std::max(row.sum_error, std::fabs(points - judged.cost.sum));
+    const Sentences sentences =
+        CheckSentences(r_, attempt, judged.measures, judged.cost.rows, judged.found.mistakes);
+    row.sentences += sentences.said;
+    row.wrong.insert(row.wrong.end(), sentences.wrong.begin(), sentences.wrong.end());
+    return 100 - std::min(100.0, judged.cost.sum);
   }
 
   const scene::BuiltScene& built_;
@@ -256,7 +261,7 @@ Result<std::vector<MixtureRow>> TryMixtures(
           progress(exercises[e].exercise.name,
                    static_cast<double>(rows.size()) / static_cast<double>(all));
         }
-        rows.push_back(trial->Try(options.seed + kinds * i + kind));
+        ENAMEL_ASSIGN_OR_RETURN(rows.emplace_back(), trial->Try(options.seed + kinds * i + kind));
         if (row) row(rows.back());
       }
     }
@@ -267,9 +272,11 @@ Result<std::vector<MixtureRow>> TryMixtures(
 json::object MixturesJson(const std::vector<MixtureRow>& rows) {
   json::array out;
   double sum_error = 0;
-  size_t broken = 0;
+  size_t broken = 0, sentences = 0, wrong = 0;
   for (const MixtureRow& r : rows) {
     broken += r.broken.size();
+    sentences += r.sentences;
+    wrong += r.wrong.size();
     sum_error = std::max(sum_error, r.sum_error);
     out.push_back(json::object{{"exercise", r.exercise},
                                {"voxel_mm", r.voxel_mm},
@@ -280,12 +287,16 @@ json::object MixturesJson(const std::vector<MixtureRow>& rows) {
                                {"further", r.further},
                                {"exact", r.exact},
                                {"sum_error", r.sum_error},
+                               {"sentences", r.sentences},
+                               {"sentences_false", r.wrong.size()},
                                {"broken", json::value_from(r.broken)}});
   }
   return {{"format", 1},
           {"mixtures", rows.size()},
           {"laws_broken", broken},
           {"sum_error", sum_error},
+          {"sentences", sentences},
+          {"sentences_false", wrong},
           {"rows", std::move(out)}};
 }
 

@@ -10,7 +10,7 @@
 #include "station/lab/grades/hollow.h"
 
 // Tries the laws that no grade may break on random mixtures of faults: cuts a fault larger, or a
-// further one, and measures and prices the new volume. Thread safety:
+// further one, and measures and prices the new volume by the exercise's own rubric. Thread safety:
 // functions, any thread. Blocks.
 namespace enamel::station::lab {
 
@@ -31,11 +31,13 @@ struct MixtureRow {
   double further = 0;               // with one more
   double exact = 0;                 // of the task itself
   double sum_error = 0;             // |points of the mistakes - points lost|, the largest of all
+  size_t sentences = 0;             // said of all these cuts
+  std::vector<std::string> wrong;   // those that are false (sentences.h)
   std::vector<std::string> broken;  // laws, in words
 };
 
 // `row` is called with each row as it comes, `progress` (what, 0..1) between them; both may be empty.
-// Errors: kNotFound when no exercise has such a name; those of the scenes' builder.
+// Errors: kNotFound when no exercise has such a name; those of the scenes' builder and of scoring::JudgeCut.
 Result<std::vector<MixtureRow>> TryMixtures(
     const MixturesOptions& options, const std::function<void(const MixtureRow&)>& row = {},
     const std::function<void(const std::string&, double)>& progress = {});

@@ -139,6 +139,8 @@ class Study {
     ENAMEL_CHECK(dentist != nullptr);
     Tell(exercise.name + ", " + profile.name + ", reference");
     ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
+    const scoring::AcceptableCut r(built.volume, reference.volume,
+                                   {built.scene.tooth, built.scene.up});
     std::vector<double> ranks, scores;
     for (const OperatorPreset& preset : people_) {
       if (!CanCut(preset, built, exercise, profile)) {
@@ -151,7 +153,9 @@ class Study {
         auto metrics = scoring::ComputeMetrics(built.scene, exercise, cut.Data(built.volume),
                                                reference.Data(built.volume));
         if (!metrics.ok()) return metrics.status();
-        ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise.rubric, *metrics));
+        ENAMEL_ASSIGN_OR_RETURN(auto judged, scoring::JudgeCut(r, cut.volume, exercise.rubric));
+        ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise.rubric, *metrics,
+                                                                       std::move(judged.measures)));
         out_.rows.push_back({exercise.name, profile.name, std::string(preset.name), preset.rank,
                              seed != 0 ? seed : preset.seed, score.critical_fail, score.score});
         if (row_) row_(out_.rows.back());

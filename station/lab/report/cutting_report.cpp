@@ -131,13 +131,13 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
     rows.push_back(std::move(row));
   }
   for (const ScoreFigures& s : f.scores) {
-    for (const CriterionFigures& criterion : s.criteria) {
+    for (const RegionFigures& region : s.regions) {
       rows.push_back(boost::json::object{{"suite", "scores"},
                                          {"voxel_mm", s.voxel_nm * 1e-6},
-                                         {"metric", criterion.metric},
-                                         {"unit", criterion.unit},
-                                         {"value", criterion.value},
-                                         {"error", criterion.error},
+                                         {"region", region.region},
+                                         {"unit", region.unit},
+                                         {"over", region.over},
+                                         {"error", region.error},
                                          {"points", s.points},
                                          {"mb", s.mb},
                                          {"realtime_factor", s.realtime_factor}});

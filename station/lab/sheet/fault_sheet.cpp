@@ -1,10 +1,10 @@
 #include "station/lab/sheet/fault_sheet.h"
 
-#include <algorithm>
 #include <map>
-#include <optional>
+#include <utility>
 
-#include "common/scoring/remedies.h"
+#include "common/language/score_text.h"
+#include "common/scoring/reasons.h"
 #include "station/lab/sheet/examples.h"
 #include "station/words/score_words.h"
 
@@ -78,34 +78,8 @@ std::string ForcePictures() {
          R"(M30 270l30-170 40 18 40-48 50 30 60-52 50 40 60-22 20 204"/></svg>)";
 }
 
-// What a score says of a value, without advice and comment.
-std::string Said(const Words& words, const scoring::MetricInfo& info, double value,
-                 const scene::RubricCriterion* criterion,
-                 const std::vector<scene::RubricPoint>& map) {
-  scoring::CriterionResult said;
-  said.name = info.name;
-  said.unit = info.unit;
-  said.value = value;
-  said.reasons = {scoring::FoundReason(info, value, map)};
-  if (criterion == nullptr) return DetailText(words, said);
-  said.title = criterion->title;
-  return ReasonText(words, said);
-}
-
-std::string Advised(const Words& words, std::string_view remedy, std::string_view volume) {
-  // Of an attempt; a cut by formula has neither moments nor strokes.
-  if (remedy == scoring::kStopEarlier || remedy == scoring::kWhereMost) {
-    return words.Say("reason.stop_earlier",
-                     {{"moment", std::string("1:12.0")}, {"stroke", std::string("14")}});
-  }
-  if (remedy == scoring::kCutFurther) {
-    return words.Say("reason.cut_further", {{"volume", std::string(volume)}});
-  }
-  return words.Say("reason." + std::string(remedy));
-}
-
 struct Shown {
-  std::string said, volume, pictures, plane;
+  std::string said, why, advice, pictures, plane;
 };
 
 std::string PlaneKey(Plane plane, bool tooth) {
@@ -121,48 +95,35 @@ std::string PlaneKey(Plane plane, bool tooth) {
   return "";
 }
 
-double ValueOf(const scoring::ScoreResult& score, std::string_view metric) {
-  const auto at = std::ranges::find(score.metrics, metric, &scoring::MetricValue::name);
-  return at == score.metrics.end() ? 0 : at->value;
-}
-
-Status NotItsFault(const Example& example, const std::string& why) {
-  return {Code::kInternal, "the example of " + std::string(example.fault) + ": " + why};
-}
-
 Result<Shown> Show(const Words& words, const Example& example, const GradedExercise& graded,
                    const std::vector<Fault>& made) {
   ENAMEL_ASSIGN_OR_RETURN(const MadeExample is, Make(example, graded, made));
-  const auto& criteria = graded.exercise().rubric.criteria;
-  const auto criterion =
-      std::ranges::find(criteria, example.metric, &scene::RubricCriterion::metric);
-  const bool judged = criterion != criteria.end();
-  if (judged != example.map.empty()) {
-    return NotItsFault(example, "give a map where no rubric judges the metric, and only there");
-  }
-  const auto& map = judged ? criterion->map : example.map;
-  const scoring::MetricInfo& info = *scoring::FindMetric(example.metric);
-  const double value = ValueOf(is.score, example.metric);
-  const scoring::Remedy* remedy = scoring::RemedyOf(info, value, map);
-  if (remedy == nullptr || remedy->fault != example.fault) {
-    return NotItsFault(example, std::string(example.metric) + " " + std::to_string(value) +
-                                    " is said to be " +
-                                    (remedy ? std::string(remedy->fault) : "right"));
-  }
   Shown out;
-  out.said = Said(words, info, value, judged ? &*criterion : nullptr, map);
-  out.volume = scoring::WithUnit(words.Decimal(ValueOf(is.score, "missed_mm3"), 2), "mm3");
+  out.said = MistakeText(words, is.mistake);
+  out.why = words.Say("fault_why." + std::string(NameOf(example.kind)));
+  out.advice = RemedyText(words, is.mistake);
   out.pictures = DrawSections(is.cut, example.plane);
-  if (out.pictures.empty()) return NotItsFault(example, "nothing differs");
+  if (out.pictures.empty()) {
+    return Status(Code::kInternal,
+                  "the example of " + std::string(NameOf(example.kind)) + ": nothing differs");
+  }
   out.plane = words.Say(PlaneKey(example.plane, graded.built().scene.tooth != 0));
   return out;
 }
 
+// No tooth shows it.
 Shown HeavyHand(const Words& words) {
   constexpr double kHeavy_n = 6.2;
   const scoring::MetricInfo& info = *scoring::FindMetric(kForce);
-  const std::vector<scene::RubricPoint> map = {{4, 1}, {8, 0}};
-  return {Said(words, info, kHeavy_n, nullptr, map), "", ForcePictures(),
+  const scoring::Remedy* remedy = scoring::FindRemedy(kForce, true);
+  scoring::CriterionResult said;
+  said.name = info.name;
+  said.title = "Light hand";
+  said.unit = info.unit;
+  said.value = kHeavy_n;
+  said.reasons = {scoring::FoundReason(info, kHeavy_n, {{4, 1}, {8, 0}})};
+  return {ReasonText(words, said), words.Say("fault_why.heavy_hand"),
+          words.Say("reason." + std::string(remedy->code)), ForcePictures(),
           words.Say("fault_sheet.plane_force")};
 }
 
@@ -173,8 +134,8 @@ class Shower {
       : voxel_nm_(options.voxel_nm), words_(words) {}
 
   // All examples. `step` is called before each.
-  Result<std::map<std::string_view, Shown>> ShowAll(const std::function<void(double)>& step) {
-    std::map<std::string_view, Shown> out = {{kHeavyHand, HeavyHand(words_)}};
+  Result<std::map<scoring::MistakeKind, Shown>> ShowAll(const std::function<void(double)>& step) {
+    std::map<scoring::MistakeKind, Shown> out;
     std::map<std::pair<std::string_view, std::string_view>, std::vector<const Example*>> places;
     for (const Example& e : Examples()) places[{e.scene, e.exercise}].push_back(&e);
     for (const auto& [place, examples] : places) {
@@ -183,9 +144,8 @@ class Shower {
       ENAMEL_ASSIGN_OR_RETURN(const GradedExercise graded, GradedOf(built, place.second));
       const auto made = FaultsOf(built, graded.exercise(), graded.task(), false);
       for (const Example* example : examples) {
-        if (step)
-          step(static_cast<double>(out.size()) / static_cast<double>(Examples().size() + 1));
-        ENAMEL_ASSIGN_OR_RETURN(out[example->fault], Show(words_, *example, graded, made));
+        if (step) step(static_cast<double>(out.size()) / static_cast<double>(Examples().size()));
+        ENAMEL_ASSIGN_OR_RETURN(out[example->kind], Show(words_, *example, graded, made));
       }
     }
     return out;
@@ -209,13 +169,13 @@ std::string LegendItem(const std::string& name, const std::string& text) {
          "\" d=\"M3 3h64v34h-64z\"/></svg>" + Escaped(text) + "</span>";
 }
 
-std::string Head(const Words& words, size_t faults) {
+std::string Head(const Words& words, size_t mistakes) {
   const std::string title = words.Say("fault_sheet.title");
   std::string out =
       "<!doctype html>\n<html lang=\"" + std::string(CodeOf(words.language())) +
       "\"><head><meta charset=\"utf-8\">" + In("title", title) + "<style>" + kStyle +
       "</style></head><body>\n" + kPatterns + In("h1", title) +
-      In("p", words.Say("fault_sheet.intro", {{"count", static_cast<int64_t>(faults)}})) +
+      In("p", words.Say("fault_sheet.intro", {{"count", static_cast<int64_t>(mistakes)}})) +
       "<div class=\"legend\">";
   out += LegendItem("over", words.Say("fault_sheet.over"));
   out += LegendItem("left", words.Say("fault_sheet.left"));
@@ -226,20 +186,14 @@ std::string Head(const Words& words, size_t faults) {
   return out + In("span", words.Say("fault_sheet.scale")) + "</div>\n";
 }
 
-std::string Card(const Words& words, const scoring::KnownFault& known, const Shown& shown) {
-  const std::string fault(known.fault);
-  std::string out =
-      "<article id=\"" + fault + "\"><div class=\"pictures\">" + shown.pictures +
-      In("span", words.Say("fault_sheet.should_be")) +
-      In("span", words.Say("fault_sheet.was_cut")) + "<span class=\"plane\">" +
-      Escaped(shown.plane) + "</span></div><div>" + In("h2", words.Say("fault_name." + fault)) +
-      "<dl>" + In("dt", words.Say("fault_sheet.said")) + In("dd", shown.said) +
-      In("dt", words.Say("fault_sheet.why")) + In("dd", words.Say("fault_why." + fault));
-  for (std::string_view remedy : known.remedies) {
-    out += In("dt", words.Say("fault_sheet.next_time")) +
-           In("dd", Advised(words, remedy, shown.volume));
-  }
-  return out + "</dl></div></article>\n";
+std::string Card(const Words& words, std::string_view id, const Shown& shown) {
+  return "<article id=\"" + std::string(id) + "\"><div class=\"pictures\">" + shown.pictures +
+         In("span", words.Say("fault_sheet.should_be")) +
+         In("span", words.Say("fault_sheet.was_cut")) + "<span class=\"plane\">" +
+         Escaped(shown.plane) + "</span></div><div>" + In("h2", shown.said) + "<dl>" +
+         In("dt", words.Say("fault_sheet.why")) + In("dd", shown.why) +
+         In("dt", words.Say("fault_sheet.next_time")) + In("dd", shown.advice) +
+         "</dl></div></article>\n";
 }
 
 }  // namespace
@@ -248,16 +202,9 @@ Result<std::string> FaultSheet(const FaultSheetOptions& options,
                                const std::function<void(double)>& progress) {
   const Words words(options.language);
   ENAMEL_ASSIGN_OR_RETURN(const auto shown, Shower(options, words).ShowAll(progress));
-  const auto known = scoring::KnownFaults();
-  std::string out = Head(words, known.size());
-  for (const scoring::KnownFault& fault : known) {
-    const auto at = shown.find(fault.fault);
-    if (at == shown.end()) {
-      return Status(Code::kInternal, "the sheet has no example of " + std::string(fault.fault));
-    }
-    out += Card(words, fault, at->second);
-  }
-  return out + "</body></html>\n";
+  std::string out = Head(words, shown.size() + 1);
+  for (const auto& [kind, card] : shown) out += Card(words, NameOf(kind), card);
+  return out + Card(words, kHeavyHand, HeavyHand(words)) + "</body></html>\n";
 }
 
 }  // namespace enamel::station::lab

@@ -167,6 +167,14 @@ Table LimitTable() {
   return t;
 }
 
+// A coarse grid may miss a small region.
+bool SameRegions(const std::vector<ScoreFigures>& scores) {
+  return !scores.empty() && std::ranges::all_of(scores, [&](const ScoreFigures& s) {
+    return std::ranges::equal(s.regions, scores[0].regions, {}, &RegionFigures::region,
+                              &RegionFigures::region);
+  });
+}
+
 Table ScoreTable(const std::vector<ScoreFigures>& scores) {
   Table t;
   t.title =
@@ -187,14 +195,14 @@ Table ScoreTable(const std::vector<ScoreFigures>& scores) {
   add("whole tooth", "MB", [](const ScoreFigures& s) { return F(s.mb, "%.1f"); });
   add("replay", "x real time", [](const ScoreFigures& s) { return F(s.realtime_factor, "%.0f"); });
   add("score", "points", [](const ScoreFigures& s) { return F(s.points, "%.2f"); });
-  for (size_t i = 0; !scores.empty() && i < scores[0].criteria.size(); ++i) {
-    add(scores[0].criteria[i].metric, scores[0].criteria[i].unit,
-        [&](const ScoreFigures& s) { return F(s.criteria[i].value, "%.4g"); });
+  for (size_t i = 0; SameRegions(scores) && i < scores[0].regions.size(); ++i) {
+    add(scores[0].regions[i].region + ", cut too far", scores[0].regions[i].unit,
+        [&](const ScoreFigures& s) { return F(s.regions[i].over, "%.4g"); });
     if (scores.size() != 4) continue;
-    const GridConvergence g = IndexOf({scores[0].criteria[i].value, scores[1].criteria[i].value,
-                                       scores[2].criteria[i].value, scores[3].criteria[i].value});
+    const GridConvergence g = IndexOf({scores[0].regions[i].over, scores[1].regions[i].over,
+                                       scores[2].regions[i].over, scores[3].regions[i].over});
     std::vector<std::string>& row = t.rows.back();
-    row.push_back(F(-scores[2].criteria[i].error, "%+.2g"));
+    row.push_back(F(-scores[2].regions[i].error, "%+.2g"));
     row.push_back(g.asymptotic ? F(g.order, "%.1f") : "-");
     row.push_back(g.asymptotic ? F(g.index, "%.2g") : "none: not in its range");
   }

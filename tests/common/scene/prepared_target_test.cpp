@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
+#include <string>
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -109,15 +111,20 @@ TEST_F(PreparedTargetTest, WhatIsNotStoredOrTooWideForItsBoxIsRefused) {
   EXPECT_EQ(Load(target).code(), Code::kInvalidInput);
 }
 
-TEST_F(PreparedTargetTest, TheExercisesPointsAreAHundredWithAPulpAndWithout) {
-  const auto molar = BuildBuiltinScene("molar", 200'000);
+// Nothing tells which form a prepared tooth has.
+TEST_F(PreparedTargetTest, TheExerciseHasAPriceForEveryFormAndForCariesWhereThereIsSome) {
+  const auto kinds = [](const Scene& scene) {
+    std::multiset<std::string> out;
+    for (const RubricPrice& p : PreparedExercise(scene, {}, {}).rubric.prices) out.insert(p.of);
+    return out;
+  };
+  std::multiset<std::string> every = {"floor", "wall",       "table",     "axial_wall", "margin",
+                                      "face",  "line_angle", "elsewhere", "neighbour",  "pulp"};
+  EXPECT_EQ(kinds(block_.scene), every);
+  const auto molar = BuildBuiltinScene("molar-caries", 200'000);
   ASSERT_TRUE(molar.ok());
-  for (const Scene& scene : {block_.scene, molar->scene}) {
-    double points = 0;
-    for (const RubricCriterion& c : PreparedExercise(scene, {}, {}).rubric.criteria)
-      points += c.points;
-    EXPECT_NEAR(points, 100, 1e-9) << scene.name;
-  }
+  every.insert("caries");
+  EXPECT_EQ(kinds(molar->scene), every);
 }
 
 }  // namespace

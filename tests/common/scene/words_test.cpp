@@ -23,7 +23,6 @@ using cutting::Tissue;
 std::string WordsOf(const Exercise& e) {
   std::string out = e.title + " " + e.instructions;
   for (const RubricCriterion& c : e.rubric.criteria) out += " " + c.title + " " + c.comment;
-  for (const RubricGate& g : e.rubric.gates) out += " " + g.title + " " + g.comment;
   std::transform(out.begin(), out.end(), out.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return out;
@@ -65,11 +64,6 @@ TEST_P(WordsTest, FitTheScene) {
       ExpectNone(words, {"occlusal", "cusp", "fossa", "marginal ridge"}, "chewing surface");
       EXPECT_NE(words.find("incisal"), std::string::npos);
     }
-    for (const RubricCriterion& c : e.rubric.criteria) {
-      if (c.title == "Axial wall") {
-        EXPECT_EQ(c.comment.find("distal"), std::string::npos);
-      }
-    }
   }
 }
 
@@ -80,8 +74,8 @@ std::string Mm(int32_t um) {
   return text + " mm";
 }
 
-// One tolerance: what the text promises, the rubric's walls end at and the zones are drawn with.
-TEST_P(WordsTest, OfACavityAndItsRubricAreItsTargetsNumbers) {
+// One tolerance: what the text promises and the zones are drawn with.
+TEST_P(WordsTest, OfACavityAreItsTargetsNumbers) {
   auto built = BuildBuiltinScene(GetParam(), 200'000);
   ASSERT_TRUE(built.ok());
   for (const Exercise& e : BuiltinExercises(built->scene, {})) {
@@ -93,10 +87,6 @@ TEST_P(WordsTest, OfACavityAndItsRubricAreItsTargetsNumbers) {
       EXPECT_NE(e.instructions.find(Mm(um)), std::string::npos) << Mm(um);
     }
     EXPECT_EQ(t.leeway_side_um, t.leeway_bottom_um);
-    for (const RubricCriterion& c : e.rubric.criteria) {
-      if (!c.metric.starts_with("wall_") || c.map.size() != 6) continue;
-      EXPECT_EQ(c.map.back(), (RubricPoint{t.leeway_side_um * 1e-3, 0})) << c.title;
-    }
   }
 }
 
@@ -153,9 +143,6 @@ TEST(WordsTest, ThatAreBuiltInAreThoseOfTheGoldenFile) {
     lines.insert("text " + e.instructions);
     for (const RubricCriterion& c : e.rubric.criteria) {
       lines.insert({"title " + c.title, "text " + c.comment});
-    }
-    for (const RubricGate& g : e.rubric.gates) {
-      lines.insert({"title " + g.title, "text " + g.comment});
     }
   }
   for (DeviceProfile profile : BuiltinProfiles()) {

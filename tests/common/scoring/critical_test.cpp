@@ -9,38 +9,32 @@ namespace {
 
 using scene::Rubric;
 
-scene::RubricCritical ShortWall() {
-  return {"contact_left", "wall_mesial_mm", "mm", -0.2, false, "a textbook"};
-}
 Rubric WithCritical() {
-  Rubric rubric{"class-1", 3, {}, {}};
-  rubric.criteria.push_back({"wall_mesial_mm",
-                             "Mesial wall",
-                             "mm",
-                             60,
-                             {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}},
-                             "Watch the line angle.",
-                             {}});
-  rubric.critical = {ShortWall()};
+  Rubric rubric;
+  rubric.name = "class-1";
+  rubric.prices = {{"wall", 0.5, 0.5, 10, 30, 2, 10, "a test"}};
+  rubric.critical = {{"contact_left", "wall_mesial_mm", "mm", -0.2, false, "a textbook"}};
   return rubric;
 }
 MetricSet Values(double wall) { return {{{"wall_mesial_mm", wall, "mm"}}, {}}; }
+ScoreResult Score(double wall, double left_mm) {
+  return *ApplyRubric(WithCritical(), Values(wall), {{"wall_mesial", "wall", 0, left_mm}});
+}
 
 TEST(CriticalTest, IsNotAcceptableAndThePointsWithoutItAreBesideIt) {
-  const Rubric rubric = WithCritical();
-  const ScoreResult at_limit = *ApplyRubric(rubric, Values(-0.2));
+  const ScoreResult at_limit = Score(-0.2, 0.2);
   EXPECT_FALSE(at_limit.critical_fail);
   EXPECT_EQ(at_limit.acceptance, Acceptance::kWithRemarks);
   EXPECT_EQ(at_limit.score, at_limit.points);
-  const ScoreResult beyond = *ApplyRubric(rubric, Values(-0.201));
+  const ScoreResult beyond = Score(-0.201, 0.2);
   EXPECT_TRUE(beyond.critical_fail);
   EXPECT_EQ(beyond.acceptance, Acceptance::kNotAcceptable);
   EXPECT_EQ(beyond.score, 0);
-  EXPECT_NEAR(beyond.points, at_limit.points, 1);
+  EXPECT_EQ(beyond.points, at_limit.points);
   ASSERT_EQ(beyond.critical.size(), 1U);
   EXPECT_EQ(beyond.critical[0].reason,
             "The contact with the adjacent tooth is not broken (-0.201 mm, at least -0.20 mm).");
-  EXPECT_EQ(ApplyRubric(rubric, Values(0))->acceptance, Acceptance::kAcceptable);
+  EXPECT_EQ(Score(0, 0).acceptance, Acceptance::kAcceptable);
 }
 
 TEST(CriticalTest, OneThatTheExerciseCannotShowIsRefusedWithTheReason) {

@@ -4,21 +4,50 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "common/cutting/cutter.h"
-#include "common/scoring/task.h"
-#include "common/scoring/zones.h"
+#include "common/scoring/score.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
 namespace enamel::scoring {
 namespace {
 
+using cutting::Volume;
+
+scene::Rubric Prices() {
+  scene::Rubric out;
+  out.prices = {{"floor", 0.45, 0.6, 14, 42, 2, 14, "a test"},
+                {"wall", 0.45, 0.6, 12, 36, 2, 12, "a test"},
+                {"line_angle", 0.6, 0.6, 5, 6, 1, 5, "a test"},
+                {"elsewhere", 1, 0, 12, 60, 2, 12, "a test"},
+                {"pulp", 1, 0, 1000, 1000, 1, 5, "a test"}};
+  return out;
+}
+
+// What was found of an attempt.
+struct Explained {
+  std::vector<Mistake> mistakes;
+  std::vector<Deduction> deductions;
+
+  // Of the first mistake of this kind.
+  const Deduction* Of(MistakeKind kind, bool left = false) const {
+    for (const Deduction& d : deductions) {
+      if (mistakes.at(d.mistake).kind == kind && d.left == left) return &d;
+    }
+    return nullptr;
+  }
+  std::ptrdiff_t Count(bool left) const {
+    return std::ranges::count(deductions, left, &Deduction::left);
+  }
+};
+
 // A hand that cuts in strokes, a pose a tick, into a tooth that already has a cavity.
 class Strokes {
  public:
-  Strokes(const cutting::Volume& initial, const cutting::Volume& started)
-      : volume_(started), moments_(initial), strokes_(SomeParams()) {
+  Strokes(const Volume& initial, const Volume& started)
+      : initial_(initial), volume_(started), moments_(initial), strokes_(SomeParams()) {
     volume_.Reserve();
     cutter_.emplace(volume_,
                     cutting::Bur{cutting::BurShape::kCylinder, kBurRadius_mm * 1e-3, 4e-3});
@@ -29,34 +58,39 @@ class Strokes {
     Lift();
   }
 
-  void Lift() {
-    for (int i = 0; i < 150; ++i) Tick(false, {});
-  }
-  void Along(dvec3 from_mm, dvec3 to_mm) {
-    for (int i = 0; i <= 100; ++i) {
-      cutting::RemovedUnits removed{};
-      cutter_->Cut({(from_mm + (to_mm - from_mm) * (i / 100.0)) * 1e-3, {}}, removed);
-      Tick(true, cutter_->touched());
+  // One stroke through all of the points.
+  void Along(const std::vector<dvec3>& points_mm) {
+    for (size_t k = 1; k < points_mm.size(); ++k) {
+      const dvec3 from = points_mm[k - 1], way = points_mm[k] - from;
+      for (int i = 0; i <= kTicksOfALine; ++i) {
+        cutting::RemovedUnits removed{};
+        cutter_->Cut({(from + way * (i * 1.0 / kTicksOfALine)) * 1e-3, {}}, removed);
+        Tick(true, cutter_->touched());
+      }
     }
     Lift();
   }
 
-  std::vector<Deduction> Find(const cutting::Volume& initial, const cutting::Volume& reference,
-                              const std::vector<std::string>& criteria,
-                              const std::vector<WorstPlace>& places = {}, int tooth = 0) const {
+  Explained Find(const Volume& reference) const {
     const Provenance provenance = moments_.Take();
-    const surface::Mesh surface = surface::ExtractSurface(reference);
-    const surface::Mesh cut = CutPart(surface, CutVertices(surface, initial, reference));
-    const scene::Exercise exercise = BlockExercise();
-    scene::Scene scene = BlockScene();
-    scene.tooth = tooth;
-    return FindDeductions(
-        scene, exercise.target, criteria,
-        {&initial, &volume_, &reference, &cut, NearOf_m(exercise.target, initial.spec()),
-         &provenance, &strokes_, &places});
+    const AcceptableCut r(initial_, reference, {});
+    const auto judged = JudgeCut(r, volume_, Prices());
+    EXPECT_TRUE(judged.ok()) << judged.status().message();
+    if (!judged.ok()) return {};
+    return {judged->found.mistakes,
+            FindDeductions({&r, &volume_, &judged->found, &provenance, &strokes_})};
+  }
+
+  static constexpr int kTicksOfALine = 100, kTicksOfALift = 150;
+  // Of the strokes of one line each, the first of which is number 2.
+  static uint64_t FirstTickOf(uint32_t stroke) {
+    return 1 + kTicksOfALift + (stroke - 2) * (kTicksOfALine + 1 + kTicksOfALift);
   }
 
  private:
+  void Lift() {
+    for (int i = 0; i < kTicksOfALift; ++i) Tick(false, {});
+  }
   void Tick(bool cutting, std::span<const int32_t> touched) {
     trace::Tick tick;
     core::TickOutput out;
@@ -66,170 +100,194 @@ class Strokes {
     moments_.Add(volume_, touched);
   }
 
-  cutting::Volume volume_;
+  const Volume& initial_;
+  Volume volume_;
   std::optional<cutting::Cutter> cutter_;
   ProvenanceRecorder moments_;
   StrokeRecorder strokes_;
 };
 
-const Deduction* Of(const std::vector<Deduction>& all, std::string_view criterion, bool left) {
-  for (const Deduction& d : all) {
-    if (d.criterion == criterion && d.left == left) return &d;
-  }
-  return nullptr;
-}
-
-// Stroke 1 is all that was cut as asked for. Stroke 2 takes 0.3 mm too much of the mesial wall,
-// over 1.4 mm from the floor up; stroke 3 goes along it 0.1 mm deeper still; stroke 4 drills a hole
-// where nothing was asked for.
+// Stroke 1 is all that was cut as asked for.
 class DeductionsTest : public testing::Test {
  protected:
   DeductionsTest()
-      : initial(MakeBlock(100'000)), reference(CutCavity(initial, {})), hand(initial, reference) {
-    hand.Along({1.3, -0.7, -2}, {1.3, 0.7, -2});
-    hand.Along({1.4, -0.7, -2}, {1.4, 0.7, -2});
-    hand.Along({-3, -2.3, 0.1}, {-3, -2.3, -0.6});
-  }
-  cutting::Volume initial, reference;
+      : initial(MakeBlock(100'000)), reference(CutCavity(initial, {})), hand(initial, reference) {}
+  Explained Find() const { return hand.Find(reference); }
+
+  const Volume initial, reference;
   Strokes hand;
 };
 
-TEST_F(DeductionsTest, AWallTooDeepNamesTheStrokesThatCutIt) {
-  const auto found = hand.Find(initial, reference, {"wall_mesial_mm"});
-  ASSERT_EQ(found.size(), 1u);
-  const Deduction& d = found[0];
-  EXPECT_FALSE(d.left);
+TEST_F(DeductionsTest, AFloorCutTooDeepNamesTheStrokeThatCutIt) {
+  constexpr double kDeep_mm = 0.4, kX = 1, kY = 0.7;
+  std::vector<dvec3> zigzag;
+  for (int i = 0; i <= 4; ++i) {
+    const double y = kY * (i - 2) / 2, x = i % 2 == 0 ? -kX : kX;
+    zigzag.insert(zigzag.end(), {dvec3(x, y, -2 - kDeep_mm), dvec3(-x, y, -2 - kDeep_mm)});
+  }
+  hand.Along(zigzag);
+  const Explained found = Find();
+  ASSERT_FALSE(found.mistakes.empty());
+  EXPECT_EQ(found.mistakes[0].kind, MistakeKind::kDeep);
+  EXPECT_EQ(found.mistakes[0].place, "floor");
+  EXPECT_NEAR(found.mistakes[0].size, kDeep_mm, 0.1);
+  const Deduction* d = found.Of(MistakeKind::kDeep);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(found.Count(true), 0);
+  EXPECT_EQ(d->mistake, 0U);
+  // All of the floor, its corners round: known to half a voxel of its depth.
+  const double area_mm2 = 3 * 2.4 - (4 - std::numbers::pi) * kBurRadius_mm * kBurRadius_mm;
+  EXPECT_NEAR(d->volume_m3, area_mm2 * kDeep_mm * 1e-9, area_mm2 * 0.05e-9);
+  ASSERT_EQ(d->stroke_count, 1U);
+  ASSERT_EQ(d->strokes.size(), 1U);
+  EXPECT_EQ(d->strokes[0].number, 2U);
+  EXPECT_TRUE(d->here);
+  EXPECT_GE(d->first_tick, Strokes::FirstTickOf(2));
+  EXPECT_DOUBLE_EQ(d->first_s, static_cast<double>(d->first_tick) * 1e-3);
+  EXPECT_GE(d->half_tick, d->first_tick);
+  EXPECT_DOUBLE_EQ(d->strokes[0].volume_m3, d->strokes_m3);
+  EXPECT_LT(d->strokes_m3, d->volume_m3) << "within a millimetre of the worst place";
+  EXPECT_LT(d->position_m.z, -2e-3);
+  EXPECT_GT(d->position_m.z, -2.4e-3);
+  EXPECT_GT(d->facing.z, 0.8);
+}
+
+TEST_F(DeductionsTest, AWallTooFarOutIsNamedWithTheStrokesThatCutIt) {
+  hand.Along({{1.3, -0.7, -2}, {1.3, 0.7, -2}});
+  hand.Along({{1.4, -0.7, -2}, {1.4, 0.7, -2}});
+  const Explained found = Find();
+  ASSERT_FALSE(found.mistakes.empty());
+  EXPECT_EQ(found.mistakes[0].kind, MistakeKind::kOverExtended);
+  EXPECT_EQ(found.mistakes[0].place, "wall_mesial");
+  const Deduction* d = found.Of(MistakeKind::kOverExtended);
+  ASSERT_TRUE(d);
   // A stadium's front swept 0.4 mm further: 0.4 mm over 1.4 mm and what the bur's sides sweep, by
   // 2 mm of height.
-  EXPECT_GT(d.volume_m3, 0.4 * 1.4 * 2 * 1e-9);
-  EXPECT_LT(d.volume_m3, 0.4 * 2.4 * 2.1 * 1e-9);
-  ASSERT_EQ(d.stroke_count, 2u);
-  EXPECT_EQ(d.strokes[0].number, 2u);
-  EXPECT_EQ(d.strokes[1].number, 3u);
-  // Within 1 mm of its worst place: 0.3 mm of the wall went first, 0.1 mm after it.
-  EXPECT_TRUE(d.here);
-  EXPECT_DOUBLE_EQ(d.strokes[0].volume_m3 + d.strokes[1].volume_m3, d.strokes_m3);
-  EXPECT_GT(d.strokes_m3, 0.4 * d.volume_m3);
-  EXPECT_LT(d.strokes_m3, d.volume_m3);
-  EXPECT_GT(d.strokes[0].volume_m3, 2 * d.strokes[1].volume_m3);
-  EXPECT_LT(d.strokes[0].volume_m3, 5 * d.strokes[1].volume_m3);  // voxels of 0.1 mm are whole
-  EXPECT_NEAR(d.strokes[0].lasts_s, 0.1, 0.02);
-  EXPECT_GE(d.half_tick, d.first_tick);
-  EXPECT_LT(d.half_tick, d.strokes[1].first_tick) << "the first stroke took three quarters";
-  // Tick 0, 150 of lift, then the stroke.
-  EXPECT_EQ(d.first_tick, 151u);
-  EXPECT_DOUBLE_EQ(d.first_s, 0.151);
-  EXPECT_EQ(d.strokes[1].first_tick, 151u + 101 + 150);
-  EXPECT_GT(d.position_m.x, 1.45e-3);
-  EXPECT_LT(d.position_m.x, 2e-3);
-  // The mesial wall looks to distal.
-  EXPECT_LT(d.facing.x, -0.8);
-}
-
-TEST_F(DeductionsTest, TheStrokesOfAWallAreFoundByTheToothsNumber) {
-  EXPECT_EQ(hand.Find(initial, reference, {"wall_distal_mm"}, {}, 46).size(), 1u);
-  EXPECT_EQ(hand.Find(initial, reference, {"wall_mesial_mm"}, {}, 46).size(), 0u);
-}
-
-TEST_F(DeductionsTest, WhatIsCutElsewhereIsThePlaceOfDamageAndOfNoWall) {
-  const auto found = hand.Find(initial, reference, {"outside_removed_mm3", "wall_distal_mm"});
-  const Deduction* hole = Of(found, "outside_removed_mm3", false);
-  ASSERT_TRUE(hole);
-  // Two faults: the hole, and the wall beyond the leeway. The hole is a stroke of its own.
-  auto of_hole = std::find_if(hole->strokes.begin(), hole->strokes.end(),
-                              [](const FaultStroke& s) { return s.number == 4; });
-  ASSERT_NE(of_hole, hole->strokes.end());
-  // Its voxels are whole ones: known to half a voxel over its side and bottom.
-  EXPECT_NEAR(of_hole->volume_m3, M_PI * 0.25 * 0.6 * 1e-9, M_PI * (0.6 + 0.25) * 0.05e-9);
-  // More than 1 mm from the wall.
-  const Deduction* wall = Of(found, "wall_distal_mm", false);
-  EXPECT_TRUE(!wall || wall->strokes.empty());
-}
-
-TEST_F(DeductionsTest, AMetricWithAPlaceOfItsOwnLiesThereWithTheStrokesNearIt) {
-  const dvec3 on_wall(1.8e-3, 0, -1e-3), mesially(-1, 0, 0), far(0, 0, 3e-3), up(0, 0, 1);
-  const auto found = hand.Find(initial, reference, {"convergence_most_deg", "finish_depth_mm"},
-                               {{"convergence_most_deg", on_wall, mesially},
-                                {"finish_depth_mm", far, up},
-                                {"finish_waviness_mm", far, up}});
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].criterion, "convergence_most_deg");
-  EXPECT_FALSE(found[0].left);
-  EXPECT_EQ(found[0].position_m, on_wall);
-  EXPECT_EQ(found[0].facing, mesially);
-  EXPECT_EQ(found[0].stroke_count, 2u) << "not the hole, which is far away";
-  EXPECT_EQ(found[0].first_tick, 151u);
-  // Nothing differs there: the place alone.
-  EXPECT_EQ(found[1].criterion, "finish_depth_mm");
-  EXPECT_FALSE(found[1].left);
-  EXPECT_EQ(found[1].position_m, far);
-  EXPECT_EQ(found[1].volume_m3, 0);
-  EXPECT_EQ(found[1].stroke_count, 0u);
+  EXPECT_GT(d->volume_m3, 0.4 * 1.4 * 2 * 1e-9);
+  EXPECT_LT(d->volume_m3, 0.4 * 2.4 * 2.1 * 1e-9);
+  ASSERT_EQ(d->stroke_count, 2U);
+  // 0.3 mm went first, 0.1 mm after it; voxels of 0.1 mm are whole.
+  EXPECT_EQ(d->strokes[0].number, 2U);
+  EXPECT_EQ(d->strokes[1].number, 3U);
+  EXPECT_GT(d->strokes[0].volume_m3, 2 * d->strokes[1].volume_m3);
+  EXPECT_LT(d->strokes[0].volume_m3, 5 * d->strokes[1].volume_m3);
+  EXPECT_DOUBLE_EQ(d->strokes[0].volume_m3 + d->strokes[1].volume_m3, d->strokes_m3);
+  EXPECT_NEAR(d->strokes[0].lasts_s, 0.1, 0.02);
+  EXPECT_EQ(d->first_tick, Strokes::FirstTickOf(2));
+  EXPECT_EQ(d->strokes[1].first_tick, Strokes::FirstTickOf(3));
+  EXPECT_LT(d->half_tick, d->strokes[1].first_tick) << "the first stroke took three quarters";
+  EXPECT_GT(d->position_m.x, 1.45e-3);
+  EXPECT_LT(d->position_m.x, 2e-3);
+  // The wall looks back over the cavity.
+  EXPECT_LT(d->facing.x, -0.8);
 }
 
 // A stroke that grazes the wall is nothing that one has to stop; the one that goes through it is.
-TEST(DeductionsOfLittleTest, ItBeganWithTheFirstStrokeThatCounts) {
-  const cutting::Volume initial = MakeBlock(100'000), reference = CutCavity(initial, {});
-  Strokes hand(initial, reference);
-  hand.Along({1.08, -0.7, -2}, {1.08, 0.7, -2});
-  hand.Along({1.6, -0.7, -2}, {1.6, 0.7, -2});
-  const auto found = hand.Find(initial, reference, {"wall_mesial_mm"});
-  ASSERT_EQ(found.size(), 1u);
-  ASSERT_EQ(found[0].stroke_count, 2u);
-  EXPECT_EQ(found[0].strokes[0].number, 3u);
-  EXPECT_EQ(found[0].first_tick, 151u + 101 + 150);
+TEST_F(DeductionsTest, ItBeganWithTheFirstStrokeThatCounts) {
+  hand.Along({{1.08, -0.7, -2}, {1.08, 0.7, -2}});
+  hand.Along({{1.6, -0.7, -2}, {1.6, 0.7, -2}});
+  const Explained found = Find();
+  const Deduction* d = found.Of(MistakeKind::kOverExtended);
+  ASSERT_TRUE(d);
+  ASSERT_EQ(d->stroke_count, 2U);
+  EXPECT_EQ(d->strokes[0].number, 3U);
+  EXPECT_EQ(d->first_tick, Strokes::FirstTickOf(3));
 }
 
-// A fault that spreads over a surface is placed where it is worst: another stroke's work far from
-// there does not set its moment.
-TEST(DeductionsOfLittleTest, StrokesAndMomentsAreOfTheMarkedPlace) {
-  const cutting::Volume initial = MakeBlock(100'000), reference = CutCavity(initial, {});
-  Strokes hand(initial, reference);
-  hand.Along({-1.2, -0.7, -2}, {-1.2, 0.7, -2});  // distally 0.2 mm too much
-  hand.Along({1.6, -0.7, -2}, {1.6, 0.7, -2});    // mesially 0.6 mm
-  const auto found = hand.Find(initial, reference, {"overcut_mm3"});
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_TRUE(found[0].here);
-  EXPECT_GT(found[0].position_m.x, 1.4e-3);
-  ASSERT_EQ(found[0].stroke_count, 1u);
-  EXPECT_EQ(found[0].strokes[0].number, 3u);
-  EXPECT_EQ(found[0].first_tick, 151u + 101 + 150);
+TEST_F(DeductionsTest, APitAwayFromTheTaskIsAHoleOfTheStrokeThatDrilledIt) {
+  constexpr double kDeep_mm = 0.6;
+  hand.Along({{1.3, -0.7, -2}, {1.3, 0.7, -2}});
+  hand.Along({{-3, -2.3, 0.1}, {-3, -2.3, -kDeep_mm}});
+  const Explained found = Find();
+  const Deduction* hole = found.Of(MistakeKind::kHole);
+  ASSERT_TRUE(hole);
+  EXPECT_FALSE(hole->left);
+  ASSERT_EQ(hole->stroke_count, 1U);
+  EXPECT_EQ(hole->strokes[0].number, 3U);
+  // Known to half a voxel over its side and bottom.
+  const double r = kBurRadius_mm, side_mm2 = std::numbers::pi * (2 * r * kDeep_mm + r * r);
+  EXPECT_NEAR(hole->volume_m3, std::numbers::pi * r * r * kDeep_mm * 1e-9, side_mm2 * 0.05e-9);
+  EXPECT_NEAR(hole->position_m.x, -3e-3, 0.3e-3);
+  EXPECT_NEAR(hole->position_m.y, -2.3e-3, 0.3e-3);
 }
 
-TEST_F(DeductionsTest, ForceAndTimeHaveNoPlace) {
-  EXPECT_TRUE(hand.Find(initial, reference, {"force_sent_p95_n", "time_s", "unheard_of"}).empty());
-  EXPECT_TRUE(hand.Find(initial, reference, {}).empty());
+// Strokes and moments are of the marked place: what another stroke did far from there does not set them.
+TEST_F(DeductionsTest, OfTwoHolesTheLargerIsThePlaceAndNamesItsStroke) {
+  hand.Along({{-3, -2.3, 0.1}, {-3, -2.3, -0.4}});
+  hand.Along({{3, 2.3, 0.1}, {3, 2.3, -1}});
+  const Explained found = Find();
+  const Deduction* hole = found.Of(MistakeKind::kHole);
+  ASSERT_TRUE(hole);
+  EXPECT_EQ(std::ranges::count(found.mistakes, MistakeKind::kHole, &Mistake::kind), 1);
+  EXPECT_GT(hole->position_m.x, 2e-3);
+  EXPECT_TRUE(hole->here);
+  ASSERT_EQ(hole->stroke_count, 1U);
+  EXPECT_EQ(hole->strokes[0].number, 3U);
+  EXPECT_LT(hole->strokes_m3, 0.9 * hole->volume_m3);
 }
 
-TEST(DeductionsOfLittleTest, WhatWasLeftHasAPlaceAndNoMoment) {
-  const cutting::Volume initial = MakeBlock(100'000);
-  const cutting::Volume reference = CutCavity(initial, {});
+// Of the pulp, which lies 0.8 mm under the floor, nothing is to be taken: every touch of it counts, wherever it is.
+TEST_F(DeductionsTest, APulpThatWasOpenedNamesEveryStrokeInIt) {
+  hand.Along({{-1, 0, -2}, {-1, 0, -3}});
+  hand.Along({{1, 0, -2}, {1, 0, -3.1}});
+  const Explained found = Find();
+  const Deduction* pulp = found.Of(MistakeKind::kPulp);
+  ASSERT_TRUE(pulp);
+  EXPECT_FALSE(pulp->here);
+  ASSERT_EQ(pulp->stroke_count, 2U);
+  EXPECT_EQ(pulp->strokes[0].number, 3U) << "it went deeper";
+  EXPECT_GE(pulp->first_tick, Strokes::FirstTickOf(2));
+  EXPECT_LT(pulp->first_tick, Strokes::FirstTickOf(3));
+  EXPECT_LT(pulp->position_m.z, -2.7e-3);
+}
+
+TEST_F(DeductionsTest, WhatWasLeftHasAPlaceAndNoMoment) {
   Cavity small;
   small.distal_mm = 1.1;
-  const Strokes hand(initial, CutCavity(initial, small));
-  const auto found = hand.Find(initial, reference, {"missed_mm3", "wall_distal_mm"});
-  const Deduction* missed = Of(found, "missed_mm3", true);
-  ASSERT_TRUE(missed);
+  const Explained found = Strokes(initial, CutCavity(initial, small)).Find(reference);
+  EXPECT_EQ(found.Count(false), 0);
+  ASSERT_FALSE(found.mistakes.empty());
+  EXPECT_EQ(found.mistakes[0].kind, MistakeKind::kUnderExtended);
+  EXPECT_EQ(found.mistakes[0].place, "wall_distal");
+  const Deduction* d = found.Of(MistakeKind::kUnderExtended, true);
+  ASSERT_TRUE(d);
   // 0.4 mm of a wall 2.4 mm wide and 2 mm high, the corners' radius moved along with it.
-  EXPECT_NEAR(missed->volume_m3, 0.4 * 2.4 * 2 * 1e-9, 2.4 * 2 * 0.025e-9);
-  EXPECT_TRUE(missed->strokes.empty());
-  EXPECT_EQ(missed->first_tick, 0u);
-  EXPECT_LT(missed->position_m.x, -1.1e-3);
-  EXPECT_TRUE(Of(found, "wall_distal_mm", true));
-  EXPECT_FALSE(Of(found, "wall_distal_mm", false));
+  EXPECT_NEAR(d->volume_m3, 0.4 * 2.4 * 2 * 1e-9, 2.4 * 2 * 0.025e-9);
+  EXPECT_TRUE(d->strokes.empty());
+  EXPECT_EQ(d->stroke_count, 0U);
+  EXPECT_EQ(d->first_tick, 0U);
+  EXPECT_LT(d->position_m.x, -1.1e-3);
 }
 
-TEST(DeductionsOfLittleTest, TheReferenceItselfHasNone) {
-  const cutting::Volume initial = MakeBlock(100'000);
-  const cutting::Volume reference = CutCavity(initial, {});
-  const Strokes hand(initial, reference);
-  EXPECT_TRUE(
-      hand.Find(initial, reference, {"deviation_rms_mm", "missed_mm3", "overcut_mm3"}).empty());
-  // An untouched tooth: all of the task is left, and no stroke is blamed.
-  const Strokes nothing(initial, initial);
-  const auto found = nothing.Find(initial, reference, {"task_done_percent", "damage_percent"});
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_TRUE(found[0].left);
+TEST_F(DeductionsTest, TheTargetItselfHasNoneAndAnUntouchedToothBlamesNoStroke) {
+  const Explained exact = Find();
+  EXPECT_TRUE(exact.mistakes.empty());
+  EXPECT_TRUE(exact.deductions.empty());
+  const Explained untouched = Strokes(initial, initial).Find(reference);
+  EXPECT_EQ(untouched.Count(false), 0);
+  EXPECT_GT(untouched.Count(true), 0);
+  double left_m3 = 0;
+  for (const Deduction& d : untouched.deductions) {
+    EXPECT_EQ(d.stroke_count, 0U);
+    left_m3 += d.volume_m3;
+  }
+  // All of the task: the box of 3 x 2.4 x 2 mm, its upright edges round.
+  const double round_mm2 = (4 - std::numbers::pi) * kBurRadius_mm * kBurRadius_mm;
+  EXPECT_NEAR(left_m3, (3 * 2.4 - round_mm2) * 2 * 1e-9, 0.5e-9);
+}
+
+TEST_F(DeductionsTest, AreInTheOrderOfTheMistakesTooMuchTakenFirst) {
+  Cavity small;
+  small.distal_mm = 1.1;
+  Strokes both(initial, CutCavity(initial, small));
+  both.Along({{1.3, -0.7, -2}, {1.3, 0.7, -2}});
+  both.Along({{-3, 2.3, 0.1}, {-3, 2.3, -0.6}});
+  const auto found = both.Find(reference).deductions;
+  ASSERT_GE(found.size(), 3U);
+  for (size_t i = 1; i < found.size(); ++i) {
+    EXPECT_LT(std::pair(found[i - 1].mistake, found[i - 1].left),
+              std::pair(found[i].mistake, found[i].left));
+  }
 }
 
 }  // namespace

@@ -163,16 +163,10 @@ TEST_P(MarginsTest, MarginOpensAsTheWallsDo) {
   }
 }
 
-TEST_P(MarginsTest, OneWallThatLeansIsTheWorstAndItsPlaceIsOnIt) {
+TEST_P(MarginsTest, OneWallThatLeansIsTheWorst) {
   const MetricSet metrics = Measure(Make({.mesial_opens_deg = 20}), reference_);
   EXPECT_NEAR(ValueOf(metrics, "cavosurface_deg"), 90, 0.5);
   EXPECT_NEAR(ValueOf(metrics, "cavosurface_off_deg"), 20, 1.5);
-  const auto place = std::find_if(metrics.places.begin(), metrics.places.end(),
-                                  [](const auto& p) { return p.name == "cavosurface_off_deg"; });
-  ASSERT_NE(place, metrics.places.end());
-  EXPECT_GT(place->at_m.x, 1.4e-3);
-  EXPECT_NEAR(place->at_m.z, 0, 0.1e-3);
-  EXPECT_GT(place->facing->z, 0.9);
 }
 
 TEST_P(MarginsTest, AnUntouchedBlockHasNeitherAndTheReferenceIsNowhereOff) {

@@ -381,9 +381,26 @@ TEST(MetricsTest, AnExerciseMeasuresWhatItsRubricUsesAndWhatEveryPageShows) {
                            "wall_mesial_mm", "removed_enamel_mm3", "pulp_exposed_mm2"}) {
     EXPECT_FALSE(unused.contains(name)) << name;
   }
-  scene::Rubric gate;
-  gate.gates = {{"outline_over_mm", "", "mm", {{0, 1}}, ""}};
-  EXPECT_TRUE(MetricPlan::For(gate).Has(MetricGroup::kOutline));
+}
+
+// The page shows these beside the regions that the prices judge.
+TEST(MetricsTest, ARubricsPricesAskForTheFiguresThatSayMoreOfTheirRegions) {
+  const auto groups = [](const char* kind) {
+    scene::Rubric rubric;
+    rubric.prices.emplace_back().of = kind;
+    std::set<MetricGroup> out;
+    for (size_t i = 0; i < kMetricGroups; ++i) {
+      const auto group = static_cast<MetricGroup>(i);
+      if (MetricPlan::For(rubric).Has(group)) out.insert(group);
+    }
+    for (const MetricGroup base : MetricPlan::kBaseGroups) EXPECT_EQ(out.erase(base), 1U);
+    return out;
+  };
+  using Groups = std::set<MetricGroup>;
+  EXPECT_EQ(groups("wall"), (Groups{MetricGroup::kWalls, MetricGroup::kOutline}));
+  EXPECT_EQ(groups("margin"), Groups{MetricGroup::kCrown});
+  EXPECT_EQ(groups("pulp"), Groups{MetricGroup::kCover});
+  EXPECT_EQ(groups("elsewhere"), Groups{});
 }
 
 TEST(MetricsTest, DeviationGivenByTheCallerIsUsed) {

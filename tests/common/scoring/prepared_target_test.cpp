@@ -79,8 +79,7 @@ TEST(PreparedTargetZonesTest, OfTheWantedToothAllOfTheTargetIsGoneAndNothingBeyo
   EXPECT_GT(container.solid_m3, leeway.solid_m3);
 }
 
-// The score of a target's own tooth: full marks wherever the shape is judged, for work that was
-// neither slow nor hard; and no path, as nobody cut it.
+// A target's own tooth costs nothing, for work that was neither slow nor hard; and it has no path, as nobody cut it.
 TEST(PreparedTargetScoreTest, ThePerfectCutScoresAHundredAndDeviatesByNothing) {
   const Task task;
   const surface::Mesh mesh = surface::ExtractSurface(task.wanted);
@@ -101,7 +100,11 @@ TEST(PreparedTargetScoreTest, ThePerfectCutScoresAHundredAndDeviatesByNothing) {
       EXPECT_EQ(missing.why, NoValue::kNotInTask) << missing.name;
     }
   }
-  auto score = ApplyRubric(exercise.rubric, *metrics);
+  const AcceptableCut r(task.block, task.wanted, {});
+  auto cut = JudgeCut(r, task.wanted, exercise.rubric);
+  ASSERT_TRUE(cut.ok()) << cut.status().message();
+  EXPECT_TRUE(cut->found.mistakes.empty());
+  auto score = ApplyRubric(exercise.rubric, *metrics, cut->measures);
   ASSERT_TRUE(score.ok()) << score.status().message();
   EXPECT_EQ(score->score, 100);
 }

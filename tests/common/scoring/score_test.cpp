@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
+#include <functional>
+#include <string>
 
 namespace enamel::scoring {
 namespace {
@@ -11,352 +12,296 @@ namespace {
 using scene::Rubric;
 using scene::RubricCriterion;
 
-RubricCriterion Wall() {
-  return {"wall_mesial_mm",
-          "Mesial wall",
-          "mm",
-          60,
-          {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}},
-          "Watch the line angle.",
-          {}};
-}
-RubricCriterion Target() {
-  return {"zone_target_removed_percent", "Target removed", "%", 20, {{80, 0}, {95, 1}}, "", {}};
-}
-RubricCriterion Pulp() {
-  return {"pulp_exposed_mm2",           "Pulp", "mm2", 20, {{0, 1}, {0.01, 0}},
-          "The pulp must stay closed.", 0.01};
-}
-Rubric Three() { return {"class-1", 3, {Wall(), Target(), Pulp()}, {}}; }
-
-MetricSet Values(double wall, double target, double pulp) {
-  return {{{"wall_mesial_mm", wall, "mm"},
-           {"zone_target_removed_percent", target, "%"},
-           {"pulp_exposed_mm2", pulp, "mm2"}},
-          {}};
+// Prices whose bounds are far away, so that a measure of one size costs the points but for a millionth.
+constexpr double kFar = 1e4;
+Rubric ClassOne() {
+  Rubric r;
+  r.name = "class-1";
+  r.version = 3;
+  r.prices = {{"floor", 0.4, 0.5, 10, kFar, 2, 10, "a test"},
+              {"wall", 0.5, 1, 12, kFar, 3, 12, "a test"},
+              {"elsewhere", 1, 0, 20, kFar, 2, 12, "a test"},
+              {"caries", 0, 100, 100, kFar, 6, 24, "a test"}};
+  r.criteria = {
+      {"force_sent_p95_n", "Light hand", "N", 10, {{4, 1}, {8, 0}}, "Let the bur cut.", {}},
+      {"time_s", "Time", "s", 8, {{100, 1}, {300, 0}}, "", {}}};
+  return r;
 }
 
-ScoreResult Score(double wall, double target, double pulp) {
-  auto result = ApplyRubric(Three(), Values(wall, target, pulp));
+struct Sizes {
+  double floor_over = 0, mesial_over = 0, mesial_left = 0, distal_left = 0, elsewhere = 0,
+         caries = 0;
+};
+std::vector<RegionMeasure> Measures(const Sizes& s) {
+  return {{"floor", "floor", s.floor_over, 0},
+          {"wall_mesial", "wall", s.mesial_over, s.mesial_left},
+          {"wall_distal", "wall", 0, s.distal_left},
+          {"elsewhere", "elsewhere", s.elsewhere, 0},
+          {"caries", "caries", 0, s.caries}};
+}
+
+MetricSet Hand(double force_n, double seconds) {
+  return {{{"force_sent_p95_n", force_n, "N"}, {"time_s", seconds, "s"}}, {}};
+}
+
+ScoreResult Score(const Rubric& rubric, const MetricSet& metrics, const Sizes& sizes,
+                  std::vector<Mistake> mistakes = {}) {
+  auto result = ApplyRubric(rubric, metrics, Measures(sizes), std::move(mistakes));
   EXPECT_TRUE(result.ok()) << result.status().message();
   return result.ok() ? *result : ScoreResult{};
 }
-
-// "0.03 mm (full marks up to 0.03 mm)" with points lost is a riddle.
-TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThem) {
-  auto reason = [](double limit, double value) {
-    RubricCriterion waves{
-        "wall_waviness_mm", "Walls smooth", "mm", 10, {{limit, 1}, {0.1, 0}}, "", {}};
-    auto scored = ApplyRubric({"r", 1, {waves}, {}}, {{{"wall_waviness_mm", value, "mm"}}, {}});
-    EXPECT_TRUE(scored.ok());
-    return scored->criteria[0].reason;
-  };
-  EXPECT_EQ(reason(0.025, 0.031),
-            "Walls smooth: 0.03 mm (full marks up to 0.025 mm, none from 0.10 mm).");
-  EXPECT_EQ(reason(0.05, 0.0504),
-            "Walls smooth: 0.0504 mm (full marks up to 0.05 mm, none from 0.10 mm).");
-  EXPECT_EQ(reason(0.05, 0.0998),
-            "Walls smooth: 0.10 mm (full marks up to 0.05 mm, none from 0.10 mm).");
-  EXPECT_EQ(reason(0.0285, 0.028), "Walls smooth: 0.028 mm (full marks up to 0.0285 mm).");
-  EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (full marks up to 0.05 mm).");
+ScoreResult Score(const Sizes& sizes) { return Score(ClassOne(), Hand(1, 50), sizes); }
+ScoreResult ScoreOfHand(double force_n, double seconds) {
+  return Score(ClassOne(), Hand(force_n, seconds), {});
 }
 
-TEST(ApplyRubricTest, FullMarksAreAHundred) {
-  ScoreResult r = Score(0, 99, 0);
+// Of points * M / sqrt(1 + (M * points / most)^2), where `most` is kFar.
+constexpr double kNearlyAll = 1e-4;
+
+TEST(ScoreTest, ACutAsAskedForByALightHandInTimeIsAHundred) {
+  const ScoreResult r = Score({});
   EXPECT_EQ(r.score, 100);
+  EXPECT_EQ(r.beyond, 0);
+  EXPECT_EQ(r.acceptance, Acceptance::kAcceptable);
   EXPECT_FALSE(r.critical_fail);
   EXPECT_EQ(r.rubric_version, 3);
-  EXPECT_EQ(r.criteria[0].reason, "Mesial wall: 0.00 mm off (full marks within 0.05 mm).");
+  EXPECT_EQ(BrokenLaw(r), "");
 }
 
-TEST(ApplyRubricTest, PointsAreLinearBetweenTheMapsPointsAndConstantBeyond) {
-  EXPECT_NEAR(Score(0.175, 99, 0).criteria[0].points, 30, 1e-12);  // halfway down
-  EXPECT_NEAR(Score(-0.175, 99, 0).criteria[0].points, 30, 1e-12);
-  EXPECT_NEAR(Score(0, 87.5, 0).criteria[1].points, 10, 1e-12);
-  EXPECT_EQ(Score(5, 99, 0).criteria[0].points, 0);
-  EXPECT_EQ(Score(0, 10, 0).criteria[1].points, 0);
-  EXPECT_EQ(Score(0, 100, 0).criteria[1].points, 20);
+TEST(ScoreTest, ARegionPaysItsDearerSideOnce) {
+  const ScoreResult r = Score({.mesial_over = 0.5, .mesial_left = 2});
+  ASSERT_EQ(r.costs.size(), 5U);
+  EXPECT_NEAR(r.costs[1].lost, 24, kNearlyAll);
+  EXPECT_FALSE(r.costs[1].over);
+  EXPECT_NEAR(r.score, 76, kNearlyAll);
+  const ScoreResult over = Score({.mesial_over = 0.5, .mesial_left = 0.9});
+  EXPECT_NEAR(over.costs[1].lost, 12, kNearlyAll);
+  EXPECT_TRUE(over.costs[1].over);
+  EXPECT_NEAR(over.score, 88, kNearlyAll);
 }
 
-TEST(ApplyRubricTest, TheScoreIsTheShareOfAllPoints) {
-  Rubric rubric{"half", 1, {Wall()}, {}};
-  auto r = ApplyRubric(rubric, Values(0.175, 0, 0));
-  ASSERT_TRUE(r.ok());
-  EXPECT_NEAR(r->score, 50, 1e-12);
+TEST(ScoreTest, IsAHundredLessWhatEveryPartCosts) {
+  const ScoreResult r = Score(
+      ClassOne(), Hand(6, 200),
+      {.floor_over = 0.2, .mesial_over = 0.25, .distal_left = 0.5, .elsewhere = 0.1, .caries = 3});
+  // 5 + 6 + 6 + 2 + 3, and half of 10 and of 8.
+  EXPECT_NEAR(r.score, 100 - 22 - 9, kNearlyAll);
+  double criteria = 0, regions = 0;
+  for (const CriterionResult& c : r.criteria) criteria += c.lost;
+  for (const RegionCost& c : r.costs) regions += c.lost;
+  EXPECT_NEAR(criteria, 100 - r.score, 1e-12);
+  EXPECT_NEAR(regions, criteria - 9, 1e-12);
 }
 
-TEST(ApplyRubricTest, ReasonsSayWhatWasFoundAndWhatWasAskedFor) {
-  ScoreResult r = Score(0.3, 91.2, 0);
-  EXPECT_EQ(
-      r.criteria[0].reason,
-      "Mesial wall: 0.30 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). Watch the "
-      "line angle.");
-  EXPECT_EQ(r.criteria[1].reason,
-            "Target removed: 91.2 % (full marks from 95.0 %, none up to 80.0 %).");
-  EXPECT_EQ(r.criteria[2].reason, "Pulp: 0.00 mm² (full marks at 0.00 mm²).");
-  EXPECT_EQ(
-      Score(-0.2, 99, 0).criteria[0].reason,
-      "Mesial wall: 0.20 mm short (full marks within 0.05 mm, none beyond 0.30 mm). Watch the "
-      "line angle.");
+TEST(ScoreTest, GroupsStandInTheirOrderBeforeTheHandWithWhatTheirRegionsCost) {
+  const ScoreResult r = Score({.floor_over = 0.2,
+                               .mesial_over = 0.25,
+                               .distal_left = 0.75,
+                               .elsewhere = 0.09,
+                               .caries = 3});
+  ASSERT_EQ(r.criteria.size(), 5U);
+  const struct {
+    const char *name, *title;
+    double lost;
+    State state;
+  } expected[] = {{"outline", "Outline", 6 + 9, State::kModify},
+                  {"internal_form", "Internal form", 5 + 3, State::kModify},
+                  {"tissue_preserved", "Tissue preserved", 1.8, State::kAcceptable}};
+  for (size_t i = 0; i < 3; ++i) {
+    const CriterionResult& c = r.criteria[i];
+    EXPECT_EQ(c.name, expected[i].name);
+    EXPECT_EQ(c.title, expected[i].title);
+    EXPECT_NEAR(c.lost, expected[i].lost, 2 * kNearlyAll) << c.name;
+    EXPECT_EQ(c.state, expected[i].state) << c.name;
+    EXPECT_NEAR(c.most, 100.0 / 3, 1e-12) << "three groups have prices, margins have none";
+  }
+  EXPECT_EQ(r.criteria[3].name, "force_sent_p95_n");
+  EXPECT_EQ(r.criteria[4].name, "time_s");
+  EXPECT_EQ(r.criteria[4].group, Group::kHand);
 }
 
-Deduction WallTooDeep() {
-  Deduction d;
-  d.criterion = "wall_mesial_mm";
-  d.volume_m3 = 1e-9;
-  d.first_s = 72.4;
-  d.stroke_count = 2;
-  d.half_s = 80.6;
-  d.strokes = {{14, 80'000, 80, 2, 0.9e-9}, {12, 72'400, 72.4, 1, 0.1e-9}};
-  d.strokes_m3 = 1e-9;
-  return d;
+TEST(ScoreTest, IsNeverBelowZeroAndTellsHowFarItWouldBe) {
+  const ScoreResult r = Score({.elsewhere = 7});
+  EXPECT_EQ(r.score, 0);
+  EXPECT_EQ(r.points, 0);
+  // 140 points by a price with a bound.
+  EXPECT_NEAR(r.beyond, 140 / std::sqrt(1 + 0.014 * 0.014) - 100, 1e-9);
+  EXPECT_EQ(Score({.elsewhere = 4}).beyond, 0);
 }
 
-TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
-  ScoreResult r = Score(0.2, 99, 0);
-  Advise(Three(), {WallTooDeep()}, r);
-  EXPECT_EQ(r.criteria[0].reasons,
-            (std::vector<Reason>{{"within", {0.2, 0.05, 0.3}, {"mm", "mm", "mm"}},
-                                 {"stop_earlier", {72.4, 14}, {"s", "count"}}}));
-  EXPECT_EQ(r.criteria[0].reason,
-            "Mesial wall: 0.20 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). It "
-            "began at 1:12, and stroke 14 removed most of it. Stop earlier there. Watch the line "
-            "angle.");
-  EXPECT_EQ(r.deductions.size(), 1u);
+TEST(ScoreTest, ACriticalErrorScoresZeroAndShowsThePointsWithoutIt) {
+  Rubric rubric = ClassOne();
+  rubric.critical = {{"pulp_exposed", "pulp_exposed_mm2", "mm2", 0.1, true, "a test"}};
+  MetricSet metrics = Hand(1, 50);
+  metrics.values.push_back({"pulp_exposed_mm2", 0.1, "mm2"});
+  EXPECT_EQ(Score(rubric, metrics, {}).score, 100);
+  metrics.values.back().value = 0.11;
+  const ScoreResult r = Score(rubric, metrics, {.mesial_over = 0.25});
+  EXPECT_TRUE(r.critical_fail);
+  EXPECT_EQ(r.score, 0);
+  EXPECT_NEAR(r.points, 94, kNearlyAll);
+  EXPECT_EQ(r.acceptance, Acceptance::kNotAcceptable);
+  EXPECT_EQ(BrokenLaw(Score(rubric, metrics, {})), "");
 }
 
-// No stroke could have been left out where none took half, or where one lasts for a third of the
-// attempt.
-TEST(ApplyRubricTest, AdviceNamesAMomentWhereNoOneStrokeIsToBlame) {
-  Deduction shared = WallTooDeep(), lasting = WallTooDeep();
-  shared.strokes_m3 = 2e-9;
-  shared.here = true;
-  lasting.strokes[0].lasts_s = 70;
-  const MetricInfo& wall = *FindMetric("wall_mesial_mm");
-  const auto sentence = [&](const Deduction& d) {
-    return Sentence("Wall", wall, {*Advice(wall, 0.2, Three().criteria[0].map, {d})}, "");
+TEST(ScoreTest, AcceptanceIsThatOfTheWorstRegionAndOfThePoints) {
+  const auto acceptance = [](const Sizes& s) { return Score(s).acceptance; };
+  // Walls: modify from 3 points, redo from 12.
+  EXPECT_EQ(acceptance({.mesial_over = 0.12}), Acceptance::kAcceptable);
+  EXPECT_EQ(acceptance({.mesial_over = 0.13}), Acceptance::kWithRemarks);
+  EXPECT_EQ(acceptance({.mesial_over = 0.49}), Acceptance::kWithRemarks);
+  EXPECT_EQ(acceptance({.mesial_over = 0.51}), Acceptance::kNotAcceptable);
+  // Each costs less than what is to be done anew, and together they are still under half.
+  Rubric patient = ClassOne();
+  for (auto& price : patient.prices) price.redo_points = 99;
+  const auto whole = [&](double caries) {
+    return Score(patient, Hand(1, 50), {.caries = caries}).acceptance;
   };
-  EXPECT_EQ(sentence(shared),
-            "Wall: At the worst spot, it began at 1:12, and half of it was gone by 1:21. Stop "
-            "earlier there.");
-  EXPECT_EQ(sentence(lasting),
-            "Wall: It began at 1:12, and half of it was gone by 1:21. Stop earlier there.");
-  shared.strokes_m3 = 1e-9;
-  EXPECT_EQ(
-      sentence(shared),
-      "Wall: At the worst spot, it began at 1:12, and stroke 14 removed most of it. Stop earlier "
-      "there.");
+  EXPECT_EQ(whole(49.9), Acceptance::kWithRemarks);
+  EXPECT_EQ(whole(50.1), Acceptance::kNotAcceptable);
+  // The hand's points count for the sum, and a heavy hand is no region to be changed.
+  Rubric heavy = ClassOne();
+  heavy.criteria[0].points = 49;
+  EXPECT_EQ(Score(heavy, Hand(9, 50), {}).acceptance, Acceptance::kAcceptable);
+  heavy.criteria[0].points = 51;
+  EXPECT_EQ(Score(heavy, Hand(9, 50), {}).acceptance, Acceptance::kNotAcceptable);
 }
 
-TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
-  ScoreResult r = Score(-0.2, 99, 0);
-  Deduction left;
-  left.criterion = "wall_mesial_mm";
-  left.left = true;
-  left.volume_m3 = 0.52e-9;
-  Advise(Three(), {WallTooDeep(), left}, r);
-  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ was left uncut. Cut further there."),
-            std::string::npos)
-      << r.criteria[0].reason;
-  EXPECT_EQ(r.criteria[0].reason.find("stroke"), std::string::npos) << r.criteria[0].reason;
+TEST(HandTest, LosesLinearlyBetweenTheMapsPointsAndConstantlyBeyond) {
+  EXPECT_EQ(ScoreOfHand(3, 50).criteria[3].lost, 0);
+  EXPECT_EQ(ScoreOfHand(4, 50).criteria[3].lost, 0);
+  EXPECT_NEAR(ScoreOfHand(5, 50).criteria[3].lost, 2.5, 1e-12);
+  EXPECT_NEAR(ScoreOfHand(7, 50).criteria[3].lost, 7.5, 1e-12);
+  EXPECT_EQ(ScoreOfHand(80, 50).criteria[3].lost, 10);
+  EXPECT_NEAR(ScoreOfHand(5, 250).score, 100 - 2.5 - 6, 1e-12);
+  EXPECT_EQ(ScoreOfHand(5, 250).criteria[3].most, 10);
 }
 
-TEST(ApplyRubricTest, ASmallLossIsNotToldInTheWordsOfAFault) {
-  // 60 points of a hundred: 2.4 lost at 0.06 mm, 6 at 0.075 mm.
-  ScoreResult small = Score(0.06, 99, 0);
-  Advise(Three(), {WallTooDeep()}, small);
-  EXPECT_TRUE(small.criteria[0].comment.empty()) << small.criteria[0].reason;
-  EXPECT_NE(small.criteria[0].reason.find("Stop earlier there."), std::string::npos);
-  EXPECT_FALSE(Score(0.075, 99, 0).criteria[0].comment.empty());
-  // A light criterion speaks from a quarter of its points on.
-  Rubric light = Three();
-  light.criteria[0].points = 4;
-  auto lost = [&](double mm) {
-    auto r = ApplyRubric(light, Values(mm, 99, 0));
-    EXPECT_TRUE(r.ok());
-    return r->criteria[0];
+TEST(HandTest, ASentenceTellsWhatWasFoundWhatWasAskedForAndWhatToDo) {
+  EXPECT_EQ(ScoreOfHand(3, 50).criteria[3].reason, "Light hand: 3.00 N (full marks up to 4.00 N).");
+  EXPECT_EQ(ScoreOfHand(6, 50).criteria[3].reason,
+            "Light hand: 6.00 N (full marks up to 4.00 N, none from 8.00 N). Press less and let "
+            "the bur cut. Let the bur cut.");
+  EXPECT_EQ(ScoreOfHand(1, 180).criteria[4].reason,
+            "Time: 180.0 s (full marks up to 100.0 s, none from 300.0 s).");
+}
+
+TEST(HandTest, ASmallLossGetsNeitherAdviceNorAComment) {
+  // 0.4 of 10 points, and 1 of 10.
+  EXPECT_EQ(ScoreOfHand(4.16, 50).criteria[3].reasons.size(), 1U);
+  EXPECT_EQ(ScoreOfHand(4.16, 50).criteria[3].state, State::kAcceptable);
+  const CriterionResult told = ScoreOfHand(4.4, 50).criteria[3];
+  EXPECT_EQ(told.reasons.back().code, "do_lighter");
+  EXPECT_EQ(told.state, State::kModify);
+  EXPECT_TRUE(told.comment.empty()) << "1 of 10 points is no fault to be described";
+  EXPECT_EQ(ScoreOfHand(5.01, 50).criteria[3].comment, "Let the bur cut.");
+}
+
+// "0.03 N (full marks up to 0.03 N)" with points lost is a riddle.
+TEST(HandTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThem) {
+  auto reason = [](double limit, double value) {
+    Rubric rubric = ClassOne();
+    rubric.criteria = {{"dtw_force_n", "As shown", "N", 10, {{limit, 1}, {0.1, 0}}, "", {}}};
+    return Score(rubric, {{{"dtw_force_n", value, "N"}}, {}}, {}).criteria.back().reason;
   };
-  EXPECT_TRUE(lost(0.1).comment.empty()) << "0.8 of 4";
-  EXPECT_FALSE(lost(0.12).comment.empty()) << "1.1 of 4";
+  EXPECT_EQ(reason(0.025, 0.031), "As shown: 0.03 N (full marks up to 0.025 N, none from 0.10 N).");
+  EXPECT_EQ(reason(0.05, 0.0504),
+            "As shown: 0.0504 N (full marks up to 0.05 N, none from 0.10 N).");
+  EXPECT_EQ(reason(0.05, 0.0998), "As shown: 0.10 N (full marks up to 0.05 N, none from 0.10 N).");
+  EXPECT_EQ(reason(0.0285, 0.028), "As shown: 0.028 N (full marks up to 0.0285 N).");
 }
 
-TEST(ApplyRubricTest, TheSameAdviceIsToldOnceWhereItCostMost) {
-  Rubric rubric = Three();
-  RubricCriterion other = rubric.criteria[0];
-  other.metric = "wall_distal_mm";
-  other.title = "Distal wall";
-  other.points = 80;
-  rubric.criteria.insert(rubric.criteria.begin() + 1, other);
-  MetricSet metrics = Values(0.2, 99, 0);
-  metrics.values.push_back({"wall_distal_mm", 0.2, "mm"});
-  auto result = ApplyRubric(rubric, metrics);
-  ASSERT_TRUE(result.ok()) << result.status().message();
-  Deduction same = WallTooDeep();
-  same.criterion = "wall_distal_mm";
-  Advise(rubric, {WallTooDeep(), same}, *result);
-  EXPECT_EQ(result->criteria[0].reason.find("stroke 14"), std::string::npos);
-  EXPECT_NE(result->criteria[1].reason.find("stroke 14"), std::string::npos);
-  EXPECT_EQ(result->criteria[0].reasons.size(), 1u);
-  EXPECT_EQ(result->deductions.size(), 2u) << "both places are shown";
-  // Another stroke is other words.
-  auto apart = ApplyRubric(rubric, metrics);
-  same.strokes[0].number = 15;
-  Advise(rubric, {WallTooDeep(), same}, *apart);
-  EXPECT_NE(apart->criteria[0].reason.find("stroke 14"), std::string::npos);
-  EXPECT_NE(apart->criteria[1].reason.find("stroke 15"), std::string::npos);
+TEST(HandTest, BeyondALimitThatFailsTheScoreIsZero) {
+  Rubric rubric = ClassOne();
+  rubric.criteria[0].fails_above = 9;
+  EXPECT_FALSE(Score(rubric, Hand(9, 50), {}).critical_fail);
+  const ScoreResult r = Score(rubric, Hand(9.5, 50), {});
+  EXPECT_TRUE(r.critical_fail);
+  EXPECT_EQ(r.score, 0);
+  EXPECT_EQ(r.points, 90);
+  EXPECT_NE(r.criteria[3].reason.find("fails the whole attempt"), std::string::npos);
 }
 
-TEST(ApplyRubricTest, WhoLostLessThanHalfAPointNeedsNoAdvice) {
-  ScoreResult r = Score(0.051, 99, 0);  // 0.24 of 60 points
-  Advise(Three(), {WallTooDeep()}, r);
-  EXPECT_LT(r.criteria[0].points, 60);
-  EXPECT_EQ(r.criteria[0].reason,
-            "Mesial wall: 0.051 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm).");
-  EXPECT_TRUE(r.criteria[0].comment.empty());
+TEST(HandTest, WhatHasNoValueCostsNothing) {
+  for (const auto& [why, code] :
+       {std::pair{NoValue::kNotInTask, "not_in_task"}, std::pair{NoValue::kNotMade, "not_made"}}) {
+    MetricSet metrics = Hand(1, 50);
+    metrics.values.pop_back();
+    metrics.missing = {{"time_s", why}};
+    const ScoreResult r = Score(ClassOne(), metrics, {});
+    EXPECT_EQ(r.score, 100);
+    EXPECT_FALSE(r.criteria.back().judged);
+    ASSERT_EQ(r.criteria.back().reasons.size(), 1U);
+    EXPECT_EQ(r.criteria.back().reasons[0].code, code);
+  }
+}
+
+TEST(HandTest, AMetricThatWasNotMeasuredOrIsNotFiniteIsRefusedByName) {
+  MetricSet metrics = Hand(1, 50);
+  metrics.values.pop_back();
+  EXPECT_EQ(ApplyRubric(ClassOne(), metrics, Measures({})).status().field(), "time_s");
+  metrics.missing = {{"time_s", NoValue::kNotUsed}};
+  EXPECT_EQ(ApplyRubric(ClassOne(), metrics, Measures({})).status().field(), "time_s");
+  EXPECT_EQ(ApplyRubric(ClassOne(), Hand(1.0 / 0.0, 50), Measures({})).status().field(),
+            "force_sent_p95_n");
+}
+
+MetricSet AtLimit(double force_n) {
+  MetricSet metrics = Hand(force_n, 50);
+  metrics.values[0].limited = true;
+  return metrics;
+}
+
+// A device that cannot press back as hard as the hand presses says nothing of how light it is.
+TEST(HandTest, AForceAtTheDevicesLimitCostsNothing) {
+  for (const double force : {2.0, 6.0}) {
+    const CriterionResult c = Score(ClassOne(), AtLimit(force), {}).criteria[3];
+    EXPECT_FALSE(c.judged);
+    EXPECT_EQ(c.lost, 0);
+    EXPECT_EQ(c.value, force);
+    EXPECT_NE(c.reason.find("at its limit"), std::string::npos) << c.reason;
+  }
+}
+
+// Or pressing as hard as one can would be a way out.
+TEST(HandTest, AForceThatCostsAllAtLeastStaysJudgedAtTheLimit) {
+  EXPECT_TRUE(Score(ClassOne(), AtLimit(8.5), {}).criteria[3].judged);
+  EXPECT_EQ(Score(ClassOne(), AtLimit(8.5), {}).score, 90);
+  Rubric critical = ClassOne();
+  critical.criteria[0].fails_above = 7;
+  EXPECT_TRUE(Score(critical, AtLimit(7.5), {}).critical_fail);
+  EXPECT_FALSE(Score(critical, AtLimit(6.5), {}).critical_fail);
+  EXPECT_FALSE(Score(critical, AtLimit(6.5), {}).criteria[3].judged);
 }
 
 TEST(SentenceTest, ACodeThatIsNotKnownIsLeftOut) {
-  const MetricInfo& wall = *FindMetric("wall_mesial_mm");
-  EXPECT_EQ(Sentence("Wall", wall, {{"any", {0.4}, {"mm"}}, {"of_tomorrow", {1}, {"s"}}}, "Oh."),
-            "Wall: 0.40 mm too deep. Oh.");
-  EXPECT_EQ(Sentence("Wall", wall, {{"within", {}, {}}, {"stop_earlier", {1}, {"s"}}}, ""), "Wall:")
-      << "too few values";
+  const MetricInfo& time = *FindMetric("time_s");
+  EXPECT_EQ(Sentence("Time", time, {{"any", {4}, {"s"}}, {"of_tomorrow", {1}, {"s"}}}, "Oh."),
+            "Time: 4.0 s. Oh.");
+  EXPECT_EQ(Sentence("Time", time, {{"within", {}, {}}}, ""), "Time:") << "too few values";
 }
 
-TEST(ApplyRubricTest, ACriticalFailScoresZeroAndSaysWhy) {
-  ScoreResult r = Score(0, 99, 0.42);
-  EXPECT_EQ(r.score, 0);
-  EXPECT_TRUE(r.critical_fail);
-  EXPECT_EQ(r.criteria[0].points, 60) << "what was good is still shown";
-  EXPECT_EQ(
-      r.criteria[2].reason,
-      "Pulp: 0.42 mm² (more than 0.01 mm² fails the whole attempt). The pulp must stay closed.");
+TEST(SentenceTest, ASignedFigureNamesItsSideAndAThinWallTheGrid) {
+  const MetricInfo &wall = *FindMetric("wall_mesial_mm"),
+                   &cover = *FindMetric("remaining_dentin_mm");
+  const std::vector<scene::RubricPoint> within = {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}};
+  EXPECT_EQ(Sentence("Wall", wall, {FoundReason(wall, -0.2, within)}, ""),
+            "Wall: 0.20 mm short (full marks within 0.05 mm, none beyond 0.30 mm).");
+  EXPECT_EQ(Sentence("Wall", wall, {FoundReason(wall, 0, within)}, ""),
+            "Wall: 0.00 mm off (full marks within 0.05 mm).");
+  EXPECT_EQ(Sentence("Cover", cover, {{"any", {0.12}, {"mm"}}, BelowGridReason(cover, 0.2)}, ""),
+            "Cover: 0.12 mm. Thinner than 0.20 mm: the grid cannot measure it more exactly.");
 }
 
-TEST(ApplyRubricTest, AMissingOrInfiniteMetricIsRefusedByName) {
-  auto missing = ApplyRubric(Three(), MetricSet{{{"wall_mesial_mm", 0, "mm"}}, {}});
-  ASSERT_FALSE(missing.ok());
-  EXPECT_EQ(missing.status().field(), "zone_target_removed_percent");
-  EXPECT_FALSE(ApplyRubric(Three(), Values(1.0 / 0.0, 99, 0)).ok());
-}
-
-scene::RubricGate Done() {
-  return {"task_done_percent", "Task done", "%", {{0, 0}, {90, 1}}, "The work was stopped early."};
-}
-
-MetricSet WithDone(double percent) {
-  MetricSet out = Values(0, 99, 0);
-  out.values.push_back({"task_done_percent", percent, "%"});
-  return out;
-}
-
-TEST(ApplyRubricTest, AGateTakesItsShareOfEveryCriterion) {
-  Rubric rubric = Three();
-  rubric.gates = {Done()};
-  auto half = ApplyRubric(rubric, WithDone(45));
-  ASSERT_TRUE(half.ok()) << half.status().message();
-  EXPECT_NEAR(half->score, 50, 1e-12);
-  double sum = 0;
-  for (const CriterionResult& c : half->criteria) sum += c.points;
-  EXPECT_NEAR(sum, 50, 1e-12) << "the points shown are those that count";
-  EXPECT_EQ(half->gates[0].reason,
-            "Task done: 45.0 % (full marks from 90.0 %, none up to 0.0 %). Every criterion keeps "
-            "50.0 % of its points. The work was stopped early.");
-  EXPECT_EQ(ApplyRubric(rubric, WithDone(0))->score, 0);
-  auto whole = ApplyRubric(rubric, WithDone(97));
-  EXPECT_EQ(whole->score, 100);
-  EXPECT_EQ(whole->gates[0].reason, "Task done: 97.0 % (full marks from 90.0 %).");
-}
-
-// A wall that is too far out made a place deep: the place is charged for what the wall leaves over.
-TEST(ApplyRubricTest, OneMistakeIsChargedUnderOneCriterion) {
-  Rubric rubric{"class-1", 3, {Wall()}, {}};
-  rubric.criteria.push_back(
-      {"deepest_over_mm", "No gouge", "mm", 10, {{0.1, 1}, {0.3, 0}}, "", {}});
-  MetricSet metrics{{{"wall_mesial_mm", 0.3, "mm"}, {"deepest_over_mm", 0.3, "mm"}}, {}};
-  EXPECT_EQ(ApplyRubric(rubric, metrics)->criteria[1].points, 0);
-
-  metrics.values[1].charged = 0.05;
-  metrics.values[1].under = {"floor_mm", "wall_mesial_mm"};
-  const ScoreResult once = *ApplyRubric(rubric, metrics);
-  EXPECT_EQ(once.criteria[1].points, 10);
-  EXPECT_EQ(once.criteria[1].value, 0.3);
-  EXPECT_EQ(once.criteria[1].charged, 0.05);
-  EXPECT_EQ(once.criteria[1].under, rubric.criteria[0].title);
-  EXPECT_NE(once.criteria[1].reason.find("not counted twice"), std::string::npos);
-
-  // Nothing else in the rubric is about the wall.
-  metrics.values[1].under = {"floor_mm"};
-  const ScoreResult alone = *ApplyRubric(rubric, metrics);
-  EXPECT_EQ(alone.criteria[1].points, 0);
-  EXPECT_EQ(alone.criteria[1].charged, 0.3);
-  EXPECT_TRUE(alone.criteria[1].under.empty());
-}
-
-// A gate takes the value as measured. Its advice is that of the wall which explains the value.
-TEST(ApplyRubricTest, AGateThatAWallClosedAdvisesAsTheWallDoes) {
-  Rubric rubric{"class-1", 3, {Wall()}, {}};
-  rubric.criteria.push_back({"crown_axis_deg", "Upright", "deg", 3, {{8, 1}, {18, 0}}, "", {}});
-  rubric.gates = {{"deepest_over_mm", "No second hole", "mm", {{0.6, 1}, {1.6, 0}}, ""}};
-  MetricSet metrics{
-      {{"wall_mesial_mm", 0, "mm"}, {"crown_axis_deg", 14, "deg"}, {"deepest_over_mm", 1.1, "mm"}},
-      {}};
-  EXPECT_FALSE(CriterionBehind(rubric, *ApplyRubric(rubric, metrics), 0));
-  metrics.values[2].charged = 0.1;
-  metrics.values[2].under = {"wall_mesial_mm", "crown_axis_deg"};
-  ScoreResult r = *ApplyRubric(rubric, metrics);
-  EXPECT_EQ(CriterionBehind(rubric, r, 0), 1u) << "the wall is right";
-  Advise(rubric, {}, r);
-  EXPECT_NE(r.gates[0].reason.find("long axis"), std::string::npos) << r.gates[0].reason;
-  metrics.values[2].charged = 1;
-  EXPECT_FALSE(CriterionBehind(rubric, *ApplyRubric(rubric, metrics), 0)) << "most is its own";
-}
-
-TEST(ApplyRubricTest, SeveralGatesMultiply) {
-  Rubric rubric = Three();
-  rubric.gates = {Done(), {"damage_percent", "Damage", "%", {{0, 1}, {100, 0}}, ""}};
-  MetricSet metrics = WithDone(45);
-  metrics.values.push_back({"damage_percent", 50, "%"});
-  EXPECT_NEAR(ApplyRubric(rubric, metrics)->score, 25, 1e-12);
-}
-
-TEST(ApplyRubricTest, WhatIsNotInTheTaskCountsNeitherWay) {
-  MetricSet metrics = Values(0, 87.5, 0);
-  metrics.values.erase(metrics.values.begin());
-  metrics.missing = {{"wall_mesial_mm", NoValue::kNotInTask}};
-  auto r = ApplyRubric(Three(), metrics);
-  ASSERT_TRUE(r.ok()) << r.status().message();
-  EXPECT_NEAR(r->score, 75, 1e-12);  // 10 + 20 of 20 + 20
-  EXPECT_FALSE(r->criteria[0].judged);
-  EXPECT_EQ(r->criteria[0].max_points, 0);
-  EXPECT_EQ(r->criteria[0].reason,
-            "Mesial wall: not judged, because the reference has none of it.");
-}
-
-TEST(ApplyRubricTest, WhatWasNotMadeEarnsNothing) {
-  MetricSet metrics = Values(0, 99, 0);
-  metrics.values.erase(metrics.values.begin());
-  metrics.missing = {{"wall_mesial_mm", NoValue::kNotMade}};
-  auto r = ApplyRubric(Three(), metrics);
-  ASSERT_TRUE(r.ok());
-  EXPECT_NEAR(r->score, 40, 1e-12);
-  EXPECT_EQ(r->criteria[0].max_points, 60);
-  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: there is nothing to measure yet.");
-}
-
-TEST(ApplyRubricTest, ARubricOfWhichNothingCanBeJudgedIsRefused) {
-  Rubric rubric{"one", 1, {Wall()}, {}};
-  MetricSet metrics;
-  metrics.missing = {{"wall_mesial_mm", NoValue::kNotInTask}};
-  EXPECT_EQ(ApplyRubric(rubric, metrics).status().field(), "criteria");
-}
-
-TEST(ApplyRubricTest, AGateWithoutAValueIsRefusedByName) {
-  Rubric rubric = Three();
-  rubric.gates = {{"caries_left_percent", "Caries", "%", {{0, 1}, {50, 0}}, ""}};
-  MetricSet metrics = Values(0, 99, 0);
-  metrics.missing = {{"caries_left_percent", NoValue::kNotInTask}};
-  EXPECT_EQ(ApplyRubric(rubric, metrics).status().field(), "caries_left_percent");
+TEST(FullMarksTest, AHundredIsSharedEvenlyByTheGroupsThatHaveAPrice) {
+  EXPECT_EQ(GroupsOf(ClassOne()),
+            (std::vector<Group>{Group::kOutline, Group::kInternalForm, Group::kTissuePreserved}));
+  EXPECT_NEAR(FullMarksOf(ClassOne()), 100.0 / 3, 1e-12);
+  Rubric stump = ClassOne();
+  stump.prices.push_back({"margin", 0.3, 0.4, 4, 12, 1, 4, "a test"});
+  EXPECT_EQ(FullMarksOf(stump), 25);
+  stump.prices.clear();
+  EXPECT_EQ(FullMarksOf(stump), 0);
 }
 
 TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
@@ -365,19 +310,31 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
     std::function<void(Rubric&)> spoil;
   };
   const Case cases[] = {
+      {"prices", [](Rubric& r) { r.prices.clear(); }},
+      {"prices[1].of", [](Rubric& r) { r.prices[1].of = "beauty"; }},
       {"criteria[0].metric", [](Rubric& r) { r.criteria[0].metric = "beauty"; }},
+      {"criteria[0].metric",
+       [](Rubric& r) {
+         r.criteria[0].metric = "wall_mesial_mm";
+         r.criteria[0].unit = "mm";
+       }},
+      {"criteria[1].metric",
+       [](Rubric& r) {
+         r.criteria[1].metric = "damage_percent";
+         r.criteria[1].unit = "%";
+       }},
       {"criteria[1].unit", [](Rubric& r) { r.criteria[1].unit = "mm"; }},
       {"criteria[0].map", [](Rubric& r) { r.criteria[0].map.clear(); }},
       {"criteria[0].map", [](Rubric& r) { std::swap(r.criteria[0].map[0], r.criteria[0].map[1]); }},
       {"criteria[0].map", [](Rubric& r) { r.criteria[0].map[1].share = 1.5; }},
-      {"criteria[2].points", [](Rubric& r) { r.criteria[2].points = -1; }},
-      {"criteria[2].fails_above", [](Rubric& r) { r.criteria[2].fails_above = 0.0 / 0.0; }},
-      {"criteria", [](Rubric& r) { r.criteria.clear(); }},
+      {"criteria[0].map", [](Rubric& r) { r.criteria[0].map[1].share = 0.0 / 0.0; }},
+      {"criteria[1].points", [](Rubric& r) { r.criteria[1].points = -1; }},
+      {"criteria[1].fails_above", [](Rubric& r) { r.criteria[1].fails_above = 0.0 / 0.0; }},
       {"criteria",
        [](Rubric& r) {
-         for (auto& c : r.criteria) c.points = 0;
+         const RubricCriterion one = r.criteria[0];
+         r.criteria.resize(kMaxCriteria, one);
        }},
-      {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
       {"critical[0].error",
        [](Rubric& r) {
          r.critical = {{"ugly", "time_s", "s", 1, true, "x"}};
@@ -387,122 +344,45 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
          r.critical = {{"all_cut", "time_s", "mm", 1, true, "x"}};
        }},
       {"critical", [](Rubric& r) { r.critical.resize(kMaxCritical + 1); }},
-      {"gates[0].metric",
-       [](Rubric& r) {
-         r.gates = {Done()};
-         r.gates[0].metric = "x";
-       }},
-      {"gates[0].unit",
-       [](Rubric& r) {
-         r.gates = {Done()};
-         r.gates[0].unit = "mm";
-       }},
-      {"gates[1].map",
-       [](Rubric& r) {
-         r.gates = {Done(), Done()};
-         r.gates[1].map.clear();
-       }},
-      {"gates", [](Rubric& r) { r.gates.resize(kMaxGates + 1, Done()); }},
   };
   for (const Case& c : cases) {
-    Rubric rubric = Three();
+    Rubric rubric = ClassOne();
     c.spoil(rubric);
-    Status status = ValidateRubric(rubric);
-    EXPECT_EQ(status.code(), Code::kInvalidInput);
+    const Status status = ValidateRubric(rubric);
+    EXPECT_EQ(status.code(), Code::kInvalidInput) << c.field;
     EXPECT_EQ(status.field(), c.field) << status.message();
+    EXPECT_FALSE(ApplyRubric(rubric, Hand(1, 50), Measures({})).ok());
   }
-  EXPECT_TRUE(ValidateRubric(Three()).ok());
+  EXPECT_TRUE(ValidateRubric(ClassOne()).ok());
+  Rubric handless = ClassOne();
+  handless.criteria.clear();
+  EXPECT_TRUE(ValidateRubric(handless).ok());
 }
 
-// A later rubric may need an unmeasured metric: the error names it, and no points are made up.
-TEST(ApplyRubricTest, AMetricThatWasNotMeasuredIsRefusedByName) {
-  MetricSet metrics = Values(0, 99, 0);
-  const std::string name = Three().criteria[0].metric;
-  std::erase_if(metrics.values, [&](const MetricValue& m) { return m.name == name; });
-  metrics.missing = {{name, NoValue::kNotUsed}};
-  auto result = ApplyRubric(Three(), metrics);
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.status().field(), name);
-  EXPECT_NE(result.status().message().find("again"), std::string::npos);
-}
-
-Rubric WithForce() {
-  Rubric rubric = Three();
-  rubric.criteria.push_back(
-      {"force_sent_p95_n", "Light hand", "N", 10, {{4, 1}, {8, 0}}, "Let it cut.", {}});
-  return rubric;
-}
-MetricSet WithForceOf(double force_n, bool limited) {
-  MetricSet metrics = Values(0, 99, 0);
-  metrics.values.push_back({"force_sent_p95_n", force_n, "N", limited});
-  return metrics;
-}
-
-TEST(ApplyRubricTest, AThicknessBelowWhatTheGridMeasuresIsToldBesideTheValue) {
-  Rubric rubric = Three();
-  rubric.criteria.push_back(
-      {"remaining_dentin_mm", "Cover", "mm", 10, {{0.5, 0}, {0.9, 1}}, "", {}});
-  MetricSet metrics = Values(0, 99, 0);
-  metrics.values.push_back({"remaining_dentin_mm", 0.12, "mm"});
-  EXPECT_EQ(ApplyRubric(rubric, metrics)->criteria.back().reason.find("grid"), std::string::npos);
-  metrics.values.back().below_grid = 0.2;
-  const CriterionResult told = ApplyRubric(rubric, metrics)->criteria.back();
-  EXPECT_EQ(
-      told.reason,
-      "Cover: 0.12 mm (full marks from 0.90 mm, none up to 0.50 mm). Thinner than 0.20 mm: the "
-      "grid cannot measure it more exactly.");
-  EXPECT_EQ(told.value, 0.12);
-  rubric.gates.push_back({"remaining_dentin_mm", "Cover", "mm", {{0, 0}, {0.5, 1}}, ""});
-  EXPECT_NE(ApplyRubric(rubric, metrics)->gates.back().reason.find("the grid cannot measure it"),
-            std::string::npos);
-}
-
-// A device that cannot press back as hard as the hand presses says nothing of how light it is.
-TEST(ApplyRubricTest, AForceAtTheDevicesLimitIsNotJudgedAndItsPointsAreNobodys) {
-  const ScoreResult without = *ApplyRubric(Three(), Values(0, 99, 0));
-  for (double force : {2.0, 6.0}) {
-    const ScoreResult hidden = *ApplyRubric(WithForce(), WithForceOf(force, true));
-    EXPECT_EQ(hidden.score, without.score) << "the other criteria share a hundred among them";
-    const CriterionResult& c = hidden.criteria.back();
-    EXPECT_FALSE(c.judged);
-    EXPECT_EQ(c.max_points, 0);
-    EXPECT_EQ(c.value, force);
-    EXPECT_NE(c.reason.find("at its limit"), std::string::npos) << c.reason;
-    EXPECT_EQ(CostlyCriteria(WithForce(), hidden), CostlyCriteria(Three(), without));
-  }
-  const ScoreResult judged = *ApplyRubric(WithForce(), WithForceOf(6, false));
-  EXPECT_EQ(judged.criteria.back().points, 5);
-  EXPECT_TRUE(judged.criteria.back().judged);
-}
-
-// Or pressing as hard as one can would be a way out.
-TEST(ApplyRubricTest, AForceThatCostsAllAtLeastStaysJudgedAtTheLimit) {
-  const ScoreResult all = *ApplyRubric(WithForce(), WithForceOf(8.5, true));
-  EXPECT_TRUE(all.criteria.back().judged);
-  EXPECT_EQ(all.criteria.back().points, 0);
-  EXPECT_EQ(all.criteria.back().max_points, 10);
-  Rubric critical = WithForce();
-  critical.criteria.back().fails_above = 7;
-  EXPECT_TRUE(ApplyRubric(critical, WithForceOf(7.5, true))->critical_fail);
-  EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->critical_fail);
-  EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->criteria.back().judged);
-}
-
-scene::RubricCritical ShortWall() {
-  return {"contact_left", "wall_mesial_mm", "mm", -0.2, false, "a textbook"};
-}
-
+// A score with mistakes that explain it, and everything else that it can hold.
 ScoreResult Filled() {
-  Rubric rubric = Three();
-  rubric.critical = {ShortWall()};
-  rubric.critical[0].limit = 1;
-  rubric.gates = {Done()};
-  MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
-  metrics.values.push_back({"task_done_percent", 66.6, "%", false, 70.5, {"floor_mm"}});
+  Rubric rubric = ClassOne();
+  rubric.critical = {{"contact_left", "wall_mesial_mm", "mm", 1, false, "a textbook"}};
+  MetricSet metrics = Hand(5.1 + 0.2, 123.4567890123456789);
+  metrics.values.push_back({"wall_mesial_mm", 0.1 + 0.2, "mm"});
   metrics.missing = {{"caries_left_mm3", NoValue::kNotInTask},
                      {"tilt_mesial_deg", NoValue::kNotMade},
                      {"dtw_pose_mm", NoValue::kNotUsed}};
-  ScoreResult r = *ApplyRubric(rubric, metrics);
+  const Sizes sizes{.floor_over = 0.31, .mesial_left = 0.7, .elsewhere = 0.3};
+  const std::vector<RegionCost> costs = Score(sizes).costs;
+  Mistake deep{
+      MistakeKind::kDeep,  "floor", 0.31, {1e-3, -0.123456789e-3, -2e-3}, {}, costs[0].lost,
+      Group::kInternalForm};
+  Mistake short_wall{MistakeKind::kUnderExtended,
+                     "wall_mesial",
+                     0.7,
+                     {2e-3, 0, 0},
+                     {},
+                     costs[1].lost,
+                     Group::kOutline};
+  Mistake shifted{MistakeKind::kShifted, "", 1.0 / 3, {}, {0.6, -0.8, 0}, costs[3].lost,
+                  Group::kOutline};
+  ScoreResult r = Score(rubric, metrics, sizes, {short_wall, deep, shifted});
   r.reference_attempt = "01890a5d-ac96-774b-bcce-b302099a8057";
   r.ticks = 123'456'789'012;
   r.gap_ticks = 7;
@@ -513,54 +393,111 @@ ScoreResult Filled() {
   r.metrics.front().below_grid = 0.2;
   r.metrics.push_back({"force_sent_max_n", 7.9, "N", true});
   Deduction over;
-  over.criterion = "wall_mesial_mm";
+  over.mistake = 1;
   over.volume_m3 = 1.23456789e-9;
   over.position_m = {1.7e-3, -0.123456789e-3, -1e-3};
   over.facing = {-1, 0, 0};
   over.first_tick = 5'000'000'000;
   over.first_s = 72.125;
   over.stroke_count = 2;
-  over.strokes = {{7, 5'000'000'000, 72.125, 1e-9}, {3, 6'000'000'000, 80, 0.23456789e-9}};
+  over.strokes = {{7, 5'000'000'000, 72.125, 2, 1e-9}, {3, 6'000'000'000, 80, 1, 0.23456789e-9}};
   Deduction left;
-  left.criterion = "missed_mm3";
   left.left = true;
   left.volume_m3 = 0.1e-9;
-  Advise(rubric, {over, left}, r);
+  r.deductions = {left, over};
   r.witness_note = "tick 12: \"force_sent\"\n";
   return r;
 }
 
+TEST(BrokenLawTest, FindsAChangedNumberInCriteriaRegionsAndMistakes) {
+  EXPECT_EQ(BrokenLaw(Filled()), "");
+  const auto broken = [](const std::function<void(ScoreResult&)>& change) {
+    ScoreResult r = Filled();
+    change(r);
+    return BrokenLaw(r);
+  };
+  constexpr double kLittle = 1e-6;
+  EXPECT_NE(broken([](ScoreResult& r) { r.points += kLittle; }), "");
+  EXPECT_NE(broken([](ScoreResult& r) { r.beyond += kLittle; }), "");
+  for (size_t i = 0; i < Filled().criteria.size(); ++i)
+    EXPECT_NE(broken([&](ScoreResult& r) { r.criteria[i].lost += kLittle; }), "") << i;
+  for (size_t i = 0; i < Filled().costs.size(); ++i)
+    EXPECT_NE(broken([&](ScoreResult& r) { r.costs[i].lost += kLittle; }), "") << i;
+  for (size_t i = 0; i < Filled().mistakes.size(); ++i)
+    EXPECT_NE(broken([&](ScoreResult& r) { r.mistakes[i].points -= kLittle; }), "") << i;
+  EXPECT_NE(broken([](ScoreResult& r) { r.mistakes.pop_back(); }), "");
+  EXPECT_NE(broken([](ScoreResult& r) { r.points = std::nan(""); }), "");
+  // A critical error takes the score, and no law.
+  EXPECT_EQ(broken([](ScoreResult& r) {
+              r.score = 0;
+              r.critical_fail = true;
+            }),
+            "");
+}
+
+TEST(BrokenLawTest, HoldsBeyondAHundred) {
+  const Sizes sizes{.mesial_left = 3, .elsewhere = 7};
+  const ScoreResult r = Score(sizes);
+  std::vector<Mistake> mistakes;
+  for (const RegionCost& cost : r.costs) mistakes.emplace_back().points = cost.lost;
+  EXPECT_EQ(BrokenLaw(Score(ClassOne(), Hand(1, 50), sizes, mistakes)), "");
+}
+
 TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
-  auto back = ScoreFromJson(ToJson(Filled()));
+  const ScoreResult filled = Filled();
+  auto back = ScoreFromJson(ToJson(filled));
   ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(ToJson(*back), ToJson(Filled()));
-  EXPECT_NEAR(back->score, Filled().score, 1e-10);
-  EXPECT_EQ(back->criteria.size(), 3u);
-  EXPECT_EQ(back->criteria[0].reasons[1], Filled().criteria[0].reasons[1]);
-  EXPECT_EQ(back->criteria[1].reason, Filled().criteria[1].reason);
-  EXPECT_EQ(back->ticks, 123'456'789'012u);
-  EXPECT_EQ(back->outages, 10u);
-  ASSERT_EQ(back->deductions.size(), 2u);
-  EXPECT_EQ(back->deductions[0].strokes[1].first_tick, 6'000'000'000u);
-  EXPECT_NEAR(back->deductions[0].position_m.y, -0.123456789e-3, 1e-15);
-  EXPECT_TRUE(back->deductions[1].left);
-  EXPECT_EQ(back->witness_note, Filled().witness_note);
+  EXPECT_EQ(ToJson(*back), ToJson(filled));
+  EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
+  EXPECT_EQ(BrokenLaw(*back), "");
+  EXPECT_NEAR(back->score, filled.score, 1e-10);
+  ASSERT_EQ(back->criteria.size(), filled.criteria.size());
+  EXPECT_EQ(back->criteria[1].group, Group::kInternalForm);
+  EXPECT_EQ(back->criteria[3].reason, filled.criteria[3].reason);
+  EXPECT_EQ(back->criteria[0].state, filled.criteria[0].state);
+  ASSERT_EQ(back->costs.size(), filled.costs.size());
+  for (size_t i = 0; i < back->costs.size(); ++i) {
+    EXPECT_EQ(back->measures[i].name, filled.measures[i].name);
+    EXPECT_EQ(back->costs[i].over, filled.costs[i].over);
+    EXPECT_EQ(back->costs[i].state, filled.costs[i].state);
+  }
+  ASSERT_EQ(back->mistakes.size(), 3U);
+  EXPECT_EQ(back->mistakes[0].kind, MistakeKind::kUnderExtended);
+  EXPECT_EQ(back->mistakes[0].place, "wall_mesial");
+  EXPECT_NEAR(back->mistakes[1].at_m.y, -0.123456789e-3, 1e-15);
+  EXPECT_NEAR(back->mistakes[2].towards.y, -0.8, 1e-12);
+  EXPECT_EQ(back->ticks, 123'456'789'012U);
+  EXPECT_EQ(back->outages, 10U);
+  ASSERT_EQ(back->deductions.size(), 2U);
+  EXPECT_TRUE(back->deductions[0].left);
+  EXPECT_EQ(back->deductions[1].mistake, 1U);
+  EXPECT_EQ(back->deductions[1].strokes[1].first_tick, 6'000'000'000U);
+  EXPECT_NEAR(back->deductions[1].position_m.y, -0.123456789e-3, 1e-15);
+  EXPECT_EQ(back->witness_note, filled.witness_note);
   EXPECT_TRUE(back->disturbance.disturbed());
-  EXPECT_NEAR(back->disturbance.limited_percent, 7.0 / 3, 1e-10);
   EXPECT_TRUE(back->metrics.back().limited);
   EXPECT_FALSE(back->metrics.front().limited);
   EXPECT_EQ(back->metrics.front().below_grid, 0.2);
-  EXPECT_FALSE(back->metrics.back().below_grid);
-  EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
+}
+
+TEST(ScoreJsonTest, ListsReadCriteriaAndMistakesAlone) {
+  const ScoreResult filled = Filled();
+  auto points = PointsFromJson(ToJson(filled));
+  ASSERT_TRUE(points.ok()) << points.status().message();
+  EXPECT_EQ(points->criteria, ScoreFromJson(ToJson(filled))->criteria);
+  EXPECT_EQ(points->mistakes, ScoreFromJson(ToJson(filled))->mistakes);
+  EXPECT_TRUE(points->metrics.empty() && points->costs.empty());
 }
 
 TEST(ScoreJsonTest, NumbersOfAnySizeSurviveAnyNumberOfTrips) {
   ScoreResult r = Filled();
   uint64_t bits = 0x3ff123456789abcd;
   for (int i = 0; i < 2000; ++i) {
-    bits = bits * 6364136223846793005u + 1442695040888963407u;
-    r.metrics[0].value = static_cast<double>(bits >> 11) * std::pow(10, -10 - i % 12);
-    std::string once = ToJson(r);
+    bits = bits * 6364136223846793005U + 1442695040888963407U;
+    const double number = static_cast<double>(bits >> 11) * std::pow(10, -10 - i % 12);
+    r.metrics[0].value = r.mistakes[0].size = r.measures[0].over = r.costs[0].lost = number;
+    r.mistakes[1].at_m.x = r.deductions[1].volume_m3 = number;
+    const std::string once = ToJson(r);
     auto back = ScoreFromJson(once);
     ASSERT_TRUE(back.ok());
     ASSERT_EQ(ToJson(*back), once);
@@ -568,20 +505,56 @@ TEST(ScoreJsonTest, NumbersOfAnySizeSurviveAnyNumberOfTrips) {
 }
 
 TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
-  std::string text = ToJson(Filled());
+  const std::string text = ToJson(Filled());
   for (size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(ScoreFromJson(text.substr(0, n)).ok());
   for (const char* member :
-       {"score",          "critical_fail",   "critical", "points",      "acceptance", "above",
-        "criteria",       "gates",           "metrics",  "missing",     "deductions", "envelope",
-        "rubric_version", "scoring_version", "ticks",    "disturbance", "witness_ok", "max_points",
-        "reason",         "judged",          "reasons",  "comment",     "lasts_s",    "here"}) {
+       {"score",    "critical_fail", "critical",  "points",         "acceptance",
+        "above",    "kind",          "criteria",  "group",          "lost",
+        "most",     "state",         "judged",    "reason",         "reasons",
+        "comment",  "regions",       "over",      "left",           "dearer",
+        "mistakes", "place",         "size",      "at_mm",          "towards",
+        "beyond",   "metrics",       "missing",   "deductions",     "mistake",
+        "lasts_s",  "here",          "envelope",  "rubric_version", "scoring_version",
+        "ticks",    "disturbance",   "witness_ok"}) {
     std::string spoiled = text;
-    spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2,
-                    "\"x\"");
+    // As a name, and not as a value.
+    const std::string name = "\"" + std::string(member) + "\":";
+    ASSERT_NE(spoiled.find(name), std::string::npos) << member;
+    spoiled.replace(spoiled.find(name), name.size(), "\"x\":");
     auto result = ScoreFromJson(spoiled);
     ASSERT_FALSE(result.ok()) << member;
     EXPECT_NE(result.status().field().find(member), std::string::npos) << result.status().message();
   }
+}
+
+TEST(ScoreJsonTest, NamesThatAreNotKnownAreRefused) {
+  const auto field = [](const std::string& from, const std::string& to) {
+    std::string spoiled = ToJson(Filled());
+    EXPECT_NE(spoiled.find(from), std::string::npos) << from;
+    spoiled.replace(spoiled.find(from), from.size(), to);
+    return ScoreFromJson(spoiled).status().field();
+  };
+  EXPECT_EQ(field("\"kind\":\"under_extended\"", "\"kind\":\"ugly\""), "mistakes[0].kind");
+  EXPECT_EQ(field("\"group\":\"outline\"", "\"group\":\"beauty\""), "criteria[0].group");
+  EXPECT_EQ(field("\"state\":\"modify\"", "\"state\":\"fine\""), "criteria[0].state");
+  EXPECT_EQ(field("\"dearer\":\"over\"", "\"dearer\":\"both\""), "regions[0].dearer");
+  EXPECT_EQ(field("\"acceptance\":\"", "\"acceptance\":\"x"), "acceptance");
+}
+
+TEST(ScoreJsonTest, MoreThanAScoreCanHoldIsRefused) {
+  const auto refused = [](const std::function<void(ScoreResult&)>& change) {
+    ScoreResult r = Filled();
+    change(r);
+    return ScoreFromJson(ToJson(r)).status().field();
+  };
+  EXPECT_EQ(refused([](ScoreResult& r) { r.mistakes.resize(kMaxMistakes + 1); }), "mistakes");
+  EXPECT_EQ(refused([](ScoreResult& r) { r.criteria.resize(kMaxCriteria + 1); }), "criteria");
+  EXPECT_EQ(refused([](ScoreResult& r) { r.deductions.resize(kMaxDeductions + 1); }), "deductions");
+  EXPECT_EQ(refused([](ScoreResult& r) {
+              r.measures.resize(kMaxMeasures + 1, {"floor", "floor", 0, 0});
+              r.costs.resize(kMaxMeasures + 1);
+            }),
+            "regions");
 }
 
 TEST(ScoreJsonTest, WrongTypesAndOversizeAreRefused) {

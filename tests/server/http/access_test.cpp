@@ -306,7 +306,11 @@ TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
   EXPECT_EQ(exercise.at("my_attempts"), 2);
   EXPECT_EQ(exercise.at("burs").at(0).at("shape"), "cylinder");
   EXPECT_EQ(exercise.at("target").at("depth_um"), 2000);
-  EXPECT_EQ(exercise.at("rubric").at("criteria").at(0).at("metric"), "wall_mesial_mm");
+  const boost::json::value& rubric = exercise.at("rubric");
+  EXPECT_EQ(rubric.at("criteria").at(0).at("metric"), "time_s");
+  EXPECT_EQ(rubric.at("prices").at(0).at("of"), "wall");
+  EXPECT_EQ(rubric.at("prices").at(0).at("unit"), "mm");
+  EXPECT_EQ(rubric.at("prices").at(0).at("left").to_number<double>(), 0.6);
   EXPECT_EQ(By("ada").Post(Scored("/reference"), R"({"dentist":"","consent":true})").status, 400);
 }
 

@@ -185,7 +185,7 @@ const Line kLines[] = {
     {"GET /api/v1/markings/{id}", "marking", "", "401 403 403 403 200 404 200 200 401 403"},
     {"PUT /api/v1/markings/{id}/markers", "marking", R"({"marker_ids":["SAM"]})", "401 403 403 403 400 404 400 400 401 403"},
     {"DELETE /api/v1/markings/{id}", "marking", "", "401 403 403 403 204 404 204 204 401 403"},
-    {"POST /api/v1/marking-works/{id}/marks", "marking work", R"({"rating":3,"criteria":{"wall_mesial_mm":{"points":5}}})", "401 403 403 403 204 404 204 204 401 403"},
+    {"POST /api/v1/marking-works/{id}/marks", "marking work", R"({"rating":3,"criteria":{"outline":{"points":5},"internal_form":{"points":5}}})", "401 403 403 403 204 404 204 204 401 403"},
     {"GET /api/v1/marking-works/{id}/timeline", "marking work", "", "401 403 403 403 503 404 503 503 401 403"},
     {"POST /api/v1/assignments/{id}/standard",     "assignment",     "csv work,criterion,marker,mark\na,rating,A,2\n", "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/assignments/{id}/grading",       "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},

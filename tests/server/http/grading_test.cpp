@@ -16,7 +16,8 @@ class GradingTest : public testing::Test {
  protected:
   struct Lost {
     const char* name;
-    double points, max_points;
+    double points;
+    bool judged = true;
   };
 
   GradingTest() {
@@ -28,7 +29,7 @@ class GradingTest : public testing::Test {
     terms.cohort = school_.cohort_a;
     assignment_ = school_.store->assignments.AddAssignment(terms, kBy)->id;
   }
-  Uuid Made(const Uuid& person, const std::vector<Lost>& criteria, double share = 1) {
+  Uuid Made(const Uuid& person, const std::vector<Lost>& criteria, double not_done_percent = 0) {
     ++school_.now_ms;
     return school_.ScoredAttempt(
         person, [&](AttemptRow& row) { row.assignment = assignment_; },
@@ -38,14 +39,14 @@ class GradingTest : public testing::Test {
             scoring::CriterionResult& c = result.criteria.emplace_back();
             c.name = each.name;
             c.title = std::string("Title of ") + each.name;
-            c.points = each.points;
-            c.max_points = each.max_points;
+            c.lost = each.points;
+            c.judged = each.judged;
           }
-          scoring::GateResult gate;
-          gate.name = "task_done_percent";
-          gate.value = 62.5;
-          gate.share = share;
-          result.gates = {gate};
+          if (not_done_percent == 0) return;
+          scoring::Mistake rest;
+          rest.kind = scoring::MistakeKind::kNotDone;
+          rest.size = not_done_percent;
+          result.mistakes = {rest};
         });
   }
   json::object Grading(const std::string& login, const std::string& of = "assignments") {
@@ -70,19 +71,20 @@ class GradingTest : public testing::Test {
 };
 
 TEST_F(GradingTest, SaysWhatEachAttemptLostUnderColumnsThatAreNamedOnce) {
-  const Uuid first = Made(school_.sam, {{"wall", 5, 20}, {"floor", 10, 10}, {"none", 0, 0}}, 0.5);
-  const Uuid second = Made(school_.sue, {{"depth", 1, 4}, {"wall", 20, 25}});
+  const Uuid first =
+      Made(school_.sam, {{"outline", 15}, {"margins", 0}, {"time_s", 0, false}}, 37.5);
+  const Uuid second = Made(school_.sue, {{"internal_form", 3}, {"outline", 5}});
   const json::object grading = Grading("ada");
   const json::array& columns = grading.at("criteria").as_array();
   ASSERT_EQ(columns.size(), 4u) << grading;
-  EXPECT_EQ(columns[0].at("name"), "depth") << "the newest attempt first";
-  EXPECT_EQ(columns[1].at("name"), "wall");
-  EXPECT_EQ(columns[1].at("title"), "Title of wall");
-  EXPECT_EQ(columns[1].at("max_points").to_number<double>(), 25) << "the most of any rubric";
+  EXPECT_EQ(columns[0].at("name"), "internal_form") << "the newest attempt first";
+  EXPECT_EQ(columns[1].at("name"), "outline");
+  EXPECT_EQ(columns[1].at("group"), "hand");
+  EXPECT_EQ(columns[1].at("title"), "Title of outline");
   EXPECT_EQ(json::serialize(Row(grading, second).at("lost")), "[3E0,5E0]");
   EXPECT_EQ(json::serialize(Row(grading, first).at("lost")), "[null,1.5E1,0E0,null]");
   EXPECT_EQ(Row(grading, first).at("done_percent").to_number<double>(), 62.5);
-  EXPECT_TRUE(Row(grading, second).at("done_percent").is_null()) << "it took no points";
+  EXPECT_TRUE(Row(grading, second).at("done_percent").is_null()) << "all of it was done";
   EXPECT_EQ(grading.at("exercises").as_array().size(), 1u);
   EXPECT_EQ(Row(grading, first).at("exercise"), 0);
   EXPECT_EQ(Row(grading, first).at("person").at("display_name"), "Person sam");
@@ -95,7 +97,7 @@ TEST_F(GradingTest, SaysWhatEachAttemptLostUnderColumnsThatAreNamedOnce) {
 }
 
 TEST_F(GradingTest, ShowsNoScoreThatAMarkerMayNotKnow) {
-  const Uuid id = Made(school_.sam, {{"wall", 5, 20}});
+  const Uuid id = Made(school_.sam, {{"outline", 15}});
   ASSERT_TRUE(
       school_.store->markings.BeginMarking(assignment_, {id}, {school_.ada, school_.root}, kBy)
           .ok());
@@ -111,7 +113,7 @@ TEST_F(GradingTest, ShowsNoScoreThatAMarkerMayNotKnow) {
 }
 
 TEST_F(GradingTest, ADocumentThatCannotBeReadCostsItsRowThePoints) {
-  const Uuid id = Made(school_.sam, {{"wall", 5, 20}});
+  const Uuid id = Made(school_.sam, {{"outline", 15}});
   const auto row = school_.store->attempts.AttemptById(id);
   ASSERT_EQ(std::filesystem::exists(school_.folder.path()), true);
   size_t removed = 0;

@@ -23,8 +23,8 @@ class AssignmentInsightTest : public testing::Test {
     row.cohort = school_.cohort_a;
     assignment_ = school_.store->assignments.AddAssignment(row, kBy)->id;
   }
-  // An attempt of 1000 ticks at 1 kHz with these points of 20 for the mesial wall.
-  Uuid Made(const Uuid& person, double points, double score, bool under = true) {
+  // An attempt of 1000 ticks at 1 kHz that lost these points by a mesial wall.
+  Uuid Made(const Uuid& person, double lost, double score, bool under = true) {
     ++school_.now_ms;
     const Uuid id = school_.ScoredAttempt(
         person,
@@ -34,14 +34,26 @@ class AssignmentInsightTest : public testing::Test {
         },
         [&](scoring::ScoreResult& result) {
           result.score = score;
-          scoring::CriterionResult wall;
-          wall.name = "wall_mesial_mm";
-          wall.title = "Mesial wall";
-          wall.value = 0.3;
-          wall.unit = "mm";
-          wall.points = points;
-          wall.max_points = 20;
-          result.criteria = {wall};
+          scoring::CriterionResult outline;
+          outline.name = "outline";
+          outline.group = scoring::Group::kOutline;
+          outline.title = "Outline";
+          outline.lost = lost;
+          outline.state = scoring::State::kModify;
+          scoring::CriterionResult force;
+          force.name = "force_sent_p95_n";
+          force.title = "Light hand";
+          force.unit = "N";
+          force.value = 0.3;
+          force.judged = true;
+          result.criteria = {outline, force};
+          scoring::Mistake wall;
+          wall.kind = scoring::MistakeKind::kOverExtended;
+          wall.place = "wall_mesial";
+          wall.size = 0.4;
+          wall.points = lost;
+          wall.at_m = {2e-3, 0, -1e-3};
+          result.mistakes = {wall};
         });
     return id;
   }
@@ -69,7 +81,7 @@ class AssignmentInsightTest : public testing::Test {
 };
 
 TEST_F(AssignmentInsightTest, SaysWhoHasNotBegunAndWhatWasLost) {
-  const Uuid worse = Made(school_.sam, 5, 40);
+  const Uuid worse = Made(school_.sam, 15, 40);
   const Uuid better = Made(school_.sam, 10, 75);
   const json::object insight = Insight("ada");
   EXPECT_EQ(insight.at("summary").at("students"), 2);
@@ -80,10 +92,22 @@ TEST_F(AssignmentInsightTest, SaysWhoHasNotBegunAndWhatWasLost) {
   EXPECT_EQ(sam.at("attempts"), 2);
   EXPECT_EQ(sam.at("time_s").to_number<double>(), 2) << "of both attempts";
   EXPECT_EQ(sam.at("attempt_id").as_string(), better.Text().c_str()) << "the best counts";
-  EXPECT_EQ(sam.at("points").at(0).to_number<double>(), 10);
-  EXPECT_EQ(insight.at("commonest"), "wall_mesial_mm") << "10 of 20 points are half";
-  EXPECT_EQ(insight.at("criteria").at(0).at("half_lost"), 1);
-  EXPECT_EQ(insight.at("criteria").at(0).at("values").at("median").to_number<double>(), 0.3);
+  EXPECT_EQ(sam.at("lost").at(0).to_number<double>(), 10);
+  const json::value& outline = insight.at("criteria").at(0);
+  EXPECT_EQ(outline.at("group"), "outline");
+  EXPECT_EQ(outline.at("to_change"), 1);
+  EXPECT_EQ(outline.at("mean_lost").to_number<double>(), 10);
+  EXPECT_TRUE(outline.at("values").is_null());
+  const json::value& force = insight.at("criteria").at(1);
+  EXPECT_EQ(force.at("values").at("median").to_number<double>(), 0.3);
+  EXPECT_EQ(insight.at("commonest"), 0);
+  const json::value& wall = insight.at("mistakes").at(0);
+  EXPECT_EQ(wall.at("kind"), "over_extended");
+  EXPECT_EQ(wall.at("place"), "wall_mesial");
+  EXPECT_EQ(wall.at("students"), 1);
+  EXPECT_EQ(wall.at("size").to_number<double>(), 0.4);
+  EXPECT_EQ(wall.at("unit"), "mm");
+  EXPECT_EQ(wall.at("at_mm").at(0).to_number<double>(), 2);
 
   ASSERT_TRUE(school_.store->judging.FlagAttempt(better, kExcused, "power cut", kBy).ok());
   EXPECT_EQ(Row(Insight("ada"), "Person sam").at("attempt_id").as_string(), worse.Text().c_str());

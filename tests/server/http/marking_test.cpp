@@ -64,9 +64,10 @@ class MarkingTest : public testing::Test {
     return By(login).Post("/api/v1/marking-works/" + work + "/marks", body);
   }
   static std::string Body(int rating, double points, const std::string& comment = "") {
-    return json::serialize(json::object{
-        {"rating", rating},
-        {"criteria", {{"wall_mesial_mm", {{"points", points}, {"comment", comment}}}}}});
+    return json::serialize(json::object{{"rating", rating},
+                                        {"criteria",
+                                         {{"outline", {{"points", points}, {"comment", comment}}},
+                                          {"internal_form", {{"points", points}}}}}});
   }
   void MarkAllBy(const std::string& login, const std::string& marking) {
     const auto works = WorksOf("ada", marking);
@@ -171,13 +172,17 @@ TEST_F(MarkingTest, AfterTheLastMarkEverybodysMarksAreBesideTheProgramsPoints) {
 TEST_F(MarkingTest, MarksThatAreNoneOrTwiceOrOfOthersWorkAreRefused) {
   const std::string marking = Begin();
   const std::string work = WorksOf("ada", marking)[0];
-  EXPECT_EQ(Mark("ada", work, R"({"criteria":{"wall_mesial_mm":{"points":5}}})").status, 400)
+  EXPECT_EQ(
+      Mark("ada", work, R"({"criteria":{"outline":{"points":5},"internal_form":{"points":5}}})")
+          .status,
+      400)
       << "the rating comes first";
   EXPECT_EQ(Mark("ada", work, Body(6, 5)).status, 400);
-  EXPECT_EQ(Mark("ada", work, Body(3, 21)).status, 400) << "of 20";
+  EXPECT_EQ(Mark("ada", work, Body(3, 51)).status, 400) << "of 50";
   EXPECT_EQ(Mark("ada", work, R"({"rating":3,"criteria":{}})").status, 400);
   EXPECT_EQ(Mark("ada", work,
-                 R"({"rating":3,"criteria":{"wall_mesial_mm":{"points":5},"time_s":{"points":1}}})")
+                 R"({"rating":3,"criteria":{"outline":{"points":5},"internal_form":{"points":5},)"
+                 R"("time_s":{"points":1}}})")
                 .status,
             400);
   EXPECT_EQ(Mark("root", work, Body(3, 5)).status, 404) << "not a marker";
@@ -288,24 +293,17 @@ TEST_F(MarkingTest, MarkersAndWorkThatCannotBeAreRefused) {
 }
 
 // A tooth shows neither how hard nor how long it was cut.
-TEST_F(MarkingTest, ForceAndTimeAreNotMarked) {
+TEST_F(MarkingTest, TheGroupsOfTheRubricAreMarkedAndTheHandIsNot) {
   const ExerciseRow exercise = *school_.store->exercises.ExerciseById(school_.exercise);
   const Bytes text = *school_.store->blobs.GetBlob(exercise.content);
-  scene::Rubric rubric = scene::ExerciseFromJson(AsText(text))->rubric;
-  for (const auto& [metric, unit] :
-       {std::pair{"time_s", "s"}, std::pair{"force_sent_p95_n", "N"}}) {
-    scene::RubricCriterion more = rubric.criteria[0];
-    more.metric = metric, more.title = metric, more.unit = unit;
-    rubric.criteria.push_back(more);
-  }
-  rubric.version += 1;
-  const Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(rubric)));
-  const auto published = school_.store->rubrics.PublishRubric(
-      {school_.exercise, rubric.version, content, "force and time", 0}, kBy);
-  ASSERT_TRUE(published.ok()) << published.status().message();
+  ASSERT_FALSE(scene::ExerciseFromJson(AsText(text))->rubric.criteria.empty());
   const json::object seen = Seen("ada", Begin());
-  ASSERT_EQ(seen.at("criteria").as_array().size(), 1U);
-  EXPECT_EQ(seen.at("criteria").at(0).at("name"), "wall_mesial_mm");
+  const json::array& groups = seen.at("criteria").as_array();
+  ASSERT_EQ(groups.size(), 2U);
+  EXPECT_EQ(groups[0].at("name"), "outline");
+  EXPECT_EQ(groups[0].at("title"), "Outline");
+  EXPECT_EQ(groups[0].at("max_points").to_number<double>(), 50);
+  EXPECT_EQ(groups[1].at("name"), "internal_form");
 }
 
 }  // namespace

@@ -62,13 +62,10 @@ scene::Exercise SomeExercise(const Sha256& scene) {
   out.target.leeway_bottom_um = 300;
   out.target.container_um = 500;
   out.rubric.name = "class-1";
-  out.rubric.criteria.push_back({"wall_mesial_mm",
-                                 "Mesial wall",
-                                 "mm",
-                                 20,
-                                 {{0.0, 1.0}, {0.5, 0.0}},
-                                 "too deep",
-                                 std::nullopt});
+  out.rubric.prices = {{"wall", 0.45, 0.6, 12, 36, 2, 12, "chosen"},
+                       {"floor", 0.4, 0.5, 12, 36, 2, 12, "chosen"},
+                       {"line_angle", 0.6, 0.6, 5, 6, 1, 5, "chosen"}};
+  out.rubric.criteria = {{"time_s", "Time", "s", 20, {{300, 1}, {600, 0}}, "too slow", {}}};
   return out;
 }
 

@@ -21,6 +21,8 @@ namespace {
 
 namespace json = boost::json;
 
+const scene::RubricCriterion kTime{"time_s", "Time", "s", 20, {{300, 1}, {600, 0}}, "too slow", {}};
+
 class TeachingTest : public testing::Test {
  protected:
   TeachingTest() {
@@ -139,6 +141,7 @@ TEST_F(DraftTest, DryRunSaysWhatIsWrongAndStoresNothing) {
   EXPECT_EQ(Post("ben", "/api/v1/exercises?dry_run=true", Document()).status, 200);
   EXPECT_TRUE(
       Parsed(By("ben").Get("/api/v1/exercises?state=draft")).at("exercises").as_array().empty());
+  document_.rubric.criteria = {kTime};
   document_.rubric.criteria.front().unit = "N";
   RawResponse wrong = Post("ben", "/api/v1/exercises?dry_run=true", Document());
   EXPECT_EQ(wrong.status, 400);
@@ -164,7 +167,8 @@ TEST_F(DraftTest, DryRunRefusesGradedWorkInVoxelsTooCoarseForItsBurAndWarnsOfPra
 }
 
 TEST_F(DraftTest, TrialScoresTheTargetCutExactlyAndAnUntouchedTooth) {
-  document_.rubric.criteria.front().map = {{-1e6, 0.25}};  // never more than a quarter
+  document_.rubric.criteria = {kTime};
+  document_.rubric.criteria.front().map = {{0, 0.25}};  // never more than a quarter
   const RawResponse begun = Post("ben", "/api/v1/exercise-trials", Document());
   ASSERT_EQ(begun.status, 201) << begun.body;
   const std::string path =
@@ -176,9 +180,9 @@ TEST_F(DraftTest, TrialScoresTheTargetCutExactlyAndAnUntouchedTooth) {
   }
   ASSERT_EQ(trial.at("state"), "done") << trial;
   EXPECT_LT(trial.at("exact").at("score").to_number<double>(), 100);
-  const json::value& named = trial.at("exact").at("named").at(0);
-  EXPECT_EQ(named.at("metric").as_string(), document_.rubric.criteria.front().metric);
-  EXPECT_DOUBLE_EQ(named.at("share").to_number<double>(), 0.25);
+  const json::value& lost = trial.at("exact").at("lost").at(0);
+  EXPECT_EQ(lost.at("name").as_string(), kTime.metric);
+  EXPECT_DOUBLE_EQ(lost.at("points").to_number<double>(), 0.75 * kTime.points);
   EXPECT_EQ(trial.at("untouched").at("score").to_number<double>(), 0);
   EXPECT_EQ(By("ada").Get(path).status, 404) << "it is ben's";
   EXPECT_EQ(Send("ben", "DELETE", path, nullptr).status, 204);
@@ -379,8 +383,12 @@ TEST_F(DraftTest, DocumentsThatCannotBeDoneAreRefusedWithTheField) {
   };
   const Bad bads[] = {
       {[](scene::Exercise& e) { e.scene = HashSha256(AsBytes("other")); }, "scene_sha256"},
-      {[](scene::Exercise& e) { e.rubric.criteria[0].metric = "charm"; },
+      {[](scene::Exercise& e) {
+         e.rubric.criteria = {kTime};
+         e.rubric.criteria[0].metric = "charm";
+       },
        "rubric.criteria[0].metric"},
+      {[](scene::Exercise& e) { e.rubric.prices[0].of = "charm"; }, "rubric.prices[0].of"},
   };
   for (const Bad& bad : bads) {
     scene::Exercise spoilt = document_;
@@ -819,8 +827,15 @@ TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
   EXPECT_EQ(shown.at("rubric").at("version"), own + 1);
   EXPECT_EQ(shown.at("rubric").at("criteria").at(0).at("points").to_number<double>(), 77);
 
+  json::array& prices = body["rubric"].at("prices").as_array();
+  prices.erase(prices.begin());
+  const std::string now = "\"" + std::to_string(own + 1) + "\"";
+  RawResponse unpriced = Post("ada", path, body, now);
+  EXPECT_EQ(unpriced.status, 400);
+  EXPECT_NE(unpriced.body.find("which the current rubric has"), std::string::npos) << unpriced.body;
+
   body["rubric"].at("criteria").at(0).at("metric") = "no_such_metric";
-  RawResponse unknown = Post("ada", path, body, "\"" + std::to_string(own + 1) + "\"");
+  RawResponse unknown = Post("ada", path, body, now);
   EXPECT_EQ(unknown.status, 400);
   EXPECT_NE(unknown.body.find("no_such_metric"), std::string::npos) << unknown.body;
 }

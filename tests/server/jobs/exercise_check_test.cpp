@@ -16,6 +16,10 @@
 namespace enamel::server {
 namespace {
 
+const scene::RubricCriterion kTime{"time_s", "Time", "s", 10, {{300, 1}, {600, 0}}, "slow", {}};
+const scene::RubricCriterion kForce{"force_sent_p95_n", "Force", "N", 10,
+                                    {{1, 1}, {3, 0}},   "hard",  {}};
+
 class ExerciseCheckTest : public ::testing::Test {
  protected:
   // Coarse, and so practice: the checks are about sizes of millimetres.
@@ -106,19 +110,9 @@ TEST_F(ExerciseCheckTest, GradedWorkInVoxelsTooCoarseForItsBurIsRefusedAndPracti
   EXPECT_TRUE(CheckExercise(store_->blobs, exercise).ok());
 }
 
-TEST_F(ExerciseCheckTest, CriterionOfWhatTheToothDoesNotHaveIsRefused) {
+TEST_F(ExerciseCheckTest, CriticalErrorOfWhatTheToothDoesNotHaveIsRefused) {
   const scene::Exercise good = Named("molar", "class-1");
-  auto first = [](const char* metric, const char* unit) {
-    return [=](scene::Exercise& e) {
-      e.rubric.criteria[0].metric = metric;
-      e.rubric.criteria[0].unit = unit;
-    };
-  };
-  const std::string field = "rubric.criteria[0].metric";
-  ExpectRefused(good, first("caries_left_mm3", "mm3"), field);
-  ExpectRefused(good, first("neighbour_removed_mm3", "mm3"), field);
-  ExpectRefused(good, first("convergence_mesiodistal_deg", "deg"), field);
-  // A critical error of such a thing would never be found.
+  // It would never be found.
   auto critical = [](const char* error, const char* metric, const char* unit) {
     return
         [=](scene::Exercise& e) { e.rubric.critical[0] = {error, metric, unit, 25, true, "us"}; };
@@ -130,15 +124,33 @@ TEST_F(ExerciseCheckTest, CriterionOfWhatTheToothDoesNotHaveIsRefused) {
   ExpectRefused(good, critical("cannot_seat", "crown_overhang_mm", "mm"), listed);
 }
 
+TEST_F(ExerciseCheckTest, RubricThatCannotJudgeTheTargetIsRefused) {
+  auto without = [](const char* kind) {
+    return [=](scene::Exercise& e) {
+      std::erase_if(e.rubric.prices, [=](const auto& price) { return price.of == kind; });
+    };
+  };
+  const scene::Exercise cavity = Named("molar", "class-1");
+  for (const char* kind : {"wall", "floor", "line_angle"})
+    ExpectRefused(cavity, without(kind), "rubric.prices");
+  const scene::Exercise crown = Named("molar", "crown");
+  for (const char* kind : {"table", "axial_wall", "margin"})
+    ExpectRefused(crown, without(kind), "rubric.prices");
+}
+
 TEST_F(ExerciseCheckTest, WordsThatATerminalObeysAreRefused) {
-  const scene::Exercise good = Named("molar", "class-1");
+  scene::Exercise good = Named("molar", "class-1");
+  good.rubric.criteria = {kTime, kForce};
+  ASSERT_TRUE(CheckExercise(store_->blobs, good).ok());
   for (const std::string bad : {"a\x1b[2J", "a\nb",
                                 "a\xe2\x80\xae"
                                 "b"}) {
     ExpectRefused(
-        good, [&](auto& e) { e.rubric.criteria[1].title = bad; }, "rubric.criteria[1].title");
+        good, [&](auto& e) { e.rubric.prices[1].source = bad; }, "rubric.prices[1].source");
     ExpectRefused(
-        good, [&](auto& e) { e.rubric.criteria[2].comment = bad; }, "rubric.criteria[2].comment");
+        good, [&](auto& e) { e.rubric.criteria[0].title = bad; }, "rubric.criteria[0].title");
+    ExpectRefused(
+        good, [&](auto& e) { e.rubric.criteria[1].comment = bad; }, "rubric.criteria[1].comment");
   }
 }
 
@@ -148,7 +160,7 @@ TEST_F(ExerciseCheckTest, SizesAndMetricsThatContradictAreWarnedAbout) {
   const auto warnings = ExerciseWarnings(store_->blobs, exercise);
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_NE(warnings[0].find("7.5 mm deep"), std::string::npos);
-  exercise.rubric.criteria.push_back(exercise.rubric.criteria[0]);
+  exercise.rubric.criteria = {kTime, kForce, kTime};
   ASSERT_EQ(RepeatedMetrics(exercise.rubric).size(), 1u);
 }
 

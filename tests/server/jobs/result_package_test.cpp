@@ -79,7 +79,7 @@ TEST_F(ResultPackageTest, KeepsTheRubricThatCounted) {
   Score();
   scene::Rubric rubric = World::Get().exercise.rubric;
   rubric.version += 1;
-  rubric.criteria[0].points += 1;
+  rubric.prices[0].points /= 2;
   const Sha256 content = *school_->store->blobs.PutBlob(AsBytes(scene::ToJson(rubric)));
   ASSERT_TRUE(
       school_->store->rubrics

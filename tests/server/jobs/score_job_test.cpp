@@ -58,6 +58,14 @@ class ScoreJobTest : public ::testing::Test {
                                 const std::vector<ReferenceRow>& counting = {}) {
     return PreviewRubric(*school_->store, OfExercise(), rubric, counting);
   }
+  // The exercise's own, with walls at half the price.
+  scene::Rubric Milder() {
+    scene::Rubric out = world_.exercise.rubric;
+    const auto wall = std::ranges::find(out.prices, "wall", &scene::RubricPrice::of);
+    EXPECT_NE(wall, out.prices.end());
+    wall->points /= 2;
+    return out;
+  }
   // Counts from now on, as the exercise's next version of it.
   void Publish(scene::Rubric rubric) {
     rubric.version = world_.exercise.rubric.version + 1;
@@ -213,6 +221,8 @@ TEST_F(ScoreJobTest, AMotionIsReadOnceForAllThatAreComparedWithIt) {
 TEST_F(ScoreJobTest, AnotherScoreWithdrawsTheReleaseAndTheSamePointsAndReasonsDoNot) {
   const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   const scoring::ScoreResult score = ScoreOf(attempt);
+  ASSERT_FALSE(score.mistakes.empty());
+  ASSERT_FALSE(score.criteria.back().reasons.empty()) << "the hand's";
   const auto stays_released = [&](const scoring::ScoreResult& before) {
     school_->SetScore(attempt, before);
     EXPECT_TRUE(school_->store->judging.ReleaseAttempt(attempt, Actor{{}, "test"}).ok());
@@ -223,18 +233,24 @@ TEST_F(ScoreJobTest, AnotherScoreWithdrawsTheReleaseAndTheSamePointsAndReasonsDo
   // The stored score has fewer metrics, and other words.
   scoring::ScoreResult fewer = score;
   fewer.metrics.pop_back();
-  fewer.criteria[0].reason = "The same, in other words.";
+  fewer.criteria.back().reason = "The same, in other words.";
   EXPECT_TRUE(stays_released(fewer));
 
   const std::function<void(scoring::ScoreResult&)> others[] = {
       [](auto& s) { s.score -= 0.001; },
       [](auto& s) { s.critical_fail = true; },
-      [](auto& s) { s.criteria[0].points -= 0.001; },
-      [](auto& s) { s.criteria[0].reasons[0].code = "any"; },
-      [](auto& s) { s.criteria[0].reasons[0].values[0] += 0.001; },
-      [](auto& s) { s.criteria[0].comment += " Watch it."; },
-      [](auto& s) { s.criteria[0].judged = false; },
-      [](auto& s) { s.criteria.pop_back(); }};
+      [](auto& s) { s.criteria[0].lost += 0.001; },
+      [](auto& s) { s.criteria[0].state = scoring::State::kRedo; },
+      [](auto& s) { s.criteria.back().reasons[0].code = "any"; },
+      [](auto& s) { s.criteria.back().reasons[0].values[0] += 0.001; },
+      [](auto& s) { s.criteria.back().comment += " Watch it."; },
+      [](auto& s) { s.criteria.back().judged = false; },
+      [](auto& s) { s.criteria.pop_back(); },
+      [](auto& s) { s.mistakes[0].kind = scoring::MistakeKind::kHole; },
+      [](auto& s) { s.mistakes[0].place = "floor"; },
+      [](auto& s) { s.mistakes[0].size += 0.001; },
+      [](auto& s) { s.mistakes[0].points += 0.001; },
+      [](auto& s) { s.mistakes.pop_back(); }};
   for (size_t i = 0; i < std::size(others); ++i) {
     scoring::ScoreResult other = score;
     others[i](other);
@@ -249,7 +265,8 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
                            "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm"}) {
     EXPECT_EQ(Metric(score, name), 0) << name;
   }
-  EXPECT_EQ(score.score, 100) << "the least of them: " << score.criteria[0].reason;
+  EXPECT_EQ(score.score, 100);
+  EXPECT_TRUE(score.mistakes.empty());
   EXPECT_TRUE(score.deductions.empty()) << "nothing too much";
   EXPECT_EQ(score.reference_attempt, reference.Text());
   EXPECT_EQ(school_->Result(reference).reference, reference);
@@ -261,11 +278,7 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
 TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
   const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   const scoring::ScoreResult before = ScoreOf(attempt);
-  scene::Rubric rubric = world_.exercise.rubric;
-  const auto wall =
-      std::ranges::find(rubric.criteria, "wall_mesial_mm", &scene::RubricCriterion::metric);
-  ASSERT_NE(wall, rubric.criteria.end());
-  wall->map = {{-0.5, 1}, {0.5, 1}, {1, 0}};
+  const scene::Rubric rubric = Milder();
 
   auto preview = Preview(rubric);
   ASSERT_TRUE(preview.ok()) << preview.status().message();
@@ -301,10 +314,7 @@ TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
   EXPECT_FALSE(of_attempt(*same).other_references);
 
   counting.push_back({});
-  scene::Rubric milder = world_.exercise.rubric;
-  std::erase_if(milder.criteria,
-                [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
-  auto other = Preview(milder, counting);
+  auto other = Preview(Milder(), counting);
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->withdrawn, 1u);
   EXPECT_TRUE(of_attempt(*other).other_references);
@@ -324,7 +334,7 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   for (const RegradedAttempt& a : preview->attempts) EXPECT_NE(a.problem, "");
 
   scene::Rubric broken = world_.exercise.rubric;
-  broken.criteria[0].metric = "no_such_metric";
+  broken.prices[0].of = "no such kind";
   EXPECT_EQ(Preview(broken).status().code(), Code::kInvalidInput);
 }
 
@@ -356,14 +366,13 @@ TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
   EXPECT_NEAR(Metric(score, "floor_mm"), 0, 0.025);
   EXPECT_LT(score.score, 100);
   EXPECT_EQ(score.reference_attempt, school_->reference.Text());
-  bool explained = false;
-  for (const auto& c : score.criteria)
-    explained |= c.reason.find("0.30 mm too deep") != std::string::npos;
-  EXPECT_TRUE(explained);
+  ASSERT_FALSE(score.mistakes.empty());
+  EXPECT_EQ(score.mistakes[0].kind, scoring::MistakeKind::kOverExtended);
+  EXPECT_EQ(score.mistakes[0].place, "wall_mesial");
+  EXPECT_NEAR(score.mistakes[0].size, 0.3, 0.06);  // the leeway may be explained or not
   // And where, and when.
-  auto wall = std::find_if(score.deductions.begin(), score.deductions.end(), [](const auto& d) {
-    return d.criterion == "wall_mesial_mm" && !d.left;
-  });
+  auto wall = std::find_if(score.deductions.begin(), score.deductions.end(),
+                           [](const auto& d) { return d.mistake == 0 && !d.left; });
   ASSERT_NE(wall, score.deductions.end());
   EXPECT_GT(wall->volume_m3, 0);
   ASSERT_FALSE(wall->strokes.empty());
@@ -579,12 +588,18 @@ TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {
   ExpectFailed(other, "cannot be read");
 }
 
-TEST_F(ScoreJobTest, WithoutAReferenceAnAttemptWaitsAndSaysSo) {
+TEST_F(ScoreJobTest, WithoutAReferenceTheTargetJudgesAndTheFirstReferenceHasItScoredAgain) {
   school_ = std::make_unique<JobSchool>();
-  const Uuid attempt = school_->Record();
-  ExpectFailed(attempt, "no reference yet");
-  school_->RecordReference();
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
+  EXPECT_EQ(ScoreOf(attempt).reference_attempt, "");
+  EXPECT_FALSE(school_->Result(attempt).reference.has_value());
+  EXPECT_LT(ScoreOf(attempt).score, 100) << "against the exercise's own target";
+  school_->Exec("DELETE FROM jobs");
+  const Uuid reference = school_->RecordReference({.mesial_extra_mm = 0.3});
+  const auto queued = *school_->store->jobs.Jobs("queued");
+  EXPECT_NE(std::ranges::find(queued, attempt, &JobRow::attempt), queued.end());
   ASSERT_TRUE(Run(attempt).ok());
+  EXPECT_EQ(ScoreOf(attempt).reference_attempt, reference.Text());
   EXPECT_EQ(ScoreOf(attempt).score, 100);
 }
 

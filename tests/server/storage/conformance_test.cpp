@@ -269,25 +269,46 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   EXPECT_EQ(store_->results.ResultOf(scored)->reference, scored);
 }
 
-TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
+TEST_P(StoreTest, FirstReferenceQueuesAttemptsThatTheTargetJudged) {
   World world(*store_);
-  Uuid waiting = world.OpenedAttempt();
-  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
-  auto job = store_->jobs.LeaseJob(1, 1000);
-  ASSERT_TRUE(job.ok() && job->has_value());
+  const Uuid by_target = world.ScoredAttempt(), by_another = world.ScoredAttempt();
+  const Uuid failed = world.OpenedAttempt(), reference = world.ScoredAttempt();
+  AttemptResult compared = *store_->results.ResultOf(by_another);
+  compared.reference = by_target;
+  ASSERT_TRUE(store_->results.FinishAttempt(by_another, compared, {}).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(failed, 1)), 200).ok());
   ASSERT_TRUE(
-      store_->results.FailAttempt(waiting, Status(Code::kConflict, "no reference yet"), {}).ok());
-  ASSERT_TRUE(store_->jobs.FinishJob((*job)->lease, true, "").ok());
-
-  Uuid reference = world.ScoredAttempt();
-  ASSERT_TRUE(store_->references.AddReference(reference, "Dr. Example", true, kSystem).ok());
-  bool queued = false;
-  for (auto next = store_->jobs.LeaseJob(1, 1000); next->has_value();
-       next = store_->jobs.LeaseJob(1, 1000)) {
-    queued |= (*next)->attempt == waiting;
+      store_->results.FailAttempt(failed, Status(Code::kConflict, "replay differs"), {}).ok());
+  auto end_jobs = [&] {
+    while (const auto job = *store_->jobs.LeaseJob(1, 1000)) {
+      if (const auto before = store_->results.ResultOf(job->attempt); before.ok()) {
+        ASSERT_TRUE(store_->results.FinishAttempt(job->attempt, *before, job->lease).ok());
+      } else {
+        ASSERT_TRUE(
+            store_->results
+                .FailAttempt(job->attempt, Status(Code::kConflict, "replay differs"), job->lease)
+                .ok());
+      }
+      ASSERT_TRUE(store_->jobs.FinishJob(job->lease, true, "").ok());
+    }
+  };
+  auto queued_by = [&](const Uuid& cut) {
+    EXPECT_TRUE(store_->references.AddReference(cut, "Dr. Example", true, kSystem).ok());
+    std::set<Uuid> out;
+    for (const JobRow& job : *store_->jobs.Jobs("queued")) out.insert(job.attempt);
+    return out;
+  };
+  end_jobs();
+  EXPECT_EQ(queued_by(reference), (std::set<Uuid>{by_target, reference}));
+  end_jobs();
+  const Uuid second = world.ScoredAttempt();
+  end_jobs();
+  for (const Uuid& judged : {by_target, reference, second}) {
+    const AttemptResult again = *store_->results.ResultOf(judged);
+    ASSERT_TRUE(store_->results.FinishAttempt(judged, again, {}).ok());
   }
-  EXPECT_TRUE(queued);
-  EXPECT_EQ(store_->attempts.AttemptById(waiting)->problem, "");
+  EXPECT_EQ(queued_by(second), std::set<Uuid>{second})
+      << "a second reference changes no score before somebody asks";
 }
 
 TEST_P(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {

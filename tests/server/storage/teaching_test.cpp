@@ -783,14 +783,14 @@ TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
             .ok());
     ASSERT_TRUE(store_->jobs.FinishJob(other->lease, true, "").ok());
   }
-  ASSERT_TRUE(
-      store_->results.FailAttempt(attempt, Status(Code::kConflict, "no reference yet"), run.lease)
-          .ok());
+  AttemptResult result = *store_->results.ResultOf(reference);
+  ASSERT_FALSE(result.reference.has_value());
+  ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, run.lease).ok());
   ASSERT_TRUE(store_->jobs.FinishJob(run.lease, true, "").ok());
   auto again = *store_->jobs.LeaseJob(3, 1000);
   ASSERT_TRUE(again.has_value());
   EXPECT_EQ(again->attempt, attempt);
-  AttemptResult result = *store_->results.ResultOf(reference);
+  result.reference = reference;
   ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, again->lease).ok());
   EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kScored);
 }

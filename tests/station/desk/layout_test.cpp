@@ -237,13 +237,39 @@ const std::vector<scene::Exercise>& AllExercises() {
 std::string WorstScore() {
   const scene::Exercise exercise = AllExercises().front();
   scoring::ScoreResult score;
+  for (scoring::Group group : scoring::GroupsOf(exercise.rubric)) {
+    scoring::CriterionResult c;
+    c.name = scoring::NameOf(group);
+    c.group = group;
+    c.lost = 88.8;
+    c.most = 25;
+    c.state = scoring::State::kRedo;
+    score.criteria.push_back(c);
+  }
   for (const auto& criterion : exercise.rubric.criteria) {
     scoring::CriterionResult c;
     c.name = criterion.metric;
     c.title = criterion.title;
-    c.max_points = criterion.points;
-    c.reason = "0 points";
+    c.lost = c.most = criterion.points;
+    c.reason = "All of it";
     score.criteria.push_back(c);
+  }
+  score.beyond = 123.4;
+  // Those with the longest names of what and where, each with a stroke.
+  for (scoring::MistakeKind kind :
+       {scoring::MistakeKind::kUnderReduced, scoring::MistakeKind::kUnderExtended,
+        scoring::MistakeKind::kCorner, scoring::MistakeKind::kNeighbour}) {
+    scoring::Mistake m;
+    m.kind = kind;
+    m.place = "cusp_distolingual";
+    m.size = 12.34;
+    m.points = 88.8;
+    scoring::Deduction d;
+    d.mistake = static_cast<uint32_t>(score.mistakes.size());
+    d.volume_m3 = 1e-9;
+    d.strokes = {{123, 72'000, 3'972.4, 2, d.volume_m3}};
+    score.mistakes.push_back(m);
+    score.deductions.push_back(d);
   }
   score.critical_fail = true;
   for (const char* error : {"neighbour_damaged", "pulp_exposed", "gross_overextension"}) {
@@ -487,7 +513,7 @@ render::PanelContent LayoutTest::FullPanel(const Words& words, bool by_pointer) 
     content.state.removed_mm3[static_cast<size_t>(tissue)] = 12.34;
   }
   content.zones = render::ZoneShares{100, 100, 12.34, 12.34};
-  content.reach.leeway = render::Reach::Leeway{-1.23, 0.5, "place.mesial_wall"};
+  content.reach.leeway = render::Reach::Leeway{-1.23, 0.5, "reach.mesial_wall"};
   content.reach.pulp_mm = 0.12;
   content.state.bur_waits = true;
   content.heading = words.Say("builtin_title.class_ii_cavity_mesial_box");

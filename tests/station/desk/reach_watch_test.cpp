@@ -104,7 +104,7 @@ TEST(ReachWatchTest, ABoxCutToAKnownDepthLeavesWhatIsBelowIt) {
     render::Reach reach = After(block, Cut(block, {1.4e-3, 0.9e-3, 0}, depth_mm * 1e-3));
     bool beyond = depth_mm > 1.5;
     EXPECT_NEAR(reach.leeway->left_mm, beyond ? 1.9 - depth_mm : 0.25, 0.003) << depth_mm;
-    EXPECT_EQ(reach.leeway->where, beyond ? "place.floor" : "");
+    EXPECT_EQ(reach.leeway->where, beyond ? "reach.floor" : "");
     EXPECT_NEAR(*reach.pulp_mm, kPulpTop_m * 1e3 - depth_mm, 0.003) << depth_mm;
   }
 }
@@ -120,12 +120,12 @@ TEST(ReachWatchTest, TheWallThatIsNearestToItsLimitIsNamed) {
        {Case{{0.28e-3, 0, 0}, "mesial_wall"}, Case{{-0.28e-3, 0, 0}, "distal_wall"},
         Case{{0, 0.28e-3, 0}, "buccal_wall"}, Case{{0, -0.28e-3, 0}, "lingual_wall"}}) {
     render::Reach reach = After(block, Cut(block, {1.4e-3, 0.9e-3, 0}, 1e-3, c.off_m));
-    EXPECT_EQ(reach.leeway->where, std::string("place.") + c.where);
+    EXPECT_EQ(reach.leeway->where, std::string("reach.") + c.where);
     EXPECT_NEAR(reach.leeway->left_mm, 0.25 - 0.18, 0.01);
   }
   const Volume to_right = Cut(block, {1.4e-3, 0.9e-3, 0}, 1e-3, {0.28e-3, 0, 0});
-  EXPECT_EQ(After(block, to_right, 36).leeway->where, "place.mesial_wall");
-  EXPECT_EQ(After(block, to_right, 46).leeway->where, "place.distal_wall");
+  EXPECT_EQ(After(block, to_right, 36).leeway->where, "reach.mesial_wall");
+  EXPECT_EQ(After(block, to_right, 46).leeway->where, "reach.distal_wall");
 }
 
 TEST(ReachWatchTest, BeyondTheLeewayWhatIsLeftIsBelowZero) {
@@ -185,7 +185,7 @@ TEST(ReachWatchTest, TooDeepInAShapeIsTheFloorsNotTheOutlines) {
   const auto leeway = watch.reach().leeway;
   ASSERT_TRUE(leeway.has_value());
   EXPECT_NEAR(leeway->left_mm, 0.25 - 0.3, 0.05);
-  EXPECT_EQ(leeway->where, "place.floor");
+  EXPECT_EQ(leeway->where, "reach.floor");
 }
 
 // A disc's leeway ends around the disc: a box cut within the square around it may be far outside.
@@ -208,7 +208,7 @@ TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
   ASSERT_TRUE(leeway.has_value());
   // The corner is 1.5 (sqrt 2 - 1) mm outside the disc, known to a voxel.
   EXPECT_NEAR(leeway->left_mm, 0.25 - 0.621, 0.1);
-  EXPECT_EQ(leeway->where, "place.outline");
+  EXPECT_EQ(leeway->where, "reach.outline");
 }
 
 }  // namespace

@@ -10,64 +10,63 @@
 namespace enamel::station::desk {
 namespace {
 
-scoring::CriterionResult Criterion(const char* name, double points, double most) {
-  scoring::CriterionResult c;
-  c.name = name;
-  c.title = name;
-  c.points = points;
-  c.max_points = most;
-  c.reason = std::string(name) + " reason";
-  return c;
+scoring::Mistake Mistake(scoring::MistakeKind kind, double points) {
+  scoring::Mistake out;
+  out.kind = kind;
+  out.place = "wall_distal";
+  out.size = 0.32;
+  out.points = points;
+  return out;
 }
 
-TEST(ResultTextTest, TheNextStepIsWhatLostMostPoints) {
-  scoring::ScoreResult score;
-  score.criteria = {Criterion("Nothing left inside", 5, 8), Criterion("Walls upright", 1, 8),
-                    Criterion("Time", 5, 5)};
-  EXPECT_EQ(
-      NextStep(kEnglish, score),
-      "Next step: work on \u201cWalls upright\u201d. It cost 7 points, more than anything else.");
-  scoring::GateResult done;
-  done.title = "Task done";
-  done.share = 0.1;
-  score.gates = {done};
-  EXPECT_EQ(NextStep(kEnglish, score),
-            "Next step: work on \u201cTask done\u201d. It takes points from every criterion.");
-}
-
-scoring::Deduction Place(const char* metric, double volume_mm3, uint32_t stroke) {
+scoring::Deduction Place(uint32_t mistake, double volume_mm3, uint32_t stroke) {
   scoring::Deduction d;
-  d.criterion = metric;
+  d.mistake = mistake;
   d.volume_m3 = volume_mm3 * 1e-9;
   d.left = stroke == 0;
   if (stroke > 0) d.strokes = {{stroke, 72'000, 72.4, 2, d.volume_m3}};
   return d;
 }
 
-TEST(ResultTextTest, TheThreeDearestLossesComeWithTheirPlaces) {
+TEST(ResultTextTest, MistakesComeWithTheirPlacesAndSmallOnesOnlyInTheSum) {
+  using enum scoring::MistakeKind;
   scoring::ScoreResult score;
-  score.criteria = {Criterion("a", 5, 8), Criterion("b", 1, 8), Criterion("c", 5, 5),
-                    Criterion("d", 0, 5)};
-  scoring::GateResult gate;
-  gate.name = "g";
-  gate.share = 0.4;
-  score.gates = {gate};
-  score.deductions = {Place("b", 3, 0), Place("b", 1, 14), Place("a", 1, 2), Place("g", 2, 0)};
-  const std::vector<Loss> losses = DearestLosses(score);
+  score.mistakes = {Mistake(kOverExtended, 7), Mistake(kPit, 3), Mistake(kDeep, 1),
+                    Mistake(kSlopes, 0.4)};
+  score.deductions = {Place(0, 3, 0), Place(0, 1, 14), Place(1, 2, 0)};
+  const std::vector<Loss> losses = LossesOf(score);
   ASSERT_EQ(losses.size(), 3u);
-  EXPECT_EQ(losses[0].gate, &score.gates[0]) << "it takes points of every criterion";
-  EXPECT_EQ(losses[1].criterion, &score.criteria[1]);
-  EXPECT_EQ(losses[2].criterion, &score.criteria[3]);
-  EXPECT_EQ(losses[1].place, &score.deductions[1]) << "one that a stroke can be shown of";
+  EXPECT_EQ(losses[0].mistake, &score.mistakes[0]);
+  EXPECT_EQ(losses[0].place, &score.deductions[1]) << "one that a stroke can be shown of";
   EXPECT_EQ(losses[2].place, nullptr);
-  EXPECT_EQ(PlaceOfLossText(kEnglish, *losses[0].place),
-            "Too much was left at the place in the ring.");
+  EXPECT_EQ(StrokeText(kEnglish, *losses[0].place), "Stroke 14, at 1:12");
+  EXPECT_EQ(StrokeText(kEnglish, *losses[1].place), "");
   EXPECT_EQ(PlaceOfLossText(kEnglish, *losses[1].place),
+            "Too much was left at the place in the ring.");
+  EXPECT_EQ(PlaceOfLossText(kEnglish, *losses[0].place),
             "Stroke 14, at 1:12. The ring marks the place.");
 }
 
+TEST(ResultTextTest, HowManyMistakesWereMadeIsSaidFirst) {
+  using enum scoring::MistakeKind;
+  scoring::ScoreResult score;
+  EXPECT_EQ(CountText(kEnglish, score), "No mistake cost points");
+  score.mistakes = {Mistake(kPit, 0.3)};
+  EXPECT_EQ(CountText(kEnglish, score), "Only small mistakes, each below half a point");
+  score.mistakes = {Mistake(kPit, 3), Mistake(kDeep, 0.3)};
+  EXPECT_EQ(CountText(kEnglish, score), "You made one mistake");
+  score.mistakes[1].points = 0.5;
+  EXPECT_EQ(CountText(kEnglish, score), "You made 2 mistakes");
+}
+
+TEST(ResultTextTest, PointsLostHaveASignAndNothingHasNone) {
+  EXPECT_EQ(LostText(kEnglish, 4.26), "\u22124.3");
+  EXPECT_EQ(LostText(kEnglish, 12), "\u221212");
+  EXPECT_EQ(LostText(kEnglish, 0.04), "0");
+}
+
 TEST(ResultTextTest, AStrokeIsShownFromBeforeItUntilAfterItAndALongOneAroundItsHalf) {
-  scoring::Deduction place = Place("a", 1, 14);
+  scoring::Deduction place = Place(0, 1, 14);
   EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{70'500, 74'500}));
   place.strokes[0].first_tick = 300;
   EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{0, 2800}));
@@ -77,16 +76,17 @@ TEST(ResultTextTest, AStrokeIsShownFromBeforeItUntilAfterItAndALongOneAroundItsH
   EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{86'000, 94'000}));
   place.half_tick = 10;  // another stroke's
   EXPECT_EQ(TicksToShow(place, 1000), (ShownTicks{70'500, 78'500}));
-  EXPECT_EQ(TicksToShow(Place("a", 1, 0), 1000), (ShownTicks{}));
+  EXPECT_EQ(TicksToShow(Place(0, 1, 0), 1000), (ShownTicks{}));
 }
 
 TEST(ResultTextTest, BelowItsTitleAMeasuredValueIsCalledSo) {
-  scoring::CriterionResult c = Criterion("Nothing left inside", 0, 8);
-  c.name = "left_standing_mm3";
-  c.unit = "mm3";
-  c.reasons = {{"at_most", {7.62, 0.02, 0.3}, {}}};
+  scoring::CriterionResult c;
+  c.name = "force_sent_p95_n";
+  c.title = "Light hand";
+  c.unit = "N";
+  c.reasons = {{"at_most", {7.62, 4, 8}, {}}};
   EXPECT_EQ(DetailText(kEnglish, c),
-            "Measured: 7.62 mm\u00b3 (full marks up to 0.02 mm\u00b3, none from 0.30 mm\u00b3).");
+            "Measured: 7.62 N (full marks up to 4.00 N, none from 8.00 N).");
 }
 
 TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
@@ -98,12 +98,6 @@ TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
     EXPECT_EQ(said, FaultText(each));
   }
   EXPECT_STREQ(FaultKey(Fault::kNone), "");
-}
-
-TEST(ResultTextTest, WithoutALossThereIsNoNextStep) {
-  scoring::ScoreResult score;
-  score.criteria = {Criterion("Walls upright", 8, 8), Criterion("Time", 4.96, 5)};
-  EXPECT_EQ(NextStep(kEnglish, score), "");
 }
 
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {

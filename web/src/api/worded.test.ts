@@ -2,8 +2,19 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { afterEach, test } from "node:test";
 import { speak } from "../base/language";
-import type { MetricName, ReasonCode, Score, Unit } from "./types";
-import { directionsOf, explanation, measuredText, reasonText } from "./worded";
+import type { MetricName, Mistake, ReasonCode, Score, Unit } from "./types";
+import {
+  criterionTitle,
+  directionsOf,
+  explanation,
+  measuredText,
+  mistakeText,
+  placeText,
+  reasonText,
+  regionText,
+  regionTitle,
+  remedyText,
+} from "./worded";
 
 afterEach(() => speak("en"));
 
@@ -14,9 +25,6 @@ const told = (name: MetricName, unit: Unit, code: ReasonCode, ...values: number[
       name,
       title: "It",
       unit,
-      value: values[0] ?? 0,
-      points: 1,
-      max_points: 2,
       reason: "as the server says",
       reasons: [{ code, values, units: values.map(() => unit) }],
     }),
@@ -85,17 +93,14 @@ test("reasons read as the server's do: schemas/score.md", () => {
 test("the page and the station's window make the same sentences", () => {
   type Told = Score["criteria"][number];
   const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as {
-    readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment" | "under"> & {
+    readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment"> & {
       readonly metric: MetricName;
       readonly said: { readonly en: string };
     })[];
   };
   assert.ok(cases.length > 20);
   for (const { metric, said, ...rest } of cases)
-    assert.equal(
-      spaced(reasonText({ ...rest, name: metric, value: 0, points: 1, max_points: 2, reason: "as the server says" })),
-      said.en,
-    );
+    assert.equal(spaced(reasonText({ ...rest, name: metric, reason: "as the server says" })), said.en);
 });
 
 test("beside a table that has title and value, a reason says neither", () => {
@@ -105,9 +110,6 @@ test("beside a table that has title and value, a reason says neither", () => {
         name: "wall_mesial_mm",
         title: "It",
         unit: "mm",
-        value: values[0] ?? 0,
-        points: 1,
-        max_points: 2,
         reason: "as the server says",
         reasons: [
           { code, values, units: values.map(() => "mm" as const) },
@@ -144,4 +146,70 @@ test("a time and a rate have the form that they have everywhere on the page", ()
     told("enamel_rate_mm3_per_s", "mm3/s", "at_most", 1.5, 1),
     "It: 1.50 mm³/s (full marks up to 1.00 mm³/s).",
   );
+});
+
+test("a mistake says where, what and how much, as finely as people act on it", () => {
+  const said = (kind: Mistake["kind"], place: string, size: number, unit: Unit) =>
+    spaced(mistakeText({ kind, place, size, unit }));
+  assert.equal(said("over_extended", "wall_distal", 0.3248, "mm"), "Distal wall: over-extended by 0.32 mm");
+  assert.equal(said("turned", "", 7.96, "deg"), "Preparation turned by 8.0°");
+  assert.equal(said("caries", "", 33.4, "%"), "33 % of the caries left");
+  assert.equal(said("not_done", "", 0.25, "%"), "0.3 % of the task not done", "not 0 %");
+  assert.equal(said("hole", "", 1.4, "mm3"), "Hole outside the task: 1.40 mm³");
+  assert.equal(said("uneven", "floor_2", 0, "mm"), "Lower floor: uneven");
+  assert.equal(said("burnt" as Mistake["kind"], "wall_roof", 0.3, "mm"), "Wall roof Burnt 0.30 mm", "a newer server's");
+  assert.equal(remedyText({ kind: "burnt" as Mistake["kind"] }), "");
+});
+
+// As the contract and the core have them: a kind or a region without words would show its code.
+test("every kind of mistake, group, state and price, and every name of a region, has words", () => {
+  const contract = readFileSync("../schemas/api/openapi.yaml", "utf8");
+  const namesOf = (schema: string) => {
+    const [, list = ""] =
+      new RegExp(`\\n {4}${schema}:\\n(?: {6}.*\\n)*? {6}enum:\\s*\\[([^\\]]*)\\]`).exec(contract) ?? [];
+    return list.split(/[,\s]+/).filter((name) => name !== "");
+  };
+  const messages = (
+    JSON.parse(readFileSync("../schemas/words/en/exercise.json", "utf8")) as {
+      readonly messages: Readonly<Record<string, string>>;
+    }
+  ).messages;
+  const told = (prefix: string) =>
+    Object.keys(messages)
+      .filter((key) => key.startsWith(`${prefix}.`))
+      .map((key) => key.slice(prefix.length + 1));
+  const kinds = namesOf("MistakeKind");
+  assert.ok(kinds.length > 20, `${kinds.length} kinds`);
+  assert.deepEqual(told("mistake"), [...kinds].sort());
+  assert.deepEqual(told("mistake_do"), [...kinds].sort());
+  assert.deepEqual(told("group"), namesOf("GradeGroup").sort());
+  assert.deepEqual(told("grade_state"), namesOf("GradeState").sort());
+  assert.deepEqual(told("price_kind"), namesOf("PriceKind").sort());
+
+  const core = readFileSync("../common/scoring/mistakes/cut_surface.cpp", "utf8");
+  const literals = [...core.matchAll(/"((?:wall|axial|cusp|margin|face|floor|line)_?[a-z_]*)"/g)].map(
+    ([, name = ""]) => name,
+  );
+  assert.ok(literals.length > 10, `${literals.length} names`);
+  const places = told("place");
+  for (const name of literals)
+    assert.ok(
+      places.some((place) => (name.endsWith("_") ? place.startsWith(name) : place === name || place.startsWith(name))),
+      name,
+    );
+});
+
+test("a region has a name, and says how far its dearer side is off", () => {
+  const wall = { dearer: "over", over: 0.32, left: 0.1, unit: "mm" } as const;
+  assert.equal(spaced(regionText(wall)), "0.32 mm too much");
+  assert.equal(spaced(regionText({ ...wall, dearer: "left" })), "0.10 mm left");
+  assert.equal(regionText({ ...wall, over: 0 }), "");
+  assert.equal(regionTitle({ name: "cusp_mesiobuccal", kind: "table" }), "Mesiobuccal cusp");
+  assert.equal(regionTitle({ name: "neighbour", kind: "neighbour" }), "Adjacent tooth");
+  assert.equal(placeText(""), "");
+});
+
+test("a group has the page's name, a figure of the hand the rubric's", () => {
+  assert.equal(criterionTitle({ name: "internal_form", title: "Internal shape" }), "Internal form");
+  assert.equal(criterionTitle({ name: "time_s", title: "As fast as in the clinic" }), "As fast as in the clinic");
 });

@@ -13,14 +13,12 @@ import { ok } from "../base/result";
 import { wordedText, wordedTitle } from "./builtin_words";
 import type { Client } from "./client";
 import type { ApiResult } from "./http";
-import type { AssignmentInsight, Score } from "./types";
+import type { AssignmentInsight, Criterion, Mistake, Region, Score } from "./types";
 
-// What the server says of a score in English, in the language of the page: reasons by their codes
-// (schemas/score.md, "Reasons"), titles that the built-in exercises give. In English too, so that a
-// time or a unit has one form on the page. What people wrote stays as they wrote it.
+// What the server says of a score, in the language of the page: mistakes, places and reasons by their codes
+// (schemas/score.md), titles that the built-in exercises give. In English too, so that a time or a unit has one form on
+// the page. What people wrote stays as they wrote it.
 
-type Criterion = Score["criteria"][number];
-type Gate = NonNullable<Score["gates"]>[number];
 type Critical = Score["critical"][number];
 type Reason = NonNullable<Criterion["reasons"]>[number];
 
@@ -40,12 +38,9 @@ export function wordedScore(score: Score): Score {
     critical: score.critical.map((critical) => ({ ...critical, reason: criticalText(critical) })),
     criteria: score.criteria.map((criterion) => ({
       ...criterion,
-      title: wordedTitle(criterion.title),
+      title: criterionTitle(criterion),
       reason: explanation(criterion),
     })),
-    ...(score.gates === undefined
-      ? {}
-      : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
   };
 }
 
@@ -61,39 +56,80 @@ export function criticalText({ error, name, value, unit, limit, above, reason }:
 }
 
 export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
-  const worded = <T extends { readonly title: string }>(item: T): T => ({ ...item, title: wordedTitle(item.title) });
-  return spokenLanguage() === "en"
-    ? insight
-    : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
+  return {
+    ...insight,
+    criteria: insight.criteria.map((criterion) => ({ ...criterion, title: criterionTitle(criterion) })),
+  };
 }
 
-// Each code a sentence, then the rubric's comment, then under which other criterion the same mistake
-// lost points. The server's own text where a code is not known or there are none.
-export function reasonText(judged: Criterion | Gate): string {
-  const { name, title, unit, reason, reasons = [], comment = "" } = judged;
+// Of a group of regions its name; of a figure of the hand what the rubric calls it.
+export function criterionTitle({ name, title }: { readonly name: string; readonly title: string }): string {
+  return sayIf(`group.${name}`) ?? wordedTitle(title);
+}
+
+// What was done, a short line: "Distal wall: over-extended by 0.32 mm".
+export function mistakeText({ kind, place, size, unit }: Pick<Mistake, "kind" | "place" | "size" | "unit">): string {
+  const where = placeText(place);
+  const values = { place: where, size: sizeText(size, unit) };
+  return (
+    sayIf(`mistake.${kind}`, values) ?? [where, plainName(kind), values.size].filter((part) => part !== "").join(" ")
+  );
+}
+
+// What the hand does differently next time, a sentence. Empty: this page does not know the kind.
+export function remedyText({ kind }: Pick<Mistake, "kind">): string {
+  return sayIf(`mistake_do.${kind}`) ?? "";
+}
+
+// "Distal wall": of a region's name, or of a kind of region. Empty for the whole.
+export function placeText(place: string): string {
+  return sayIf(`place.${place}`) ?? plainName(place);
+}
+
+// "Distal wall", or what the whole paid for: "Adjacent tooth".
+export function regionTitle({ name, kind }: Pick<Region, "name" | "kind">): string {
+  return sayIf(`place.${name}`) ?? sayIf(`price_kind.${kind}`) ?? plainName(name);
+}
+
+// How far the dearer side of a region is off: "0.32 mm too much". Empty: it is not off.
+export function regionText({ dearer, over, left, unit }: Pick<Region, "dearer" | "over" | "left" | "unit">): string {
+  const size = dearer === "over" ? over : left;
+  return size > 0 ? say(`score.region_${dearer}`, { size: sizeText(size, unit) }) : "";
+}
+
+// A code of a newer server, as words.
+function plainName(code: string): string {
+  const words = code.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+// As finely as people act on it, and never 0: what cost points has a size.
+function sizeText(size: number, unit: string): string {
+  let digits = unit === "%" ? 0 : (usualDigits(unit) ?? kMostDigits);
+  while (size > 0 && digits < kMostDigits && Number(size.toFixed(digits)) === 0) ++digits;
+  return formatWith(size, unit, digits);
+}
+
+// Each code a sentence, then the rubric's comment. The server's own text where a code is not known or there are none.
+export function reasonText({ name, title, unit, reason, reasons = [], comment = "" }: Judged): string {
   const told = reasons.map((each) => sentence(name, each, unit));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment), underText(judged)]
+  return [say("reason.title", { title: wordedTitle(title) }), ...told, wordedText(comment)]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
 }
+
+type Judged = Pick<Criterion, "name" | "title" | "unit" | "reason" | "reasons" | "comment">;
 
 const kFound = "\u0001"; // where a sentence says what was found
 
 // The same beside a table that has title and value: "Full marks up to 0.10 mm, none from 0.30 mm. Stop earlier there."
-export function explanation(criterion: Criterion): string {
-  const { name, unit, reason, reasons = [], comment = "" } = criterion;
+export function explanation({ name, unit, reason, reasons = [], comment = "" }: Judged): string {
   const told = reasons.map((each) => sentence(name, each, unit, kFound));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  return [...told.map((text = "") => withoutFound(text)), wordedText(comment), underText(criterion)]
+  return [...told.map((text = "") => withoutFound(text)), wordedText(comment)]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
-}
-
-// Under which other criterion the same mistake lost points.
-function underText(judged: Criterion | Gate): string {
-  const under = "under" in judged ? (judged.under ?? "") : "";
-  return under === "" ? "" : say("reason.one_mistake", { criterion: wordedTitle(under) });
 }
 
 // In every language such a sentence is what was found, then its limits in brackets.
@@ -190,8 +226,6 @@ function sentence(metric: string, { code, values }: Reason, unit: string, shown?
       return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
     case "below_grid":
       return sayIf("reason.below_grid", { limit: formatLimit(first, unit) });
-    case "keeps":
-      return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
     case "stop_earlier":
     case "stop_earlier_here":
       return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second, 0) });

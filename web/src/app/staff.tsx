@@ -33,8 +33,8 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenPr
           client={client}
           id={route.id}
           onGone={() => onOpen("/assignments")}
-          insight={(id, title) => (
-            <More show={({ InsightCard }) => <InsightCard client={client} id={id} title={title} />} />
+          insight={(assignment) => (
+            <More show={({ InsightCard }) => <InsightCard client={client} assignment={assignment} />} />
           )}
           marking={(assignment) => (
             <More show={({ MarkingCard }) => <MarkingCard client={client} assignment={assignment} self={person} />} />

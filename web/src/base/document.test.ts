@@ -37,7 +37,7 @@ test("a value is read and set at its place, and nothing else changes", () => {
   assert.equal(valueAt(after, path), 15);
   assert.equal(valueAt(kDocument, path), 10, "the document before stays as it was");
   assert.equal(valueAt(after, ["rubric", "criteria", 0]), valueAt(kDocument, ["rubric", "criteria", 0]));
-  assert.equal(valueAt(kDocument, ["rubric", "gates", 0, "map"]), undefined);
+  assert.equal(valueAt(kDocument, ["rubric", "prices", 0, "most"]), undefined);
   assert.equal(pathText(path), "rubric.criteria[1].points");
 });
 

@@ -51,8 +51,8 @@ export interface Change {
   readonly after: Json | undefined;
 }
 
-// The differences, place by place, in the order of the later document. An item with a metric is
-// compared with the item of the same metric at any place, so an inserted item changes nothing else.
+// The differences, place by place, in the order of the later document. An item with a metric, or of
+// a kind, is compared with the item of the same one at any place, so an inserted item changes nothing else.
 // Lists of numbers, and lists of them, are one value.
 export function changesBetween(before: Json | undefined, after: Json | undefined, path: Path = []): Change[] {
   if (equal(before, after)) return [];
@@ -75,8 +75,8 @@ function itemChanges(before: readonly Json[], after: readonly Json[], path: Path
 }
 
 function keyOf(item: Json, place: number): string {
-  const metric = isMembers(item) ? item["metric"] : undefined;
-  return typeof metric === "string" ? metric : String(place);
+  const named = isMembers(item) ? (item["metric"] ?? item["of"]) : undefined;
+  return typeof named === "string" ? named : String(place);
 }
 
 export function isObject(value: unknown): value is Record<string, unknown> {

@@ -43,6 +43,13 @@ export function formatPoints(points: number): string {
   return formatNumber(points, 1);
 }
 
+const kLeastLost = 0.05; // points; less rounds to nothing
+
+// "−5.2", or "0": lost points in a table.
+export function lostText(points: number): string {
+  return points < kLeastLost ? "0" : `−${numberText(points, 1, 1)}`;
+}
+
 export const kScoreStep = 0.1; // of a score as it is shown and set
 
 // At the precision that a field for a score takes: a browser refuses what lies between its steps.

@@ -1,4 +1,5 @@
-import type { Attempt, AttemptFlag, AttemptState, Hand, Score } from "../api/types";
+import type { Attempt, AttemptFlag, AttemptState, Hand, Mistake, Score } from "../api/types";
+import { isWorthAdvice } from "../api/worth";
 import { unreachable } from "../base/assert";
 import { formatNumber } from "../base/format";
 import { say } from "../base/words";
@@ -63,19 +64,19 @@ export function awaitsRelease(attempt: Pick<Attempt, "state" | "released" | "as_
   return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
 }
 
-// How much of the work was done, in percent, where that took points of every criterion.
-export function stoppedEarly(score: Pick<Score, "gates">): number | undefined {
-  return gateThatTook(score, "task_done_percent");
+// How much of the work was done, in percent, where what is missing cost points.
+export function stoppedEarly(score: Pick<Score, "mistakes">): number | undefined {
+  const missing = sizeOf(score, "not_done");
+  return missing === undefined ? undefined : 100 - missing;
 }
 
-// How much of the caries was left, in percent, where that took points of every criterion: work that
-// was ended as it should be may have left it.
-export function cariesLeft(score: Pick<Score, "gates">): number | undefined {
-  return gateThatTook(score, "caries_left_percent");
+// How much of the caries was left, in percent, where that cost points.
+export function cariesLeft(score: Pick<Score, "mistakes">): number | undefined {
+  return sizeOf(score, "caries");
 }
 
-function gateThatTook({ gates = [] }: Pick<Score, "gates">, metric: string): number | undefined {
-  return gates.find(({ name, share }) => share < 1 && name === metric)?.value;
+function sizeOf({ mistakes }: Pick<Score, "mistakes">, kind: Mistake["kind"]): number | undefined {
+  return mistakes.find((mistake) => mistake.kind === kind && isWorthAdvice(mistake))?.size;
 }
 
 // What is to be known about an attempt before it is judged.

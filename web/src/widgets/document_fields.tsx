@@ -3,7 +3,7 @@ import { plainMessage } from "../api/placed";
 import type { Checked } from "../api/use_check";
 import { equal, type Json, type Path, pathOf, pathText, valueAt } from "../base/document";
 import { formatNumber } from "../base/format";
-import { say } from "../base/words";
+import { say, sayIf } from "../base/words";
 import { CheckField, LongTextField, NumberField, type Option, SelectField, TextField } from "./form";
 import type { EditedDocument } from "./use_document";
 
@@ -139,6 +139,8 @@ export function shownValue(value: Json | undefined): string {
       .map((row) => `${String((row as readonly Json[])[0])} → ${percent((row as readonly Json[])[1])}`)
       .join(", ");
   if (typeof value === "object" && "title" in value && typeof value.title === "string") return value.title;
+  if (typeof value === "object" && "of" in value && typeof value.of === "string")
+    return sayIf(`price_kind.${value.of}`) ?? value.of;
   return JSON.stringify(value);
 }
 

@@ -4,14 +4,19 @@ import { say } from "../base/words";
 import { Notice } from "./basics";
 
 // What to work on, and why.
-export function NextStepNotice({ next }: { readonly next: NextStep }) {
-  const points = formatPoints(next.lost);
+export function NextStepNotice({ next: { title, lost, times, of, remedy } }: { readonly next: NextStep }) {
+  const points = formatPoints(lost);
   return (
-    <Notice tone="neutral" title={say("progress.next", { title: next.title })}>
+    <Notice tone="neutral" title={say("progress.next")}>
       <p>
-        {next.of === 1 ? say("progress.lost_once", { points }) : say("progress.lost_often", { points, count: next.of })}{" "}
-        {next.reason}
+        <b>{title}</b>
       </p>
+      <p>
+        {of === 1
+          ? say("progress.lost_once", { points })
+          : say("progress.lost_often", { points, times: String(times), count: String(of) })}
+      </p>
+      {remedy !== "" && <p>{remedy}</p>}
     </Notice>
   );
 }

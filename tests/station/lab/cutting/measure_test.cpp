@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/cutting/voxel_limit.h"
+#include "common/scoring/mistakes/acceptable_cut.h"
 #include "common/trace/replay.h"
 #include "station/lab/cutting/attempt.h"
 #include "station/lab/cutting/cutting_error.h"
@@ -162,19 +164,17 @@ TEST(AttemptTest, IsARecordingThatReplaysTickByTick) {
 
 // To a voxel, here the coarsest.
 TEST(AttemptTest, WallsCutTooDeepOnPurposeAreScoredAsThat) {
-  auto scores = MeasureScores({100'000}, 20'000);
+  auto scores = MeasureScores({100'000}, 60'000);
   ASSERT_TRUE(scores.ok()) << scores.status().message();
-  bool mesial = false;
-  for (const CriterionFigures& c : scores->at(0).criteria) {
-    if (c.metric == "wall_mesial_mm") {
-      mesial = true;
-      EXPECT_NEAR(c.value, kMesialExtra_m * 1e3, 0.1);
-    }
-    if (c.metric == "wall_distal_mm") {
-      EXPECT_NEAR(c.value, 0, 0.1);
-    }
-  }
-  EXPECT_TRUE(mesial);
+  const auto& regions = scores->at(0).regions;
+  auto over = [&](const char* name) {
+    const auto found = std::ranges::find(regions, name, &RegionFigures::region);
+    EXPECT_NE(found, regions.end()) << name;
+    return found == regions.end() ? -1 : found->over;
+  };
+  EXPECT_NEAR(over("wall_mesial"), (kMesialExtra_m - scoring::kLeeway_m) * 1e3, 0.1);
+  EXPECT_NEAR(over("floor"), (kFloorExtra_m - scoring::kLeeway_m) * 1e3, 0.1);
+  EXPECT_LT(over("wall_distal"), 0.1);
 }
 
 }  // namespace

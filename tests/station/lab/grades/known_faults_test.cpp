@@ -225,30 +225,6 @@ TEST_P(KnownFaults, AnotherHoleIsCutElsewhereAndNotBesideTheWalls) {
   EXPECT_NEAR(ValueOf(m, "deviation_rms_mm"), 0, 1e-6) << "the reference's cut is as it was";
 }
 
-// Nowhere near the cavity it is no gouge; a pit in the floor is one, however far it goes.
-TEST_P(KnownFaults, AHoleElsewhereIsChargedAsThatAndAPitAsAGouge) {
-  auto charged = [&](const Hollow& more) {
-    const MetricSet m = Measure(CutAlso(more));
-    const auto deepest = std::ranges::find(m.values, "deepest_over_mm", &MetricValue::name);
-    return *deepest;
-  };
-  const MetricValue hole = charged(Box_mm({-3.2, -2.8, -1}, {-2.4, 2.8, 9}));
-  ASSERT_TRUE(hole.charged);
-  EXPECT_LT(*hole.charged, 0.1);
-  EXPECT_EQ(hole.under.front(), "outside_removed_mm3");
-  const MetricValue pit = charged(Box_mm({-0.4, -0.4, -kDepth_mm - 0.6}, {0.4, 0.4, -1}));
-  EXPECT_NEAR(pit.charged.value_or(pit.value), 0.6, 2 * tolerance_mm());
-}
-
-// A wall that lies off along its length does not lean: no criterion of lean would charge it.
-TEST_P(KnownFaults, WhatATurnIsOffByIsChargedUnderNoLean) {
-  const MetricSet m = Measure(Cut(Turned(Taken(FaultBlockCavity()), 12)));
-  const auto closeness = std::ranges::find(m.values, "deviation_rms_mm", &MetricValue::name);
-  ASSERT_NE(closeness, m.values.end());
-  EXPECT_GT(closeness->value, 0.05);
-  EXPECT_GT(closeness->charged.value_or(closeness->value), 0.8 * closeness->value);
-}
-
 TEST_P(KnownFaults, ShavingTheWholeBlockCostsAndImprovesNoStatistic) {
   const double shaved_mm = 0.05;
   MetricSet m = Measure(CutAlso([&](const dvec3& p) { return -shaved_mm * kMm - p.z; }));

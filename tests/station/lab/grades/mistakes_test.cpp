@@ -1,5 +1,3 @@
-#include "common/scoring/mistakes/mistakes.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/preparation.h"
 #include "common/scoring/deviation.h"
+#include "common/scoring/score.h"
 #include "station/lab/grades/hollow.h"
 #include "station/lab/grades/mixtures.h"
 
@@ -80,8 +79,19 @@ cutting::Volume PlainBlock(double shift_m) {
   });
 }
 
+// The prices of the block's exercises.
+const scene::Rubric& Prices() {
+  static const scene::Rubric rubric = [] {
+    const auto built = scene::BuildBuiltinScene("block", 400'000);
+    ENAMEL_CHECK(built.ok());
+    return scene::BuiltinExercises(built->scene, Sha256{}).front().rubric;
+  }();
+  return rubric;
+}
+
 struct Scored {
   double score = 0;
+  std::vector<RegionMeasure> measures;
   CutCost cost;
   std::vector<Mistake> mistakes;
   const Mistake& first() const { return mistakes.at(0); }
@@ -94,12 +104,10 @@ class Cavity {
         exact_(CutAway(block_, Taken(FaultBlockCavity()))),
         r_(block_, exact_, {}) {}
   Scored Score(const Hollow& taken) const {
-    const FaultVolumes faults = MeasureFaults(r_, CutAway(block_, taken));
-    Scored out;
-    out.cost = CostOf(r_, faults, ChosenPrices());
-    out.score = out.cost.score();
-    out.mistakes = FindMistakes(r_, faults, out.cost);
-    return out;
+    auto judged = JudgeCut(r_, CutAway(block_, taken), Prices());
+    ENAMEL_CHECK(judged.ok());
+    return {100 - std::min(100.0, judged->cost.sum), std::move(judged->measures),
+            std::move(judged->cost), std::move(judged->found.mistakes)};
   }
   const AcceptableCut& r() const { return r_; }
 
@@ -164,20 +172,22 @@ TEST(MistakesTest, NothingCutHasNoPoints) { EXPECT_EQ(Usual().Score(NothingTaken
 TEST(PricesTest, AnEvenLayerIsAsThickAsItIs) {
   for (const double moved_mm : {0.2, 0.3, 0.5, -0.3}) {
     const Scored scored = Usual().Score(Taken(With(kFloor, {moved_mm * kMm})));
-    const auto& rows = scored.cost.rows;
-    const auto floor = std::ranges::find(rows, 0, &RegionCost::region);
-    ASSERT_NE(floor, rows.end());
-    EXPECT_EQ(floor->measure, moved_mm > 0 ? Measure::kOver : Measure::kLeft);
-    // The wedge at its rim is the line angles'.
-    EXPECT_NEAR(floor->size, std::fabs(moved_mm), 0.2 * std::fabs(moved_mm)) << moved_mm;
+    const RegionMeasure& floor = scored.measures.at(0);
+    ASSERT_EQ(floor.name, "floor");
+    EXPECT_EQ(scored.cost.rows.at(0).over, moved_mm > 0);
+    // The wedge at its rim is the line angles'. Nobody pays for the leeway.
+    const double size = std::fabs(moved_mm) - kLeeway_m * 1e3;
+    EXPECT_NEAR(moved_mm > 0 ? floor.over : floor.left, size, 0.2 * std::fabs(moved_mm))
+        << moved_mm;
     EXPECT_EQ(scored.first().kind, moved_mm > 0 ? MistakeKind::kDeep : MistakeKind::kShallow);
     EXPECT_NEAR(scored.first().size, std::fabs(moved_mm), 0.03) << moved_mm;
   }
 }
 
 TEST(PricesTest, NoRegionIsDearerWhereItCanBeMended) {
-  const Prices prices = ChosenPrices();
-  for (const RegionPrice& region : prices.regions) EXPECT_LE(region.over_m, region.left_m);
+  for (const scene::RubricPrice& price : Prices().prices) {
+    if (price.left > 0 && price.over > 0) EXPECT_LE(price.over, price.left) << price.of;
+  }
 }
 
 struct Known {
@@ -243,6 +253,7 @@ TEST(LawsTest, NoMixtureInAnExerciseOfTheBlockBreaksOneAndTheDocumentSaysSo) {
   ASSERT_TRUE(rows.ok()) << rows.status().message();
   ASSERT_EQ(rows->size(), 3U);
   for (const MixtureRow& row : *rows) {
+    EXPECT_TRUE(row.wrong.empty()) << row.exercise << ": " << row.wrong.front();
     EXPECT_TRUE(row.broken.empty())
         << row.exercise << ", seed " << row.seed << ": " << row.broken.front();
     EXPECT_EQ(row.larger.size(), row.faults.size());
@@ -250,6 +261,8 @@ TEST(LawsTest, NoMixtureInAnExerciseOfTheBlockBreaksOneAndTheDocumentSaysSo) {
   const auto document = MixturesJson(*rows);
   EXPECT_EQ(document.at("laws_broken"), 0);
   EXPECT_EQ(document.at("mixtures"), 3);
+  EXPECT_GT(document.at("sentences").to_number<int>(), 0);
+  EXPECT_EQ(document.at("sentences_false"), 0);
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/lab_mixtures.schema.json");
   const std::string text(std::istreambuf_iterator<char>(file), {});
   const auto schema = boost::json::parse(text);

@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
-#include "common/scoring/remedies.h"
+#include "common/scoring/mistakes/mistakes.h"
 #include "station/lab/sheet/section.h"
 
 // The sheet of `enamel-lab reasons`.
@@ -20,46 +21,53 @@ size_t CountOf(std::string_view text, std::string_view part) {
   return count;
 }
 
-// The card of a fault: from its heading's article to the article's end.
+// The card of a mistake: from its heading's article to the article's end.
 std::string_view CardOf(std::string_view sheet, std::string_view fault) {
   const size_t from = sheet.find("<article id=\"" + std::string(fault) + "\">");
   if (from == sheet.npos) return "";
   return sheet.substr(from, sheet.find("</article>", from) - from);
 }
 
-TEST(FaultSheetTest, EveryFaultOfTheCatalogueIsThereWithItsPictureWordsAndRemedies) {
+// What no kind explains has no picture.
+std::vector<scoring::MistakeKind> Kinds() {
+  std::vector<scoring::MistakeKind> out;
+  for (size_t i = 0; i < scoring::kMistakeKinds; ++i) {
+    const auto kind = static_cast<scoring::MistakeKind>(i);
+    if (kind != scoring::MistakeKind::kUneven) out.push_back(kind);
+  }
+  return out;
+}
+
+TEST(FaultSheetTest, EveryMistakeIsThereWithItsPictureReasonAndAdvice) {
   const Words words(Language::kGerman);
-  const auto made = FaultSheet({.language = Language::kGerman, .voxel_nm = 200'000});
+  const auto made = FaultSheet({.language = Language::kGerman, .voxel_nm = 100'000});
   ASSERT_TRUE(made.ok()) << made.status().message();
   const std::string& sheet = *made;
-  const auto known = scoring::KnownFaults();
-  EXPECT_GE(known.size(), 37u);
-  EXPECT_EQ(CountOf(sheet, "<article"), known.size());
-  for (const scoring::KnownFault& fault : known) {
-    const std::string_view card = CardOf(sheet, fault.fault);
-    for (const char* key : {"fault_name.", "fault_why."}) {
-      EXPECT_NE(card.find(words.Say(key + std::string(fault.fault))), card.npos) << fault.fault;
-    }
-    EXPECT_EQ(CountOf(card, "<svg"), 2u) << fault.fault;
-    EXPECT_EQ(CountOf(card, words.Say("fault_sheet.next_time")), fault.remedies.size())
-        << fault.fault;
-    EXPECT_TRUE(card.find("\"over\"") != card.npos || card.find("\"left\"") != card.npos ||
-                fault.fault == "heavy_hand")
-        << fault.fault << " is not marked";
+  EXPECT_EQ(CountOf(sheet, "<article"), Kinds().size() + 1);
+  for (const scoring::MistakeKind kind : Kinds()) {
+    const std::string name(NameOf(kind));
+    const std::string_view card = CardOf(sheet, name);
+    EXPECT_NE(card.find(words.Say("fault_why." + name)), card.npos) << name;
+    EXPECT_NE(card.find(words.Say("mistake_do." + name)), card.npos) << name;
+    EXPECT_EQ(CountOf(card, "<svg"), 2u) << name;
+    EXPECT_TRUE(card.find("\"over\"") != card.npos || card.find("\"left\"") != card.npos)
+        << name << " is not marked";
   }
-  // What is said is what was measured on the picture's cut.
-  EXPECT_NE(CardOf(sheet, "too_deep").find("1,0"), std::string_view::npos);
-  for (const char* other_place : {"<script", "http", "src=", "@import", "fault_", "reason."}) {
+  EXPECT_EQ(CountOf(CardOf(sheet, "heavy_hand"), "<svg"), 2u);
+  // What is said is what was measured on the picture's cut, 0.3 mm.
+  const std::string_view deep = CardOf(sheet, "deep");
+  EXPECT_TRUE(deep.find("0,29") != deep.npos || deep.find("0,3") != deep.npos) << deep;
+  for (const char* other_place :
+       {"<script", "http", "src=", "@import", "fault_", "reason.", "mistake."}) {
     EXPECT_EQ(sheet.find(other_place), sheet.npos) << other_place;
   }
 }
 
-TEST(FaultSheetTest, EveryLanguageHasANameAndAReasonForEveryFault) {
+TEST(FaultSheetTest, EveryLanguageHasAReasonForEveryMistake) {
   for (Language language : language::kLanguages) {
     const Words words(language);
-    for (const scoring::KnownFault& fault : scoring::KnownFaults()) {
-      EXPECT_TRUE(words.Has("fault_name." + std::string(fault.fault))) << fault.fault;
-      EXPECT_TRUE(words.Has("fault_why." + std::string(fault.fault))) << fault.fault;
+    for (const scoring::MistakeKind kind : Kinds()) {
+      EXPECT_TRUE(words.Has("fault_why." + std::string(NameOf(kind)))) << NameOf(kind);
     }
   }
 }

@@ -21,7 +21,7 @@ interface Props {
   readonly client: Client;
   readonly id: string;
   readonly onGone: () => void;
-  readonly insight: (id: string, title: string) => ComponentChildren; // how the class did
+  readonly insight: (assignment: Assignment) => ComponentChildren; // how the class did
   readonly marking: (assignment: Assignment) => ComponentChildren; // its blind markings
 }
 
@@ -67,7 +67,7 @@ export function AssignmentPage({ client, id, onGone, insight, marking }: Props) 
         {" · "}
         <a href={`/grading?assignment=${assignment.id}`}>{say("assignments.grade_them")}</a>
       </p>
-      {insight(assignment.id, exerciseTitle(assignment))}
+      {insight(assignment)}
       <div class="columns">
         <Card title={say("assignments.terms")}>
           <EditTerms key={loaded.value.tag} client={client} read={loaded.value} onRead={setNewer} />

@@ -1,31 +1,49 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { AssignmentInsight } from "../../api/types";
+import { mistakeText } from "../../api/worded";
 import { csvText } from "../../base/csv";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 
 const tenths: AssignmentInsight["summary"]["score_tenths"] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 const criterion: AssignmentInsight["criteria"][number] = {
-  name: "wall_mesial_mm",
-  title: "Mesial wall",
-  unit: "mm",
-  max_points: 20,
+  name: "outline",
+  group: "outline",
+  title: "Outline",
+  unit: "count",
   judged: 3,
-  half_lost: 2,
-  mean_points: 8,
-  earned_tenths: tenths,
+  to_change: 2,
+  mean_lost: 8,
+  lost: null,
   values: null,
+};
+const force: typeof criterion = {
+  ...criterion,
+  name: "force_sent_p95_n",
+  group: "hand",
+  title: "Light hand",
+  unit: "N",
+};
+const mistake: AssignmentInsight["mistakes"][number] = {
+  kind: "over_extended",
+  place: "wall_mesial",
+  group: "outline",
+  students: 2,
+  points: 21.5,
+  size: 0.42,
+  unit: "mm",
+  at_mm: [1.5, 0, 3],
 };
 const insight: AssignmentInsight = {
   assignment_id: "a",
   counting: "best",
-  gates: [],
   outliers: [],
   staff: [],
   left_out: 0,
   unread: 0,
-  commonest: "wall_mesial_mm",
-  criteria: [criterion],
+  commonest: 1,
+  criteria: [criterion, force],
+  mistakes: [{ ...mistake, kind: "deep", place: "floor", students: 1 }, mistake],
   summary: {
     students: 2,
     not_started: 1,
@@ -46,7 +64,7 @@ const insight: AssignmentInsight = {
       time_s: 61.04,
       failed: false,
       attempt_id: "x",
-      points: [8.26],
+      lost: [8.26, 0],
     },
     {
       person: { id: "2", login: "@two", display_name: "Two" },
@@ -57,17 +75,17 @@ const insight: AssignmentInsight = {
       time_s: 0,
       failed: false,
       attempt_id: null,
-      points: [null],
+      lost: [null, null],
     },
   ],
 };
 
-test("the most common problem is a sentence, and so is that there is none", () => {
+test("the most common mistake is a sentence, and so is that there is none", () => {
   assert.equal(
-    commonestText(insight),
-    "Most common problem: Mesial wall. 2 of 3 students lost half of its points or more.",
+    commonestText({ ...insight, summary: { ...insight.summary, scored: 3 } }),
+    `Most common mistake: “${mistakeText(mistake)}”, made by 2 of 3 students.`,
   );
-  assert.equal(commonestText({ ...insight, commonest: null }), "Nobody lost half of the points on any criterion.");
+  assert.equal(commonestText({ ...insight, commonest: null }), "No mistake cost anybody half a point.");
   assert.equal(
     commonestText({ ...insight, commonest: null, summary: { ...insight.summary, scored: 0 } }),
     "Nothing is scored yet.",
@@ -80,8 +98,8 @@ test("an outlier is shown in its unit, beside the class", () => {
     "Time in all attempts 12\u00a0min\u00a005\u00a0s; class 4\u00a0min\u00a000\u00a0s",
   );
   assert.equal(
-    outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, insight),
-    "Mesial wall 0.90\u00a0mm too deep; class 0.12\u00a0mm too deep",
+    outlierText({ person_id: "1", what: "force_sent_p95_n", value: 0.9, median: 0.12, z: 5 }, insight),
+    "Light hand 0.90\u00a0N; class 0.12\u00a0N",
   );
   assert.equal(
     outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, insight),
@@ -94,10 +112,10 @@ test("the file has a row for each student and no cell that a spreadsheet compute
   const lines = csvText(header, rows).split("\r\n");
   assert.equal(
     lines[0],
-    "\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,Mesial wall (of 20)",
+    "\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,Outline (points lost),Light hand (points lost)",
   );
-  assert.equal(lines[1], "one,'=cmd|' /C calc'!A0,scored,2,71.4,no,no,61,8.3");
-  assert.equal(lines[2], "'@two,Two,not_started,0,,no,no,0,");
+  assert.equal(lines[1], "one,'=cmd|' /C calc'!A0,scored,2,71.4,no,no,61,8.3,0");
+  assert.equal(lines[2], "'@two,Two,not_started,0,,no,no,0,,");
 });
 
 test("the time of all attempts and that of the counted attempt have different names, and equal times appear once", () => {

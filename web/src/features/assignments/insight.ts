@@ -1,5 +1,5 @@
 import type { AssignmentInsight } from "../../api/types";
-import { measuredText } from "../../api/worded";
+import { criterionTitle, measuredText, mistakeText } from "../../api/worded";
 import type { Cell } from "../../base/csv";
 import { formatDuration, formatScore } from "../../base/format";
 import { say } from "../../base/words";
@@ -9,11 +9,17 @@ import { say } from "../../base/words";
 
 type Outlier = AssignmentInsight["outliers"][number];
 
-// Where most went wrong, in a sentence.
-export function commonestText({ commonest, criteria, summary }: AssignmentInsight): string {
-  const found = criteria.find(({ name }) => name === commonest);
+export type ClassMistake = AssignmentInsight["mistakes"][number];
+
+// Which mistake most students made, in a sentence.
+export function commonestText({ commonest, mistakes, summary }: AssignmentInsight): string {
+  const found = commonest === null ? undefined : mistakes[commonest];
   if (found !== undefined)
-    return say("insight.commonest", { title: found.title, lost: found.half_lost, count: found.judged });
+    return say("insight.commonest", {
+      mistake: mistakeText(found),
+      made: found.students,
+      count: summary.scored,
+    });
   return summary.scored === 0 ? say("insight.nothing_scored") : say("insight.none_lost");
 }
 
@@ -40,13 +46,13 @@ export function outlierText(outlier: Outlier, insight: AssignmentInsight): strin
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
   return say("insight.outlier", {
-    title: found?.title ?? what,
+    title: found === undefined ? what : criterionTitle(found),
     value: measuredText(what, value, unit),
     median: measuredText(what, median, unit),
   });
 }
 
-// A row for each student; points by criterion, empty where there were none to be had.
+// A row for each student; points lost by criterion, empty where there were none to lose.
 export function insightTable({ criteria, students }: AssignmentInsight): {
   readonly header: readonly string[];
   readonly rows: ReadonlyArray<readonly Cell[]>;
@@ -61,9 +67,9 @@ export function insightTable({ criteria, students }: AssignmentInsight): {
       "released",
       "failed_critically",
       "time_s_all_attempts",
-      ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`),
+      ...criteria.map((criterion) => `${criterionTitle(criterion)} (points lost)`),
     ],
-    rows: students.map(({ person, state, attempts, score, released, failed, time_s: time, points }) => [
+    rows: students.map(({ person, state, attempts, score, released, failed, time_s: time, lost }) => [
       person.login,
       person.display_name,
       state,
@@ -72,7 +78,7 @@ export function insightTable({ criteria, students }: AssignmentInsight): {
       released,
       failed,
       rounded(time),
-      ...points.map(rounded),
+      ...lost.map(rounded),
     ]),
   };
 }

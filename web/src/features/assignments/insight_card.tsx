@@ -1,27 +1,29 @@
 import type { Client } from "../../api/client";
-import type { AssignmentInsight, Spread } from "../../api/types";
+import type { Assignment, AssignmentInsight, Exercise, Spread } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { wordedInsight } from "../../api/worded";
+import { criterionTitle, mistakeText, wordedInsight } from "../../api/worded";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
 import { formatDateTime, formatDuration, formatPoints, formatQuantity, formatScore } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Badge, Card, Empty, ErrorNotice, Loading, Notice } from "../../widgets/basics";
+import { Badge, Card, Empty, ErrorNotice, Folded, Loading, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { Tenths } from "../../widgets/tenths";
+import { exerciseTitle } from "./assignment_text";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
+import { MistakeMap } from "./mistake_map";
 
 const kMostSetAside = 200;
 
 interface Props {
   readonly client: Client;
-  readonly id: string;
-  readonly title: string; // of the exercise
+  readonly assignment: Assignment;
 }
 
-// How the class did: students who have not begun, points lost by criterion, outliers.
-export function InsightCard({ client, id, title }: Props) {
+// How the class did: its mistakes and where they are, points lost by criterion, students who have not begun, outliers.
+export function InsightCard({ client, assignment }: Props) {
+  const { id, exercise } = assignment;
   const { loaded, reload } = useRequest(`insight ${id}`, async (signal) => {
     const insight = await client.teaching.insight(id, signal);
     return insight.ok ? ok(wordedInsight(insight.value)) : insight;
@@ -30,10 +32,12 @@ export function InsightCard({ client, id, title }: Props) {
   const quarantined = useRequest(`set aside ${id}`, (signal) =>
     client.attempts({ assignment: id, state: "quarantined", limit: kMostSetAside }, signal),
   );
+  const drawn = useRequest(exercise.id ?? undefined, (signal) => client.teaching.exercise(exercise.id ?? "", signal));
+  const target = drawn.loaded.state === "ready" ? drawn.loaded.value.value.target : undefined;
   const setAside = quarantined.loaded.state === "ready" ? quarantined.loaded.value.items.length : 0;
   const save = (insight: AssignmentInsight) => {
     const { header, rows } = insightTable(insight);
-    downloadFile(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
+    downloadFile(`${fileName(exerciseTitle(assignment), "class")}.csv`, "text/csv", csvText(header, rows));
   };
   const aside =
     loaded.state === "ready" && loaded.value.students.length > 0 ? (
@@ -55,13 +59,19 @@ export function InsightCard({ client, id, title }: Props) {
           </p>
         </Notice>
       )}
-      {loaded.state === "ready" && <Insight insight={loaded.value} />}
+      {loaded.state === "ready" && <Insight insight={loaded.value} target={target} />}
     </Card>
   );
 }
 
-function Insight({ insight }: { readonly insight: AssignmentInsight }) {
-  const { summary, criteria, students, staff, gates } = insight;
+function Insight({
+  insight,
+  target,
+}: {
+  readonly insight: AssignmentInsight;
+  readonly target: Exercise["target"] | undefined; // undefined: not read
+}) {
+  const { summary, criteria, mistakes, students, staff } = insight;
   return (
     <>
       {students.length === 0 ? <Empty>{say("insight.no_student")}</Empty> : <Figures summary={summary} />}
@@ -76,12 +86,14 @@ function Insight({ insight }: { readonly insight: AssignmentInsight }) {
         </Notice>
       )}
       {students.length > 0 && <p class="insight-say">{commonestText(insight)}</p>}
-      {gates.map(({ name, title, taken }) => (
-        <p key={name} class="insight-say">
-          {say("insight.gate", { title, count: taken })}
-        </p>
-      ))}
-      {summary.scored > 0 && criteria.length > 0 && <Criteria insight={insight} />}
+      {mistakes.length > 0 && <Mistakes insight={insight} target={target} />}
+      {summary.scored > 0 && criteria.length > 0 && (
+        <>
+          <h3>{say("insight.by_criterion")}</h3>
+          <Criteria criteria={criteria} />
+          <Folded title={say("insight.by_student")} content={() => <Students insight={insight} />} />
+        </>
+      )}
       <div class="columns">
         <Waiting students={students} />
         <Outliers insight={insight} />
@@ -142,7 +154,71 @@ function middle({ lower, median, upper }: Spread, form: (value: number) => strin
   return say("insight.middle", { median: form(median), lower: form(lower), upper: form(upper) });
 }
 
-function Criteria({ insight: { criteria, commonest } }: { readonly insight: AssignmentInsight }) {
+const kShown = 10; // mistakes; the others are unfolded
+
+function Mistakes({
+  insight: { mistakes, commonest, summary },
+  target,
+}: {
+  readonly insight: AssignmentInsight;
+  readonly target: Exercise["target"] | undefined;
+}) {
+  const numbered = mistakes.map((mistake, i) => ({ ...mistake, number: i + 1, commonest: i === commonest }));
+  const [shown, rest] = [numbered.slice(0, kShown), numbered.slice(kShown)];
+  const table = (items: typeof numbered, label: string) => (
+    <DataTable
+      label={label}
+      items={items}
+      rowKey={({ number }) => String(number)}
+      dense
+      columns={[
+        {
+          title: say("insight.mistake"),
+          cell: (item) => (
+            <span class="mistake-cell">
+              <span class="mistake-number">{item.number}</span>
+              <span>
+                {mistakeText(item)}
+                {item.commonest && (
+                  <>
+                    {" "}
+                    <Badge tone="warning">{say("insight.commonest_mistake")}</Badge>
+                  </>
+                )}
+              </span>
+            </span>
+          ),
+        },
+        {
+          title: say("insight.made_by"),
+          number: true,
+          cell: ({ students }) => say("count.of", { part: String(students), whole: String(summary.scored) }),
+        },
+        { title: say("insight.points_class"), number: true, cell: ({ points }) => formatPoints(points) },
+      ]}
+    />
+  );
+  return (
+    <>
+      <h3>{say("insight.mistakes")}</h3>
+      <div class="class-mistakes">
+        <div>
+          {table(shown, say("insight.mistakes"))}
+          {rest.length > 0 && (
+            <Folded
+              title={say("insight.more_mistakes", { count: rest.length })}
+              content={() => table(rest, say("insight.more_mistakes", { count: rest.length }))}
+            />
+          )}
+          <p class="hint">{say("insight.mistakes_hint")}</p>
+        </div>
+        {target !== undefined && <MistakeMap mistakes={shown} target={target} of={summary.scored} />}
+      </div>
+    </>
+  );
+}
+
+function Criteria({ criteria }: { readonly criteria: AssignmentInsight["criteria"] }) {
   return (
     <DataTable
       label={say("insight.by_criterion")}
@@ -150,43 +226,24 @@ function Criteria({ insight: { criteria, commonest } }: { readonly insight: Assi
       rowKey={(item) => item.name}
       dense
       columns={[
+        { title: say("common.criterion"), cell: criterionTitle },
         {
-          title: say("common.criterion"),
-          cell: (item) => (
-            <>
-              {item.title}
-              {item.name === commonest && (
-                <>
-                  {" "}
-                  <Badge tone="warning">{say("insight.commonest_error")}</Badge>
-                </>
-              )}
-            </>
-          ),
-        },
-        {
-          title: say("insight.points_mean"),
+          title: say("insight.lost_mean"),
           number: true,
-          cell: (item) =>
-            item.judged === 0
-              ? "–"
-              : say("count.of", { part: formatPoints(item.mean_points), whole: formatPoints(item.max_points) }),
+          cell: (item) => (item.judged === 0 ? "–" : formatPoints(item.mean_lost)),
         },
         {
-          title: say("insight.share"),
-          cell: (item) =>
-            item.judged > 0 && (
-              <Tenths counts={item.earned_tenths} what={say("insight.share_of", { title: item.title })} />
-            ),
+          title: say("insight.lost_middle"),
+          cell: (item) => (item.lost === null ? "–" : middle(item.lost, formatPoints)),
         },
         {
-          title: say("insight.lost_half"),
+          title: say("insight.to_change"),
           number: true,
           cell: (item) =>
             item.judged === 0 ? (
               <span class="hint">{say("insight.not_judged")}</span>
             ) : (
-              say("count.of", { part: String(item.half_lost), whole: String(item.judged) })
+              say("count.of", { part: String(item.to_change), whole: String(item.judged) })
             ),
         },
         {
@@ -197,6 +254,38 @@ function Criteria({ insight: { criteria, commonest } }: { readonly insight: Assi
       ]}
     />
   );
+}
+
+function Students({ insight: { criteria, students } }: { readonly insight: AssignmentInsight }) {
+  type Student = AssignmentInsight["students"][number];
+  return (
+    <DataTable
+      label={say("insight.by_student")}
+      items={students.filter(({ state }) => state === "scored")}
+      rowKey={({ person }) => person.id}
+      dense
+      columns={[
+        {
+          title: say("common.student"),
+          cell: ({ person, attempt_id: attempt }) =>
+            attempt === null ? person.display_name : <a href={`/attempts/${attempt}`}>{person.display_name}</a>,
+        },
+        { title: say("common.score"), number: true, cell: ({ score }) => formatScore(score) },
+        ...criteria.map((criterion, i) => ({
+          title: criterionTitle(criterion),
+          number: true,
+          cell: ({ lost }: Student) => lostText(lost[i]),
+        })),
+      ]}
+    />
+  );
+}
+
+// Missing at the end, or null: there were none to lose.
+function lostText(lost: number | null | undefined): string {
+  if (lost === null || lost === undefined) return "–";
+  const text = formatPoints(lost);
+  return text === "0" ? text : `−${text}`;
 }
 
 function Waiting({ students }: { readonly students: AssignmentInsight["students"] }) {

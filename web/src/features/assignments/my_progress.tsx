@@ -3,7 +3,7 @@ import { type Done, nextStep } from "../../api/progress";
 import type { Attempt } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { scoreOf } from "../../api/worded";
-import { formatScore } from "../../base/format";
+import { formatNumber, formatScore } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Curve } from "../../widgets/curve";
@@ -39,6 +39,7 @@ export function MyProgress({ client, assignment, used }: { client: Client; assig
   const [last] = seen;
   if (last === undefined) return null;
   const best = seen.reduce((a, b) => (b.score > a.score ? b : a));
+  const oldestFirst = seen.map(({ score }) => score).reverse();
   const next = nextStep(done);
   return (
     <>
@@ -49,7 +50,13 @@ export function MyProgress({ client, assignment, used }: { client: Client; assig
           <div>
             <dt>{say("progress.over")}</dt>
             <dd>
-              <Curve shares={seen.map(({ score }) => score / 100).reverse()} title={say("common.score")} />
+              <Curve
+                shares={oldestFirst.map((score) => score / 100)}
+                label={say("progress.curve", {
+                  title: say("common.score"),
+                  shares: oldestFirst.map((score) => `${formatNumber(score, 0)} %`).join(", "),
+                })}
+              />
             </dd>
           </div>
         )}

@@ -22,7 +22,6 @@ import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
 import { PrintButton } from "./print_report";
 import { ScorePanel } from "./score_panel";
-import { toleranceMm } from "./tolerance";
 import { QueueBar } from "./queue_bar";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
@@ -53,7 +52,6 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
     client.teaching.exercise(attempt?.exercise.id ?? "", signal),
   );
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
-  const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
   const target = exercise.loaded.state === "ready" ? exercise.loaded.value.value.target : undefined;
   const anatomy = useMemo(() => (target === undefined ? undefined : anatomyOf(target)), [target]);
   const restoration =
@@ -178,7 +176,6 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
             personId: person.id,
             teacher,
             anatomy,
-            toleranceMm: tolerance,
             rescored: rescore.over,
           }}
           handle={review}
@@ -247,7 +244,6 @@ function Details({ review }: { readonly review: Review }) {
             exercise={attempt.exercise.id}
             envelope={scored.envelope}
             metrics={scored.metrics}
-            judged={scored.criteria}
           />
         )}
       </div>
@@ -297,7 +293,8 @@ function Judgement({ review, onChanged, rescore, soon }: JudgementProps) {
       {scored !== undefined && !soon && (
         <ScorePanel
           score={scored}
-          reference={reference === null ? undefined : (reference.dentist ?? say("attempt.earlier_reference"))}
+          reference={reference?.dentist ?? undefined}
+          own={attempt.person.id === review.personId}
           override={attempt.override}
           onPlace={review.removed ? undefined : review.showPlace}
         />

@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Deduction } from "../../api/types";
-import { deductionsOf, deductionText } from "./deductions";
+import type { Deduction, Mistake } from "../../api/types";
+import { deductionsOf, deductionText, placeOf } from "./deductions";
 
 const stroke = (number: number) => ({ number, first_tick: 72_000, first_s: 72.4, volume_mm3: 0.2 });
 const deduction = (changes: Partial<Deduction> = {}): Deduction => ({
-  criterion: "wall_mesial_mm",
+  mistake: 0,
   left: false,
   volume_mm3: 0.42,
   position_mm: [1, 0, 0],
@@ -27,16 +27,24 @@ test("a deduction says how much, when it began and which strokes did it", () => 
   assert.equal(deductionText(deduction({ stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ too much");
 });
 
-test("a criterion's deductions have most volume first, and leave out what nobody sees", () => {
-  const all = [
+test("a mistake's deductions have most volume first, and leave out what nobody sees", () => {
+  const deductions = [
     deduction({ volume_mm3: 0.1 }),
     deduction({ volume_mm3: 0.5, left: true }),
     deduction({ volume_mm3: 0.001 }),
-    deduction({ criterion: "floor_mm" }),
+    deduction({ mistake: 1 }),
   ];
   assert.deepEqual(
-    deductionsOf(all, "wall_mesial_mm").map((each) => each.volume_mm3),
+    deductionsOf({ deductions }, 0).map((each) => each.volume_mm3),
     [0.5, 0.1],
   );
-  assert.deepEqual(deductionsOf(undefined, "wall_mesial_mm"), []);
+  assert.deepEqual(deductionsOf({ deductions }, 2), []);
+});
+
+test("a mistake without a volume is shown where it cost, and one without a place is not", () => {
+  const mistake = (at_mm: Mistake["at_mm"]) => ({ at_mm }) as Mistake;
+  const mistakes = [mistake([1, 2, 3]), mistake([0, 0, 0])];
+  assert.deepEqual(placeOf({ mistakes }, 0), { position_mm: [1, 2, 3], first_tick: 0, stroke_count: 0 });
+  assert.equal(placeOf({ mistakes }, 1), undefined);
+  assert.equal(placeOf({ mistakes }, 2), undefined);
 });

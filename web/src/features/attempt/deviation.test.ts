@@ -22,7 +22,6 @@ test("a mesial wall that is 0.3 mm too deep is named first, with its sign", () =
       [[0, 0, 1], 0.01],
       [[0, 1, 0], 0],
     ]),
-    0.1,
     1,
   );
   assert.equal(summary?.sides[0]?.side, "mesial_wall");
@@ -35,7 +34,7 @@ test("of a lower right molar the wall at +x is the distal one, and is looked at 
     [[-1, 0, 0], 0.3],
     [[1, 0, 0], 0.1],
   ]);
-  const summary = summariseDeviation(surface, 0.1, -1);
+  const summary = summariseDeviation(surface, -1);
   assert.deepEqual(
     summary?.sides.map(({ side }) => side),
     ["distal_wall", "mesial_wall"],
@@ -49,7 +48,6 @@ test("which wall is mesial is not said before it is known which tooth it is", ()
       [[-1, 0, 0], 0.3],
       [[0, 0, 1], 0.1],
     ]),
-    0.1,
     undefined,
   );
   assert.deepEqual(
@@ -59,7 +57,7 @@ test("which wall is mesial is not said before it is known which tooth it is", ()
   assert.equal(summary?.vertices, 2);
 });
 
-test("shares of more, less and within tolerance add up to the whole", () => {
+test("shares of more, less and within the leeway add up to the whole", () => {
   const summary = summariseDeviation(
     surfaceOf([
       [[0, 0, 1], 0.2],
@@ -67,7 +65,6 @@ test("shares of more, less and within tolerance add up to the whole", () => {
       [[0, 0, 1], 0.05],
       [[0, 0, 1], 0],
     ]),
-    0.1,
     1,
   );
   assert.equal(summary?.overShare, 0.25);
@@ -82,12 +79,11 @@ test("untouched vertices do not count, and nothing compared is no summary", () =
         [[0, 0, 1], Number.NaN],
         [[0, 0, 1], 0.4],
       ]),
-      0.1,
       1,
     )?.vertices,
     1,
   );
-  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]]), 0.1, 1), undefined);
+  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]]), 1), undefined);
 });
 
 test("the view begins opposite the wall that deviates most, at the middle of what was cut", () => {
@@ -97,7 +93,7 @@ test("the view begins opposite the wall that deviates most, at the middle of wha
     [[0, 1, 0], Number.NaN],
   ]);
   surface.positionMm.set([2, 0, 1, 0, 0, -1, 90, 90, 90]);
-  const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1, 1)?.sides[0]?.side, 1);
+  const { direction, centre } = outlook(surface, summariseDeviation(surface, 1)?.sides[0]?.side, 1);
   assert.ok(direction[0] < 0 && direction[2] > 0);
   assert.deepEqual(centre, [1, 0, 0]);
   assert.equal(outlook(surface, undefined, 1).centre, undefined);

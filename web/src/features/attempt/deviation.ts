@@ -2,6 +2,9 @@ import type { MesialX } from "../../api/tooth_number";
 import type { Compared } from "../../tooth/messages";
 import { angledFrom } from "../../widgets/tooth/angled";
 
+// A score charges nothing that is no farther than this from the acceptable cut: schemas/score.md.
+export const kLeewayMm = 0.1;
+
 // The deviation map in numbers, for people who do not or cannot see the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
 
@@ -23,8 +26,7 @@ type Point = readonly [number, number, number];
 
 export interface DeviationSummary {
   readonly vertices: number; // compared with the reference
-  readonly toleranceMm: number;
-  readonly withinShare: number; // |deviation| <= toleranceMm
+  readonly withinShare: number; // |deviation| <= kLeewayMm
   readonly overShare: number; // more removed than that
   readonly underShare: number;
   readonly p95Mm: number; // of the size
@@ -76,11 +78,7 @@ function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefine
 }
 
 // While it is not known where mesial is, the walls along x are left out of the sides.
-export function summariseDeviation(
-  surface: Compared,
-  toleranceMm: number,
-  mesial: MesialX | undefined,
-): DeviationSummary | undefined {
+export function summariseDeviation(surface: Compared, mesial: MesialX | undefined): DeviationSummary | undefined {
   const { deviationMm } = surface;
   const sizes: number[] = [];
   let over = 0;
@@ -89,8 +87,8 @@ export function summariseDeviation(
   deviationMm.forEach((value, vertex) => {
     if (Number.isNaN(value)) return;
     sizes.push(Math.abs(value));
-    if (value > toleranceMm) ++over;
-    if (value < -toleranceMm) ++under;
+    if (value > kLeewayMm) ++over;
+    if (value < -kLeewayMm) ++under;
     const side = sides[sideOf(surface, vertex, mesial)];
     if (side === undefined) return;
     ++side.vertices;
@@ -101,7 +99,6 @@ export function summariseDeviation(
   const n = sizes.length;
   return {
     vertices: n,
-    toleranceMm,
     overShare: over / n,
     underShare: under / n,
     withinShare: (n - over - under) / n,

@@ -1,24 +1,27 @@
-import type { AttemptDetail, Criterion, Deduction, Gate, Score } from "../../api/types";
-import { measuredText } from "../../api/worded";
-import { formatDateTime, formatNumber, formatPoints, formatScore } from "../../base/format";
+import type { AttemptDetail, Criterion, Mistake, Region, Score } from "../../api/types";
+import { measuredText, mistakeText, regionText, regionTitle, remedyText } from "../../api/worded";
+import { isWorthAdvice } from "../../api/worth";
+import { formatDateTime, formatPoints, formatScore, lostText } from "../../base/format";
+import { spokenLanguage } from "../../base/language";
 import { say } from "../../base/words";
 import { Badge, Brief, Card, Notice, type Tone } from "../../widgets/basics";
 import { still } from "../../widgets/still";
-import { deductionsOf, deductionText } from "./deductions";
-import { byLostPoints, failures, lostPoints, summarySentence } from "./summary";
+import { deductionsOf, deductionText, type FaultPlace, placeOf } from "./deductions";
+import { failures, type GroupLoss, groupsOf, kPointsShown, summarySentence } from "./summary";
 
-const kPointsShown = 0.05; // fewer lost points are full marks
+const kShownAtFirst = 3; // mistakes: more than that nobody works on at once
 const kRingRadius = 52;
 const kRingLength = 2 * Math.PI * kRingRadius;
 
 interface Props {
   readonly score: Score; // as computed
-  readonly reference: string | undefined;
+  readonly reference: string | undefined; // who cut it; undefined: nobody, or somebody whose name is not there
   readonly override: AttemptDetail["override"]; // what an instructor says instead
-  readonly onPlace: ((deduction: Deduction) => void) | undefined; // shows it on the tooth and the timeline
+  readonly own: boolean; // the reader made the attempt
+  readonly onPlace: ((place: FaultPlace) => void) | undefined; // shows it on the tooth and the timeline
 }
 
-export const ScorePanel = still(function ScorePanel({ score, reference, override, onPlace }: Props) {
+export const ScorePanel = still(function ScorePanel({ score, reference, override, own, onPlace }: Props) {
   return (
     <Card title={say("score.title")} className="score-card">
       <div class="score-head">
@@ -29,21 +32,34 @@ export const ScorePanel = still(function ScorePanel({ score, reference, override
             {override !== null ? say("score.computed", { text: summarySentence(score) }) : summarySentence(score)}
           </p>
           <Badge tone={kTones[score.acceptance]}>{say(`acceptance.${score.acceptance}`)}</Badge>
-          <p class="hint">
-            {reference === undefined
-              ? say("score.no_reference", { version: String(score.rubric_version) })
-              : say("score.compared", { reference, version: String(score.rubric_version) })}
-          </p>
+          <ToBeDone regions={score.regions} />
+          <p class="hint">{comparedText(score, reference)}</p>
         </div>
       </div>
       <Critical score={score} />
-      <Gates gates={score.gates ?? []} />
-      <Criteria criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
+      <Mistakes score={score} own={own} onPlace={onPlace} />
+      <Groups groups={groupsOf(score)} />
     </Card>
   );
 });
 
 const kTones = { acceptable: "good", with_remarks: "warning", not_acceptable: "bad" } as const;
+const kStateTones = { acceptable: "good", modify: "warning", redo: "bad" } as const;
+
+function comparedText({ reference_attempt: attempt, rubric_version }: Score, reference: string | undefined): string {
+  const version = String(rubric_version);
+  return attempt === ""
+    ? say("score.own_target", { version })
+    : say("score.compared", { reference: reference ?? say("attempt.earlier_reference"), version });
+}
+
+// Why the whole is not acceptable, or has remarks, where no critical error says it.
+function ToBeDone({ regions }: { readonly regions: readonly Region[] }) {
+  const state = (["redo", "modify"] as const).find((each) => regions.some((region) => region.state === each));
+  if (state === undefined) return null;
+  const names = regions.filter((region) => region.state === state).map(regionTitle);
+  return <p>{say(`score.${state}`, { places: names.join(spokenLanguage() === "zh" ? "、" : ", ") })}</p>;
+}
 
 // What no examiner passes comes before the points.
 function Critical({ score }: { readonly score: Score }) {
@@ -111,123 +127,197 @@ function toneOf(share: number, critical: boolean): Tone {
   return share < 0.75 ? "warning" : "good";
 }
 
-// What took points of every criterion: said before them, as it explains them.
-function Gates({ gates }: { readonly gates: readonly Gate[] }) {
-  const closing = gates.filter((gate) => gate.share < 1);
-  return (
-    <>
-      {closing.map((gate) => (
-        <Notice
-          key={gate.name}
-          tone="warning"
-          title={say("score.gate", { percent: formatNumber(100 * gate.share, 1) })}
-        >
-          <p>{gate.reason}</p>
-        </Notice>
+interface Placed {
+  readonly score: Score;
+  readonly onPlace: Props["onPlace"];
+}
+interface Numbered {
+  readonly mistake: Mistake;
+  readonly number: number; // in the score, from 0
+}
+
+// The dearest mistakes with what to do about them; the others are folded away.
+function Mistakes({ score, own, onPlace }: Placed & { readonly own: boolean }) {
+  const all = score.mistakes
+    .map((mistake, number): Numbered => ({ mistake, number }))
+    .filter(({ mistake }) => mistake.points >= kPointsShown);
+  const worth = all.filter(({ mistake }) => isWorthAdvice(mistake));
+  const small = all.slice(worth.length); // the dearest are first
+  const rest = worth.slice(kShownAtFirst);
+  const list = (items: readonly Numbered[]) => (
+    <ol start={(items[0]?.number ?? 0) + 1}>
+      {items.map((each) => (
+        <MistakeItem key={each.number} {...each} score={score} onPlace={onPlace} />
       ))}
-    </>
+    </ol>
+  );
+  return (
+    <section class="mistakes">
+      <h3>{countText(all.length, worth.length, own)}</h3>
+      {score.beyond > 0 && <p>{say("score.beyond", { points: formatPoints(score.beyond) })}</p>}
+      {worth.length > 0 && list(worth.slice(0, kShownAtFirst))}
+      {rest.length > 0 && (
+        <details>
+          <summary>{say("score.more_mistakes", { count: rest.length })}</summary>
+          {list(rest)}
+        </details>
+      )}
+      {small.length > 0 && (
+        <details>
+          <summary>{say("score.smallest", { count: small.length })}</summary>
+          {list(small)}
+        </details>
+      )}
+    </section>
   );
 }
 
-interface Placed {
-  readonly deductions: readonly Deduction[] | undefined;
+function countText(all: number, worth: number, own: boolean): string {
+  if (all === 0) return say("score.no_mistake");
+  if (worth === 0) return say("score.small_mistakes");
+  return say(own ? "score.your_mistakes" : "score.mistakes", { count: worth });
+}
+
+function MistakeItem({ mistake, number, score, onPlace }: Placed & Numbered) {
+  const text = mistakeText(mistake);
+  const deductions = deductionsOf(score, number);
+  const place = deductions.length === 0 ? placeOf(score, number) : undefined;
+  const remedy = isWorthAdvice(mistake) ? remedyText(mistake) : "";
+  return (
+    <li>
+      <div class="mistake">
+        <b>{text}</b>
+        <span class="lost">{lostText(mistake.points)}</span>
+        {deductions.map((deduction) => (
+          <ShowButton
+            key={deduction.left ? "left" : "over"}
+            shown={say(
+              deductions.length === 1 ? "score.show_me" : deduction.left ? "score.show_left" : "score.show_over",
+            )}
+            full={say("score.show_which", { mistake: text, what: deductionText(deduction) })}
+            place={deduction}
+            onPlace={onPlace}
+          />
+        ))}
+        {place !== undefined && (
+          <ShowButton
+            shown={say("score.show_me")}
+            full={`${say("score.show_me")} ${text}`}
+            place={place}
+            onPlace={onPlace}
+          />
+        )}
+      </div>
+      {deductions.map((deduction) => (
+        <p class="reason" key={deduction.left ? "left" : "over"}>
+          {deductionText(deduction)}
+        </p>
+      ))}
+      {remedy !== "" && <p class="remedy">{remedy}</p>}
+    </li>
+  );
+}
+
+interface ShowProps {
+  readonly shown: string;
+  readonly full: string;
+  readonly place: FaultPlace;
   readonly onPlace: Props["onPlace"];
 }
 
-// Where points were lost, a line each; what has full marks is folded away.
-function Criteria({ criteria, ...placed }: Placed & { readonly criteria: readonly Criterion[] }) {
-  const isFull = (criterion: Criterion) => lostPoints(criterion) < kPointsShown;
-  const lost = criteria.filter((criterion) => !isFull(criterion));
-  const full = criteria.filter(isFull);
-  const judged = full.filter(({ max_points: most }) => most > 0).length;
+function ShowButton({ shown, full, place, onPlace }: ShowProps) {
+  if (onPlace === undefined) return null;
   return (
-    <>
-      {lost.length > 0 && <CriteriaTable label={say("score.criteria")} criteria={lost} {...placed} />}
-      {full.length > 0 && (
-        <details class="full-marks" open={lost.length === 0}>
-          <summary>{say("score.full", { count: judged })}</summary>
-          <CriteriaTable label={say("score.full", { count: judged })} criteria={full} {...placed} />
-        </details>
-      )}
-    </>
+    <button type="button" class="button small quiet" title={full} onClick={() => onPlace(place)}>
+      <Brief shown={shown} full={full} />
+    </button>
   );
 }
 
-function CriteriaTable({
-  label,
-  criteria,
-  ...placed
-}: Placed & { readonly label: string; readonly criteria: readonly Criterion[] }) {
+// What each group cost; unfolded, what each of its regions or figures did.
+function Groups({ groups }: { readonly groups: readonly GroupLoss[] }) {
   return (
-    <table class="criteria">
-      <caption class="hidden">{label}</caption>
+    <details>
+      <summary>{say("score.by_group")}</summary>
+      <ul class="groups">
+        {groups.map((group) => (
+          <li key={group.group}>
+            <details>
+              <summary>
+                <span>{group.title}</span>
+                <span class="lost">{lostText(group.lost)}</span>
+                <Badge tone={kStateTones[group.state]}>{say(`grade_state.${group.state}`)}</Badge>
+              </summary>
+              <Parts group={group} />
+            </details>
+          </li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
+function Parts({ group: { title, regions, criteria } }: { readonly group: GroupLoss }) {
+  return (
+    <table class="parts">
+      <caption class="hidden">{title}</caption>
       <thead class="hidden">
         <tr>
-          <th scope="col">{say("common.criterion")}</th>
+          <th scope="col">{say("score.part")}</th>
           <th scope="col">{say("score.measured")}</th>
-          <th scope="col">{say("common.points")}</th>
-          <th scope="col">{say("score.show_me")}</th>
+          <th scope="col">{say("score.lost")}</th>
+          <th scope="col">{say("common.state")}</th>
         </tr>
       </thead>
       <tbody>
+        {regions.map((region) => (
+          <PartRow
+            key={region.name}
+            title={regionTitle(region)}
+            measured={regionText(region)}
+            lost={lostText(region.lost)}
+            state={region.state}
+          />
+        ))}
         {criteria.map((criterion) => (
-          <CriterionRow key={criterion.name} criterion={criterion} {...placed} />
+          <PartRow
+            key={criterion.name}
+            title={criterion.title}
+            measured={criterion.judged ? measuredText(criterion.name, criterion.value, criterion.unit) : ""}
+            lost={criterion.judged ? lostText(criterion.lost) : say("insight.not_judged")}
+            state={criterion.judged ? criterion.state : undefined}
+            reason={criterion.reason}
+          />
         ))}
       </tbody>
     </table>
   );
 }
 
-function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly criterion: Criterion }) {
-  const share = criterion.max_points > 0 ? criterion.points / criterion.max_points : 1;
-  const places = deductionsOf(deductions, criterion.name);
+interface PartProps {
+  readonly title: string;
+  readonly measured: string; // empty: nothing to say
+  readonly lost: string;
+  readonly state: Criterion["state"] | undefined; // undefined: not judged
+  readonly reason?: string;
+}
+
+function PartRow({ title, measured, lost, state, reason = "" }: PartProps) {
   return (
     <tr>
       <th scope="row">
-        {criterion.reason === "" && places.length === 0 ? (
-          criterion.title
-        ) : (
-          <details>
-            <summary>{criterion.title}</summary>
-            <p class="reason">{criterion.reason}</p>
-            {places.map((deduction) => (
-              <p class="reason" key={deduction.left ? "left" : "over"}>
-                {deductionText(deduction)}
-              </p>
-            ))}
-          </details>
-        )}
+        {title}
+        {reason !== "" && <p class="reason">{reason}</p>}
       </th>
-      <td class="number">
-        {criterion.judged === false ? "–" : measuredText(criterion.name, criterion.value, criterion.unit)}
-      </td>
-      <td class={`number points ${toneOf(share, false)}`}>
-        {criterion.max_points === 0 ? (
-          say("insight.not_judged")
-        ) : (
-          <>
-            <b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}
-          </>
+      <td class="number measured">{measured}</td>
+      <td class="number">{lost}</td>
+      <td class={`state ${state === undefined ? "" : kStateTones[state]}`}>
+        {state !== undefined && (
+          <Brief
+            shown={state === "acceptable" ? "✓" : say(`grade_state.${state}`)}
+            full={say(`grade_state.${state}`)}
+          />
         )}
-      </td>
-      <td class="number">
-        {onPlace !== undefined &&
-          places.map((deduction) => (
-            <button
-              type="button"
-              class="button small quiet"
-              key={deduction.left ? "left" : "over"}
-              title={deductionText(deduction)}
-              onClick={() => onPlace(deduction)}
-            >
-              <Brief
-                shown={say(
-                  places.length === 1 ? "score.show_me" : deduction.left ? "score.show_left" : "score.show_over",
-                )}
-                full={say("score.show_which", { criterion: criterion.title, what: deductionText(deduction) })}
-              />
-            </button>
-          ))}
       </td>
     </tr>
   );

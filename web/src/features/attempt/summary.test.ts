@@ -1,25 +1,49 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { stoppedEarly } from "../../widgets/attempt_state";
-import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import {
-  byLostPoints,
-  failures,
-  isWithheld,
-  recordingFacts,
-  saidFacts,
-  summarySentence,
-  withheldText,
-} from "./summary";
+import { cariesLeft, stoppedEarly } from "../../widgets/attempt_state";
+import type { AttemptDetail, Criterion, Mistake, Region, Score } from "../../api/types";
+import { failures, groupsOf, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
 
-const criterion = (title: string, points: number, max = 10): Criterion => ({
-  name: "wall_waviness_mm",
-  title,
-  value: 0.3,
-  unit: "mm",
-  points,
-  max_points: max,
+const group = (name: "outline" | "internal_form" | "margins", lost: number, changes: Partial<Criterion> = {}) =>
+  ({ ...criterion(lost), name, group: name, title: name, ...changes }) satisfies Criterion;
+
+const criterion = (lost: number, changes: Partial<Criterion> = {}): Criterion => ({
+  name: "force_sent_p95_n",
+  group: "hand",
+  title: "Light hand",
+  value: 1.3,
+  unit: "N",
+  lost,
+  most: 10,
+  state: "acceptable",
+  judged: true,
   reason: "",
+  ...changes,
+});
+
+const region = (name: Region["name"], lost: number, changes: Partial<Region> = {}): Region => ({
+  name,
+  kind: "wall",
+  group: "outline",
+  over: 0.3,
+  left: 0,
+  unit: "mm",
+  dearer: "over",
+  lost,
+  state: "acceptable",
+  ...changes,
+});
+
+const mistake = (changes: Partial<Mistake>): Mistake => ({
+  kind: "over_extended",
+  place: "wall_distal",
+  size: 0.3,
+  unit: "mm",
+  points: 9,
+  group: "outline",
+  at_mm: [1, 0, 0],
+  towards: [0, 0, 0],
+  ...changes,
 });
 
 const score = (changes: Partial<Score> = {}): Score => ({
@@ -28,8 +52,12 @@ const score = (changes: Partial<Score> = {}): Score => ({
   critical: [],
   points: 83.4,
   acceptance: "with_remarks",
-  criteria: [criterion("Floor", 10), criterion("Mesial wall", 4), criterion("Time", 8)],
+  criteria: [group("outline", 4.5), group("internal_form", 0.02), group("margins", 10), criterion(2.1)],
+  regions: [],
+  mistakes: [],
+  beyond: 0,
   metrics: [],
+  deductions: [],
   reference_attempt: "",
   rubric_version: 1,
   core_version: 1,
@@ -45,10 +73,21 @@ const score = (changes: Partial<Score> = {}): Score => ({
 
 const attempt = (changes: Partial<AttemptDetail> = {}) => ({ ticks: 1000, gap_ticks: 0, ...changes }) as AttemptDetail;
 
-test("criteria are listed with the most points lost first, full marks last", () => {
+test("a group has its regions, the dearest first, and the state of its worst part", () => {
+  const [outline, hand] = groupsOf({
+    criteria: [group("outline", 7, { state: "modify" }), criterion(1), criterion(3, { name: "time_s", state: "redo" })],
+    regions: [region("wall_mesial", 2), region("wall_distal", 5), region("floor", 9, { group: "internal_form" })],
+  });
+  assert.deepEqual([outline?.title, outline?.lost, outline?.state], ["Outline", 7, "modify"]);
   assert.deepEqual(
-    byLostPoints(score().criteria).map((item) => item.title),
-    ["Mesial wall", "Time", "Floor"],
+    outline?.regions.map(({ name }) => name),
+    ["wall_distal", "wall_mesial"],
+  );
+  assert.deepEqual(outline?.criteria, []);
+  assert.deepEqual([hand?.title, hand?.lost, hand?.state], ["Hand", 4, "redo"]);
+  assert.deepEqual(
+    hand?.criteria.map(({ name }) => name),
+    ["time_s", "force_sent_p95_n"],
   );
 });
 
@@ -64,55 +103,42 @@ test("what fails an attempt is an error of the list, or a criterion beyond its o
       reason: "The pulp is exposed.",
     },
   ];
-  const beyond: Criterion = {
-    ...criterion("Mesial wall", 0),
-    reason: "0.36 mm.",
-    reasons: [{ code: "fails_above", values: [0.36, 0.2], units: ["mm", "mm"] }],
-  };
+  const beyond = criterion(10, {
+    reason: "As the server says.",
+    reasons: [{ code: "fails_above", values: [2.36, 2], units: ["N", "N"] }],
+  });
   assert.deepEqual(failures(score()), []);
-  assert.deepEqual(failures(score({ critical, criteria: [criterion("Floor", 10), beyond] })), [
-    "The pulp is exposed.",
-    "Mesial wall: 0.36 mm.",
-  ]);
-});
-
-test("the sentence names the score and where most points went", () => {
-  const text = summarySentence(score());
-  assert.match(text, /^83\.4 of 100\./);
-  assert.match(text, /“Mesial wall” \(0\.30\u00a0mm, −6 of 30 points\), then on “Time”/);
-  assert.match(text, /Full marks in 1 of 3 criteria\.$/);
-});
-
-test("full marks and a critical fail are named", () => {
-  assert.match(
-    summarySentence(score({ score: 100, criteria: [criterion("Floor", 10)] })),
-    /Full marks in every criterion/,
+  assert.deepEqual(
+    failures({ critical, criteria: [criterion(10), beyond] }).map((text) => text.replaceAll("\u00a0", " ")),
+    ["The pulp is exposed.", "Light hand: 2.36 N (more than 2.00 N fails the whole attempt)."],
   );
+});
+
+test("the sentence names the score and the groups that lost most", () => {
+  const sentence = (...criteria: readonly Criterion[]) => summarySentence(score({ criteria }));
+  assert.equal(
+    summarySentence(score()),
+    "83.4 of 100. Most points were lost under “Margins” (−10), then under “Outline” (−4.5).",
+  );
+  assert.equal(
+    sentence(group("outline", 0), criterion(1.5), criterion(0.6)),
+    "83.4 of 100. Points were lost only under “Hand” (−2.1).",
+  );
+  assert.equal(sentence(group("outline", 0.01)), "83.4 of 100. No points were lost.");
   assert.match(summarySentence(score({ score: 0, critical_fail: true })), /^Not acceptable, so the score is 0/);
 });
 
-test("work that was stopped early is said before anything else", () => {
-  const gate: NonNullable<Score["gates"]>[number] = {
-    name: "task_done_percent",
-    title: "Task done",
-    value: 43,
-    unit: "%",
-    share: 0.45,
-    reason: "",
-  };
-  assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. Only 43 % of the task was done/);
-  assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
-  assert.equal(stoppedEarly({ gates: [gate] }), 43);
-  const caries = { ...gate, name: "caries_left_percent" as const, value: 30 };
-  assert.equal(stoppedEarly({ gates: [caries] }), undefined, "ended, and left it");
-  assert.match(summarySentence(score({ score: 31, gates: [caries] })), /^31\.0 of 100\. 30 % of the caries was left/);
-  assert.equal(stoppedEarly({ gates: [{ ...gate, name: "damage_percent" }] }), undefined);
-});
-
-test("a criterion that is not in the exercise is not counted", () => {
-  const unjudged = { ...criterion("Caries", 0, 0), judged: false };
-  const text = summarySentence(score({ criteria: [criterion("Floor", 10), criterion("Time", 8), unjudged] }));
-  assert.match(text, /Full marks in 1 of 2 criteria\.$/);
+test("work that was stopped early and caries that was left are said before anything else", () => {
+  const stopped = mistake({ kind: "not_done", place: "", size: 57, unit: "%" });
+  const caries = mistake({ kind: "caries", place: "", size: 30, unit: "%" });
+  assert.equal(stoppedEarly({ mistakes: [mistake({}), stopped] }), 43);
+  assert.match(summarySentence(score({ score: 31, mistakes: [stopped] })), /^31\.0 of 100\. Only 43 % of the task was/);
+  assert.equal(stoppedEarly({ mistakes: [caries] }), undefined, "ended, and left it");
+  assert.equal(cariesLeft({ mistakes: [caries] }), 30);
+  assert.match(summarySentence(score({ mistakes: [caries] })), /30 % of the caries was left/);
+  assert.match(summarySentence(score({ mistakes: [mistake({}), caries] })), /“Margins”/, "not what cost most");
+  assert.equal(stoppedEarly({ mistakes: [{ ...stopped, points: 0.2 }] }), undefined, "a rest that cost nothing");
+  assert.equal(stoppedEarly(score()), undefined);
 });
 
 test("a recording without gaps whose replay agrees is complete", () => {

@@ -1,24 +1,49 @@
-import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
+import type { AttemptDetail, AttemptFacts, Criterion, Hand, Region, Score } from "../../api/types";
 import { cariesLeft, stoppedEarly } from "../../widgets/attempt_state";
 import { formatNumber, formatPoints, formatScore } from "../../base/format";
-import { measuredText } from "../../api/worded";
+import { criterionTitle, reasonText } from "../../api/worded";
 import { say, sayIf } from "../../base/words";
 
-const kPointsShown = 0.05; // lost points below this round to zero
+export const kPointsShown = 0.05; // lost points below this round to zero
 
-export function lostPoints(criterion: Criterion): number {
-  return Math.max(0, criterion.max_points - criterion.points);
+type GradeGroup = Criterion["group"];
+
+export interface GroupLoss {
+  readonly group: GradeGroup;
+  readonly title: string;
+  readonly lost: number; // points
+  readonly state: Criterion["state"]; // of the worst of its parts
+  readonly regions: readonly Region[]; // the dearest first
+  readonly criteria: readonly Criterion[]; // of the hand, the dearest first
 }
 
-// Where points were lost first, most lost on top; full marks after, as the rubric has them.
-export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
-  return [...criteria].sort((a, b) => lostPoints(b) - lostPoints(a));
+const kStates: readonly Criterion["state"][] = ["acceptable", "modify", "redo"];
+
+// What each group cost, in the score's order.
+export function groupsOf({ criteria, regions }: Pick<Score, "criteria" | "regions">): GroupLoss[] {
+  const groups = [...new Set(criteria.map(({ group }) => group))];
+  return groups.map((group) => {
+    const judged = criteria.filter((criterion) => criterion.group === group);
+    const states = judged.map(({ state }) => kStates.indexOf(state));
+    return {
+      group,
+      title: criterionTitle({ name: group, title: judged[0]?.title ?? group }),
+      lost: judged.reduce((sum, { lost }) => sum + lost, 0),
+      state: kStates[Math.max(0, ...states)] ?? "acceptable",
+      regions: dearestFirst(regions.filter((region) => region.group === group)),
+      criteria: group === "hand" ? dearestFirst(judged) : [],
+    };
+  });
+}
+
+function dearestFirst<T extends { readonly lost: number }>(items: readonly T[]): T[] {
+  return [...items].sort((a, b) => b.lost - a.lost);
 }
 
 // Why the attempt is not acceptable: errors of the rubric's list, and criteria beyond the value that fails the whole.
-export function failures({ critical, criteria }: Score): string[] {
+export function failures({ critical, criteria }: Pick<Score, "critical" | "criteria">): string[] {
   const beyond = criteria.filter(({ reasons }) => reasons?.some(({ code }) => code === "fails_above"));
-  return [...critical.map(({ reason }) => reason), ...beyond.map(({ title, reason }) => `${title}: ${reason}`)];
+  return [...critical.map(({ reason }) => reason), ...beyond.map(reasonText)];
 }
 
 // One or two sentences that say what happened.
@@ -26,30 +51,18 @@ export function summarySentence(score: Score): string {
   const total = formatScore(score.score);
   if (score.critical_fail) return say("summary.critical", { score: total });
   const done = stoppedEarly(score);
-  if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 1) });
+  if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 0) });
   const caries = cariesLeft(score);
-  if (caries !== undefined) return say("summary.caries", { score: total, percent: formatNumber(caries, 1) });
-  const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
-  const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
-  const [worst, second] = lost;
+  if (caries !== undefined && score.mistakes[0]?.kind === "caries")
+    return say("summary.caries", { score: total, percent: formatNumber(caries, 0) });
+  const [worst, second] = dearestFirst(groupsOf(score)).filter(({ lost }) => lost >= kPointsShown);
   if (worst === undefined) return say("summary.full", { score: total });
-  const kept = { kept: judged.length - lost.length, count: judged.length };
-  // Points are of the rubric's, which may be more or fewer than the score's hundred.
-  const whole = judged.reduce((sum, criterion) => sum + criterion.max_points, 0);
-  const first = { score: total, worst: inSentence(worst, whole) };
-  if (second === undefined)
-    return kept.kept > 0 ? say("summary.one_kept", { ...first, ...kept }) : say("summary.one", first);
-  const both = { ...first, second: inSentence(second, whole) };
-  return kept.kept > 0 ? say("summary.two_kept", { ...both, ...kept }) : say("summary.two", both);
+  if (second === undefined) return say("summary.one", { score: total, worst: inSentence(worst) });
+  return say("summary.two", { score: total, worst: inSentence(worst), second: inSentence(second) });
 }
 
-function inSentence(criterion: Criterion, whole: number): string {
-  return say("summary.lost_on", {
-    title: criterion.title,
-    value: measuredText(criterion.name, criterion.value, criterion.unit),
-    points: formatPoints(lostPoints(criterion)),
-    whole: formatPoints(whole),
-  });
+function inSentence({ title, lost }: GroupLoss): string {
+  return say("summary.lost_on", { title, points: formatPoints(lost) });
 }
 
 // Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the

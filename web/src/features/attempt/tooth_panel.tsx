@@ -14,7 +14,7 @@ import { tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type LookHandle, type ToothPin, type ToothPoint, ToothView } from "../../widgets/tooth/tooth_view";
 import { attemptName, CompareChoice, comparable, referenceName } from "./compare_tooth";
 import type { Placement } from "./compare";
-import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
+import { type DeviationSummary, kLeewayMm, outlook, summariseDeviation } from "./deviation";
 import { joinedLines, measuredLines, nameOfPoint, withPoint } from "./measure";
 import type { Mark } from "./moments";
 import { openFilm } from "./open_film";
@@ -113,12 +113,12 @@ interface Loaded3d extends Shown {
 }
 
 function LoadedTooth({ film, played, compared, tissues, missing, busy, review, control }: Loaded3d) {
-  const { client, attempt, anatomy, toleranceMm, recorded: series, marks, chosen, point, look } = review;
+  const { client, attempt, anatomy, recorded: series, marks, chosen, point, look } = review;
   const cursor = series !== undefined && review.moved ? review.cursor : undefined; // undefined: no tool is drawn
   const mesial = anatomy?.mesial;
   const summary = useMemo(
-    () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm, mesial)),
-    [compared, toleranceMm, mesial],
+    () => (compared === undefined ? undefined : summariseDeviation(compared, mesial)),
+    [compared, mesial],
   );
   const { cut, start } = control.playback.head ?? {};
   const worst = summary?.sides[0]?.side;
@@ -392,7 +392,7 @@ function deviationText(summary: DeviationSummary): string {
   const worst = summary.sides[0];
   const told = {
     within: percent(summary.withinShare),
-    tolerance: formatLimit(summary.toleranceMm, "mm"),
+    tolerance: formatLimit(kLeewayMm, "mm"),
     over: percent(summary.overShare),
     under: percent(summary.underShare),
     p95: formatQuantity(summary.p95Mm, "mm"),

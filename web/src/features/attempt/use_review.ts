@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Anatomy } from "../../api/tooth_number";
-import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
+import type { Annotation, AttemptDetail, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { scoreOf } from "../../api/worded";
 import { draftOf } from "../../base/drafts";
@@ -9,6 +9,7 @@ import { momentOf, momentQuery } from "../../base/moment_link";
 import { stoppedEarly } from "../../widgets/attempt_state";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { seriesEndS, stepAt } from "./clock";
+import type { FaultPlace } from "./deductions";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { nextMark, spansOf } from "./spans";
 import { kToothFirstMs } from "./playback";
@@ -24,7 +25,6 @@ export interface Reviewed {
   readonly personId: string; // the reviewer
   readonly teacher: boolean;
   readonly anatomy: Anatomy | undefined; // undefined: not known yet
-  readonly toleranceMm: number; // of the rubric
   readonly rescored: number; // how often since the page was opened
 }
 
@@ -85,10 +85,10 @@ export function useReview(reviewed: Reviewed) {
     if (step !== undefined) setCursor(step, held);
     picture.current?.scrollIntoView({ block: "nearest" });
   };
-  const place = useRef<(deduction: Deduction) => void>(undefined);
-  place.current = (deduction) => {
+  const place = useRef<(fault: FaultPlace) => void>(undefined);
+  place.current = (fault) => {
     setCameFrom(document.activeElement instanceof HTMLElement ? document.activeElement : undefined);
-    const [x, y, z] = deduction.position_mm;
+    const [x, y, z] = fault.position_mm;
     if (x !== undefined && y !== undefined && z !== undefined) {
       setPoint([x, y, z]);
       moment.look.near?.([x, y, z]);
@@ -97,12 +97,9 @@ export function useReview(reviewed: Reviewed) {
     const deviation = control?.playback.deviation;
     const compared =
       deviation?.state === "loading" || (deviation?.state === "ready" && deviation.compared !== undefined);
-    go(
-      recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined,
-      compared,
-    );
+    go(recorded !== undefined && fault.stroke_count > 0 ? stepOfTick(recorded, fault.first_tick) : undefined, compared);
   };
-  const showPlace = useMemo(() => (deduction: Deduction) => place.current?.(deduction), []);
+  const showPlace = useMemo(() => (fault: FaultPlace) => place.current?.(fault), []);
   return {
     ...reviewed,
     ...moment,

@@ -16,7 +16,6 @@ import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widge
 import { DataTable } from "../../widgets/table";
 import {
   burText,
-  falls,
   fullMarksText,
   kStateTexts,
   noMarksText,
@@ -29,7 +28,8 @@ import {
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { ProgressCard } from "./progress_card";
-import { marksTexts, restorationText, sourceText } from "./restoration_text";
+import { PricesTable } from "./prices_table";
+import { sourceText } from "./restoration_text";
 import { StaffActions } from "./staff_actions";
 import { outlinePaths, outlineViewBox } from "../../widgets/target_outline";
 
@@ -82,17 +82,15 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       </div>
       <p class="lead instructions">{wordedText(exercise.instructions)}</p>
       <div class="columns">
-        <div class="stack">
-          <Card title={say("exercise_page.asked")}>
-            <TargetOutline exercise={exercise} />
-            <Target exercise={exercise} />
-          </Card>
-          <Card title={say("exercise_page.scored")}>
-            <Rubric exercise={exercise} />
-          </Card>
-        </div>
+        <Card title={say("exercise_page.asked")}>
+          <TargetOutline exercise={exercise} />
+          <Target exercise={exercise} />
+        </Card>
         <InitialTooth client={client} exercise={exercise} title={say("exercise_page.before")} />
       </div>
+      <Card title={say("exercise_page.scored")}>
+        <Rubric exercise={exercise} />
+      </Card>
       {teacher ? (
         <div class="columns">
           <ReferencesCard client={client} exercise={exercise} />
@@ -190,38 +188,46 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
 }
 
 function Rubric({ exercise }: { readonly exercise: Exercise }) {
-  const { criteria, gates, critical, restoration } = exercise.rubric;
-  const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
+  const { prices, criteria, critical, restoration } = exercise.rubric;
   return (
     <>
-      <DataTable
-        label={say("exercise_page.rubric")}
-        items={criteria}
-        rowKey={(criterion) => criterion.metric}
-        dense
-        columns={[
-          {
-            title: say("common.criterion"),
-            cell: (criterion) => (
-              <>
-                {wordedTitle(criterion.title)}
-                {criterion.fails_above !== null && (
-                  <span class="sub">
-                    {say("exercise_page.fails_above", { limit: formatLimit(criterion.fails_above, criterion.unit) })}
-                  </span>
-                )}
-              </>
-            ),
-          },
-          { title: say("exercise_page.full"), cell: (criterion) => marksTexts(criterion, restoration)[0] },
-          { title: say("exercise_page.no_marks"), cell: (criterion) => marksTexts(criterion, restoration)[1] },
-          { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
-        ]}
-      />
+      <PricesTable prices={prices} />
+      {criteria.length > 0 && (
+        <>
+          <h3>{say("rubric.hand")}</h3>
+          <DataTable
+            label={say("rubric.hand")}
+            items={criteria}
+            rowKey={(criterion) => criterion.metric}
+            dense
+            columns={[
+              {
+                title: say("common.criterion"),
+                cell: (criterion) => (
+                  <>
+                    {wordedTitle(criterion.title)}
+                    {criterion.fails_above !== null && (
+                      <span class="sub">
+                        {say("exercise_page.fails_above", {
+                          limit: formatLimit(criterion.fails_above, criterion.unit),
+                        })}
+                      </span>
+                    )}
+                  </>
+                ),
+              },
+              { title: say("exercise_page.costs_nothing"), cell: ({ map, unit }) => fullMarksText(map, unit) },
+              { title: say("exercise_page.costs_all"), cell: ({ map, unit }) => noMarksText(map, unit) },
+              { title: say("price.at_most"), number: true, cell: (criterion) => formatPoints(criterion.points) },
+            ]}
+          />
+        </>
+      )}
       {restoration !== null && (
-        <p class="hint">
-          {restorationText(restoration)} {say("restoration.source", { source: sourceText(restoration) })}
-        </p>
+        <>
+          <p class="hint">{say("restoration.named", { material: say(`material.${restoration.name}`) })}</p>
+          <p class="hint">{say("restoration.source", { source: sourceText(restoration) })}</p>
+        </>
       )}
       {critical.length > 0 && (
         <>
@@ -239,22 +245,6 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
           </ul>
         </>
       )}
-      <p class="hint">{say("exercise_page.total", { points: formatPoints(total) })}</p>
-      {gates.map((gate) => (
-        <p class="hint" key={gate.metric}>
-          {falls(gate.map)
-            ? say("exercise_page.gate_falls", {
-                title: wordedTitle(gate.title),
-                full: fullMarksText(gate.map, gate.unit),
-                none: noMarksText(gate.map, gate.unit),
-              })
-            : say("exercise_page.gate_rises", {
-                title: wordedTitle(gate.title),
-                full: fullMarksText(gate.map, gate.unit),
-                none: noMarksText(gate.map, gate.unit),
-              })}
-        </p>
-      ))}
     </>
   );
 }

@@ -70,9 +70,9 @@ export function versionText({ version }: { readonly version: number }): string {
   return version === 0 ? say("version.draft") : say("version.number", { number: String(version) });
 }
 
-export type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
+type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
 
-// From where on a criterion gives all of its points: one end, or for one that may err to both
+// From where on a criterion of the hand costs nothing: one end, or for one that may err to both
 // sides, both.
 export function fullMarksText(map: MarkMap, unit: string): string {
   const full = map.filter((point) => point.share >= 1).map((point) => point.value);
@@ -82,7 +82,7 @@ export function fullMarksText(map: MarkMap, unit: string): string {
   return formatLimit(falls(map) ? high : low, unit);
 }
 
-// From where on it gives none.
+// From where on it costs all that it can.
 export function noMarksText(map: MarkMap, unit: string): string {
   const none = map.filter((point) => point.share <= 0).map((point) => point.value);
   const [low, high] = [none.at(0), none.at(-1)];
@@ -98,7 +98,7 @@ export function noMarksText(map: MarkMap, unit: string): string {
   return formatLimit(falls(map) ? low : high, unit);
 }
 
-export function falls(map: MarkMap): boolean {
+function falls(map: MarkMap): boolean {
   return (map.at(0)?.share ?? 0) >= (map.at(-1)?.share ?? 0);
 }
 

@@ -3,7 +3,7 @@ import { type CriterionProgress, type Done, nextStep, progressOf } from "../../a
 import type { Attempt } from "../../api/types";
 import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
-import { formatPoints } from "../../base/format";
+import { formatPoints, lostText } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Card } from "../../widgets/basics";
@@ -42,9 +42,9 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
         dense
         columns={[
           { title: say("common.criterion"), cell: (row) => row.title },
-          { title: say("progress.over"), cell: (row) => <Curve shares={row.shares} title={row.title} /> },
-          { title: say("progress.best"), number: true, cell: (row) => pointsText(row, row.best) },
-          { title: say("progress.last"), number: true, cell: (row) => pointsText(row, row.last) },
+          { title: say("progress.over"), cell: lostCurve },
+          { title: say("progress.best"), number: true, cell: (row) => lostText(row.least) },
+          { title: say("progress.last"), number: true, cell: (row) => lostText(row.last) },
         ]}
       />
       <p class="hint">{say("progress.of", { count: done.length })}</p>
@@ -52,6 +52,12 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
   );
 }
 
-function pointsText({ maxPoints }: CriterionProgress, share: number): string {
-  return `${formatPoints(share * maxPoints)} / ${formatPoints(maxPoints)}`;
+// As a score goes: what lost nothing is on top.
+function lostCurve({ title, lost, most }: CriterionProgress) {
+  return (
+    <Curve
+      shares={lost.map((points) => (most > 0 ? 1 - points / most : 1))}
+      label={say("progress.lost_curve", { title, points: lost.map(formatPoints).join(", ") })}
+    />
+  );
 }

@@ -1,14 +1,17 @@
+import { useMemo } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { ScoringMetric } from "../../api/types";
 import { type Json, type Path, valueAt } from "../../base/document";
-import { formatPoints, unitText } from "../../base/format";
+import { formatLimit, unitText } from "../../base/format";
 import { metricTitle } from "../../base/metric_titles";
 import { say } from "../../base/words";
 import { Brief } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
 import { SelectField } from "../../widgets/form";
-import { materialOptions, moreIsBetter } from "./editor_text";
+import { itemsAt, materialOptions, moreIsBetter } from "./editor_text";
+import { PriceFields } from "./price_fields";
+import { kLeewayMm } from "./prices_table";
 
 interface Props {
   readonly form: DocumentForm;
@@ -16,59 +19,40 @@ interface Props {
   readonly metrics: readonly ScoringMetric[];
 }
 
-// What earns points: criteria, and gates that multiply all of them.
+// What costs points: each part of the cut by its price, and the hand by its criteria.
 export function RubricFields({ form, path, metrics }: Props) {
-  const criteria = itemsAt(form, [...path, "criteria"]);
-  const gates = itemsAt(form, [...path, "gates"]);
-  const total = criteria.reduce<number>((sum, item) => sum + Number(valueAt(item, ["points"]) ?? 0), 0);
+  const list = [...path, "criteria"];
+  const criteria = itemsAt(form.edit.at(list));
+  const problem = problemAt(form, list);
+  const ofHand = useMemo(() => metrics.filter(({ hand }) => hand), [metrics]);
   return (
     <div class="stack">
       <Material form={form} path={path} />
-      <p class="hint">{say("rubric.points_in_all", { points: formatPoints(total) })}</p>
-      {criteria.map((item, i) => (
-        <Item
-          key={i}
-          form={form}
-          list={[...path, "criteria"]}
-          place={i}
-          count={criteria.length}
-          metrics={metrics}
-          item={item}
-          what="criterion"
-          points
-        />
-      ))}
-      <div>
-        <button
-          type="button"
-          class="button"
-          onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}
-        >
-          {say("rubric.add_criterion")}
-        </button>
-      </div>
-      {gates.map((item, i) => (
-        <Item
-          key={i}
-          form={form}
-          list={[...path, "gates"]}
-          place={i}
-          count={gates.length}
-          metrics={metrics}
-          item={item}
-          what="gate"
-        />
-      ))}
-      <div>
-        <button
-          type="button"
-          class="button"
-          onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}
-        >
-          {say("rubric.add_gate")}
-        </button>
-      </div>
-      <p class="hint">{say("rubric.gate_hint")}</p>
+      <section class="stack" aria-label={say("rubric.cut")}>
+        <h3>{say("rubric.cut")}</h3>
+        <p class="hint">{say("price.once")}</p>
+        <p class="hint">{say("price.states_points")}</p>
+        <PriceFields form={form} path={path} />
+        <p class="hint">{say("price.even_layer", { leeway: formatLimit(kLeewayMm, "mm") })}</p>
+        <p class="hint">{say("price.not_done")}</p>
+      </section>
+      <section class="stack" aria-label={say("rubric.hand")}>
+        <h3>{say("rubric.hand")}</h3>
+        <p class="hint">{say("rubric.hand_hint")}</p>
+        {problem !== undefined && <p class="field-problem">{problem}</p>}
+        {criteria.map((item, i) => (
+          <Criterion key={i} form={form} list={list} place={i} count={criteria.length} metrics={ofHand} item={item} />
+        ))}
+        <div>
+          <button
+            type="button"
+            class="button"
+            onClick={() => form.edit.set(list, [...criteria, fresh(ofHand, criteria)])}
+          >
+            {say("rubric.add_criterion")}
+          </button>
+        </div>
+      </section>
     </div>
   );
 }
@@ -90,56 +74,38 @@ function Material({ form, path }: { readonly form: DocumentForm; readonly path: 
   );
 }
 
-function itemsAt({ edit }: DocumentForm, path: Path): readonly Json[] {
-  const items = edit.at(path);
-  return Array.isArray(items) ? items : [];
-}
-
 // Of a metric that the others do not judge yet.
-function fresh(metrics: readonly ScoringMetric[], others: readonly Json[], points: boolean): Json {
+function fresh(metrics: readonly ScoringMetric[], others: readonly Json[]): Json {
   const used = new Set(others.map((item) => valueAt(item, ["metric"])));
   const { name = "", unit = "" } = metrics.find((metric) => !used.has(metric.name)) ?? metrics[0] ?? {};
-  const common = { metric: name, title: metricTitle(name, unit), unit };
-  return points
-    ? {
-        ...common,
-        points: 10,
-        map: [
-          [0, 1],
-          [1, 0],
-        ],
-        comment: "",
-      }
-    : {
-        ...common,
-        map: [
-          [0, 0],
-          [1, 1],
-        ],
-        comment: "",
-      };
+  return {
+    metric: name,
+    title: metricTitle(name, unit),
+    unit,
+    points: 10,
+    map: [
+      [0, 1],
+      [1, 0],
+    ],
+    comment: "",
+  };
 }
 
-interface ItemProps {
+interface CriterionProps {
   readonly form: DocumentForm;
   readonly list: Path;
   readonly place: number;
   readonly count: number;
   readonly metrics: readonly ScoringMetric[];
   readonly item: Json;
-  readonly what: "criterion" | "gate";
-  readonly points?: boolean;
 }
 
-function Item({ form, list, place, count, metrics, item, what, points = false }: ItemProps) {
+function Criterion({ form, list, place, count, metrics, item }: CriterionProps) {
   const path = [...list, place];
   const title = String(valueAt(item, ["title"]) ?? "");
   const metric = String(valueAt(item, ["metric"]) ?? "");
   const unit = String(valueAt(item, ["unit"]) ?? "");
-  const name = say(what === "gate" ? "rubric.gate_name" : "rubric.criterion_name", {
-    number: String(place + 1),
-    title: wordedTitle(title),
-  });
+  const name = say("rubric.criterion_name", { number: String(place + 1), title: wordedTitle(title) });
   const choose = (chosen: string) => {
     const known = metrics.find((each) => each.name === chosen);
     // A title that somebody wrote stays; one that is the measurement's own follows it.
@@ -152,14 +118,12 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
     });
   };
   const move = (to: number) => {
-    const items = [...itemsAt(form, list)];
+    const items = [...itemsAt(form.edit.at(list))];
     const [taken] = items.splice(place, 1);
     if (taken !== undefined) items.splice(to, 0, taken);
     form.edit.set(list, items);
   };
-  // Without its last gate a rubric has no member for them.
-  const remove = () => form.edit.set(count === 1 && !points ? list : path, undefined);
-  const problem = problemAt(form, path) ?? (count === 1 || place === 0 ? problemAt(form, list) : undefined);
+  const problem = problemAt(form, path);
   return (
     <fieldset class="group criterion">
       <legend>{name}</legend>
@@ -175,8 +139,8 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
           )}
         />
         <DocumentText form={form} path={[...path, "title"]} label={say("rubric.called")} maxLength={200} />
-        {points && <DocumentNumber form={form} path={[...path, "points"]} label={say("common.points")} min={0} />}
-        {points && (!moreIsBetter(item) || valueAt(item, ["fails_above"]) !== undefined) && (
+        <DocumentNumber form={form} path={[...path, "points"]} label={say("rubric.most")} min={0} />
+        {(!moreIsBetter(item) || valueAt(item, ["fails_above"]) !== undefined) && (
           <DocumentNumber
             form={form}
             path={[...path, "fails_above"]}
@@ -211,9 +175,9 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
         </Button>
         <Button
           kind="small"
-          blocked={points && count === 1 ? say("rubric.is_only") : undefined}
+          blocked={undefined}
           tip={say("rubric.remove_which", { name })}
-          onClick={remove}
+          onClick={() => form.edit.set(path, undefined)}
         >
           <Brief shown={say("common.remove")} full={say("rubric.remove_which", { name })} />
         </Button>
@@ -222,10 +186,9 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   );
 }
 
-// Rows of value and share, linear in between: where the full points end and where the last one is
-// lost.
+// Rows of value and share that is kept, linear in between: where the first point is lost, and the last one.
 function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly path: Path; readonly unit: string }) {
-  const rows = itemsAt(form, path);
+  const rows = itemsAt(form.edit.at(path));
   const last = rows.at(-1);
   const next = typeof valueAt(last ?? null, [0]) === "number" ? Number(valueAt(last ?? null, [0])) + 1 : 0;
   const problem = problemAt(form, path);

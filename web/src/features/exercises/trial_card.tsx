@@ -1,15 +1,14 @@
-import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import { tryExercise } from "../../api/trial";
 import type { ExerciseTrial, TrialScore } from "../../api/types";
-import { formatDuration, formatScore } from "../../base/format";
+import { formatDuration, formatPoints, formatScore, kScoreStep } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, Progress } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
+import { priceTitle } from "./price";
 
 const kPollMs = 500;
 
@@ -81,45 +80,54 @@ function workText({ state, ahead }: ExerciseTrial): string {
 }
 
 function Outcome({ exact, untouched }: { readonly exact: TrialScore; readonly untouched: TrialScore }) {
-  const exactIsRight = exact.named.length === 0 && !exact.failed;
-  const untouchedIsRight = untouched.named.length === 0;
+  const exactIsRight = costsOf(exact).length === 0 && !exact.failed;
+  const untouchedIsRight = isNothing(untouched.score);
   return (
     <>
-      <Score title={say("trial.exact")} score={exact} right={exactIsRight}>
-        {exact.critical.map((error) => (
-          <li key={error}>{sayIf(`critical_error.${error}`) ?? error}</li>
-        ))}
-        {exact.named.map(({ metric, title, share }) => (
-          <li key={metric}>
-            {say("trial.costs", { title: wordedTitle(title), share: String(Math.round(100 * share)) })}
-          </li>
-        ))}
-      </Score>
+      <Score title={say("trial.exact")} score={exact} right={exactIsRight} />
       {!exactIsRight && <p>{say("trial.exact_wrong")}</p>}
-      <Score title={say("trial.untouched")} score={untouched} right={untouchedIsRight}>
-        {untouched.named.map(({ metric, title }) => (
-          <li key={metric}>{say("trial.keeps", { title: wordedTitle(title) })}</li>
-        ))}
-      </Score>
+      <Score title={say("trial.untouched")} score={untouched} right={untouchedIsRight} />
       {!untouchedIsRight && <p>{say("trial.untouched_wrong")}</p>}
     </>
   );
+}
+
+function isNothing(points: number): boolean {
+  return points < kScoreStep / 2;
+}
+
+function costsOf({ lost }: TrialScore): TrialScore["lost"] {
+  return lost.filter(({ points }) => !isNothing(points));
 }
 
 interface ScoreProps {
   readonly title: string;
   readonly score: TrialScore;
   readonly right: boolean;
-  readonly children: ComponentChildren;
 }
 
-function Score({ title, score, right, children }: ScoreProps) {
+// With what it cost, where the score is not what it should be.
+function Score({ title, score, right }: ScoreProps) {
   return (
     <div>
       <p>
         <Badge tone={right ? "good" : "bad"}>{say("trial.points", { title, points: formatScore(score.score) })}</Badge>
       </p>
-      {!right && <ul>{children}</ul>}
+      {!right && (
+        <ul>
+          {score.critical.map((error) => (
+            <li key={error}>{sayIf(`critical_error.${error}`) ?? error}</li>
+          ))}
+          {costsOf(score).map(({ name, points }) => (
+            <li key={name}>{say("trial.costs", { title: lostTitle(name), points: formatPoints(points) })}</li>
+          ))}
+        </ul>
+      )}
     </div>
   );
+}
+
+// Of a region, of the whole, or of the hand.
+function lostTitle(name: string): string {
+  return sayIf(`metric.${name}`) ?? sayIf(`place.${name}`) ?? priceTitle(name);
 }

@@ -1,9 +1,10 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { queryText } from "../../api/http";
 import type { Grading } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { criterionTitle } from "../../api/worded";
 import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
 import { say, sayWith } from "../../base/words";
@@ -54,7 +55,7 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const grading = loaded.state === "ready" ? loaded.value : kNothing;
   const attempts = useMemo(() => attemptsOf(grading), [grading]);
   const criteria = useMemo(
-    () => grading.criteria.map((criterion) => ({ ...criterion, title: wordedTitle(criterion.title) })),
+    () => grading.criteria.map((criterion) => ({ ...criterion, title: criterionTitle(criterion) })),
     [grading],
   );
   const text = query.get("name") ?? "";
@@ -287,8 +288,8 @@ function Row({ attempt, place, criteria, graded, several, chosen, onChoose, onOp
           <span class="hint">–</span>
         )}
       </td>
-      {criteria.map(({ name, max_points: full }, at) => (
-        <Lost key={name} lost={lostOn(attempt, at)} full={full} />
+      {criteria.map(({ name }, at) => (
+        <Lost key={name} lost={lostOn(attempt, at)} />
       ))}
     </tr>
   );
@@ -318,7 +319,9 @@ function Head({
         {...(current ? { "aria-sort": order.down ? ("descending" as const) : ("ascending" as const) } : {})}
       >
         <button type="button" class="sort" onClick={() => onOrder({ by, down: current ? !order.down : downFirst })}>
-          {title}
+          <span class="sort-title" title={title}>
+            {title}
+          </span>
           <span aria-hidden="true">{current ? (order.down ? " ▾" : " ▴") : ""}</span>
         </button>
       </th>
@@ -346,12 +349,14 @@ function Head({
   );
 }
 
+const kMuch = 10; // points, of a hundred
+const kSome = 1;
+
 // `lost` undefined: nobody's to lose.
-function Lost({ lost, full }: { readonly lost: number | undefined; readonly full: number }) {
+function Lost({ lost }: { readonly lost: number | undefined }) {
   if (lost === undefined) return <td class="number hint">–</td>;
-  const share = full > 0 ? lost / full : 0;
   return (
-    <td class={share >= 0.5 ? "number lost-much" : share >= 0.05 ? "number lost-some" : "number hint"}>
+    <td class={lost >= kMuch ? "number lost-much" : lost >= kSome ? "number lost-some" : "number hint"}>
       {lost < 0.05 ? "0" : `−${formatPoints(lost)}`}
     </td>
   );

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import type { Grading } from "../../api/types";
 import { attemptsOf, type GradedAttempt, lostOn, named, sorted } from "./rows";
 
-const kWall = [{ name: "wall_mesial_mm", title: "Mesial wall", max_points: 10 }];
+const kWall = [{ name: "outline", title: "Outline" }] as const;
 const attempt = (name: string, score: number | null, wall: number | null | undefined = undefined): GradedAttempt =>
   ({
     id: name,
@@ -16,8 +16,8 @@ const names = (attempts: readonly GradedAttempt[]) => attempts.map(({ id }) => i
 
 test("who lost most on a criterion comes first, who has no score last, whichever way", () => {
   const all = [attempt("A", 50, 2), attempt("B", 60, 9), attempt("C", null), attempt("D", 70, 5), attempt("E", 80, 2)];
-  assert.deepEqual(names(sorted(all, { by: "wall_mesial_mm", down: true }, kWall)), ["B", "D", "A", "E", "C"]);
-  assert.deepEqual(names(sorted(all, { by: "wall_mesial_mm", down: false }, kWall)), ["A", "E", "D", "B", "C"]);
+  assert.deepEqual(names(sorted(all, { by: "outline", down: true }, kWall)), ["B", "D", "A", "E", "C"]);
+  assert.deepEqual(names(sorted(all, { by: "outline", down: false }, kWall)), ["A", "E", "D", "B", "C"]);
   assert.deepEqual(names(sorted(all, { by: "score", down: false }, kWall)), ["A", "B", "D", "E", "C"]);
 });
 

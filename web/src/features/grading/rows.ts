@@ -7,11 +7,7 @@ export type GradedAttempt = Omit<Grading["attempts"][number], "exercise"> & {
   readonly exercise: Grading["exercises"][number];
 };
 
-export interface Criterion {
-  readonly name: string;
-  readonly title: string;
-  readonly max_points: number;
-}
+export type Criterion = Pick<Grading["criteria"][number], "name" | "title">;
 
 // By what the table is sorted: a column's name, or a criterion's.
 export interface Order {
@@ -26,8 +22,7 @@ export function attemptsOf({ attempts, exercises }: Grading): GradedAttempt[] {
   });
 }
 
-// Points lost on the criterion in this place, all of them where it was not made; undefined where they were nobody's to
-// lose.
+// Points lost on the criterion in this place; undefined where they were nobody's to lose.
 export function lostOn({ lost }: Pick<GradedAttempt, "lost">, place: number): number | undefined {
   return lost?.[place] ?? undefined;
 }

@@ -1,32 +1,42 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Marking, MarkingResults } from "../../api/types";
-import { complete, draftFrom, filled, kNoMark, missing, nextOf, totalOf } from "./mark";
+import { complete, draftFrom, filled, kNoMark, missing, nextOf, shownPoints, totalOf } from "./mark";
 import { formatCoefficient, lineWithin, marksTable, ratedPoints } from "./results";
 
 const kCriteria: Marking["criteria"] = [
-  { name: "floor_mm", title: "Floor", max_points: 20 },
-  { name: "time_s", title: "Time", max_points: 5 },
+  { name: "outline", title: "Outline", max_points: 20 },
+  { name: "margins", title: "Margins", max_points: 5 },
 ];
 
 test("a mark is complete with a rating and valid points for each criterion", () => {
-  const begun = { ...kNoMark, points: { floor_mm: 21, time_s: 5 } };
+  const begun = { ...kNoMark, points: { outline: 21, margins: 5 } };
   assert.deepEqual(
     missing(begun, kCriteria).map(({ name }) => name),
-    ["floor_mm"],
+    ["outline"],
   );
   assert.equal(complete({ ...begun, rating: 3 }, kCriteria), undefined, "21 of 20");
-  const whole = { rating: 3 as const, points: { floor_mm: 12.5, time_s: 5 }, comments: { floor_mm: " too deep " } };
+  const whole = { rating: 3 as const, points: { outline: 12.5, margins: 5 }, comments: { outline: " too deep " } };
   assert.deepEqual(complete(whole, kCriteria), {
     rating: 3,
-    criteria: { floor_mm: { points: 12.5, comment: "too deep" }, time_s: { points: 5, comment: "" } },
+    criteria: { outline: { points: 12.5, comment: "too deep" }, margins: { points: 5, comment: "" } },
   });
   assert.equal(complete({ ...whole, rating: undefined }, kCriteria), undefined, "no rating");
   assert.equal(totalOf(whole, kCriteria), 70);
 });
 
 test("full marks go where nothing was entered", () => {
-  assert.deepEqual(filled({ ...kNoMark, points: { floor_mm: 3 } }, kCriteria).points, { floor_mm: 3, time_s: 5 });
+  assert.deepEqual(filled({ ...kNoMark, points: { outline: 3 } }, kCriteria).points, { outline: 3, margins: 5 });
+});
+
+test("full marks that are no round number are shown rounded and sent whole", () => {
+  const thirds = kCriteria.map((criterion) => ({ ...criterion, max_points: 100 / 3 }));
+  const draft = filled({ ...kNoMark, rating: 3 }, thirds);
+  assert.deepEqual(missing(draft, thirds), []);
+  assert.equal(totalOf(draft, thirds), 100);
+  assert.equal(shownPoints(draft.points["outline"]), 33.33);
+  assert.equal(shownPoints(Number.NaN), "");
+  assert.equal(shownPoints(undefined), "");
 });
 
 test("a kept draft is read, and what is no draft is none", () => {
@@ -52,7 +62,7 @@ test("the next work is the first one after this that waits, from the beginning a
 
 const kMark = {
   total: 70,
-  criteria: [{ name: "floor_mm" as const, title: "Floor", points: 14, max_points: 20, comment: "" }],
+  criteria: [{ name: "outline" as const, title: "Outline", points: 14, max_points: 20, comment: "" }],
 };
 const kWorks: MarkingResults["works"] = [
   {
@@ -92,7 +102,7 @@ test("marks are saved as `enamel-server agreement` reads them", () => {
   } as never;
   const { header, rows } = marksTable(marking, { works: kWorks } as never);
   assert.deepEqual(header, ["work", "criterion", "full_marks", "marker", "mark"]);
-  assert.deepEqual(rows[0], ["attempt", "Floor", 20, "Ann", 14]);
+  assert.deepEqual(rows[0], ["attempt", "Outline", 20, "Ann", 14]);
   assert.deepEqual(rows[2], ["attempt", "rating", 5, "Ann", 2]);
   assert.equal(rows[3]?.[3], "n", "somebody without a name by id");
 });

@@ -49,6 +49,11 @@ export function filled(draft: MarkDraft, criteria: Criteria): MarkDraft {
   return { ...draft, points: { ...full, ...draft.points } };
 }
 
+// In a field: full marks may be a third of a hundred.
+export function shownPoints(points: number | undefined): number | "" {
+  return points !== undefined && Number.isFinite(points) ? Number(points.toFixed(2)) : "";
+}
+
 // As it is sent; undefined: something is missing.
 export function complete(
   draft: MarkDraft,

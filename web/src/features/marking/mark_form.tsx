@@ -1,16 +1,16 @@
 import { useId, useLayoutEffect } from "preact/hooks";
-import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Rating } from "../../api/marking";
 import type { Marking } from "../../api/types";
 import { useChange } from "../../api/use_change";
+import { criterionTitle } from "../../api/worded";
 import { formatPoints, formatScore } from "../../base/format";
-import { say } from "../../base/words";
+import { say, sayIf } from "../../base/words";
 import { ErrorNotice } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { DataTable } from "../../widgets/table";
 import { useDraft } from "../../widgets/use_draft";
-import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, totalOf } from "./mark";
+import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, shownPoints, totalOf } from "./mark";
 
 export const kRatings: readonly Rating[] = [1, 2, 3, 4, 5];
 const kMostComment = 500;
@@ -75,7 +75,15 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
             items={criteria}
             rowKey={({ name }) => name}
             columns={[
-              { title: say("marking.criterion"), cell: ({ title }) => wordedTitle(title) },
+              {
+                title: say("marking.criterion"),
+                cell: (criterion) => (
+                  <>
+                    {criterionTitle(criterion)}
+                    <span class="sub">{sayIf(`marking_group.${criterion.name}`)}</span>
+                  </>
+                ),
+              },
               {
                 title: say("marking.points"),
                 cell: ({ name, title, max_points: most }) => (
@@ -86,8 +94,8 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
                       max={most}
                       step="any"
                       required
-                      aria-label={say("marking.points_for", { title: wordedTitle(title) })}
-                      value={Number.isFinite(draft.points[name]) ? draft.points[name] : ""}
+                      aria-label={say("marking.points_for", { title: criterionTitle({ name, title }) })}
+                      value={shownPoints(draft.points[name])}
                       onInput={(event) =>
                         set({ points: { ...draft.points, [name]: event.currentTarget.valueAsNumber } })
                       }
@@ -105,7 +113,7 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
                       maxLength={kMostComment}
                       list={`${list}${name}`}
                       autocomplete="off"
-                      aria-label={say("marking.comment_on", { title: wordedTitle(title) })}
+                      aria-label={say("marking.comment_on", { title: criterionTitle({ name, title }) })}
                       value={draft.comments[name] ?? ""}
                       onInput={(event) => set({ comments: { ...draft.comments, [name]: event.currentTarget.value } })}
                     />

@@ -1,4 +1,5 @@
-import { exerciseTitle, wordedTitle } from "../../api/builtin_words";
+import { exerciseTitle } from "../../api/builtin_words";
+import { criterionTitle } from "../../api/worded";
 import type { AgreementFigure, Marking, MarkingResults } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
@@ -129,7 +130,7 @@ function Agreement({ results: { agreement } }: { readonly results: MarkingResult
       ? say("marking.all_points")
       : criterion === "rating"
         ? say("marking.rating")
-        : wordedTitle(criterion);
+        : criterionTitle({ name: criterion.toLowerCase().replaceAll(" ", "_"), title: criterion });
   // The whole first.
   const whole = (criterion: string) => (criterion === "total" ? 0 : criterion === "rating" ? 1 : 2);
   const rows = [...agreement].sort((a, b) => whole(a.criterion) - whole(b.criterion));

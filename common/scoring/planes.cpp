@@ -1,4 +1,4 @@
-#include "common/scoring/causes/planes.h"
+#include "common/scoring/planes.h"
 
 #include <algorithm>
 #include <cmath>
