@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "common/scoring/tolerances.h"
@@ -206,9 +205,12 @@ std::vector<Group> GroupsOf(const Rubric& rubric) {
   std::vector<Group> out;
   for (const Group group :
        {Group::kOutline, Group::kInternalForm, Group::kMargins, Group::kTissuePreserved}) {
-    const bool priced = std::ranges::any_of(
-        rubric.prices, [&](const scene::RubricPrice& p) { return GroupOf(p.of) == group; });
-    if (priced) out.push_back(group);
+    // What was not done is internal form, and costs without a price of its own.
+    const bool costs = group == GroupOf(whole::kNotDone) ||
+                       std::ranges::any_of(rubric.prices, [&](const scene::RubricPrice& p) {
+                         return GroupOf(p.of) == group;
+                       });
+    if (costs) out.push_back(group);
   }
   return out;
 }
@@ -234,14 +236,19 @@ double FullMarksOf(const Rubric& rubric) {
   return groups > 0 ? 100.0 / static_cast<double>(groups) : 0;
 }
 
+Result<MeasuredCut> MeasureCut(const AcceptableCut& r, const cutting::Volume& attempt,
+                               const Rubric& rubric) {
+  MeasuredCut out{MeasureFaults(r, attempt), {}, {}};
+  out.measures = MeasuresOf(r, out.faults);
+  ENAMEL_ASSIGN_OR_RETURN(out.cost, CostOf(out.measures, WithTolerances(rubric).prices));
+  return out;
+}
+
 Result<JudgedCut> JudgeCut(const AcceptableCut& r, const cutting::Volume& attempt,
                            const Rubric& rubric) {
-  const FaultVolumes faults = MeasureFaults(r, attempt);
-  JudgedCut out;
-  out.measures = MeasuresOf(r, faults);
-  ENAMEL_ASSIGN_OR_RETURN(out.cost, CostOf(out.measures, WithTolerances(rubric).prices));
-  out.found = FindMistakes(r, faults, out.cost);
-  return out;
+  ENAMEL_ASSIGN_OR_RETURN(MeasuredCut cut, MeasureCut(r, attempt, rubric));
+  FoundMistakes found = FindMistakes(r, cut.faults, cut.cost);
+  return JudgedCut{std::move(cut.measures), std::move(cut.cost), std::move(found)};
 }
 
 Status ValidateRubric(const Rubric& rubric) {

@@ -18,7 +18,7 @@
 // Thread safety: functions, any thread. Deterministic.
 namespace enamel::scoring {
 
-// What a group of regions cost, or a figure of the hand.
+// The points that a group of regions lost, or a figure of the hand.
 struct CriterionResult {
   std::string name;  // NameOf(Group), or the metric
   Group group = Group::kHand;
@@ -26,7 +26,8 @@ struct CriterionResult {
   double value = 0;  // the hand's, in `unit`; a group has none
   std::string unit;
   double lost = 0;  // points
-  // What the hand's figure can cost. Of a group: full marks where a person marks it by hand; it may cost more.
+  // The most that the hand's figure costs. For a group, the full marks of a person who marks it by hand; the group may
+  // lose more.
   double most = 0;
   State state = State::kAcceptable;
   // False: the hand's figure has no value here, or the device was at its limit
@@ -52,7 +53,7 @@ inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 inline constexpr double kAcceptablePoints = 50;
 
 // What an examiner says of the whole, beside the points. With remarks: something is to be changed. Not acceptable: a
-// critical error, a region to be done anew, or fewer than kAcceptablePoints.
+// critical error, a region to redo, or fewer than kAcceptablePoints.
 enum class Acceptance : uint8_t { kAcceptable, kWithRemarks, kNotAcceptable };
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
@@ -93,7 +94,16 @@ inline constexpr size_t kMaxMistakes = 256, kMaxMeasures = 64;
 inline constexpr size_t kMaxDeductions = 2 * kMaxMistakes;
 inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
-// A cut as an acceptable cut measures it.
+// A cut as an acceptable cut measures it, with its cost by the rubric's prices.
+struct MeasuredCut {
+  FaultVolumes faults;
+  std::vector<RegionMeasure> measures;
+  CutCost cost;
+};
+// Errors: those of CostOf.
+Result<MeasuredCut> MeasureCut(const AcceptableCut& r, const cutting::Volume& attempt,
+                               const scene::Rubric& rubric);
+// The same with the mistakes that explain the cost.
 struct JudgedCut {
   std::vector<RegionMeasure> measures;
   CutCost cost;

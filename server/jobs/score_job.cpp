@@ -261,7 +261,7 @@ class ScoreJob {
     FillStation(process, score);
     const scoring::Provenance provenance = moments_->Take();
     score.deductions = scoring::FindDeductions(
-        {&judged.by->r, &final_volume, &judged.by->cut.found, &provenance, &process.strokes()});
+        {&judged.by->r, &final_volume, &judged.found, &provenance, &process.strokes()});
     ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, judged.by->data, judged.metrics, score));
     if (const std::string law = scoring::BrokenLaw(score); !law.empty())
       return WaitsForAPerson(law);
@@ -309,10 +309,11 @@ class ScoreJob {
     const Reference* reference;  // null: the attempt itself, or the exercise's own target
     scoring::AttemptData data;
     scoring::AcceptableCut r;
-    scoring::JudgedCut cut;
+    scoring::MeasuredCut cut;
   };
   struct Judged {
     const Acceptable* by = nullptr;
+    scoring::FoundMistakes found;
     std::vector<float> deviation_m;
     scoring::MetricSet metrics;
     scoring::ScoreResult score;
@@ -323,7 +324,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     auto added = std::unique_ptr<Acceptable>(new Acceptable{
         reference, data, {initial_, *data.final_volume, {scene_.tooth, scene_.up}}, {}});
-    ENAMEL_ASSIGN_OR_RETURN(added->cut, scoring::JudgeCut(added->r, attempt, exercise_.rubric));
+    ENAMEL_ASSIGN_OR_RETURN(added->cut, scoring::MeasureCut(added->r, attempt, exercise_.rubric));
     acceptable_.push_back(std::move(added));
     return Status::Ok();
   }
@@ -361,7 +362,7 @@ class ScoreJob {
   // `part` of `parts`: how far the measuring is.
   Result<Judged> JudgedBy(scoring::AttemptData attempt, const Acceptable& by, size_t part,
                           size_t parts) {
-    Judged out{&by, {}, {}, {}};
+    Judged out{&by, scoring::FindMistakes(by.r, by.cut.faults, by.cut.cost), {}, {}, {}};
     out.deviation_m =
         scoring::DeviationPerVertex(*attempt.final_surface, initial_, *attempt.final_volume,
                                     *by.data.final_volume, *by.data.final_surface);
@@ -375,9 +376,8 @@ class ScoreJob {
         scoring::MetricPlan::For(exercise_.rubric));
     if (metrics.status().code() == Code::kUnavailable) return Stopped();
     ENAMEL_ASSIGN_OR_RETURN(out.metrics, std::move(metrics));
-    ENAMEL_ASSIGN_OR_RETURN(out.score,
-                            scoring::ApplyRubric(exercise_.rubric, out.metrics, by.cut.measures,
-                                                 by.cut.found.mistakes));
+    ENAMEL_ASSIGN_OR_RETURN(out.score, scoring::ApplyRubric(exercise_.rubric, out.metrics,
+                                                            by.cut.measures, out.found.mistakes));
     return out;
   }
 
