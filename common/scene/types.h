@@ -243,24 +243,22 @@ struct RubricPoint {
   bool operator==(const RubricPoint&) const = default;
 };
 
-// What a kind of region costs, or a kind of damage (scoring/mistakes/prices.h). With M the measure in
-// units of `over` or `left`, a price is points * M / sqrt(1 + (M * points / most)^2).
+// The price of a kind of region, or of a kind of damage (scoring/mistakes/prices.h). With M the measure in
+// units of `over` or `left`, a fault costs points * M / sqrt(1 + (M * points / most)^2).
 struct RubricPrice {
-  // Of a region: "floor", "wall", "table", "axial_wall", "margin", "face" or "line_angle". Of the
-  // whole: "elsewhere", "neighbour", "pulp" or "caries".
-  std::string of;
-  // Sizes at which the price is about `points`, in the unit of `of` (scoring::UnitOf): what was cut too
-  // far, and what was left. 0: this kind has no such side.
+  std::string of;  // price_kinds.h
+  // Sizes of what was cut too far and of what was left that cost about `points`, in the kind's unit. 0: the kind lacks
+  // that side.
   double over = 0, left = 0;
   double points = 0, most = 0;
-  // From these points on, an examiner asks for a change, or for the work to be done anew.
+  // An examiner asks for a change from the first number of points on, and for a new cut from the second.
   double modify_points = 0, redo_points = 0;
   std::string source;  // of the figures; "chosen": none was read
 
   bool operator==(const RubricPrice&) const = default;
 };
 
-// What the hand's time, force or way costs.
+// The cost of the hand's time, force or way.
 struct RubricCriterion {
   std::string metric;  // a name from scoring/metrics.h that the finished tooth does not show
   std::string title;   // "Light hand"

@@ -48,13 +48,11 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 //   class_5          class-5: a box in the gingival third of a face that is up
 //   labial_face      veneer: half a millimetre off an incisor's face, which is up
 //   a preparation    its name: the shape on the practice block
-// Crown and shapes are judged by their closeness to the reference cut; the parts of their target
-// say what has to go. The crown of a tooth that is not built in has no parts: only the reference
-// says it.
+// The parts of a target say what has to go. The crown of a tooth that is not built in has no parts: its reference says it.
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 
-// The exercise that asks for a prepared tooth (prepared_target.h), judged by closeness to it, its
-// finish line and walls where it has them, and the pulp's cover where there is a pulp.
+// The exercise that asks for a prepared tooth (prepared_target.h). Its rubric has
+// a price for every kind of region.
 Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash, const CavityTarget& target);
 
 // A point of a tooth whose buccal side is up, in the tooth's own frame (tooth_shape.h); and back.

@@ -12,18 +12,18 @@ namespace enamel::scene {
 // window show it as a zone.
 inline constexpr int32_t kLeeway_um = 250;
 
-// What the parts of a cavity, of a stump, and of a face cost, and what every tooth pays for damage.
+// Prices of the regions of a cavity, a stump or a face, each with those of damage to the tooth.
 std::vector<RubricPrice> PricesOfCavity();
 std::vector<RubricPrice> PricesOfStump();
 std::vector<RubricPrice> PricesOfFace();
 RubricPrice PriceOfCaries();
-// Of a target of any form.
+// Prices for a target of any form.
 std::vector<RubricPrice> AllPrices();
 
 struct TimeBand {
   double full_s = 300, none_s = 900;
 };
-// What pressing hard and taking long cost at most: points.
+// The most points that pressing hard and taking long cost.
 std::vector<RubricCriterion> HandCriteria(double force, double time, const TimeBand& band = {});
 
 // `tooth`: there is a pulp to keep.

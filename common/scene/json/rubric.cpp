@@ -5,6 +5,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/json/kinds.h"
 #include "common/scene/json/text.h"
+#include "common/scene/price_kinds.h"
 #include "common/scene/restoration.h"
 
 namespace enamel::scene {
@@ -57,24 +58,19 @@ void ReadMap(ObjectReader& in, std::vector<RubricPoint>& map) {
   }
 }
 
-// Members of a price's sizes: the unit of a kind is part of their names.
-struct SizeNames {
-  const char *over, *left;  // nullptr: it has no such side
-};
-SizeNames SizeNamesOf(std::string_view of) {
-  if (of == "elsewhere" || of == "pulp") return {"over_mm3", nullptr};
-  if (of == "neighbour") return {"over_mm", nullptr};
-  if (of == "caries") return {nullptr, "left_percent"};
-  return {"over_mm", "left_mm"};
+// One that is not known is read like a region: scoring::ValidatePrices refuses it by name.
+const PriceKind& KindOf(std::string_view of) {
+  const PriceKind* kind = FindPriceKind(of);
+  return kind == nullptr ? kPriceKinds.front() : *kind;
 }
 
 json::array PricesJson(const std::vector<RubricPrice>& prices) {
   json::array out;
   for (const RubricPrice& p : prices) {
     json::object item{{"of", p.of}};
-    const SizeNames names = SizeNamesOf(p.of);
-    if (names.over) item[names.over] = p.over;
-    if (names.left) item[names.left] = p.left;
+    const PriceKind& kind = KindOf(p.of);
+    if (kind.over) item[kind.over] = p.over;
+    if (kind.left) item[kind.left] = p.left;
     item["points"] = p.points;
     item["most"] = p.most;
     item["modify_points"] = p.modify_points;
@@ -90,9 +86,9 @@ std::vector<RubricPrice> ReadPrices(ObjectReader& in, size_t least) {
   for (ObjectReader& item : in.Objects("prices", least, 32)) {
     RubricPrice& p = out.emplace_back();
     p.of = item.Name("of");
-    const SizeNames names = SizeNamesOf(p.of);
-    if (names.over) p.over = item.Number(names.over, 0, 1000);
-    if (names.left) p.left = item.Number(names.left, 0, 1000);
+    const PriceKind& kind = KindOf(p.of);
+    if (kind.over) p.over = item.Number(kind.over, 0, 1000);
+    if (kind.left) p.left = item.Number(kind.left, 0, 1000);
     p.points = item.Number("points", 0, 10'000);
     p.most = item.Number("most", 0, 10'000);
     p.modify_points = item.Number("modify_points", 0, 10'000);

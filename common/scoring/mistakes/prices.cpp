@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "common/scene/price_kinds.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -28,7 +30,7 @@ double CubeRoot(double x) {
 
 // Points, at least, where nothing was cut.
 constexpr double kNothingCut = 100;
-// States of what was not done: a tenth of the points of a hundred, and a half. Chosen.
+// Points from which what was not done is to be changed, and redone. Chosen.
 constexpr double kNotDoneModify = 2, kNotDoneRedo = 15;
 
 // M, with L of 1: metres as an even layer beyond the leeway.
@@ -41,22 +43,6 @@ double NotDone(double share) {
   const double t = std::clamp(share, 0.0, 1.0);
   return t * t * t * (10 + t * (6 * t - 15));
 }
-
-struct Kind {
-  std::string_view name, unit;
-  bool over, left;  // the sides that it has
-};
-constexpr std::array<Kind, kRegionKinds + 4> kPriced = {{{"floor", "mm", true, true},
-                                                         {"wall", "mm", true, true},
-                                                         {"table", "mm", true, true},
-                                                         {"axial_wall", "mm", true, true},
-                                                         {"margin", "mm", true, true},
-                                                         {"face", "mm", true, true},
-                                                         {"line_angle", "mm", true, true},
-                                                         {whole::kElsewhere, "mm3", true, false},
-                                                         {whole::kNeighbour, "mm", true, false},
-                                                         {whole::kPulp, "mm3", true, false},
-                                                         {whole::kCaries, "%", false, true}}};
 
 State StateOf(double points, double modify, double redo) {
   return points >= redo ? State::kRedo : points >= modify ? State::kModify : State::kAcceptable;
@@ -73,8 +59,8 @@ RegionCost CostOfOne(const RegionMeasure& measure, const scene::RubricPrice& pri
 
 std::string_view UnitOf(std::string_view kind) {
   if (kind == whole::kNotDone) return "%";
-  const auto found = std::ranges::find(kPriced, kind, &Kind::name);
-  return found == kPriced.end() ? "" : found->unit;
+  const scene::PriceKind* found = scene::FindPriceKind(kind);
+  return found == nullptr ? "" : found->unit;
 }
 
 std::string_view NameOf(State state) {
@@ -130,8 +116,8 @@ Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
     if (price != prices.end()) {
       row = CostOfOne(measure, *price);
       out.sum += row.lost;
-    } else if (measure.kind != whole::kElsewhere && measure.kind != whole::kNeighbour &&
-               measure.kind != whole::kPulp && measure.kind != whole::kCaries) {
+    } else if (const scene::PriceKind* kind = scene::FindPriceKind(measure.kind);
+               kind == nullptr || kind->is_region) {
       return Status(Code::kInvalidInput,
                     "rubric: expected a price for \"" + measure.kind + "\", which " + measure.name +
                         " of this exercise is; add one to prices",
@@ -156,13 +142,14 @@ Status ValidatePrices(const std::vector<scene::RubricPrice>& prices, const std::
       const std::string field = where + "[" + std::to_string(i) + "]." + member;
       return Status(Code::kInvalidInput, "rubric, " + field + ": " + message, field);
     };
-    const auto kind = std::ranges::find(kPriced, p.of, &Kind::name);
-    if (kind == kPriced.end()) {
+    const scene::PriceKind* kind = scene::FindPriceKind(p.of);
+    if (kind == nullptr) {
       return bad("of", "nothing that has a price is called \"" + p.of + "\"");
     }
     if (!seen.insert(p.of).second) return bad("of", "\"" + p.of + "\" has a price already");
     auto positive = [](double x) { return std::isfinite(x) && x > 0; };
-    if (positive(p.over) != kind->over || positive(p.left) != kind->left) {
+    if (positive(p.over) != (kind->over != nullptr) ||
+        positive(p.left) != (kind->left != nullptr)) {
       return bad(kind->over ? "over" : "left", "expected a size above 0 for each side of " + p.of);
     }
     if (!positive(p.points)) return bad("points", "expected points above 0");

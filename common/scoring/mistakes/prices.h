@@ -19,7 +19,7 @@
 // Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
-// Of the whole, beside the kinds of regions.
+// Kinds of damage to the whole, beside the kinds of regions.
 namespace whole {
 inline constexpr std::string_view kElsewhere = "elsewhere", kNeighbour = "neighbour",
                                   kPulp = "pulp", kCaries = "caries", kNotDone = "not_done";
@@ -28,19 +28,19 @@ inline constexpr std::string_view kElsewhere = "elsewhere", kNeighbour = "neighb
 // done; empty: no such kind.
 std::string_view UnitOf(std::string_view kind);
 
-// What was measured of one region, or of the whole.
+// The measures of one region, or of the whole.
 struct RegionMeasure {
   std::string name;  // Region::name; of the whole its kind
   std::string kind;  // NameOf(RegionKind), or one of the whole's
-  // In UnitOf(kind). Of a region: as an even layer, beyond the leeway.
+  // In UnitOf(kind); a region's as an even layer, beyond the leeway.
   double over = 0, left = 0;
 
   bool operator==(const RegionMeasure&) const = default;
 };
-// Those of r.regions() in their order, then those of the whole.
+// The regions' measures in the order of r.regions(), then the whole's.
 std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes& faults);
 
-// What an examiner asks for.
+// An examiner's demand.
 enum class State : uint8_t { kAcceptable, kModify, kRedo };
 inline constexpr size_t kStates = 3;
 std::string_view NameOf(State state);  // "acceptable"
@@ -59,7 +59,7 @@ struct CutCost {
 
 double PriceOf(const scene::RubricPrice& price, double measure, double size);
 
-// Of the share of the task that was not done, in percent: what is missing of it beyond what its regions pay already.
+// What was not done costs only the part that its regions do not pay already.
 // Errors: kInvalidInput where a kind has no price.
 Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
                        const std::vector<scene::RubricPrice>& prices);

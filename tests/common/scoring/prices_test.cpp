@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "common/scene/builtin/rubrics.h"
+#include "common/scene/price_kinds.h"
 #include "common/scoring/mistakes/mistakes.h"
 
 namespace enamel::scoring {
@@ -38,6 +41,32 @@ TEST(PriceOfTest, AtItsSizeItCostsThePointsDampedByTheBound) {
   EXPECT_NEAR(PriceOf(p, 0.004, 0.4) / 0.12, 1, 1e-5);
   // Where the line would reach the bound: 36 / sqrt 2.
   EXPECT_NEAR(PriceOf(p, 1.2, 0.4), 36 / std::sqrt(2.0), 1e-12);
+}
+
+TEST(PriceOfTest, EveryKindOfRegionHasAPriceKindOfItsName) {
+  size_t regions = 0;
+  for (const scene::PriceKind& kind : scene::kPriceKinds) regions += kind.is_region;
+  EXPECT_EQ(regions, kRegionKinds);
+  for (size_t i = 0; i < kRegionKinds; ++i) {
+    const scene::PriceKind* kind = scene::FindPriceKind(NameOf(static_cast<RegionKind>(i)));
+    EXPECT_TRUE(kind != nullptr && kind->is_region) << i;
+  }
+  for (const auto of : {whole::kElsewhere, whole::kNeighbour, whole::kPulp, whole::kCaries}) {
+    EXPECT_NE(scene::FindPriceKind(of), nullptr) << of;
+  }
+}
+
+// The figures that rubrics.cpp states: an even layer, of which the first 0.1 mm are the leeway.
+TEST(PriceOfTest, BuiltInWallsAndFloorsCostWhatTheirCommentSays) {
+  auto cost = [](const char* of, double thick_mm) {
+    const auto prices = scene::PricesOfCavity();
+    const auto price = std::ranges::find(prices, of, &RubricPrice::of);
+    return PriceOf(*price, thick_mm - 0.1, price->over);
+  };
+  EXPECT_NEAR(cost("wall", 0.3), 5.3, 0.05);
+  EXPECT_NEAR(cost("floor", 0.3), 6.2, 0.05);
+  EXPECT_NEAR(cost("wall", 1), 20, 0.5);
+  EXPECT_NEAR(cost("floor", 1), 23, 0.5);
 }
 
 std::vector<RubricPrice> Prices() {
