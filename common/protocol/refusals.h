@@ -19,7 +19,6 @@ inline constexpr const char* kAwaited = "awaited";
 inline constexpr const char* kAnyway = "anyway";
 
 // Fields of a problem: why an attempt has failed (`kConflict`) or is quarantined.
-inline constexpr const char* kNoReference = "no_reference";
 inline constexpr const char* kReplay = "replay";
 inline constexpr const char* kBrokenLaw = "broken_law";
 inline constexpr const char* kUnreadable = "unreadable";
@@ -77,7 +76,6 @@ inline constexpr std::array kRefusals = {
     Refusal{Code::kInvalidInput, "dentist"},
     Refusal{Code::kConflict, kAnyway},
     // AttemptState.problem
-    Refusal{Code::kConflict, kNoReference},
     Refusal{Code::kConflict, kReplay},
     Refusal{Code::kConflict, kBrokenLaw},
     Refusal{Code::kConflict, kUnreadable},

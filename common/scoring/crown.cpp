@@ -211,15 +211,11 @@ double WallTop_m(const Profile& reference, const Direction& d, double line_z_m, 
   return std::max(lowest, least);
 }
 
-dvec3 PointAt(const dvec3& axis_m, const Direction& d, double r_m, double z_m) {
-  return {axis_m.x + r_m * d.x, axis_m.y + r_m * d.y, z_m};
-}
-
 // Everything about the finish line, at the places that the reference has.
 void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& reference,
                  const std::array<Direction, kPlaces>& directions,
-                 const std::array<Place, kPlaces>& places, const dvec3& axis_m, CrownFigures& out) {
-  std::vector<double> widths, depths, heights;
+                 const std::array<Place, kPlaces>& places, CrownFigures& out) {
+  std::vector<double> widths, depths;
   double complete = 0;
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& d = directions[k];
@@ -235,7 +231,6 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
     const double is = left ? from : attempt.HeightWhere_m(d, inside, from, to).value_or(to);
     const double asked = reference.HeightWhere_m(d, inside, from, to).value_or(at.line_z_m);
     depths.push_back(asked - is);
-    heights.push_back(is);
     const std::optional<double> inner = attempt.Radius_m(d, is + kWidthAbove_m);
     widths.push_back(inner ? std::max(0.0, at.outer_m - *inner) : 0);
     if (widths.back() >= kCompleteWidth_m) ++complete;
@@ -261,18 +256,6 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
     longest = std::max(longest, std::min(stretch, widths.size()));
   }
   out.missing_deg = 360.0 * static_cast<double>(longest) / kPlaces;
-  auto spot = [&](auto&& badness) {
-    size_t worst = 0;
-    for (size_t k = 1; k < depths.size(); ++k) {
-      if (badness(k) > badness(worst)) worst = k;
-    }
-    const Direction& d = directions[worst];
-    return Spot{PointAt(axis_m, d, places[worst].outer_m - kFinishInside_m, heights[worst]),
-                {d.x, d.y, 0}};
-  };
-  out.depth_at = spot([&](size_t k) { return std::fabs(depths[k]); });
-  out.waviness_at = spot([&](size_t k) { return std::fabs(depths[k] - out.depth_m); });
-  out.width_at = spot([&](size_t k) { return -widths[k]; });
 }
 
 // The outermost stretch of a half plane's top that falls outwards as a bevel does: its width along
@@ -354,21 +337,15 @@ void MeasureTop(const Volume& initial, const Volume& attempt, const Volume& refe
   out.top_least_m = LeastOfMost(std::move(taken));
 }
 
-double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, double hi_z_m,
-                   Spot& worst) {
-  double sum = 0, lowest = 0;
+double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, double hi_z_m) {
+  double sum = 0;
   const surface::Mesh& mesh = *attempt.mesh;
   for (size_t i = 0; i < mesh.position_m.size(); ++i) {
     if (!(*attempt.cut)[i] || mesh.tissue[i] == static_cast<uint8_t>(Tissue::kNeighbour)) continue;
     const dvec3 p(mesh.position_m[i]);
     if (p.z < lo_z_m || p.z > hi_z_m || mesh.normal[i].z > -kLeans) continue;
     const double out = (p.x - axis_m.x) * mesh.normal[i].x + (p.y - axis_m.y) * mesh.normal[i].y;
-    if (!(out > 0)) continue;
-    sum += (*attempt.areas_m2)[i];
-    if (mesh.normal[i].z < lowest) {
-      lowest = mesh.normal[i].z;
-      worst = {p, dvec3(mesh.normal[i])};
-    }
+    if (out > 0) sum += (*attempt.areas_m2)[i];
   }
   return sum;
 }
@@ -413,8 +390,7 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   }
   out.in_task = true;
 
-  std::array<double, kHalfPlanes> lean_deg{}, taken{}, off_deg{};
-  std::array<Spot, kHalfPlanes> wall_at;
+  std::array<double, kHalfPlanes> lean_deg{}, taken{};
   double top_radius = kReach_m;
   std::array<double, kHalfPlanes> slope{}, asked_off{};
   for (size_t k = 0; k < kHalfPlanes; ++k) {
@@ -426,8 +402,6 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
     slope[k] = wall->slope;
     asked_off[k] = tooth->median_radius_m - wanted->median_radius_m;
     lean_deg[k] = -kDegrees * ArcTan(wall->slope);
-    off_deg[k] = std::fabs(lean_deg[k] + kDegrees * ArcTan(wanted->slope));
-    wall_at[k] = {PointAt(*axis, d, wall->median_radius_m, 0.5 * (lo + hi)), {d.x, d.y, 0}};
     taken[k] = tooth->median_radius_m - wall->median_radius_m;
     if (const auto r = asked.Radius_m(d, hi)) top_radius = std::min(top_radius, *r);
   }
@@ -450,26 +424,16 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   }
   out.mesiodistal_deg = section[0];
   out.buccolingual_deg = section[kToBuccal];
-  const auto least = std::min_element(section.begin(), section.end());
-  const auto most = std::max_element(section.begin(), section.end());
-  out.least_deg = *least;
-  out.most_deg = *most;
-  auto worse = [&](auto a, auto b) { return off_deg[size_t(a)] >= off_deg[size_t(b)] ? a : b; };
-  auto spot = [&](auto s) { return wall_at[size_t(worse(s, s + std::ptrdiff_t{kSections}))]; };
-  out.mesiodistal_at = spot(std::ptrdiff_t{0});
-  out.buccolingual_at = spot(std::ptrdiff_t{kToBuccal});
-  out.least_at = spot(least - section.begin());
-  out.most_at = spot(most - section.begin());
-  out.axis_at = wall_at[size_t(std::max_element(off_deg.begin(), off_deg.end()) - off_deg.begin())];
+  out.least_deg = *std::ranges::min_element(section);
+  out.most_deg = *std::ranges::max_element(section);
   const double along = 0.5 * (lean_deg[to_mesial] - lean_deg[to_distal]);
   const double across = 0.5 * (lean_deg[kToBuccal] - lean_deg[kToLingual]);
   out.axis_deg = std::sqrt(along * along + across * across);
   out.wall_m = {taken[to_mesial], taken[to_distal], taken[kToBuccal], taken[kToLingual]};
-  out.undercut_m2 =
-      Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m, out.undercut_at);
+  out.undercut_m2 = Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m);
   MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,
              directions, out);
-  MeasureLine(before, is, asked, directions, places, *axis, out);
+  MeasureLine(before, is, asked, directions, places, out);
   constexpr int kBuccalPlace = kPlaces / 4, kLingualPlace = 3 * kPlaces / 4;
   out.bevel_buccal = MeasureBevel(is, directions, places, kBuccalPlace, sky);
   out.bevel_lingual = MeasureBevel(is, directions, places, kLingualPlace, sky);

@@ -11,12 +11,6 @@
 // safety: functions, any thread.
 namespace enamel::scoring {
 
-// Where a figure is at its worst, and the direction from which to look at it.
-struct Spot {
-  dvec3 at_m{0};
-  dvec3 facing{0, 0, 1};
-};
-
 // The cut over a cusp's outer side, between table and wall: what falls outwards at 30 to 65 degrees
 // to the level. In the half planes within 25 degrees of buccal or lingual.
 struct BevelFigures {
@@ -55,12 +49,6 @@ struct CrownFigures {
   double complete = 0;     // share of the places with a width of at least 0.3 mm
 
   BevelFigures bevel_buccal, bevel_lingual;
-
-  // Where a section is worst: half way up the wall that leans most from the reference's.
-  Spot mesiodistal_at, buccolingual_at, least_at, most_at, axis_at;
-  Spot undercut_at;  // where it leans out most
-  // Where the line is farthest from its height, farthest from its median, and narrowest.
-  Spot depth_at, waviness_at, width_at;
 };
 
 // `bottom_z_m`: where the exercise puts the shoulder, within 1.5 mm. `mesial_x`: scene::MesialX.

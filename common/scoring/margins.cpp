@@ -34,7 +34,7 @@ std::optional<dvec3> Outward(const Volume& volume, const dvec3& at_m) {
 }
 
 struct MarginPoint {
-  dvec3 at_m{0}, facing{0, 0, 1};
+  dvec3 at_m{0};
   double angle_deg = 0;
 };
 
@@ -56,7 +56,7 @@ std::vector<MarginPoint> MarginOf(const Volume& initial, const CutSide& side) {
     const dvec3 cross = glm::cross(*tooth, *wall);
     const double sine = std::sqrt(Dot(cross, cross));
     if (!(sine > 0.1)) continue;  // the surface itself: nothing was cut under it
-    out.push_back({p, *tooth, 90 + kDegrees * ArcTan(dot / sine)});
+    out.push_back({p, 90 + kDegrees * ArcTan(dot / sine)});
   }
   return out;
 }
@@ -114,7 +114,6 @@ MarginFigures MeasureMargin(const Volume& initial, const CutSide& attempt,
   if (!out.made) return out;
   std::vector<double> angles;
   std::vector<WeightedValue> differences;
-  double most = -1;
   for (const MarginPoint& p : wanted) {
     const MarginPoint* nearest = nullptr;
     double best = std::numeric_limits<double>::infinity();
@@ -123,13 +122,7 @@ MarginFigures MeasureMargin(const Volume& initial, const CutSide& attempt,
       if (d < best) best = d, nearest = &q;
     }
     angles.push_back(nearest->angle_deg);
-    const double difference = std::fabs(nearest->angle_deg - p.angle_deg);
-    differences.push_back({difference, 1});
-    if (difference > most) {
-      most = difference;
-      out.worst_at_m = nearest->at_m;
-      out.worst_facing = nearest->facing;
-    }
+    differences.push_back({std::fabs(nearest->angle_deg - p.angle_deg), 1});
   }
   out.angle_deg = Median(std::move(angles));
   out.worst_deg = WeightedQuantile(std::move(differences), 0.95);

@@ -28,8 +28,6 @@ struct MarginFigures {
   bool made = false;     // and the attempt has one
   double angle_deg = 0;  // median over the reference's outline of the attempt's nearest
   double worst_deg = 0;  // 95 % of that outline differ from the reference's own by no more
-  dvec3 worst_at_m{0};   // where they differ most
-  dvec3 worst_facing{0, 0, 1};
 };
 MarginFigures MeasureMargin(const cutting::Volume& initial, const CutSide& attempt,
                             const CutSide& reference);

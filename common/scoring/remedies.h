@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-// What a hand does otherwise where its force costs points. What a cut is told stands with its mistakes
+// Advice for a hand whose force costs points. Mistakes of the cut have their own advice
 // (schemas/words, mistake_do.*). Words: reason.do_*. Thread safety: functions, any thread.
 namespace enamel::scoring {
 

@@ -134,10 +134,8 @@ TEST(RefusalTextTest, NoReasonIsSaidInTheServersWords) {
 }
 
 TEST(RefusalTextTest, AnAttemptWithoutAScoreSaysWhyOrWhoKnows) {
-  const Status none(Code::kConflict, "no reference yet", protocol::kNoReference);
-  EXPECT_EQ(
-      NoScoreText(kEnglish, none),
-      "This exercise has no reference yet. The attempt is scored once an instructor adds one.");
+  EXPECT_EQ(NoScoreText(kEnglish, Status(Code::kConflict, "chunk 7", protocol::kUnreadable)),
+            "The server cannot read this recording as it was made, so it has no score.");
   EXPECT_EQ(NoScoreText(kEnglish, Status(Code::kConflict, "scene 7f is gone")),
             "The server has the recording, but could not score it. Your instructor can see why.");
 }

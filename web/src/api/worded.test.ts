@@ -113,12 +113,12 @@ test("beside a table that has title and value, a reason says neither", () => {
         reason: "as the server says",
         reasons: [
           { code, values, units: values.map(() => "mm" as const) },
-          { code: "stop_earlier", values: [21.4, 7], units: ["s", "count"] },
+          { code: "do_lighter", values: [], units: [] },
         ],
         comment: "Look at it.",
       }),
     );
-  const rest = "It began at 0:21.4, and stroke 7 removed most of it. Stop earlier there. Look at it.";
+  const rest = "Press less and let the bur cut. Look at it.";
   assert.equal(explained("within", 0.12, 0.03, 0.25), `Full marks within 0.03 mm, none beyond 0.25 mm. ${rest}`);
   assert.equal(explained("any", 0.12), rest);
   assert.equal(explained("something_new" as ReasonCode, 1), "as the server says");

@@ -1,12 +1,4 @@
-import {
-  formatLimit,
-  formatMoment,
-  formatNumber,
-  formatQuantity,
-  formatWith,
-  kMostDigits,
-  usualDigits,
-} from "../base/format";
+import { formatLimit, formatNumber, formatQuantity, formatWith, kMostDigits, usualDigits } from "../base/format";
 import { spokenLanguage } from "../base/language";
 import { say, sayIf } from "../base/words";
 import { ok } from "../base/result";
@@ -226,21 +218,13 @@ function sentence(metric: string, { code, values }: Reason, unit: string, shown?
       return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
     case "below_grid":
       return sayIf("reason.below_grid", { limit: formatLimit(first, unit) });
-    case "stop_earlier":
-    case "stop_earlier_here":
-      return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second, 0) });
-    case "stop_earlier_by":
-    case "stop_earlier_here_by":
-      return sayIf(`reason.${code}`, { moment: formatMoment(first), half: formatMoment(second) });
-    case "cut_further":
-      return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
     case "any":
       return sayIf("reason.any", { found: shown ?? measuredText(metric, first, unit) });
     case "not_in_task":
     case "not_made":
+    case "do_lighter":
       return sayIf(`reason.${code}`);
     default:
-      // What hand or bur does otherwise next time has no values.
-      return code.startsWith("do_") ? sayIf(`reason.${code}`) : undefined;
+      return undefined; // of a newer server
   }
 }

@@ -35,20 +35,8 @@ export function isUnderWay(state: AttemptState): boolean {
   return state === "ticketed" || state === "recording" || state === "sealed" || state === "scoring";
 }
 
-// Work without a reference to compare with is no failure: the server scores it once there is one.
-export function waitsForReference({ state, problem_field: field }: Pick<Attempt, "state" | "problem_field">): boolean {
-  return state === "failed" && field === "no_reference";
-}
-
-// The same for one attempt, which may be known better.
-export function attemptStateText(attempt: Pick<Attempt, "state" | "problem_field">): StateText {
-  return waitsForReference(attempt)
-    ? { title: say("attempt_state.no_reference"), tone: "neutral" }
-    : stateText(attempt.state);
-}
-
-export function StateBadge({ attempt }: { readonly attempt: Pick<Attempt, "state" | "progress" | "problem_field"> }) {
-  const { title, tone } = attemptStateText(attempt);
+export function StateBadge({ attempt }: { readonly attempt: Pick<Attempt, "state" | "progress"> }) {
+  const { title, tone } = stateText(attempt.state);
   const progress = attempt.state === "scoring" ? ` ${Math.round(attempt.progress * 100)} %` : "";
   return (
     <Badge tone={tone}>

@@ -2,7 +2,6 @@ import type { AttemptDetail } from "../../api/types";
 import { unreachable } from "../../base/assert";
 import { sentence } from "../../base/format";
 import { say, sayIf } from "../../base/words";
-import { attemptStateText, waitsForReference } from "../../widgets/attempt_state";
 import { Notice, Progress } from "../../widgets/basics";
 
 interface Props {
@@ -26,11 +25,7 @@ export function Unscored({ attempt }: Props) {
     case "scoring":
       return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
     case "failed":
-      return waitsForReference(attempt) ? (
-        <Notice tone="neutral" title={attemptStateText(attempt).title}>
-          <Problem attempt={attempt} />
-        </Notice>
-      ) : (
+      return (
         <Notice tone="bad" title={say("attempt.not_scored")}>
           <Problem attempt={attempt} />
         </Notice>

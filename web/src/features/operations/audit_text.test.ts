@@ -39,14 +39,14 @@ test("values are shown as people read them: times as dates, people by name, yes 
 });
 
 test("why an attempt has no score is told in words where the server names the reason", () => {
-  const after = (field: string) => JSON.stringify({ problem: "no reference yet: …", problem_field: field });
+  const after = (field: string) => JSON.stringify({ problem: "chunk 7 is missing: …", problem_field: field });
   assert.match(
-    detailsOf({ before: "", after: after("no_reference") })[0]?.after ?? "",
-    /^This exercise has no reference/,
+    detailsOf({ before: "", after: after("unreadable") })[0]?.after ?? "",
+    /^The server cannot read this recording/,
   );
   assert.deepEqual(
     detailsOf({ before: "", after: after("") }).map(({ after: text }) => text),
-    ["no reference yet: …"],
+    ["chunk 7 is missing: …"],
   );
 });
 
