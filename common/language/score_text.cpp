@@ -35,8 +35,12 @@ std::string StateText(const Words& words, scoring::State state) {
 }
 
 std::string SizeText(const Words& words, const scoring::Mistake& mistake) {
+  constexpr int kMostDigits = 4;
   const std::string_view unit = UnitOf(mistake.kind);
-  const int digits = unit == "mm" || unit == "mm3" ? 2 : 0;
+  int digits = unit == "%" ? 0 : scoring::UsualDigits(unit);
+  while (digits < kMostDigits && words.Decimal(mistake.size, digits) == words.Decimal(0, digits)) {
+    ++digits;
+  }
   return scoring::WithUnit(words.Decimal(mistake.size, digits), unit);
 }
 

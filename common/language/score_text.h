@@ -10,18 +10,19 @@
 // schemas/words/*/exercise.json. Thread safety: as Words.
 namespace enamel::language {
 
-// What was done, a short line without a full stop: "Distal wall: over-extended by 0.32 mm".
+// Says what was done, in a short line without a full stop: "Distal wall: over-extended by 0.32 mm".
 std::string MistakeText(const Words& words, const scoring::Mistake& mistake);
-// What the hand does differently next time, a sentence.
+// Tells the hand what to do differently next time, in a sentence.
 std::string RemedyText(const Words& words, const scoring::Mistake& mistake);
-// "Distal wall": of a region's name, or of a kind of region. Empty for the whole; a name that no catalogue has is
-// returned unchanged.
+// Names a region, or a kind of region: "Distal wall". Empty for the whole. Returns a name that no catalogue has
+// unchanged.
 std::string PlaceText(const Words& words, std::string_view place);
 // "Outline".
 std::string GroupText(const Words& words, scoring::Group group);
 // "To be changed".
 std::string StateText(const Words& words, scoring::State state);
-// A mistake's size as finely as people act on it, with its unit: "0.32 mm", "12°", "1.40 mm³", "8 %".
+// Says a mistake's size with its unit, as finely as people act on it and never as 0, as the page does: "0.32 mm", "12.0°",
+// "1.40 mm³", "8 %".
 std::string SizeText(const Words& words, const scoring::Mistake& mistake);
 
 }  // namespace enamel::language

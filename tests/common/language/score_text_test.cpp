@@ -100,9 +100,10 @@ TEST(ScoreTextTest, AMistakeIsSaidWithItsPlaceAndSize) {
 
 TEST(ScoreTextTest, ASizeIsAsFineAsPeopleActOnIt) {
   EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kDeep, "floor", 0.2951)), "0.30 mm");
-  EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kTurned, "", 7.6)), "8\u00b0");
+  EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kTurned, "", 7.6)), "7.6\u00b0");
   EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kHole, "", 1.234)), "1.23 mm\u00b3");
   EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kNotDone, "", 12.4)), "12 %");
+  EXPECT_EQ(SizeText(English(), MistakeOf(MistakeKind::kNotDone, "", 0.4)), "0.4 %") << "never 0";
 }
 
 TEST(ScoreTextTest, APlaceOfANewerServerKeepsItsName) {
