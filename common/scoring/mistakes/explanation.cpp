@@ -341,15 +341,6 @@ std::vector<double> Fit(const AcceptableCut& r, const std::vector<Atom>& atoms,
 
 }  // namespace
 
-std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& faults) {
-  std::vector<double> out(r.pieces().size());
-  for (size_t i = 0; i < out.size(); ++i) {
-    const double area = r.pieces()[i].area_m2;
-    if (area > 0) out[i] = faults.off_m3[i] / area * kMm;
-  }
-  return out;
-}
-
 std::vector<Displacement> Explain(const AcceptableCut& r, const std::vector<double>& off_mm) {
   std::vector<Atom> atoms = Dictionary(r).Take();
   WeighByAgreement(r, off_mm, atoms);

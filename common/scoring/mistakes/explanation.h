@@ -46,10 +46,7 @@ struct Displacement {
   std::vector<double> d_mm;  // what it explains at each piece: beta phi
 };
 
-// + over and - left as an even layer at each piece, mm: what is explained.
-std::vector<double> Deviation_mm(const AcceptableCut& r, const FaultVolumes& faults);
-
-// The motions that explain a part of `off_mm`, which is Deviation_mm, in the order of the dictionary.
+// The motions that explain a part of `off_mm` (FaultVolumes::off_m), in the order of the dictionary.
 std::vector<Displacement> Explain(const AcceptableCut& r, const std::vector<double>& off_mm);
 
 }  // namespace enamel::scoring

@@ -14,10 +14,17 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 
 // 0 to 1, without a corner at either end.
-double ElsewhereShare(double distance_m) {
-  const double t =
-      std::clamp((distance_m - kElsewhereFrom_m) / (kElsewhereTo_m - kElsewhereFrom_m), 0.0, 1.0);
+double SmoothStep(double value, double from, double to) {
+  const double t = std::clamp((value - from) / (to - from), 0.0, 1.0);
   return t * t * (3 - 2 * t);
+}
+double ElsewhereShare(double distance_m) {
+  return SmoothStep(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
+}
+// A hole beside a wall leaves most of the layer at the wall standing; a wall that is far out does not. Chosen.
+double Attached(double taken_m3, double area_m2) {
+  constexpr double kFrom_m = 0.5 * kElsewhereFrom_m, kTo_m = kElsewhereFrom_m;
+  return area_m2 > 0 ? SmoothStep(taken_m3 / area_m2, kFrom_m, kTo_m) : 0;
 }
 
 class FaultMeter {
@@ -32,7 +39,7 @@ class FaultMeter {
         cut_(r.initial(), attempt) {
     const size_t n = r.pieces().size();
     out_.over.resize(n), out_.left.resize(n);
-    out_.elsewhere_m3.resize(n), out_.off_m3.resize(n);
+    out_.elsewhere.resize(n), out_.off_m.resize(n), at_.resize(n);
   }
 
   FaultVolumes Measure() {
@@ -40,6 +47,15 @@ class FaultMeter {
       if (task_.Brick(b) || cut_.Brick(b)) AddBrick(b);
     }
     if (out_.far_m3 > 0) out_.far_at_m = far_sum_ / out_.far_m3;
+    for (size_t k = 0; k < at_.size(); ++k) {
+      const double area = r_.pieces()[k].area_m2;
+      out_.elsewhere[k].attached = Attached(out_.over[k].volume_m3, area);
+      if (!(area > 0)) continue;
+      const Nearby& at = at_[k];
+      const double over_m3 = at.over_m3 + at.away_m3 * Attached(at.over_m3, area);
+      out_.off_m[k] =
+          std::clamp((over_m3 - at.left_m3) / area, -at.farthest_left_m, at.farthest_over_m);
+    }
     return std::move(out_);
   }
 
@@ -49,7 +65,7 @@ class FaultMeter {
     const cutting::Volume& initial = r_.initial();
     const uint8_t* labels = initial.HasLabels(b) ? initial.Labels(b).tissue.data() : nullptr;
     const auto uniform = static_cast<uint8_t>(initial.UniformTissue(b));
-    AcceptableCut::Brick places(r_, b, task_.Brick(b) ? kDeepest_m : kElsewhereTo_m);
+    AcceptableCut::Brick places(r_, b, kDeepest_m);
     for (int i = 0; i < kBrickVoxels; ++i) {
       const int32_t f0 = before.Solid(i);
       if (f0 == 0) continue;
@@ -62,32 +78,36 @@ class FaultMeter {
         if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
         continue;
       }
+      if (fr == 0 && IsFilm(b, i, fa)) continue;
       Add(places, i, tissue, Share(f0), Share(fa), Share(fr));
     }
   }
 
-  static double Share(int32_t units) { return units / 65536.0; }
+  static constexpr int32_t kWhole = 65536;
+  static double Share(int32_t units) { return units / double{kWhole}; }
 
   void Add(AcceptableCut::Brick& places, int i, Tissue tissue, double f0, double fa, double fr) {
     const double over = fr - fa, left = fa - fr;
     if (tissue == Tissue::kPulp && over > 0) out_.pulp_m3 += over * voxel_m3_;
     const auto nearest = places.At(i);
     if (!nearest) {
-      if (over > 0) {
-        out_.far_m3 += over * voxel_m3_;
-        far_sum_ += over * voxel_m3_ * places.PointOf(i);
-      }
+      out_.far_m3 += std::max(0.0, over) * voxel_m3_;
+      far_sum_ += std::max(0.0, over) * voxel_m3_ * places.PointOf(i);
       return;
     }
     const size_t k = nearest->piece;
-    out_.off_m3[nearest->next_to] += over * voxel_m3_;
+    Nearby& at = at_[nearest->next_to];
+    const double farthest_m = nearest->distance_m + 0.5 * h_m_;
     const double solid_side_m = fr > 0.5 * f0 ? nearest->distance_m : -nearest->distance_m;
     if (over > 0) {
       const Layer layer = Layer::In(solid_side_m, h_m_, over);
       // By the voxel's middle, which R alone fixes: more taken from it adds to both.
       const double away = ElsewhereShare(solid_side_m) * over * voxel_m3_;
-      out_.elsewhere_m3[k] += away;
+      out_.elsewhere[k].volume_m3 += away;
+      out_.elsewhere[k].moment_m4 += away * places.PointOf(i);
       AddTo(out_.over[k], over * voxel_m3_ - away, layer);
+      at.over_m3 += over * voxel_m3_ - away, at.away_m3 += away;
+      at.farthest_over_m = std::max(at.farthest_over_m, farthest_m);
     }
     if (left > 0) {
       const Layer layer = Layer::In(-solid_side_m, h_m_, left);
@@ -97,7 +117,24 @@ class FaultMeter {
         out_.caries_left_m3 += beyond_m3;
       else
         AddTo(out_.left[k], left * voxel_m3_, layer);
+      at.left_m3 += left * voxel_m3_;
+      at.farthest_left_m = std::max(at.farthest_left_m, farthest_m);
     }
+  }
+
+  // Half a voxel that has nothing on either side: less than the grid can show.
+  bool IsFilm(int b, int i, int32_t solid) const {
+    if (solid == 0 || 2 * solid > kWhole) return false;
+    const ivec3 voxel = VoxelOf(b, i), all = spec_.voxels();
+    for (int axis = 0; axis < 3; ++axis) {
+      ivec3 before = voxel, after = voxel;
+      --before[axis], ++after[axis];
+      if (before[axis] < 0 || after[axis] >= all[axis]) continue;
+      if (cutting::SolidFraction(attempt_.PhiAt(before)) == 0 &&
+          cutting::SolidFraction(attempt_.PhiAt(after)) == 0)
+        return true;
+    }
+    return false;
   }
 
   static void AddTo(PieceFault& fault, double volume_m3, const Layer& layer) {
@@ -124,6 +161,11 @@ class FaultMeter {
   const double h_m_, voxel_m3_;
   const ChangedBricks task_, cut_;
   dvec3 far_sum_{0};
+  struct Nearby {
+    double over_m3 = 0, away_m3 = 0, left_m3 = 0;
+    double farthest_over_m = 0, farthest_left_m = 0;
+  };
+  std::vector<Nearby> at_;  // where a piece is the nearest
   FaultVolumes out_;
 };
 

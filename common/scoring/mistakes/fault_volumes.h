@@ -33,11 +33,18 @@ struct PieceFault {
 struct FaultVolumes {
   // By AcceptableCut::pieces(). Without what is counted below.
   std::vector<PieceFault> over, left;
-  // Volume of over less left at the piece that is nearest, whichever is charged: how far off R the surface is.
-  std::vector<double> off_m3;
-  // Taken from the tooth where nothing of R is near: at pieces, by their share, and farther away.
-  std::vector<double> elsewhere_m3;
-  double far_m3 = 0;
+  // How far R's surface moved at each piece, m: + over, - left. By the volume at the piece that is nearest, whichever is
+  // charged, and not farther than what was found there.
+  std::vector<double> off_m;
+  // Taken from the tooth where nothing of R is near: at the nearest piece.
+  struct Elsewhere {
+    double volume_m3 = 0;
+    dvec3 moment_m4{0};  // volume times its middle
+    // Of the volume: taken on from what was taken at the piece itself. 0 to 1.
+    double attached = 0;
+  };
+  std::vector<Elsewhere> elsewhere;
+  double far_m3 = 0;  // and farther than kDeepest_m
   dvec3 far_at_m{0};  // its middle
   // Left of the task in any tissue, farther than the leeway.
   double left_beyond_m3 = 0;

@@ -13,20 +13,41 @@ namespace {
 constexpr double kMm = 1e3;
 // Patches of one sign whose middles are this near are one; so is a patch and the wall that moved
 // the same way by as much as this part of the patch.
-constexpr double kNear_mm = 1.0, kSameMove = 0.5;
+constexpr double kNear_mm = 1.0, kSameMove = 0.5, kSameWall = 0.2;
 // A region with so many patches of each sign is wavy.
 constexpr size_t kWavy = 2;
 constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
+// A piece has a mistake of its own where less than this part of it, and all but this much, is explained. Chosen.
+constexpr double kExplained = 0.4, kUnseen_mm = 0.12;
+// What no motion explains: pieces this near are one part, and a smaller part is not told.
+constexpr double kConnected_mm = 0.5, kTold = 0.5;
+
+// Parts of a graph of `n` nodes.
+class Components {
+ public:
+  explicit Components(size_t n) : parent_(n) {
+    std::iota(parent_.begin(), parent_.end(), size_t{0});
+  }
+  size_t Of(size_t k) {
+    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+    return k;
+  }
+  void Join(size_t a, size_t b) { parent_[Of(a)] = Of(b); }
+
+ private:
+  std::vector<size_t> parent_;
+};
 
 class Grouper {
  public:
-  Grouper(const AcceptableCut& r, const std::vector<Displacement>& motions,
-          const std::vector<double>& off_mm)
-      : r_(r), motions_(motions), off_mm_(off_mm) {}
+  Grouper(const AcceptableCut& r, const FaultVolumes& faults,
+          const std::vector<Displacement>& motions, const std::vector<double>& off_mm)
+      : r_(r), faults_(faults), motions_(motions), off_mm_(off_mm) {}
 
   std::vector<MotionGroup> Make() {
     MakeGroups();
     TakePatches();
+    MergeWalls();
     for (MotionGroup& group : groups_) Refit(group);
     ReachOverEdges();
     return std::move(groups_);
@@ -83,20 +104,15 @@ class Grouper {
     for (const Displacement& m : motions_) {
       if (IsLocal(m) && !JoinMove(m)) patches.push_back(&m);
     }
-    std::vector<size_t> parent(patches.size());
-    std::iota(parent.begin(), parent.end(), size_t{0});
-    auto root = [&](size_t k) {
-      while (parent[k] != k) k = parent[k] = parent[parent[k]];
-      return k;
-    };
+    Components parts(patches.size());
     for (size_t a = 0; a < patches.size(); ++a) {
       for (size_t b = 0; b < a; ++b) {
         const bool same = (patches[a]->size > 0) == (patches[b]->size > 0);
-        if (same && Touch(*patches[a], *patches[b])) parent[root(a)] = root(b);
+        if (same && Touch(*patches[a], *patches[b])) parts.Join(a, b);
       }
     }
     std::map<size_t, MotionGroup> clusters;
-    for (size_t k = 0; k < patches.size(); ++k) clusters[root(k)].Take(*patches[k]);
+    for (size_t k = 0; k < patches.size(); ++k) clusters[parts.Of(k)].Take(*patches[k]);
     std::map<int, std::array<size_t, 2>> signs;
     for (const auto& [k, group] : clusters) {
       ++signs[group.motions.front()->region][group.motions.front()->size > 0];
@@ -113,13 +129,28 @@ class Grouper {
     for (auto& [region, group] : waves) groups_.push_back(std::move(group));
   }
 
-  static bool Touch(const Displacement& a, const Displacement& b) {
-    const dvec3 way = (a.at_m - b.at_m) * kMm;
-    if (Dot(way, way) < kNear_mm * kNear_mm) return true;
-    for (size_t i = 0; i < a.d_mm.size(); ++i) {
-      if (a.d_mm[i] * b.d_mm[i] > 0) return true;
+  // What overlaps in one wall is one mistake: a lean, and where it is more than a lean.
+  void MergeWalls() {
+    for (size_t a = 0; a < groups_.size(); ++a) {
+      for (size_t b = groups_.size(); b-- > a + 1;) {
+        const int wall = groups_[a].OnlyWall(r_);
+        if (wall < 0 || wall != groups_[b].OnlyWall(r_)) continue;
+        if (!Overlap(groups_[a].d_mm, groups_[b].d_mm)) continue;
+        for (const Displacement* m : groups_[b].motions) groups_[a].Take(*m);
+        groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(b));
+      }
+    }
+  }
+  static bool Overlap(const std::vector<double>& a, const std::vector<double>& b) {
+    for (size_t i = 0; i < a.size(); ++i) {
+      if (a[i] * b[i] > 0) return true;
     }
     return false;
+  }
+
+  static bool Touch(const Displacement& a, const Displacement& b) {
+    const dvec3 way = (a.at_m - b.at_m) * kMm;
+    return Dot(way, way) < kNear_mm * kNear_mm || Overlap(a.d_mm, b.d_mm);
   }
 
   // A patch that only says where a wall moved more than elsewhere belongs to that wall's mistake.
@@ -132,7 +163,10 @@ class Grouper {
     MotionGroup* best = nullptr;
     for (MotionGroup& group : groups_) {
       const double there = group.d_mm[middle];
-      if (there * peak <= 0 || std::fabs(there) < kSameMove * std::fabs(peak)) continue;
+      const Displacement& first = *group.motions.front();
+      const bool same_wall = first.kind >= MotionKind::kOffset && first.region == patch.region;
+      const double share = same_wall ? kSameWall : kSameMove;
+      if (there * peak <= 0 || std::fabs(there) < share * std::fabs(peak)) continue;
       if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;
     }
     if (best == nullptr) return false;
@@ -159,6 +193,20 @@ class Grouper {
       for (size_t g = 0; g < groups_.size(); ++g) {
         if (weights > 0) groups_[g].d_mm[e] = sum[g] / weights;
       }
+    }
+    for (size_t i = 0; i < pieces.size(); ++i) {
+      LeaveToItself(i, 1, faults_.over[i]);
+      LeaveToItself(i, -1, faults_.left[i]);
+    }
+  }
+  // A piece that is off by much more than what moved it has a mistake of its own: a corner that was left.
+  void LeaveToItself(size_t piece, double sign, const PieceFault& fault) {
+    double explained = 0;
+    for (const MotionGroup& group : groups_) explained += std::max(0.0, sign * group.d_mm[piece]);
+    const double thickness_mm = Thickness_mm(fault);
+    if (explained >= std::min(kExplained * thickness_mm, thickness_mm - kUnseen_mm)) return;
+    for (MotionGroup& group : groups_) {
+      if (sign * group.d_mm[piece] > 0) group.d_mm[piece] = 0;
     }
   }
 
@@ -208,10 +256,40 @@ class Grouper {
   }
 
   const AcceptableCut& r_;
+  const FaultVolumes& faults_;
   const std::vector<Displacement>& motions_;
   const std::vector<double>& off_mm_;
   std::vector<MotionGroup> groups_;
 };
+
+double PointsOf(const std::vector<CostlyPiece>& pieces) {
+  double sum = 0;
+  for (const CostlyPiece& each : pieces) sum += each.points;
+  return sum;
+}
+
+Displacement BumpOf(const AcceptableCut& r, const FaultVolumes& faults,
+                    const std::vector<CostlyPiece>& pieces) {
+  Displacement bump;
+  bump.kind = MotionKind::kPatch;
+  bump.d_mm.assign(r.pieces().size(), 0);
+  std::map<uint32_t, double> by_region;
+  double most = 0;
+  for (const CostlyPiece& each : pieces) {
+    const PieceFault& fault = (each.over ? faults.over : faults.left)[each.piece];
+    bump.d_mm[each.piece] = (each.over ? 1 : -1) * Thickness_mm(fault);
+    by_region[r.pieces()[each.piece].region] += each.points;
+    if (each.points <= most) continue;
+    most = each.points;
+    bump.at_m = r.pieces()[each.piece].at_m;
+    bump.size = bump.d_mm[each.piece];
+  }
+  const auto region =
+      std::ranges::max_element(by_region, {}, [](const auto& e) { return e.second; });
+  bump.region = static_cast<int>(region->first);
+  bump.of = r.regions()[region->first].kind;
+  return bump;
+}
 
 }  // namespace
 
@@ -226,6 +304,23 @@ void MotionGroup::Take(const Displacement& motion) {
   for (size_t i = 0; i < d_mm.size(); ++i) d_mm[i] += motion.d_mm[i];
 }
 
+int MotionGroup::OnlyWall(const AcceptableCut& r) const {
+  constexpr double kNearlyAll = 0.8;
+  std::map<int, double> by_region;
+  double all = 0;
+  for (const Displacement* motion : motions) {
+    if (motion->region < 0) return -1;
+    for (size_t i = 0; i < motion->d_mm.size(); ++i) {
+      const double part = std::fabs(motion->d_mm[i]) * r.pieces()[i].area_m2;
+      by_region[motion->region] += part, all += part;
+    }
+  }
+  const auto most = std::ranges::max_element(by_region, {}, [](const auto& e) { return e.second; });
+  const RegionKind of = r.regions()[static_cast<size_t>(most->first)].kind;
+  const bool wall = of == RegionKind::kWall || of == RegionKind::kAxialWall;
+  return wall && most->second > kNearlyAll * all ? most->first : -1;
+}
+
 bool MotionGroup::Has(MotionKind kind) const {
   return std::ranges::any_of(motions, [&](const Displacement* m) { return m->kind == kind; });
 }
@@ -237,10 +332,57 @@ double MotionGroup::SizeOf(MotionKind kind) const {
   return 0;
 }
 
-std::vector<MotionGroup> GroupMotions(const AcceptableCut& r,
+double Thickness_mm(const PieceFault& fault) {
+  if (!(fault.moment_m5 > 0)) return 0;
+  return (kLeeway_m + std::sqrt(3 * fault.moment_m5 / fault.volume_m3)) * kMm;
+}
+
+std::vector<Displacement> Unexplained(const AcceptableCut& r, const FaultVolumes& faults,
+                                      const std::vector<MotionGroup>& groups,
+                                      const std::vector<CostlyPiece>& costly) {
+  const auto& pieces = r.pieces();
+  std::vector<CostlyPiece> left;
+  for (const CostlyPiece& each : costly) {
+    const bool moved = std::ranges::any_of(groups, [&](const MotionGroup& group) {
+      return (each.over ? 1 : -1) * group.d_mm[each.piece] > 0;
+    });
+    if (!moved) left.push_back(each);
+  }
+  Components parts(left.size());
+  for (size_t a = 0; a < left.size(); ++a) {
+    for (size_t b = 0; b < a; ++b) {
+      const SurfacePiece &one = pieces[left[a].piece], &other = pieces[left[b].piece];
+      const dvec3 way = (one.at_m - other.at_m) * kMm;
+      if (left[a].over == left[b].over && Dot(way, way) < kConnected_mm * kConnected_mm)
+        parts.Join(a, b);
+    }
+  }
+  std::map<size_t, std::vector<CostlyPiece>> by_part;
+  for (size_t a = 0; a < left.size(); ++a) by_part[parts.Of(a)].push_back(left[a]);
+  std::vector<Displacement> out;
+  // Small parts of line angles, by side: what stands in all corners is told as one.
+  std::array<std::vector<CostlyPiece>, 2> small;
+  auto tell = [&](const std::vector<CostlyPiece>& members) {
+    const double points = PointsOf(members);
+    if (points >= kTold) out.push_back(BumpOf(r, faults, members));
+    return points >= kTold;
+  };
+  for (const auto& [part, members] : by_part) {
+    const bool edge = std::ranges::any_of(members, [&](const CostlyPiece& each) {
+      return r.regions()[pieces[each.piece].region].kind == RegionKind::kLineAngle;
+    });
+    if (tell(members) || !edge) continue;
+    auto& of = small[members.front().over];
+    of.insert(of.end(), members.begin(), members.end());
+  }
+  for (const auto& members : small) tell(members);
+  return out;
+}
+
+std::vector<MotionGroup> GroupMotions(const AcceptableCut& r, const FaultVolumes& faults,
                                       const std::vector<Displacement>& motions,
                                       const std::vector<double>& off_mm) {
-  return Grouper(r, motions, off_mm).Make();
+  return Grouper(r, faults, motions, off_mm).Make();
 }
 
 }  // namespace enamel::scoring

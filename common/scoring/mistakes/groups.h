@@ -18,11 +18,29 @@ struct MotionGroup {
   void Take(const Displacement& motion);
   bool Has(MotionKind kind) const;
   double SizeOf(MotionKind kind) const;  // 0 where there is none
+  // The wall that nearly all of it moved; -1: none.
+  int OnlyWall(const AcceptableCut& r) const;
 };
 
-// `motions` outlive the result. `off_mm`: Deviation_mm.
-std::vector<MotionGroup> GroupMotions(const AcceptableCut& r,
+// `motions` outlive the result. `off_mm`: of FaultVolumes.
+std::vector<MotionGroup> GroupMotions(const AcceptableCut& r, const FaultVolumes& faults,
                                       const std::vector<Displacement>& motions,
                                       const std::vector<double>& off_mm);
+
+// How far a piece is off on one side, mm: the thickness of an even layer with its faults. Of line angles too, which pay
+// for what is nearest to the surfaces that meet there.
+double Thickness_mm(const PieceFault& fault);
+
+// A piece that costs, by whatever of it costs: `over`, else what was left.
+struct CostlyPiece {
+  uint32_t piece = 0;
+  bool over = false;
+  double points = 0;
+};
+// What no motion explains, where it costs: a bump at each connected part of one region and sign that costs enough to be
+// told.
+std::vector<Displacement> Unexplained(const AcceptableCut& r, const FaultVolumes& faults,
+                                      const std::vector<MotionGroup>& groups,
+                                      const std::vector<CostlyPiece>& costly);
 
 }  // namespace enamel::scoring

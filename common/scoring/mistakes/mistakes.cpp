@@ -14,6 +14,10 @@ namespace {
 
 // A region goes both ways where the smaller share of the squares is at least this. Chosen.
 constexpr double kBothWays = 0.2;
+// Its root mean square is a wave's that costs: a sine's is 0.7 of its peak. Chosen.
+constexpr double kWaveOfCost = 0.3;
+// From this share on, nothing was done. Chosen.
+constexpr double kNothing_percent = 90;
 
 class Finder {
  public:
@@ -21,25 +25,57 @@ class Finder {
       : r_(r),
         faults_(faults),
         cost_(cost),
-        off_mm_(Deviation_mm(r, faults)),
+        measures_(MeasuresOf(r, faults)),
+        off_mm_(InMm(faults.off_m)),
         motions_(Explain(r, off_mm_)),
-        groups_(GroupMotions(r, motions_, off_mm_)) {}
+        groups_(GroupMotions(r, faults, motions_, off_mm_)),
+        costly_(CostlyPieces()),
+        unexplained_(Unexplained(r, faults, groups_, OutsideWaves())) {
+    for (const Displacement& bump : unexplained_) groups_.emplace_back().Take(bump);
+  }
 
   FoundMistakes Find() {
     out_.resize(groups_.size());
     points_at_.resize(groups_.size());
     paid_.assign(groups_.size(), std::vector<double>(r_.regions().size()));
-    ShareRegions();
+    for (const CostlyPiece& each : costly_) ShareAt(each.piece, each.over ? 1 : -1, each.points);
     ShareRest();
     for (size_t g = 0; g < groups_.size(); ++g) {
       if (!(out_[g].points > 0)) continue;
-      NameMistake({r_, faults_, off_mm_, paid_[g]}, groups_[g], out_[g]);
+      NameMistake({r_, faults_, off_mm_, RestFor(g), paid_[g]}, groups_[g], out_[g]);
       if (!IsTrue(out_[g])) CallUneven(g);
     }
+    JoinHoles();
     return Sorted();
   }
 
  private:
+  static std::vector<double> InMm(std::vector<double> off_m) {
+    for (double& off : off_m) off *= 1e3;
+    return off_m;
+  }
+  std::vector<double> RestFor(size_t group) const {
+    std::vector<double> out = off_mm_;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      if (g == group) continue;
+      for (size_t i = 0; i < out.size(); ++i) out[i] -= groups_[g].d_mm[i];
+    }
+    return out;
+  }
+  // A hole beside a wall is paid for by the wall, too.
+  void JoinHoles() {
+    Mistake* hole = nullptr;
+    for (Mistake& m : out_) {
+      if (m.kind != MistakeKind::kHole || !(m.points > 0)) continue;
+      if (hole == nullptr) {
+        hole = &m;
+        continue;
+      }
+      hole->at_m = (hole->points * hole->at_m + m.points * m.at_m) / (hole->points + m.points);
+      hole->points += m.points, hole->size += m.size;
+      m.points = 0;
+    }
+  }
   FoundMistakes Sorted() {
     std::vector<int> order;
     for (size_t i = 0; i < out_.size(); ++i) {
@@ -160,12 +196,13 @@ class Finder {
     paid_[group][piece.region] += points;
   }
 
-  void ShareRegions() {
+  // What each region paid, by the pieces that it paid for.
+  std::vector<CostlyPiece> CostlyPieces() const {
+    std::vector<CostlyPiece> out;
     for (size_t row = 0; row < r_.regions().size(); ++row) {
       const RegionCost& cost = cost_.rows[row];
-      if (!(cost.lost > 0)) continue;
-      const bool over = cost.over;
-      const auto& faults = over ? faults_.over : faults_.left;
+      if (!(cost.lost > 0) || (!cost.over && NothingDone())) continue;
+      const auto& faults = cost.over ? faults_.over : faults_.left;
       double all = 0;
       auto counts = [&](size_t i) { return r_.pieces()[i].region == row; };
       for (size_t i = 0; i < faults.size(); ++i) {
@@ -173,17 +210,42 @@ class Finder {
       }
       for (size_t i = 0; i < faults.size(); ++i) {
         if (!counts(i) || faults[i].moment_m5 <= 0) continue;
-        ShareAt(i, over ? 1 : -1, cost.lost * faults[i].moment_m5 / all);
+        out.push_back({static_cast<uint32_t>(i), cost.over, cost.lost * faults[i].moment_m5 / all});
       }
     }
+    return out;
+  }
+  // What no motion explains of a wavy region is a wave.
+  std::vector<CostlyPiece> OutsideWaves() const {
+    std::vector<bool> wavy(r_.regions().size());
+    for (uint32_t k = 0; k < wavy.size(); ++k) wavy[k] = Waves_mm(k) > 0;
+    std::vector<CostlyPiece> out;
+    for (const CostlyPiece& each : costly_) {
+      if (!wavy[r_.pieces()[each.piece].region]) out.push_back(each);
+    }
+    return out;
+  }
+  // Where nearly nothing was cut, nobody speaks of walls.
+  bool NothingDone() const {
+    const auto row = std::ranges::find(measures_, whole::kNotDone, &RegionMeasure::kind);
+    return row != measures_.end() && row->left >= kNothing_percent;
+  }
+  double PaidForNothing() const {
+    double out = 0;
+    if (!NothingDone()) return out;
+    for (size_t row = 0; row < r_.regions().size(); ++row) {
+      if (!cost_.rows[row].over) out += cost_.rows[row].lost;
+    }
+    return out;
   }
 
   // Shares the rows that belong to no region.
   void ShareRest() {
     const size_t groups = groups_.size();
-    const auto measures = MeasuresOf(r_, faults_);
+    const auto& measures = measures_;
     for (size_t i = r_.regions().size(); i < measures.size(); ++i) {
-      const double lost = cost_.rows[i].lost;
+      double lost = cost_.rows[i].lost;
+      if (measures[i].kind == whole::kNotDone) lost += PaidForNothing();
       if (!(lost > 0)) continue;
       Mistake mistake;
       mistake.points = lost;
@@ -242,31 +304,52 @@ class Finder {
       area += weight;
       if (rest > 0) over += weight * rest * rest;
     }
-    const bool both = over > kBothWays * square && over < (1 - kBothWays) * square;
-    return both && area > 0 ? std::sqrt(square / area) : 0;
+    if (!(area > 0) || over < kBothWays * square || over > (1 - kBothWays) * square) return 0;
+    const double rms_mm = std::sqrt(square / area);
+    return rms_mm > kWaveOfCost * Costly_mm(region) ? rms_mm : 0;
+  }
+  // How far a region is off where it costs most.
+  double Costly_mm(uint32_t region) const {
+    double most = 0, thickness_mm = 0;
+    for (const CostlyPiece& each : costly_) {
+      if (r_.pieces()[each.piece].region != region || each.points <= most) continue;
+      most = each.points;
+      thickness_mm = Thickness_mm((each.over ? faults_.over : faults_.left)[each.piece]);
+    }
+    return thickness_mm;
   }
 
+  // What was taken on from a wall belongs to the mistake that moved the wall, the rest is a hole.
   void ShareElsewhere(double points) {
     double all = faults_.far_m3;
-    for (const double v : faults_.elsewhere_m3) all += v;
-    for (size_t i = 0; i < faults_.elsewhere_m3.size(); ++i) {
-      if (faults_.elsewhere_m3[i] > 0) ShareAt(i, 1, points * faults_.elsewhere_m3[i] / all);
+    for (const auto& e : faults_.elsewhere) all += e.volume_m3;
+    double hole_m3 = faults_.far_m3;
+    dvec3 at = faults_.far_m3 * faults_.far_at_m;
+    for (size_t i = 0; i < faults_.elsewhere.size(); ++i) {
+      const auto& e = faults_.elsewhere[i];
+      const double own = MostAt(i, 1) < 0 ? 0 : e.attached;
+      if (e.volume_m3 * own > 0) ShareAt(i, 1, points * e.volume_m3 * own / all);
+      hole_m3 += (1 - own) * e.volume_m3;
+      at += (1 - own) * e.moment_m4;
     }
-    if (faults_.far_m3 <= 0) return;
+    if (hole_m3 <= 0) return;
     Mistake hole;
     hole.kind = MistakeKind::kHole;
-    hole.size = faults_.far_m3 * 1e9;
-    hole.at_m = faults_.far_at_m;
-    hole.points = points * faults_.far_m3 / all;
+    hole.size = hole_m3 * 1e9;
+    hole.at_m = at / hole_m3;
+    hole.points = points * hole_m3 / all;
     rest_.push_back(hole);
   }
 
   const AcceptableCut& r_;
   const FaultVolumes& faults_;
   const CutCost& cost_;
+  const std::vector<RegionMeasure> measures_;
   const std::vector<double> off_mm_;
   const std::vector<Displacement> motions_;
-  const std::vector<MotionGroup> groups_;
+  std::vector<MotionGroup> groups_;
+  const std::vector<CostlyPiece> costly_;
+  const std::vector<Displacement> unexplained_;
   std::vector<Mistake> out_, rest_;
   std::vector<dvec3> points_at_;
   std::vector<std::vector<double>> paid_;  // by group and region

@@ -6,19 +6,27 @@
 #include <numbers>
 #include <utility>
 
+#include "common/scoring/mistakes/wall_fit.h"
+
 namespace enamel::scoring {
 namespace {
 
 constexpr double kMm = 1e3;
 // A groove is this many times longer than wide.
 constexpr double kLong = 2.0;
-// Shares of a wall's height: from kRimFrom up is the rim, up to kFootTo the foot.
-constexpr double kRimFrom = 0.6, kFootTo = 0.4;
+// What was cut begins away from R's surface where it is farther on average, and less than a layer of this. Chosen.
+constexpr double kBeginsAt_m = 0.5e-3;
+// Shares of a wall's height: from kRimFrom up is the rim. A ledge is below kLow, and reaches to the foot but for the line
+// angle.
+constexpr double kRimFrom = 0.6, kLow = 0.4, kFoot_mm = 0.45;
 // A lean is said where it moves the ends of a wall by more than this part of what moved all of it.
 constexpr double kLeanSaid = 0.6;
 // Shares: of its peak, where a patch counts as touched; of a region, which then is named as a whole; of a
 // patch, in each of two walls; of a group, that a part is most of.
-constexpr double kTouched = 0.3, kMuch = 0.4, kMostOfWall = 0.7, kSpans = 0.2, kMostly = 0.4;
+// Of a wall's area, width or height: all of it. Of its deviation by height, what a straight line explains where it leans:
+// a step at half its height has 0.875.
+constexpr double kWhole = 0.72, kLine = 0.92;
+constexpr double kTouched = 0.3, kMuch = 0.4, kSpans = 0.2, kMostly = 0.4;
 
 class Namer {
  public:
@@ -39,18 +47,47 @@ class Namer {
       m.kind = MistakeKind::kTipped;
       m.size = std::sqrt(Dot(v, v));
     } else if (group.Has(MotionKind::kSize) || group.Has(MotionKind::kTaper)) {
-      NameWalls(group, group.SizeOf(MotionKind::kSize), group.SizeOf(MotionKind::kTaper), m);
+      NameWalls(HalfExtent_mm(group, 2), group.SizeOf(MotionKind::kSize),
+                group.SizeOf(MotionKind::kTaper), m);
       m.place = r_.is_stump() ? "axial" : "wall";
+    } else if (const int wall = group.OnlyWall(r_); wall >= 0) {
+      NameOneWall(group, static_cast<size_t>(wall), m);
     } else if (IsLocal(first)) {
       NamePatch(group, m);
     } else if (group.Has(MotionKind::kHeight) || group.Has(MotionKind::kSlopeX) ||
-               group.Has(MotionKind::kSlopeY) ||
-               !(first.of == RegionKind::kWall || first.of == RegionKind::kAxialWall)) {
+               group.Has(MotionKind::kSlopeY) || !IsWall(first.of)) {
       NameLevel(group, m);
     } else {
-      NameWalls(group, group.SizeOf(MotionKind::kOffset), group.SizeOf(MotionKind::kLean), m);
-      m.place = r_.regions()[static_cast<size_t>(first.region)].name;
+      NameLevel(group, m);
     }
+  }
+
+  static bool IsWall(RegionKind kind) {
+    return kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
+  }
+  void NameOneWall(const MotionGroup& group, size_t region, Mistake& m) const {
+    const RegionFit fit = FitRegion(r_, region, from_.rest_mm);
+    m.place = r_.regions()[region].name;
+    const bool leans = Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
+    if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : fit.of_area >= kWhole)
+      NameWalls(fit.half_height_mm, fit.moved_mm, fit.lean_deg, m);
+    else
+      NamePatch(group, m);
+  }
+  // What was cut from a part of a wall.
+  MistakeKind NameOfCut(const RegionFit& fit, bool is_long) const {
+    const bool all_along = fit.of_width >= kWhole;
+    // Along all of the rim, the wall is too far out there.
+    if (all_along && (fit.at_height > kRimFrom || fit.of_area >= kWhole)) return NameOfMoved(1);
+    return all_along || fit.of_height >= kWhole || is_long ? MistakeKind::kGroove
+                                                           : MistakeKind::kPit;
+  }
+  static bool Leans(double half_height_mm, double moved_mm, double lean_deg) {
+    return std::fabs(TangentOf(lean_deg)) * half_height_mm > kLeanSaid * std::fabs(moved_mm);
+  }
+  MistakeKind NameOfMoved(double by) const {
+    if (r_.is_stump()) return by > 0 ? MistakeKind::kOverReduced : MistakeKind::kUnderReduced;
+    return by > 0 ? MistakeKind::kOverExtended : MistakeKind::kUnderExtended;
   }
 
   // How far apart the pieces of the group lie along an axis, half.
@@ -66,19 +103,15 @@ class Namer {
 
   static double TangentOf(double degrees) { return degrees * std::numbers::pi / 180; }
 
-  void NameWalls(const MotionGroup& group, double moved_mm, double lean_deg, Mistake& m) const {
-    const double ends_mm = std::fabs(TangentOf(lean_deg)) * HalfExtent_mm(group, 2);
-    if (ends_mm > kLeanSaid * std::fabs(moved_mm)) {
+  void NameWalls(double half_height_mm, double moved_mm, double lean_deg, Mistake& m) const {
+    if (Leans(half_height_mm, moved_mm, lean_deg)) {
       // A cavity's wall that is farther out higher up opens; a stump's converges.
       m.kind = lean_deg > 0 ? MistakeKind::kLeansOut : MistakeKind::kLeansIn;
       m.size = std::fabs(lean_deg);
       return;
     }
     m.size = std::fabs(moved_mm);
-    if (r_.is_stump())
-      m.kind = moved_mm > 0 ? MistakeKind::kOverReduced : MistakeKind::kUnderReduced;
-    else
-      m.kind = moved_mm > 0 ? MistakeKind::kOverExtended : MistakeKind::kUnderExtended;
+    m.kind = NameOfMoved(moved_mm);
   }
 
   // Floors, tables, margins, faces.
@@ -151,13 +184,13 @@ class Namer {
     double all = 0;
     size_t over = 0;
     for (const Displacement* motion : group.motions) {
-      double part = 0;
-      for (size_t i = 0; i < motion->d_mm.size(); ++i) {
-        part += std::fabs(motion->d_mm[i]) * r_.pieces()[i].area_m2;
-      }
-      by_region[motion->region] += part;
-      all += part;
       over += motion->size > 0;
+      for (size_t i = 0; i < motion->d_mm.size(); ++i) {
+        const double part = std::fabs(motion->d_mm[i]) * r_.pieces()[i].area_m2;
+        if (!(part > 0)) continue;
+        by_region[static_cast<int>(r_.pieces()[i].region)] += part;
+        all += part;
+      }
     }
     const int main = std::ranges::max_element(by_region, {}, [&](const auto& entry) {
                        const bool pays = from_.paid[static_cast<size_t>(entry.first)] > 0;
@@ -174,20 +207,54 @@ class Namer {
     } else if (standing_mm3 > 0) {
       m.kind = MistakeKind::kStanding;
       m.size = standing_mm3;
+    } else if (const double hole_mm3 = over > 0 ? Hole_mm3(group) : 0; hole_mm3 > 0) {
+      m.kind = MistakeKind::kHole;
+      m.place.clear();
+      m.size = hole_mm3;
     } else if (over > 0) {
-      m.kind = KindOfOver(group, region, touched, all, m.at_m);
+      m.kind = KindOfOver(group, main, touched, all, m.at_m);
     } else {
-      m.kind = SpansWalls(by_region, all) ? MistakeKind::kCorner
-                                          : KindOfLeft(main, region, touched, m.at_m);
+      m.kind = SpansWalls(by_region, all)              ? MistakeKind::kCorner
+               : region.kind == RegionKind::kLineAngle ? KindOfEdge(group)
+                                                       : KindOfLeft(main, region, touched, m.at_m);
     }
+  }
+  // Left between two walls, whose edge is upright, or along the foot of one.
+  MistakeKind KindOfEdge(const MotionGroup& group) const {
+    constexpr double kUpright = 0.35;
+    double up = 0, all = 0;
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      const double part = std::fabs(group.d_mm[i]) * r_.pieces()[i].area_m2;
+      up += part * std::fabs(r_.pieces()[i].normal.z), all += part;
+    }
+    return up < kUpright * all ? MistakeKind::kCorner : MistakeKind::kLedge;
+  }
+
+  // Volume of what was taken where the group is over, if it begins away from R's surface; else 0.
+  double Hole_mm3(const MotionGroup& group) const {
+    double volume = 0, moment = 0, away = 0;
+    for (size_t i = 0; i < group.d_mm.size(); ++i) {
+      if (!(group.d_mm[i] > 0)) continue;
+      const PieceFault& fault = from_.faults.over[i];
+      const auto& elsewhere = from_.faults.elsewhere[i];
+      volume += fault.volume_m3 + (1 - elsewhere.attached) * elsewhere.volume_m3;
+      moment += fault.moment_m5;
+      // Farther on average than a layer that goes on from the surface to twice this depth.
+      const double deep_m = kBeginsAt_m - kLeeway_m;
+      const bool begins = fault.volume_m3 > kBeginsAt_m * r_.pieces()[i].area_m2 ||
+                          fault.moment_m5 < deep_m * deep_m * fault.volume_m3;
+      if (!begins) away += fault.moment_m5;
+    }
+    return 2 * away > moment ? volume * kMm * kMm * kMm : 0;
   }
 
   // How far a group moved one region, and how much of the region's area.
   struct Touched {
     double off_mm = 0, share = 0;
+    double lowest_mm = 0;  // from the region's foot
   };
   Touched Touch(const MotionGroup& group, int region) const {
-    double peak = 0, sum = 0, square = 0, area = 0;
+    double peak = 0, sum = 0, square = 0, area = 0, all = 0, foot_m = 1, lowest_m = 1;
     auto counts = [&](size_t i) { return r_.pieces()[i].region == static_cast<uint32_t>(region); };
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
       if (counts(i)) peak = std::max(peak, std::fabs(group.d_mm[i]));
@@ -195,7 +262,11 @@ class Namer {
     double fitted = 0, fitted_square = 0;  // where over and left are equal at each piece
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
       const double moved = std::fabs(group.d_mm[i]);
-      if (!counts(i) || moved < kTouched * peak) continue;
+      if (!counts(i)) continue;
+      all += r_.pieces()[i].area_m2;
+      foot_m = std::min(foot_m, r_.pieces()[i].at_m.z);
+      if (moved < kTouched * peak) continue;
+      lowest_m = std::min(lowest_m, r_.pieces()[i].at_m.z);
       const double weight = r_.pieces()[i].area_m2, off = std::fabs(from_.off_mm[i]);
       sum += weight * off;
       square += weight * off * off;
@@ -204,24 +275,22 @@ class Namer {
       area += weight;
     }
     if (!(sum > 0)) sum = fitted, square = fitted_square;
-    return {sum > 0 ? square / sum : 0, area / r_.regions()[static_cast<size_t>(region)].area_m2};
+    return {sum > 0 ? square / sum : 0, all > 0 ? area / all : 0, (lowest_m - foot_m) * kMm};
   }
 
-  MistakeKind KindOfOver(const MotionGroup& group, const Region& region, const Touched& touched,
-                         double all, const dvec3& middle) const {
+  MistakeKind KindOfOver(const MotionGroup& group, int number, const Touched& touched, double all,
+                         const dvec3& middle) const {
+    const Region& region = r_.regions()[static_cast<size_t>(number)];
     const Displacement* part = LargestPart(group, all);
-    const bool strip = part != nullptr && part->kind == MotionKind::kStrip;
-    const bool wall = region.kind == RegionKind::kWall || region.kind == RegionKind::kAxialWall;
-    // A wall that is over in most of its width has a groove in the rest of it, if in any.
-    const bool much =
-        touched.share > (wall ? kMostOfWall : kMuch) || (part != nullptr && !strip && !wall);
-    if (!much) {
-      return part != nullptr || LengthOverWidth(group, middle) > kLong ? MistakeKind::kGroove
-                                                                       : MistakeKind::kPit;
+    const bool is_long = LengthOverWidth(group, middle) > kLong;
+    if (IsWall(region.kind)) {
+      const RegionFit fit = FitRegion(r_, static_cast<size_t>(number), from_.rest_mm);
+      return NameOfCut(fit, part != nullptr || is_long);
     }
-    return region.kind == RegionKind::kWall ? MistakeKind::kOverExtended
-           : IsReduced(region.kind)         ? MistakeKind::kOverReduced
-                                            : MistakeKind::kDeep;
+    const bool strip = part != nullptr && part->kind == MotionKind::kStrip;
+    if (touched.share <= kMuch && (part == nullptr || strip))
+      return part != nullptr || is_long ? MistakeKind::kGroove : MistakeKind::kPit;
+    return IsReduced(region.kind) ? MistakeKind::kOverReduced : MistakeKind::kDeep;
   }
 
   MistakeKind KindOfLeft(int number, const Region& region, const Touched& touched,
@@ -233,10 +302,10 @@ class Namer {
     if (region.kind == RegionKind::kFloor)
       return touched.share > kMuch ? MistakeKind::kShallow : MistakeKind::kLedge;
     const double height = HeightOn(number, middle.z);
-    return height > kRimFrom       ? MistakeKind::kOverhang
-           : height < kFootTo      ? MistakeKind::kLedge
-           : touched.share > kMuch ? MistakeKind::kUnderExtended
-                                   : MistakeKind::kBump;
+    return height > kRimFrom                               ? MistakeKind::kOverhang
+           : touched.lowest_mm < kFoot_mm && height < kLow ? MistakeKind::kLedge
+           : touched.share > kMuch                         ? MistakeKind::kUnderExtended
+                                                           : MistakeKind::kBump;
   }
 
   static bool IsReduced(RegionKind kind) {

@@ -9,7 +9,8 @@ namespace enamel::scoring {
 struct NamedFrom {
   const AcceptableCut& r;
   const FaultVolumes& faults;
-  const std::vector<double>& off_mm;  // Deviation_mm
+  const std::vector<double>& off_mm;   // of FaultVolumes
+  const std::vector<double>& rest_mm;  // the same less what the other groups explain
   // Points that the group costs, by region: a patch is named after a region that pays for it.
   const std::vector<double>& paid;
 };

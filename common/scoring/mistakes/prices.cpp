@@ -81,7 +81,7 @@ std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes
   for (size_t k = 0; k < r.pieces().size(); ++k) {
     over_m5[r.pieces()[k].region] += faults.over[k].moment_m5;
     left_m5[r.pieces()[k].region] += faults.left[k].moment_m5;
-    elsewhere_m3 += faults.elsewhere_m3[k];
+    elsewhere_m3 += faults.elsewhere[k].volume_m3;
   }
   std::vector<RegionMeasure> out;
   for (size_t i = 0; i < regions.size(); ++i) {

@@ -135,7 +135,7 @@ class Checker {
       case Claim::kCaries:
         return Whole(scoring::whole::kCaries, seen_.caries);
       case Claim::kNotDone:
-        return Whole(scoring::whole::kNotDone, seen_.left);
+        return NotDone();
       case Claim::kOver:
         return There(m.place, true, false);
       case Claim::kLeft:
@@ -153,6 +153,14 @@ class Checker {
       if (measures_[i].kind == kind && costs_[i].lost > 0) return {};
     }
     return "it cost nothing";
+  }
+  // The regions may have paid for it.
+  std::string NotDone() const {
+    if (!(seen_.left > 0)) return "nothing was left";
+    for (const scoring::RegionCost& cost : costs_) {
+      if (cost.lost > 0 && !cost.over) return {};
+    }
+    return "what was left cost nothing";
   }
   std::string There(const std::string& place, bool over, bool left) const {
     bool seen = false, paid = false;

@@ -1,0 +1,117 @@
+#include "common/scoring/mistakes/wall_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+namespace enamel::scoring {
+namespace {
+
+constexpr double kRow_mm = 0.2;  // a piece's width
+constexpr double kMm = 1e3, kDegrees = 180 / std::numbers::pi;
+// Of the typical amount; a wall that leans from its foot reaches it from a quarter of its height on.
+constexpr double kMoved = 0.35;
+
+// A piece as a point of the region's own plane.
+struct Point {
+  double width_mm = 0, height_mm = 0, area = 0, off_mm = 0;
+  bool at_edge = false;
+};
+
+struct Range {
+  double lo = std::numeric_limits<double>::max(), hi = std::numeric_limits<double>::lowest();
+  void Take(double at) { lo = std::min(lo, at), hi = std::max(hi, at); }
+  double length() const { return hi > lo ? hi - lo : 0; }
+};
+
+std::vector<Point> PointsOf(const AcceptableCut& r, size_t region,
+                            const std::vector<double>& off_mm) {
+  dvec3 normal(0);
+  for (const SurfacePiece& p : r.pieces()) {
+    if (p.region == region) normal += p.area_m2 * p.normal;
+  }
+  const double flat = std::sqrt(normal.x * normal.x + normal.y * normal.y);
+  const dvec3 along = flat > 0 ? dvec3(-normal.y, normal.x, 0) / flat : dvec3(1, 0, 0);
+  std::vector<Point> out;
+  for (size_t i = 0; i < off_mm.size(); ++i) {
+    const SurfacePiece& p = r.pieces()[i];
+    if (p.region != region) continue;
+    out.push_back({Dot(along, p.at_m) * kMm, p.at_m.z * kMm, p.area_m2, off_mm[i], p.at_edge});
+  }
+  return out;
+}
+
+// d = a + b (z - middle) by least squares, of d averaged over the width. Pieces at edges have what other walls moved,
+// too.
+void FitLine(const std::vector<Point>& points, RegionFit& fit) {
+  struct Row {
+    double area = 0, d = 0, z = 0;
+  };
+  std::map<int, Row> rows;
+  Range heights;
+  double area = 0, z = 0, d = 0;
+  for (const Point& p : points) {
+    if (p.at_edge) continue;
+    Row& row = rows[static_cast<int>(std::floor(p.height_mm / kRow_mm))];
+    row.area += p.area, row.d += p.area * p.off_mm, row.z += p.area * p.height_mm;
+    area += p.area, z += p.area * p.height_mm, d += p.area * p.off_mm;
+    heights.Take(p.height_mm);
+  }
+  if (!(area > 0)) return;
+  const double middle = z / area;
+  double zz = 0, dz = 0, dd = 0;
+  for (const auto& [k, row] : rows) {
+    const double up = row.z / row.area - middle, off = row.d / row.area;
+    zz += row.area * up * up;
+    dz += row.area * up * off;
+    dd += row.area * off * off;
+  }
+  const double slope = zz > 0 ? dz / zz : 0;
+  fit.moved_mm = d / area;
+  fit.lean_deg = std::atan(slope) * kDegrees;
+  fit.half_height_mm = 0.5 * heights.length();
+  fit.explained = dd > 0 ? (d * d / area + slope * dz) / dd : 0;
+}
+
+void MeasurePart(const std::vector<Point>& points, RegionFit& fit) {
+  double sum[2] = {0, 0}, square[2] = {0, 0}, all = 0;
+  for (const Point& p : points) {
+    const size_t over = p.off_mm > 0;
+    sum[over] += p.area * std::fabs(p.off_mm);
+    square[over] += p.area * p.off_mm * p.off_mm;
+    all += p.area;
+  }
+  const size_t over = square[1] > square[0];
+  if (!(sum[over] > 0)) return;
+  const double typical_mm = square[over] / sum[over];
+  Range width, height, whole_width, whole_height;
+  double area = 0, at = 0;
+  for (const Point& p : points) {
+    whole_width.Take(p.width_mm), whole_height.Take(p.height_mm);
+    if ((over ? p.off_mm : -p.off_mm) < kMoved * typical_mm) continue;
+    width.Take(p.width_mm), height.Take(p.height_mm);
+    area += p.area, at += p.area * p.height_mm;
+  }
+  if (!(area > 0)) return;
+  auto of = [](const Range& part, const Range& whole) {
+    return whole.length() > 0 ? part.length() / whole.length() : 1;
+  };
+  fit.of_area = area / all;
+  fit.of_width = of(width, whole_width), fit.of_height = of(height, whole_height);
+  fit.at_height =
+      whole_height.length() > 0 ? (at / area - whole_height.lo) / whole_height.length() : 0.5;
+}
+
+}  // namespace
+
+RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm) {
+  const std::vector<Point> points = PointsOf(r, region, off_mm);
+  RegionFit fit;
+  FitLine(points, fit);
+  MeasurePart(points, fit);
+  return fit;
+}
+
+}  // namespace enamel::scoring

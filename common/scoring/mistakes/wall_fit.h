@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "common/scoring/mistakes/acceptable_cut.h"
+
+// How one region is off as a whole: moved, leaning or sloping, or only in a part of it. Private to naming.cpp.
+// Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+struct RegionFit {
+  // d = moved + lean (z - middle), over all of the region, mm and degrees. + over.
+  double moved_mm = 0, lean_deg = 0;
+  double half_height_mm = 0;  // from the middle to its ends, as far as pieces reach
+  // Of d by height, averaged over the width, what the formula explains, 0 to 1. A wall that leans has 1, whether or not
+  // it does so by its whole width; a step at half its height 0.875.
+  double explained = 0;
+  // Of its area, width and height: what moved by a third of the typical amount, 0 to 1, on the side that moved more.
+  double of_area = 0, of_width = 0, of_height = 0;
+  double at_height = 0;  // the middle of that part, 0 at the foot to 1 at the rim
+};
+// `off_mm`: by piece, + over.
+RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
+
+}  // namespace enamel::scoring
