@@ -65,9 +65,13 @@ Result<Agreement> Icc3k(const MarkTable& marks);
 // the share of work in the variance of the mean, being stricter throughout counting against it
 // (ICC(2,k)). k ICC(2,1) / (1 + (k - 1) ICC(2,1)).
 Result<Agreement> Dependability(const MarkTable& marks);
-// Φ(λ): how far it can be relied on for saying on which side of a cut score a piece of work is:
-//   (work + d) / (work + d + error), d = (mean - cut)^2 less the variance of the mean, at least 0.
-// Its interval by drawing the work again. Errors also: kInvalidInput with field "cut".
+// Φ(λ), Brennan and Kane's index: how far it can be relied on for saying on which side of a cut
+// score λ a piece of work is:
+//   (work + d) / (work + d + error), with the unbiased estimates
+//   work = (MSR - MSE) / k, error = ((MSC - MSE) / n + MSE) / k, which give Φ with d = 0, and
+//   d = (mean - λ)^2 less the variance of the mean, (MSR + MSC - MSE) / (n k); each at least 0.
+// Never below Φ, and Φ at λ = mean. Its interval by drawing the work again. Errors also:
+// kInvalidInput with field "cut".
 Result<Agreement> DependabilityAt(const MarkTable& marks, double cut);
 
 // How much a disagreement of two classes weighs, by how far apart they stand.

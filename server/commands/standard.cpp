@@ -60,7 +60,10 @@ void Show(const StandardSetting& s) {
   }
   Say("people's totals\n  ICC(2,1), one mark     {}\n  phi, their mean        {}\n",
       FigureText(s.icc21), FigureText(s.phi));
-  if (s.cut) Say("  phi at {:6.2f}          {}\n", *s.cut, FigureText(s.phi_at_cut));
+  if (s.cut) {
+    Say("  phi(lambda)            {}, their mean as the pass mark cuts it, at {:.2f} points\n",
+        FigureText(s.phi_at_cut), *s.cut);
+  }
   for (const std::string& warning : s.warnings) Say("WARNING: {}\n", warning);
 }
 

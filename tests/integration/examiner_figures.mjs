@@ -27,15 +27,14 @@ export function phi(rows) {
   return (between - rest) / (between + (columns - rest) / n);
 }
 
-// Of the markers' mean at a cut score: Brennan and Kane, Journal of Educational Measurement 14 (1977) 277. Estimates of variances
-// below 0 are 0.
+// Of the markers' mean at a cut score: Brennan and Kane, Journal of Educational Measurement 14 (1977) 277, in the form that has
+// only moments of the marks; Φ where that is larger.
 export function phiAt(rows, cut) {
-  const { n, k, all, between, columns, rest } = meanSquares(rows);
-  const work = Math.max(0, (between - rest) / k);
-  const marker = Math.max(0, (columns - rest) / n);
-  const ofMean = work / n + marker / k + rest / (n * k);
-  const right = work + Math.max(0, (all - cut) ** 2 - ofMean);
-  return right / (right + (marker + rest) / k);
+  const k = rows[0].length;
+  const all = mean(rows.flat());
+  const within = mean(rows.flatMap((row) => row.map((value) => (value - mean(row)) ** 2)));
+  const spread = mean(rows.map((row) => (mean(row) - all) ** 2));
+  return Math.max(phi(rows), 1 - within / ((k - 1) * (spread + (all - cut) ** 2)));
 }
 
 // Cohen, Psychological Bulletin 70 (1968) 213, with squared distances: 1 less the share of disagreement found over that by chance.

@@ -126,12 +126,92 @@ TEST(StandardTest, DependabilityIsThePublishedFigureForTheMeanOfAllMarkers) {
   EXPECT_GT(phi->interval.high, phi->value);
 }
 
-// At the mean it is least, and it rises with the distance from there.
-TEST(StandardTest, ADecisionFarFromTheMeanIsMoreDependable) {
-  double mean = 0;
-  for (const auto& row : kFourJudges) {
-    for (double mark : row) mean += mark / 24;
+double MeanOf(const MarkTable& marks) {
+  double sum = 0;
+  for (const auto& row : marks) {
+    for (double mark : row) sum += mark;
   }
+  return sum / double(marks.size() * marks[0].size());
+}
+
+// Brennan's form of the unbiased Φ(λ), which needs no analysis of variance: the mean of squares
+// within rows over k - 1 is the error of a row's mean, and the spread of row means (over n) with
+// (mean - λ)^2 is the whole. For marks of 0 and 1 the squares within are what is left of
+// mean (1 - mean), and this is his formula 1 - (m (1 - m) - s2) / ((k - 1) ((m - λ)^2 + s2)).
+double ClosedPhiAt(const MarkTable& marks, double cut) {
+  const double n = double(marks.size()), k = double(marks[0].size()), mean = MeanOf(marks);
+  double within = 0, spread = 0;
+  for (const auto& row : marks) {
+    const double of_row = MeanOf({row});
+    spread += (of_row - mean) * (of_row - mean) / n;
+    for (double mark : row) within += (mark - of_row) * (mark - of_row) / (n * k);
+  }
+  return 1 - within / ((k - 1) * ((mean - cut) * (mean - cut) + spread));
+}
+
+// Marks of 0 to `most`, of work that differs by `work` and markers that differ by `marker`.
+MarkTable DrawnMarks(size_t n, size_t k, double work, double marker, double most,
+                     std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::vector<double> strict(k);
+  for (double& each : strict) each = marker * normal(random);
+  MarkTable out(n, std::vector<double>(k));
+  for (auto& row : out) {
+    const double worth = work * normal(random);
+    for (size_t j = 0; j < k; ++j) {
+      const double mark = most / 2 + worth + strict[j] + normal(random);
+      row[j] = std::clamp(std::round(mark), 0.0, most);
+    }
+  }
+  return out;
+}
+
+// Work differs by more than chance here: the variance of the mean is not estimated below 0, where it
+// is cut off.
+TEST(StandardTest, PhiOfACutIsBrennansClosedForm) {
+  EXPECT_NEAR(DependabilityAt(kFourJudges, 10)->value, ClosedPhiAt(kFourJudges, 10), 1e-12);
+  std::mt19937_64 random(11);
+  for (const double most : {1.0, 5.0, 100.0}) {
+    for (int run = 0; run < 20; ++run) {
+      const MarkTable marks = DrawnMarks(12, 2 + run % 3, 1 + most / 5, most / 10, most, random);
+      // Beyond the marks: there the squared distance is larger than its variance.
+      for (const double cut : {-0.5 * most, 1.5 * most}) {
+        const auto phi = DependabilityAt(marks, cut);
+        ASSERT_TRUE(phi.ok()) << phi.status().message();
+        EXPECT_NEAR(phi->value, ClosedPhiAt(marks, cut), 1e-9) << most << " " << run;
+      }
+    }
+  }
+}
+
+// Also where markers differ less, or work does, than chance alone would have it: the variances are
+// then estimated below 0.
+TEST(StandardTest, PhiOfACutIsLeastAtTheMeanAndIsPhiThere) {
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> anywhere(-5, 15);
+  int few_markers = 0, few_work = 0;
+  for (int run = 0; run < 150; ++run) {
+    const MarkTable marks =
+        DrawnMarks(3 + run % 7, 2 + run % 3, run % 4, run % 2 == 0 ? 0 : 2, 10, random);
+    const auto phi = Dependability(marks);
+    if (!phi.ok()) continue;  // all work is alike
+    const double mean = MeanOf(marks);
+    const auto at_mean = DependabilityAt(marks, mean);
+    if (!at_mean.ok()) continue;  // too many draws are
+    EXPECT_NEAR(at_mean->value, phi->value, 1e-12) << run;
+    for (const double cut : {mean + 0.01, mean - 0.5, mean + 2, anywhere(random)}) {
+      EXPECT_GE(DependabilityAt(marks, cut)->value, phi->value) << run << " at " << cut;
+    }
+    // Only where markers differ less than by chance is Φ above the consistency of the same marks.
+    few_markers += phi->value > Icc3k(marks)->value ? 1 : 0;
+    few_work += phi->value < 0 ? 1 : 0;
+  }
+  EXPECT_GT(few_markers, 15);
+  EXPECT_GT(few_work, 5);
+}
+
+TEST(StandardTest, ADecisionFarFromTheMeanIsMoreDependable) {
+  const double mean = MeanOf(kFourJudges);
   const auto at_mean = DependabilityAt(kFourJudges, mean);
   ASSERT_TRUE(at_mean.ok()) << at_mean.status().message();
   EXPECT_NEAR(at_mean->value, 0.62, 0.005);
