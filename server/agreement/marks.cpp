@@ -171,16 +171,7 @@ void CompareWithProgram(const Marked& marked, CriterionAgreement& out) {
   }
 }
 
-CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
-  CriterionAgreement out;
-  out.criterion = criterion;
-  for (const std::string& marker : marked.markers) {
-    if (marker != kComputed) out.markers.push_back(marker);
-  }
-  const bool has_people = !out.markers.empty();
-  if (!has_people) out.markers.emplace_back(kComputed);
-  const MarkTable table = TableOf(marked, out.markers, out.left_out);
-  out.works = table.size();
+void CompareWithEachOther(const MarkTable& table, CriterionAgreement& out) {
   out.icc21 = FigureOf(Icc21(table));
   out.icc3k = FigureOf(Icc3k(table));
   out.phi = FigureOf(Dependability(table));
@@ -190,6 +181,20 @@ CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
       out.limits.push_back(LimitsOf(table, out.markers, i, j));
     }
   }
+}
+
+CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
+  CriterionAgreement out;
+  out.criterion = criterion;
+  for (const std::string& marker : marked.markers) {
+    if (marker != kComputed) out.markers.push_back(marker);
+  }
+  const bool has_people = !out.markers.empty();
+  if (out.markers.size() < 2) out.why = SecondMarkerNeeded(out.markers);
+  if (!has_people) out.markers.emplace_back(kComputed);
+  const MarkTable table = TableOf(marked, out.markers, out.left_out);
+  out.works = table.size();
+  if (out.why.empty()) CompareWithEachOther(table, out);
   if (has_people && marked.markers.contains(std::string(kComputed)))
     CompareWithProgram(marked, out);
   return out;
@@ -203,6 +208,16 @@ std::string NumberText(double value) {
 }
 
 }  // namespace
+
+std::string SecondMarkerNeeded(const std::vector<std::string>& people) {
+  if (people.empty()) {
+    return "agreement needs two markers, as nobody marked this: let two people mark the same work, "
+           "without seeing each other's marks, and compare both";
+  }
+  return "agreement needs a second marker, as only " + people.front() +
+         " marked this: let another person mark the same work, without seeing these marks, and "
+         "compare both";
+}
 
 Figure FigureOf(const Result<Agreement>& result) {
   if (result.ok()) return {*result, ""};
@@ -296,12 +311,16 @@ std::string AgreementJson(const std::vector<CriterionAgreement>& criteria) {
                      {"markers", std::move(markers)},
                      {"works", c.works},
                      {"left_out", c.left_out},
-                     {"icc_2_1", FigureJson(c.icc21)},
-                     {"icc_3_k", FigureJson(c.icc3k)},
-                     {"phi", FigureJson(c.phi)},
-                     {"weighted_kappa", FigureJson(c.weighted_kappa)},
-                     {"free_kappa", FigureJson(c.free_kappa)},
                      {"limits_of_agreement", std::move(limits)}};
+    if (c.why.empty()) {
+      row["icc_2_1"] = FigureJson(c.icc21);
+      row["icc_3_k"] = FigureJson(c.icc3k);
+      row["phi"] = FigureJson(c.phi);
+      row["weighted_kappa"] = FigureJson(c.weighted_kappa);
+      row["free_kappa"] = FigureJson(c.free_kappa);
+    } else {
+      row["why"] = c.why;
+    }
     if (c.computed) {
       row["computed"] = {{"works", c.computed_works},
                          {"icc_2_1_with_mean", FigureJson(c.computed_icc21)}};
@@ -322,11 +341,15 @@ std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria) {
                       value ? NumberText(value->interval.low) : "",
                       value ? NumberText(value->interval.high) : "", works, why});
     };
-    add("ICC(2,1)", "", "", c.icc21.value, c.icc21.why);
-    add("ICC(3,k)", "", "", c.icc3k.value, c.icc3k.why);
-    add("phi", "", "", c.phi.value, c.phi.why);
-    add("weighted kappa", "", "", c.weighted_kappa.value, c.weighted_kappa.why);
-    add("free-marginal kappa", "", "", c.free_kappa.value, c.free_kappa.why);
+    if (c.why.empty()) {
+      add("ICC(2,1)", "", "", c.icc21.value, c.icc21.why);
+      add("ICC(3,k)", "", "", c.icc3k.value, c.icc3k.why);
+      add("phi", "", "", c.phi.value, c.phi.why);
+      add("weighted kappa", "", "", c.weighted_kappa.value, c.weighted_kappa.why);
+      add("free-marginal kappa", "", "", c.free_kappa.value, c.free_kappa.why);
+    } else {
+      add("agreement", c.markers.front(), "", std::nullopt, c.why);
+    }
     if (c.computed) {
       add("ICC(2,1)", "mean", std::string(kComputed), c.computed_icc21.value, c.computed_icc21.why);
     }

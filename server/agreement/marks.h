@@ -42,6 +42,9 @@ struct CriterionAgreement {
   std::vector<std::string>
       markers;  // people, in alphabetical order; where there are none, the program
   size_t works = 0, left_out = 0;  // marked by all of them; by some
+  // Where fewer than two people marked: why that is too few and what to do, in one sentence. The
+  // figures of the people and the limits between them are then empty.
+  std::string why;
   // Of the people alone: the program is none of them.
   Figure icc21, icc3k, phi, weighted_kappa, free_kappa;
   std::vector<PairLimits> limits;  // each two markers, the program too
@@ -57,10 +60,15 @@ struct CriterionAgreement {
 // (standard.h) is left out.
 Result<std::vector<CriterionAgreement>> CompareMarks(const std::vector<Mark>& marks);
 
+// Why these people, fewer than two, have no agreement, and what to do: one sentence.
+std::string SecondMarkerNeeded(const std::vector<std::string>& people);
+
 // {"criteria": [{"criterion", "markers", "works", "left_out", "icc_2_1", ...}]}; a figure is
-// {"value", "low", "high"} or {"value": null, "why"}.
+// {"value", "low", "high"} or {"value": null, "why"}. Of fewer than two people: "why" in place of
+// their figures.
 std::string AgreementJson(const std::vector<CriterionAgreement>& criteria);
-// One row a figure: criterion, figure, first, second, value, low, high, works, why.
+// One row a figure: criterion, figure, first, second, value, low, high, works, why. Of fewer than
+// two people: one row, "agreement", for all of theirs.
 std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria);
 
 }  // namespace enamel::server

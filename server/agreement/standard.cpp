@@ -148,8 +148,7 @@ Result<std::vector<RatedWork>> RatedOf(const std::vector<Mark>& marks) {
   return out;
 }
 
-MarkTable TotalsOfPeople(const std::vector<Mark>& marks) {
-  std::set<std::string> markers;
+MarkTable TotalsOfPeople(const std::vector<Mark>& marks, std::set<std::string>& markers) {
   std::map<std::string, std::map<std::string, double>> by_work;
   for (const Mark& mark : marks) {
     if (mark.criterion != kTotalCriterion || mark.marker == kComputed ||
@@ -292,7 +291,13 @@ Result<StandardSetting> SetStandard(const std::vector<Mark>& marks, std::optiona
             : out.borderline ? std::optional(out.borderline->cut.value)
             : out.angoff     ? std::optional(out.angoff->cut.value)
                              : std::nullopt;
-  const MarkTable totals = TotalsOfPeople(marks);
+  std::set<std::string> people;
+  const MarkTable totals = TotalsOfPeople(marks, people);
+  if (people.size() < 2) {
+    out.why_no_agreement = SecondMarkerNeeded({people.begin(), people.end()});
+    out.icc21 = out.phi = out.phi_at_cut = Figure{std::nullopt, out.why_no_agreement};
+    return out;
+  }
   out.icc21 = FigureOf(Icc21(totals));
   out.phi = FigureOf(Dependability(totals));
   out.phi_at_cut = out.cut ? FigureOf(DependabilityAt(totals, *out.cut))

@@ -79,6 +79,7 @@ struct StandardSetting {
   // Of the people's totals: how far the mean of these examiners decides, at `cut`.
   std::optional<double> cut;  // the one given, else the borderline's, else Angoff's
   Figure phi, phi_at_cut, icc21;
+  std::string why_no_agreement;  // SecondMarkerNeeded, in place of all three
   std::vector<std::string> warnings;
 };
 // Points of rated work are the program's total where it has one (kComputed), else the mean of the

@@ -47,20 +47,26 @@ void Show(const char* name, const Figure& figure) {
   Say("  {:<24} {}\n", name, figure.value ? Shown(CutOff(*figure.value)) : "none: " + figure.why);
 }
 
-void Show(const CriterionAgreement& c) {
+// `said`: what stands above all criteria.
+void Show(const CriterionAgreement& c, const std::string& said) {
+  if (c.why == said && !said.empty() && !c.computed) return;
   std::string markers;
   for (const std::string& m : c.markers) markers += (markers.empty() ? "" : ", ") + m;
   Say("\n{}: {} pieces of work by {}{}\n", c.criterion, c.works, markers,
       c.left_out > 0 ? fmt::format("; {} left out, as somebody did not mark them", c.left_out)
                      : "");
-  Show("ICC(2,1), one mark", c.icc21);
-  Show("ICC(3,k), their mean", c.icc3k);
-  Show("phi, their mean", c.phi);
+  if (c.why.empty()) {
+    Show("ICC(2,1), one mark", c.icc21);
+    Show("ICC(3,k), their mean", c.icc3k);
+    Show("phi, their mean", c.phi);
+  } else if (c.why != said) {
+    Say("  {}\n", c.why);
+  }
   if (c.computed) {
     Show("ICC(2,1), their mean and the program", c.computed_icc21);
   }
   if (c.markers.size() == 2) Show("kappa, quadratic", c.weighted_kappa);
-  Show("kappa, free-marginal", c.free_kappa);
+  if (c.why.empty()) Show("kappa, free-marginal", c.free_kappa);
   for (const PairLimits& pair : c.limits) {
     const std::string who = pair.first + " - " + pair.second;
     if (!pair.limits) {
@@ -110,9 +116,19 @@ Status CompareAgreement(const AgreementOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto marks, ReadMarkFiles(options.marks));
   for (Mark& mark : ComputedMarks(attempts)) marks.push_back(std::move(mark));
   ENAMEL_ASSIGN_OR_RETURN(auto criteria, CompareMarks(marks));
-  Say("Each range in brackets holds the true value in 95 of 100 cases. What the program gave is "
-      "compared\nwith people apart.\n");
-  for (const CriterionAgreement& c : criteria) Show(c);
+  // The same one marker for all criteria: one sentence is enough.
+  const std::string& first = criteria.front().why;
+  const bool alone =
+      std::ranges::all_of(criteria, [&](const CriterionAgreement& c) { return c.why == first; });
+  const std::string said = alone ? first : "";
+  if (!said.empty()) Say("{}\n", said);
+  const bool any = std::ranges::any_of(
+      criteria, [](const CriterionAgreement& c) { return c.why.empty() || c.computed; });
+  if (any) {
+    Say("Each range in brackets holds the true value in 95 of 100 cases. What the program gave is "
+        "compared\nwith people apart.\n");
+  }
+  for (const CriterionAgreement& c : criteria) Show(c, said);
   if (!options.json.empty()) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));
   }

@@ -58,9 +58,13 @@ void Show(const StandardSetting& s) {
   } else {
     Say("Angoff                   none: {}\n", s.why_no_angoff);
   }
-  Say("people's totals\n  ICC(2,1), one mark     {}\n  phi, their mean        {}\n",
-      FigureText(s.icc21), FigureText(s.phi));
-  if (s.cut) {
+  if (!s.why_no_agreement.empty()) {
+    Say("people's totals          {}\n", s.why_no_agreement);
+  } else {
+    Say("people's totals\n  ICC(2,1), one mark     {}\n  phi, their mean        {}\n",
+        FigureText(s.icc21), FigureText(s.phi));
+  }
+  if (s.cut && s.why_no_agreement.empty()) {
     Say("  phi(lambda)            {}, their mean as the pass mark cuts it, at {:.2f} points\n",
         FigureText(s.phi_at_cut), *s.cut);
   }

@@ -30,6 +30,8 @@ const kUnseen = [
   // Of classes, of which there is one of two.
   ...["AssignmentInsight.outliers", "StandardSetting.borderline", "StandardSetting.angoff", "AttemptDetail.reference"],
   "Marking.results.agreement.limits_of_agreement",
+  // Of one marker: a blind marking has two.
+  "Marking.results.agreement.why",
   // Of exams, which take a station with somebody at it.
   ...["AttemptDetail.evidence", "AttemptDetail.sign_off"],
   // What the server does once a week.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 
 #include "common/base/file.h"
@@ -146,12 +147,42 @@ TEST(MarksTest, ProgramIsComparedWithPeopleAndIsNoneOfThem) {
   EXPECT_EQ(json.at("criteria").at(0).at("computed").at("works"), 4);
 }
 
-TEST(MarksTest, OneMarkerAloneHasNoAgreement) {
-  auto criteria = CompareMarks({{"1", "c", "a", 7}, {"2", "c", "a", 8}});
+TEST(MarksTest, OneMarkerAloneGetsOneSentenceInPlaceOfFigures) {
+  auto criteria = CompareMarks({{"1", "c", "AK", 7}, {"2", "c", "AK", 8}});
   ASSERT_TRUE(criteria.ok());
-  EXPECT_FALSE(criteria->front().icc21.value);
-  EXPECT_FALSE(criteria->front().free_kappa.value);
-  EXPECT_TRUE(criteria->front().limits.empty());
+  const CriterionAgreement& alone = criteria->front();
+  EXPECT_EQ(alone.why.find("agreement needs a second marker, as only AK marked this: let another"),
+            0u)
+      << alone.why;
+  EXPECT_FALSE(alone.icc21.value);
+  EXPECT_FALSE(alone.free_kappa.value);
+  EXPECT_TRUE(alone.limits.empty());
+  const auto json = boost::json::parse(AgreementJson(*criteria)).at("criteria").at(0).as_object();
+  EXPECT_EQ(json.at("why"), alone.why.c_str());
+  for (const char* figure : {"icc_2_1", "icc_3_k", "phi", "weighted_kappa", "free_kappa"}) {
+    EXPECT_FALSE(json.contains(figure)) << figure;
+  }
+  const std::string csv = AgreementCsv(*criteria);
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 2) << csv;
+  EXPECT_NE(csv.find("c,agreement,AK,,,,,2,\"agreement needs a second marker, "), std::string::npos)
+      << csv;
+}
+
+TEST(MarksTest, OneMarkerIsStillComparedWithTheProgram) {
+  std::vector<Mark> marks;
+  for (int i = 0; i < 4; ++i) {
+    marks.push_back({std::to_string(i), "c", "AK", double(i)});
+    marks.push_back({std::to_string(i), "c", std::string(kComputed), double(i) + i % 2});
+  }
+  const CriterionAgreement alone = CompareMarks(marks)->front();
+  EXPECT_NE(alone.why, "");
+  EXPECT_TRUE(alone.computed_icc21.value);
+  ASSERT_EQ(alone.limits.size(), 1u);
+  EXPECT_TRUE(alone.limits[0].limits);
+  marks.push_back({"0", "c", "BM", 1});
+  EXPECT_EQ(CompareMarks(marks)->front().why, "") << "two, of whom one marked little";
+  const CriterionAgreement nobody = CompareMarks({{"1", "c", std::string(kComputed), 7}})->front();
+  EXPECT_NE(nobody.why.find("as nobody marked this"), std::string::npos) << nobody.why;
 }
 
 }  // namespace

@@ -225,6 +225,20 @@ TEST(StandardTest, ADecisionFarFromTheMeanIsMoreDependable) {
   EXPECT_EQ(DependabilityAt(kFourJudges, std::nan("")).status().field(), "cut");
 }
 
+TEST(StandardTest, OneMarkersTotalsHaveNoDependability) {
+  std::vector<Mark> marks;
+  for (int i = 0; i < 12; ++i) {
+    marks.push_back(Of("w" + std::to_string(i), "rating", "A", 1 + i % 5));
+    marks.push_back(Of("w" + std::to_string(i), "total", "A", 30 + 10 * (i % 5)));
+  }
+  const auto standard = SetStandard(marks);
+  ASSERT_TRUE(standard.ok() && standard->borderline) << "a pass mark there is";
+  EXPECT_EQ(standard->why_no_agreement.find("agreement needs a second marker, as only A"), 0u);
+  EXPECT_EQ(standard->phi_at_cut.why, standard->why_no_agreement);
+  EXPECT_EQ(SetStandard({Of("w", "rating", "A", 3)})->why_no_agreement.find("agreement needs two"),
+            0u);
+}
+
 TEST(StandardTest, TheWholeOfASetOfMarksIsSaid) {
   std::vector<Mark> marks;
   for (int i = 0; i < 12; ++i) {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Marking, MarkingResults } from "../../api/types";
 import { complete, draftFrom, filled, kNoMark, missing, nextOf, shownPoints, totalOf } from "./mark";
-import { formatCoefficient, lineWithin, marksTable, ratedPoints } from "./results";
+import { formatCoefficient, lineWithin, markedAlone, marksTable, ratedPoints } from "./results";
 
 const kCriteria: Marking["criteria"] = [
   { name: "outline", title: "Outline", max_points: 20 },
@@ -109,4 +109,12 @@ test("marks are saved as `enamel-server agreement` reads them", () => {
 
 test("agreement that is almost perfect is not shown as perfect", () => {
   assert.deepEqual([0.996, 0.29, 1, 0.5, -0.126].map(formatCoefficient), ["0.99", "0.29", "1", "0.5", "−0.13"]);
+});
+
+test("agreement of one marker is a sentence, of two a table", () => {
+  const row = { criterion: "total", markers: ["a"], works: 3, left_out: 0, limits_of_agreement: [] };
+  const alone = { ...row, why: "agreement needs a second marker" };
+  const two = { ...row, markers: ["a", "b"], icc_2_1: { value: null, why: "alike" } };
+  assert.equal(markedAlone([alone, { ...alone, criterion: "rating" }]), true);
+  assert.equal(markedAlone([alone, two]), false);
 });

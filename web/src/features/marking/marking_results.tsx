@@ -7,7 +7,7 @@ import { formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { formatCoefficient, marksTable, ratedPoints } from "./results";
+import { type CriterionAgreement, formatCoefficient, markedAlone, marksTable, ratedPoints } from "./results";
 import { StandardPlot } from "./standard_plot";
 
 interface Props {
@@ -67,7 +67,8 @@ export function MarkingResultsView({ marking, results }: Props) {
 }
 
 // "0.82 (0.64 to 0.92)".
-function figureText({ value, low, high }: AgreementFigure): string {
+function figureText(figure: AgreementFigure | undefined): string {
+  const { value, low, high }: AgreementFigure = figure ?? { value: null };
   if (value === null) return "–";
   const form = formatCoefficient;
   return low === undefined || high === undefined
@@ -133,29 +134,44 @@ function Agreement({ results: { agreement } }: { readonly results: MarkingResult
         : criterionTitle({ name: criterion.toLowerCase().replaceAll(" ", "_"), title: criterion });
   // The whole first.
   const whole = (criterion: string) => (criterion === "total" ? 0 : criterion === "rating" ? 1 : 2);
-  const rows = [...agreement].sort((a, b) => whole(a.criterion) - whole(b.criterion));
+  const alone = markedAlone(agreement);
+  const rows = (alone ? agreement.filter(({ computed }) => computed !== undefined) : [...agreement]).sort(
+    (a, b) => whole(a.criterion) - whole(b.criterion),
+  );
   return (
     <Card title={say("marking.agreement")}>
-      <p class="hint">{say("marking.agreement_hint")}</p>
-      <DataTable
-        label={say("marking.agreement")}
-        items={rows}
-        rowKey={({ criterion }) => criterion}
-        columns={[
-          { title: say("marking.criterion"), cell: ({ criterion }) => named(criterion) },
-          { title: say("marking.one_marker"), cell: ({ icc_2_1: icc }) => figureText(icc) },
-          { title: say("marking.mean_of_all"), cell: ({ phi }) => figureText(phi) },
-          {
-            title: say("marking.with_program"),
-            cell: ({ computed }) => (computed === undefined ? "–" : figureText(computed.icc_2_1_with_mean)),
-          },
-        ]}
-      />
-      {rows.some(lacksFigure) && <p class="hint">{say("marking.no_figure")}</p>}
+      {alone && <p>{say("marking.second_marker")}</p>}
+      {rows.length > 0 && (
+        <>
+          <p class="hint">{say("marking.agreement_hint")}</p>
+          <DataTable
+            label={say("marking.agreement")}
+            items={rows}
+            rowKey={({ criterion }) => criterion}
+            columns={[
+              { title: say("marking.criterion"), cell: ({ criterion }) => named(criterion) },
+              ...(alone
+                ? []
+                : [
+                    {
+                      title: say("marking.one_marker"),
+                      cell: ({ icc_2_1: icc }: CriterionAgreement) => figureText(icc),
+                    },
+                    { title: say("marking.mean_of_all"), cell: ({ phi }: CriterionAgreement) => figureText(phi) },
+                  ]),
+              {
+                title: say("marking.with_program"),
+                cell: ({ computed }) => figureText(computed?.icc_2_1_with_mean),
+              },
+            ]}
+          />
+          {rows.some(lacksFigure) && <p class="hint">{say("marking.no_figure")}</p>}
+        </>
+      )}
     </Card>
   );
 }
 
-function lacksFigure({ icc_2_1: icc, phi, computed }: MarkingResults["agreement"][number]): boolean {
+function lacksFigure({ icc_2_1: icc, phi, computed }: CriterionAgreement): boolean {
   return [icc, phi, computed?.icc_2_1_with_mean].some((figure) => figure?.value === null);
 }

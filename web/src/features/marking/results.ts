@@ -21,6 +21,13 @@ export function marksTable(
   return { header: ["work", "criterion", "full_marks", "marker", "mark"], rows };
 }
 
+export type CriterionAgreement = MarkingResults["agreement"][number];
+
+// Nothing was marked by two people: one sentence says so, in place of a table without figures.
+export function markedAlone(agreement: readonly CriterionAgreement[]): boolean {
+  return agreement.every(({ why }) => why !== undefined);
+}
+
 // A rating that a marker gave, and the points of that work: the program's, else the mean of the markers' totals.
 export interface RatedPoints {
   readonly id: string;
