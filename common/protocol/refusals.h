@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/base/password.h"
+#include "common/base/pin.h"
 #include "common/base/result.h"
 
 // Refusals that a person at a chair meets, and why an attempt has no score: schemas/wire/README.md,
@@ -66,6 +67,7 @@ inline constexpr std::array kRefusals = {
     Refusal{Code::kUnavailable, kAwaited},
     // SignOff
     Refusal{Code::kForbidden, "signer"},
+    Refusal{Code::kForbidden, kPinLocked},
     Refusal{Code::kConflict, kSignedAlready},
     Refusal{Code::kConflict, kNotToSign},
     Refusal{Code::kConflict, kStartAgain},

@@ -28,6 +28,8 @@ CREATE TABLE people (
   language             TEXT NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
   -- argon2id, as the verifier: signs exams at a chair; empty: none was chosen.
   pin                  TEXT NOT NULL DEFAULT '',
+  -- Tries of the PIN since the last right one. At 10 it is locked.
+  wrong_pins           INTEGER NOT NULL DEFAULT 0 CHECK (wrong_pins BETWEEN 0 AND 10),
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 ) STRICT, WITHOUT ROWID;

@@ -43,6 +43,15 @@ Status RefusedPin() {
                 "on the page, under their name");
 }
 
+// A right PIN and a wrong one get the same answer.
+Status LockedPin() {
+  return Status(Code::kForbidden,
+                "this PIN is locked after " + std::to_string(PeopleRows::kMostWrongPins) +
+                    " wrong ones: set a new PIN on the page, under your name, where you confirm it "
+                    "with your password",
+                kPinLocked);
+}
+
 Status Ended() {
   return Status(Code::kUnauthenticated, "not signed in, or the session has ended; sign in again");
 }
@@ -224,12 +233,6 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   return AdmittedHere(request, &Authenticator::SignInAdmitted);
 }
 
-Result<std::string> Authenticator::VerifierOf(const Uuid& person, Secret secret) {
-  if (secret == Secret::kPassword) return store_.people.PasswordVerifier(person);
-  ENAMEL_ASSIGN_OR_RETURN(auto pin, store_.people.PinVerifier(person));
-  return pin.empty() ? decoy_verifier_ : pin;
-}
-
 Result<Person> Authenticator::PersonAdmitted(const std::string& login, const SignInRequest& request,
                                              Secret secret) {
   const bool by_pin = secret == Secret::kPin;
@@ -244,16 +247,33 @@ Result<Person> Authenticator::PersonAdmitted(const std::string& login, const Sig
   auto person = store_.people.PersonByLogin(login);
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
   std::string verifier = decoy_verifier_;
+  PeopleRows::PinTry pin;
   if (person.ok()) {
-    ENAMEL_ASSIGN_OR_RETURN(verifier, VerifierOf(person->id, secret));
+    if (by_pin) {
+      ENAMEL_ASSIGN_OR_RETURN(pin, store_.people.TryPin(person->id));
+      if (!pin.locked && !pin.verifier.empty()) verifier = pin.verifier;
+    } else {
+      ENAMEL_ASSIGN_OR_RETURN(verifier, store_.people.PasswordVerifier(person->id));
+    }
   }
   // The same work whether or not the person exists.
   bool matches = Verify(request.password, verifier);
   const bool barred = person.ok() && (person->disabled || (by_pin && person->must_change_password));
   if (!matches || !person.ok() || barred) {
     ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, origin, CountedAt()));
+    if (pin.last) {
+      const std::string chair = request.device.empty() ? "" : " " + request.device;
+      ENAMEL_RETURN_IF_ERROR(
+          store_.people.NotePinLocked(person->id, Actor{Uuid{}, request.via + chair}));
+    }
+    if (pin.locked || pin.last) {
+      return TurnAway(kPinLocked, login, request.address, request.via, LockedPin());
+    }
     const bool disabled = matches && person.ok();
     return TurnAway(disabled ? "disabled" : wrong, login, request.address, request.via, refused);
+  }
+  if (by_pin) {
+    ENAMEL_RETURN_IF_ERROR(store_.people.PinWasRight(person->id));
   }
   ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, origin, CountedAt()));
   return person;

@@ -103,11 +103,14 @@ class Authenticator {
   Result<SignedIn> SignInHere(const SignInRequest& request);
 
   // Whose PIN this is: checked, throttled and answered as a password, with the same counters, and
-  // no session begins. Nobody has one who still has a one-time password. Errors: as of SignIn.
+  // no session begins. Nobody has one who still has a one-time password. Ten wrong PINs in a row
+  // lock a person's PIN, also over a restart, until SetPin: then a right one gets the same answer
+  // as a wrong one. Errors: as of SignIn; kForbidden, field kPinLocked. That answer shows that this
+  // login has a PIN: it takes ten wrong ones to get it, each of them audited.
   boost::asio::awaitable<Result<Person>> CheckPin(SignInRequest request);
   Result<Person> CheckPinHere(const SignInRequest& request);
-  // Chooses one's own PIN, which signs exams at a chair. Hashed on the hashing threads. Errors:
-  // enamel::CheckPin's.
+  // Chooses one's own PIN, which signs exams at a chair, and unlocks it. The caller has asked for
+  // the password (IsConfirmed). Hashed on the hashing threads. Errors: enamel::CheckPin's.
   boost::asio::awaitable<Status> SetPin(Identity identity, std::string pin, std::string address);
 
   // Gives the password of a session once more: it may then do for AuthOptions::confirmed_ms what
@@ -160,8 +163,6 @@ class Authenticator {
   Status TurnAway(const char* why, std::string login, const std::string& address,
                   const std::string& via, Status status);
   enum class Secret : uint8_t { kPassword, kPin };
-  // The verifier of a person's password or PIN; one that nothing fits where there is none.
-  Result<std::string> VerifierOf(const Uuid& person, Secret secret);
   Result<Person> PersonAdmitted(const std::string& login, const SignInRequest& request,
                                 Secret secret);
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);

@@ -14,7 +14,8 @@ namespace enamel::server::auth {
 
 // A refused caller. `why` and `what` are our words, never a peer's.
 struct TurnedAway {
-  std::string why;  // "password", "pin", "disabled", "one-time", "throttled", "busy", "forbidden"
+  std::string
+      why;  // "password", "pin", "pin_locked", "disabled", "one-time", "throttled", "busy", "forbidden"
   std::string address;  // of the peer
   std::string via;      // "page" or "station"
   std::string login;    // as typed; only looked up, never kept

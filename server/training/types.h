@@ -35,6 +35,7 @@ struct Person {
   UnixMs password_ms = 0;             // when it was set
   int32_t revision = 1;               // server/training/revision.h
   std::string language;               // of the page, of kPageLanguages; empty: the browser's
+  bool pin_locked = false;            // PeopleRows::TryPin
 };
 
 // Which people; nothing set: all.

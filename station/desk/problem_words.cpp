@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/base/pin.h"
 #include "common/protocol/refusals.h"
 #include "station/devices/trouble.h"
 #include "station/session/workplace.h"
@@ -21,7 +22,10 @@ constexpr Code kInvalid = Code::kInvalidInput, kConflict = Code::kConflict;
 
 constexpr std::array kSaid = {
     Said{{}, kServerAway, "sign_in.away"},
-    Said{kInvalid, "pin", "pin.weak"},
+    Said{kInvalid, kPinDigits, "pin.weak"},
+    Said{kInvalid, kPinRepeats, "pin.repeats"},
+    Said{kInvalid, kPinRun, "pin.run"},
+    Said{kInvalid, kPinDate, "pin.date"},
     Said{Code::kUnauthenticated, "pin", "pin.wrong"},
     // Exercise and device profile (CompilePlan), with the delay of the device (UseDelayOf).
     Said{kInvalid, "bus_delay_ticks", "problem.slow_device"},

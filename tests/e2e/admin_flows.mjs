@@ -122,7 +122,7 @@ async function choosePin(world) {
   const pin = page.getByLabel("New PIN");
   await pin.fill("111111");
   await page.getByRole("button", { name: "Set PIN" }).click();
-  await page.getByText("not all the same and not in a row").waitFor();
+  await page.getByText("This PIN repeats one digit or two").waitFor();
   await pin.fill("804217");
   await page.getByRole("button", { name: "Set PIN" }).click();
   await page.getByText("Use this PIN from now on.").waitFor();

@@ -399,7 +399,7 @@ type 123456
 key Enter
 type 123456
 key Enter
-see not all the same
+see The digits of this PIN count up or down
 frames 2
 picture PICTURES/19-reserve.png
 click Cancel

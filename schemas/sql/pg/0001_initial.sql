@@ -24,6 +24,7 @@ CREATE TABLE people (
   password_ms          BIGINT NOT NULL DEFAULT 0,
   language             TEXT COLLATE "C" NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
   pin                  TEXT COLLATE "C" NOT NULL DEFAULT '',
+  wrong_pins           BIGINT NOT NULL DEFAULT 0 CHECK (wrong_pins BETWEEN 0 AND 10),
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 );

@@ -27,6 +27,7 @@ json::object SessionJson(const auth::Identity& identity) {
             {"role", RoleName(person.role)}}},
           {"csrf", identity.csrf},
           {"must_change_password", person.must_change_password},
+          {"pin_locked", person.pin_locked},
           {"language", person.language},
           {"confirmed_until_ms", identity.confirmed_until_ms}};
 }

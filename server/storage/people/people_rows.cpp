@@ -101,6 +101,7 @@ Person PersonOf(const Query& q) {
   out.revision = static_cast<int32_t>(q.Int(7));
   out.password_ms = q.Int(8);
   out.language = q.Text(9);
+  out.pin_locked = q.Int(10) >= PeopleRows::kMostWrongPins;
   return out;
 }
 
@@ -217,15 +218,51 @@ Result<std::string> PeopleRows::PasswordVerifier(const Uuid& person) {
   });
 }
 
-Result<std::string> PeopleRows::PinVerifier(const Uuid& person) {
-  return rows_.Read([&](Db& db) {
-    return VerifierIn(db, "SELECT pin FROM people WHERE tenant = ?1 AND id = ?2", person);
+Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
+  PinTry out;
+  Status counted = rows_.Write([&](Db& db) -> Status {
+    out = {};
+    {
+      Query q(db,
+              "UPDATE people SET wrong_pins = wrong_pins + 1 WHERE tenant = ?1 AND id = ?2 AND "
+              "pin <> '' AND wrong_pins < ?3");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(int64_t{kMostWrongPins}).Run());
+    }
+    const bool may = db.Changes() > 0;
+    Query q(db, "SELECT pin, wrong_pins FROM people WHERE tenant = ?1 AND id = ?2");
+    if (!q.Bind(person).Next()) {
+      if (!q.status().ok()) return q.status();
+      return Status(Code::kNotFound, "no person " + person.Text());
+    }
+    out.verifier = q.Text(0);
+    out.locked = !may && !out.verifier.empty();
+    out.last = may && q.Int(1) >= kMostWrongPins;
+    return Status::Ok();
+  });
+  if (!counted.ok()) return counted;
+  return out;
+}
+
+Status PeopleRows::PinWasRight(const Uuid& person) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE people SET wrong_pins = 0 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Run());
+    return MustHaveChanged(db, "person " + person.Text());
+  });
+}
+
+Status PeopleRows::NotePinLocked(const Uuid& person, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const Person now, FindPerson(db, person));
+    // A right PIN that was tried at the same time has unlocked it.
+    if (!now.pin_locked) return Status::Ok();
+    return WriteAudit(db, by, "person.pin_locked", person.Text(), "{}", "{}");
   });
 }
 
 Status PeopleRows::SetPin(const Uuid& person, const std::string& verifier, const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
-    Query q(db, "UPDATE people SET pin = ?3 WHERE tenant = ?1 AND id = ?2");
+    Query q(db, "UPDATE people SET pin = ?3, wrong_pins = 0 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(verifier).Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
     return WriteAudit(db, by, "person.pin", person.Text(), "{}", "{}");

@@ -27,8 +27,22 @@ class PeopleRows {
   Result<Person> PersonById(const Uuid& id);
   Result<Person> PersonByLogin(const std::string& login);
   Result<std::string> PasswordVerifier(const Uuid& person);
-  // Of the PIN that signs exams at a chair; empty: none was chosen.
-  Result<std::string> PinVerifier(const Uuid& person);
+  // A try of the PIN that signs exams at a chair.
+  struct PinTry {
+    std::string verifier;  // empty: none was chosen
+    bool locked = false;   // no PIN is right now
+    bool last = false;     // if it is wrong, the PIN is locked
+  };
+  // After so many wrong PINs in a row the PIN is locked, until SetPin.
+  static constexpr int kMostWrongPins = 10;
+  // Counts the try as a wrong one before it is checked: of tries at the same time, at any of the
+  // servers of a school, no more than kMostWrongPins are checked. Errors: kNotFound.
+  Result<PinTry> TryPin(const Uuid& person);
+  // The try was right: forgets the wrong ones.
+  Status PinWasRight(const Uuid& person);
+  // The last try was wrong: leaves an audit row if the PIN is locked.
+  Status NotePinLocked(const Uuid& person, const Actor& by);
+  // Also unlocks it.
   Status SetPin(const Uuid& person, const std::string& verifier, const Actor& by);
   // Ends the person's sessions. `for_one_use`: it has to be changed before anything else is done.
   Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
@@ -57,7 +71,7 @@ class PeopleRows {
 // Of the table as `p`.
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
-    "p.revision, p.password_ms, p.language";
+    "p.revision, p.password_ms, p.language, p.wrong_pins";
 // A condition: the login or the name has the word (SearchWords) that is bound as `word`, "?4".
 std::string NameHas(const std::string& word);
 Person PersonOf(const Query& q);

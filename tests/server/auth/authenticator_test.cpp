@@ -10,6 +10,7 @@
 #include <semaphore>
 
 #include "common/base/hex.h"
+#include "common/base/pin.h"
 #include "server/auth/token.h"
 #include "tests/server/storage/store_world.h"
 
@@ -243,6 +244,127 @@ TEST_F(AuthenticatorTest, ClockThatJumpsNeitherLocksAnybodyOutNorForgetsGuesses)
   now_ -= 2 * 86'400'000;
   elapsed += 60'000;
   EXPECT_TRUE(authenticator.SignInHere(Request("ada", kPassword)).ok());
+}
+
+// A PIN has 20 bits, and slowing down leaves some 225 tries in a quarter of an hour.
+class PinLockTest : public AuthenticatorTest {
+ protected:
+  static constexpr char kPin[] = "804217", kWrong[] = "804218";
+
+  PinLockTest() { SetPin(kPin); }
+
+  void SetPin(const std::string& pin) {
+    ASSERT_TRUE(store_->people.SetPin(person_, *HashPassword(pin, kCheap), kSystem).ok());
+  }
+  // At a chair each time, and once nothing slows it down any more.
+  Status Try(const std::string& pin) {
+    now_ += 20 * 60 * 1000;
+    SignInRequest request = Request("ada", pin);
+    request.via = kViaStation;
+    request.device = "chair 3";
+    return authenticator_.CheckPinHere(request).status();
+  }
+  void TryWrong(int times) {
+    for (int i = 0; i < times; ++i) {
+      EXPECT_EQ(Try(kWrong).code(), Code::kUnauthenticated) << i;
+    }
+  }
+  size_t Locks() {
+    AuditFilter filter;
+    filter.action = "person.pin_locked";
+    filter.object = person_.Text();
+    const auto rows = *store_->audit.FindAudit(filter);
+    for (const AuditRow& row : rows) EXPECT_EQ(row.via, "station chair 3");
+    return rows.size();
+  }
+};
+
+TEST_F(PinLockTest, TheTenthWrongPinLocksAlsoTheRightOne) {
+  TryWrong(9);
+  EXPECT_EQ(Locks(), 0u);
+  EXPECT_FALSE(store_->people.PersonById(person_)->pin_locked);
+  const Status tenth = Try(kWrong);
+  EXPECT_EQ(tenth.code(), Code::kForbidden);
+  EXPECT_EQ(tenth.field(), kPinLocked);
+  EXPECT_NE(tenth.message().find("set a new PIN on the page"), std::string::npos);
+  EXPECT_TRUE(store_->people.PersonById(person_)->pin_locked);
+  const Status right = Try(kPin), wrong = Try(kWrong);
+  for (const Status& status : {right, wrong}) {
+    EXPECT_EQ(status.code(), tenth.code());
+    EXPECT_EQ(status.field(), tenth.field());
+    EXPECT_EQ(status.message(), tenth.message()) << "nothing says which of them was right";
+  }
+  EXPECT_EQ(Locks(), 1u) << "once";
+  EXPECT_TRUE(authenticator_.SignInHere(Request("ada", kPassword)).ok())
+      << "only the PIN is locked";
+}
+
+TEST_F(PinLockTest, ARightPinForgetsTheWrongOnes) {
+  for (int round = 0; round < 3; ++round) {
+    TryWrong(9);
+    EXPECT_TRUE(Try(kPin).ok()) << round;
+  }
+  EXPECT_EQ(Locks(), 0u);
+}
+
+TEST_F(PinLockTest, ANewPinUnlocksAndTheOldOneStaysWrong) {
+  TryWrong(9);
+  EXPECT_EQ(Try(kWrong).field(), kPinLocked);
+  SetPin("271804");
+  EXPECT_FALSE(store_->people.PersonById(person_)->pin_locked);
+  EXPECT_EQ(Try(kPin).code(), Code::kUnauthenticated);
+  EXPECT_TRUE(Try("271804").ok());
+}
+
+TEST_F(PinLockTest, ALockOutlivesTheServer) {
+  TryWrong(7);
+  authenticator_.refusals().Settle();
+  store_.reset();
+  store_ = OpenStore(folder_.path());
+  Authenticator second{*store_, Options()};
+  const auto try_again = [&](const std::string& pin) {
+    now_ += 20 * 60 * 1000;
+    return second.CheckPinHere(Request("ada", pin)).status();
+  };
+  EXPECT_EQ(try_again(kWrong).code(), Code::kUnauthenticated);
+  EXPECT_EQ(try_again(kWrong).code(), Code::kUnauthenticated);
+  EXPECT_EQ(try_again(kWrong).field(), kPinLocked) << "the tenth, of two servers' lives";
+  EXPECT_EQ(try_again(kPin).field(), kPinLocked);
+  Authenticator third{*store_, Options()};
+  EXPECT_EQ(third.CheckPinHere(Request("ada", kPin)).status().field(), kPinLocked);
+}
+
+// All begin before the first of them is checked.
+TEST_F(PinLockTest, OfTriesAtTheSameTimeNoMoreThanTenAreChecked) {
+  int checked = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto one = store_->people.TryPin(person_);
+    ASSERT_TRUE(one.ok()) << one.status().message();
+    checked += one->locked ? 0 : 1;
+    EXPECT_EQ(one->last, i == 9) << i;
+  }
+  EXPECT_EQ(checked, 10);
+}
+
+TEST_F(PinLockTest, WhoHasNoPinIsNeverLockedAndALockedPinTakesTheSameWork) {
+  AddPerson(*store_, "bo", Role::kInstructor, *HashPassword(kPassword, kCheap));
+  AuthOptions options = Options();
+  int work = 0;
+  options.verify = [&](std::string_view password, const std::string& verifier) {
+    ++work;
+    return VerifyPassword(password, verifier);
+  };
+  Authenticator authenticator(*store_, options);
+  for (const char* login : {"ada", "bo", "nobody"}) {
+    for (int i = 0; i < 12; ++i) {
+      now_ += 20 * 60 * 1000;
+      work = 0;
+      const Status status = authenticator.CheckPinHere(Request(login, kWrong)).status();
+      EXPECT_EQ(work, 1) << login << i;
+      const bool locked = std::string(login) == "ada" && i >= 9;
+      EXPECT_EQ(status.field(), locked ? kPinLocked : "") << login << i;
+    }
+  }
 }
 
 TEST_F(AuthenticatorTest, SignedOutTokenIsRefused) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "common/base/pin.h"
 #include "server/http/etag.h"
 #include "server/http/routes.h"
 #include "tests/server/http/running_server.h"
@@ -75,14 +76,40 @@ TEST_F(SessionTest, InstructorChoosesAPinThatSigns) {
   EXPECT_FALSE(holds("")) << "none yet";
   ASSERT_EQ(choose("804217").status, 204);
   EXPECT_TRUE(holds("804217"));
-  RawResponse refused = choose("123456");
-  EXPECT_EQ(refused.status, 400);
-  EXPECT_EQ(Parsed(refused).at("error").at("field"), "pin");
+  for (const auto& [pin, rule] : {std::pair{"12345", "pin"},
+                                  {"121212", "pin_repeats"},
+                                  {"123456", "pin_run"},
+                                  {"240699", "pin_date"}}) {
+    RawResponse refused = choose(pin);
+    EXPECT_EQ(refused.status, 400) << pin;
+    EXPECT_EQ(Parsed(refused).at("error").at("field"), rule) << pin;
+  }
   EXPECT_TRUE(holds("804217")) << "what was refused changes nothing";
   ASSERT_EQ(choose("271804").status, 204);
   EXPECT_TRUE(holds("271804"));
   EXPECT_FALSE(holds("804217"));
   EXPECT_EQ(SignIn("ada", "271804").status, 401) << "it does not sign in";
+}
+
+TEST_F(SessionTest, LockedPinIsShownAndANewOneUnlocksItWithThePassword) {
+  Visitor ada(server_.port(), "ada");
+  auto choose = [&] {
+    return ada.Send("PUT", "/api/v1/session/pin", kJson + "X-Enamel-Csrf: " + ada.csrf + "\r\n",
+                    R"({"pin":"804217"})");
+  };
+  const auto is_locked = [&] { return Parsed(ada.Get("/api/v1/session")).at("pin_locked"); };
+  auto check = [&] {
+    return school_.authenticator->CheckPinHere({"ada", "804217", "127.0.0.1", auth::kViaStation});
+  };
+  EXPECT_EQ(is_locked(), false);
+  ASSERT_EQ(choose().status, 204);
+  const Uuid id = school_.store->people.PersonByLogin("ada")->id;
+  for (int i = 0; i < 10; ++i) (void)school_.store->people.TryPin(id);
+  EXPECT_EQ(is_locked(), true);
+  EXPECT_EQ(check().status().field(), kPinLocked);
+  ASSERT_EQ(choose().status, 204) << "signed in with the password just now";
+  EXPECT_EQ(is_locked(), false);
+  EXPECT_TRUE(check().ok());
 }
 
 TEST_F(SessionTest, TheLanguageThatSomebodyChoseIsThereAtTheNextSignIn) {

@@ -142,6 +142,17 @@ TEST_F(SignOffTest, WrongPinsSlowDownAsWrongPasswordsDoAndAreAudited) {
   }));
 }
 
+TEST_F(SignOffTest, LockedPinSignsNothingAndTheChairSaysWhatToDo) {
+  Recording recording = Begin();
+  for (int i = 0; i < 10; ++i) (void)world_.store->people.TryPin(world_.instructor);
+  const auto locked = Sign(recording, "start").error();
+  EXPECT_EQ(locked.code(), "forbidden");
+  EXPECT_EQ(locked.field(), "pin_locked");
+  EXPECT_TRUE(SignaturesOf(recording).empty());
+  AddInstructor("colleague", true);
+  EXPECT_EQ(CodeOf(Sign(recording, "start", "colleague")), "ok") << "the exam can go on";
+}
+
 TEST_F(SignOffTest, OnlyStaffOfTheCohortSignAndNeverTheStudent) {
   // The student is in that instructor's cohort too, which the exam was not assigned to.
   const Uuid elsewhere = AddInstructor("elsewhere", false);

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "common/base/pin.h"
 #include "common/protocol/refusals.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/delay.h"
@@ -85,6 +86,12 @@ TEST_F(ProblemTextTest, AnExerciseWhosePartsDoNotFitIsSaid) {
   exercise_ = good;
   exercise_.scene = HashSha256(AsBytes(std::string("another")));
   EXPECT_EQ(ProblemText(kEnglish, Plan()), said) << Plan().field();
+}
+
+TEST_F(ProblemTextTest, EachRuleThatAPinBreaksIsSaid) {
+  for (const char* pin : {"1234", "121212", "123456", "240699"}) ExpectSaid(CheckPin(pin));
+  EXPECT_EQ(ProblemText(kEnglish, CheckPin("240699")),
+            "This PIN is a date, such as a birthday. Choose digits that are no date.");
 }
 
 TEST(RefusalTextTest, EveryReasonOfAServerIsSaidInEveryLanguage) {
