@@ -34,6 +34,7 @@ CREATE TABLE people (
   UNIQUE (tenant, login)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX people_by_role ON people (tenant, role, login);
+CREATE UNIQUE INDEX people_by_name ON people (tenant, search_name, id);
 
 CREATE TABLE cohorts (
   tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
@@ -166,7 +167,8 @@ CREATE TABLE attempts (
 CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
 CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
 CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
-CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
+CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, id) WHERE assignment IS NOT NULL;
+CREATE INDEX attempts_by_score ON attempts (tenant, coalesce(override_score, score, 1000.0), id DESC);
 
 -- Who signed an exam attempt at its station: schemas/wire/README.md, "Sign-off".
 CREATE TABLE sign_offs (
@@ -761,10 +763,11 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('attempt_results', 'attempt_results', '20000 20000 1 1'),
   ('attempt_results', 'attempt_results_by_reference', '6667 6667 84'),
   ('attempts', 'attempts', '20000 20000 1'),
-  ('attempts', 'attempts_by_assignment', '15000 15000 100 5'),
+  ('attempts', 'attempts_by_assignment', '15000 15000 100 1'),
   ('attempts', 'attempts_by_exercise', '20000 20000 250 1'),
   ('attempts', 'attempts_by_person', '20000 20000 5 1'),
   ('attempts', 'attempts_by_reference', '6667 6667 84'),
+  ('attempts', 'attempts_by_score', '20000 20000 20 1'),
   ('audit', 'audit', '60000 60000 1'),
   ('audit', 'audit_by_actor', '60000 60000 12 1'),
   ('audit', 'audit_by_number', '60000 60000 60000 1'),
@@ -810,6 +813,7 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('motions', 'motions_by_preset', '20000 20000 200'),
   ('move_marks', 'move_marks', '1 1 1'),
   ('people', 'people', '5000 5000 1'),
+  ('people', 'people_by_name', '5000 5000 1 1'),
   ('people', 'people_by_role', '5000 5000 1700 1'),
   ('people', 'sqlite_autoindex_people_2', '5000 5000 1'),
   ('person_keys', 'person_keys', '5000 5000 1'),

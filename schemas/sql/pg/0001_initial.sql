@@ -29,6 +29,7 @@ CREATE TABLE people (
   UNIQUE (tenant, login)
 );
 CREATE INDEX people_by_role ON people (tenant, role, login);
+CREATE UNIQUE INDEX people_by_name ON people (tenant, search_name, id);
 
 CREATE TABLE cohorts (
   tenant      BIGINT NOT NULL REFERENCES tenants (tenant),
@@ -164,7 +165,8 @@ CREATE TABLE attempts (
 CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
 CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
 CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
-CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
+CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, id) WHERE assignment IS NOT NULL;
+CREATE INDEX attempts_by_score ON attempts (tenant, coalesce(override_score, score, 1000.0), id DESC);
 
 CREATE TABLE sign_offs (
   tenant    BIGINT NOT NULL,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "server/storage/engine/query.h"
@@ -13,6 +15,7 @@
 namespace enamel::server {
 namespace {
 
+// Each attempt has its exercise. LEFT keeps SQLite's planner from beginning a second page with all exercises.
 constexpr char kAttemptSelect[] =
     "SELECT a.id, a.person, p.display_name, a.station, a.exercise, e.title, e.content, "
     "a.profile_content, "
@@ -25,7 +28,7 @@ constexpr char kAttemptSelect[] =
     "a.score_json, p.login FROM "
     "attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
-    "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
+    "LEFT JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
 AttemptRow AttemptOf(const Query& q) {
   AttemptRow out;
@@ -70,39 +73,200 @@ AttemptRow AttemptOf(const Query& q) {
   return out;
 }
 
-// AttemptRows::Teaches as a condition on an attempt `a`, for one attempt and for lists. `person` is a parameter. An
-// assignment for everybody names no cohort that there is.
-std::string TaughtBy(const std::string& person) {
-  return "CASE WHEN EXISTS (SELECT 1 FROM assignments s JOIN cohorts c ON c.tenant = s.tenant AND "
-         "c.id = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment) "
-         "THEN EXISTS (SELECT 1 FROM assignments s JOIN cohort_members i ON i.tenant = s.tenant "
-         "AND i.cohort = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment AND i.person "
-         "= " +
-         person +
-         ") ELSE EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = "
-         "i.tenant AND m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND "
-         "i.person = " +
-         person + ") END";
+// A condition with a place of a value instead of each %1, another instead of each %2.
+std::string With(std::string condition, const std::vector<std::string>& places) {
+  for (size_t i = 0; i < places.size(); ++i) {
+    const std::string mark = "%" + std::to_string(i + 1);
+    for (size_t at = 0; (at = condition.find(mark, at)) != std::string::npos;) {
+      condition.replace(at, mark.size(), places[i]);
+    }
+  }
+  return condition;
 }
 
-// An order of the list, and the condition for what comes after an attempt whose id is between both.
-struct Ordering {
-  const char *by, *before, *after;
+// AttemptRows::Teaches as a condition on an attempt `a`, for one attempt and for lists. An assignment
+// for everybody names no cohort that there is.
+constexpr char kTaughtBy[] =
+    "CASE WHEN EXISTS (SELECT 1 FROM assignments s JOIN cohorts c ON c.tenant = s.tenant AND "
+    "c.id = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment) "
+    "THEN EXISTS (SELECT 1 FROM assignments s JOIN cohort_members i ON i.tenant = s.tenant "
+    "AND i.cohort = s.cohort WHERE s.tenant = a.tenant AND s.id = a.assignment AND i.person = %1) "
+    "ELSE EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
+    "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = %1) END";
+constexpr char kNotToBeMarkedBy[] =
+    "NOT EXISTS (SELECT 1 FROM marking_works w JOIN markings m ON m.tenant = w.tenant AND m.id = "
+    "w.marking JOIN marking_people b ON b.tenant = m.tenant AND b.marking = m.id WHERE w.tenant = "
+    "a.tenant AND w.attempt = a.id AND m.ended_ms = 0 AND b.removed_ms = 0 AND EXISTS (SELECT 1 "
+    "FROM marking_works o WHERE o.tenant = m.tenant AND o.marking = m.id AND NOT EXISTS (SELECT 1 "
+    "FROM marks k WHERE k.tenant = o.tenant AND k.work = o.id AND k.marker = b.person)) AND "
+    "b.person = %1)";
+// A set of attempts that a list may be of: the ids of its attempts, by %1; the condition that lets the planner begin with
+// the set; and the condition on one attempt after the other.
+struct Set {
+  const char *ids, *found, *tested;
 };
-#define ENAMEL_COUNTING_SCORE(a) "coalesce(" a ".override_score, " a ".score, 1000.0)"
-constexpr Ordering kOrderings[] = {
-    {"a.id DESC", "a.id < ", ""},
-    {"p.search_name, a.id DESC",
-     "EXISTS (SELECT 1 FROM attempts b JOIN people bp ON bp.tenant = b.tenant AND bp.id = b.person "
-     "WHERE b.tenant = a.tenant AND (p.search_name > bp.search_name OR p.search_name = "
-     "bp.search_name AND a.id < b.id) AND b.id = ",
-     ")"},
-    {ENAMEL_COUNTING_SCORE("a") ", a.id DESC",
-     "EXISTS (SELECT 1 FROM attempts b WHERE b.tenant = a.tenant AND "
-     "(" ENAMEL_COUNTING_SCORE("a") " > " ENAMEL_COUNTING_SCORE("b") " OR " ENAMEL_COUNTING_SCORE(
-         "a") " = " ENAMEL_COUNTING_SCORE("b") " AND a.id < b.id) AND b.id = ",
-     ")"}};
+#define ENAMEL_IDS_OF_COHORT                                                                 \
+  "SELECT t.id FROM cohort_members m JOIN attempts t ON t.tenant = m.tenant AND t.person = " \
+  "m.person WHERE m.tenant = ?1 AND m.cohort = %1"
+constexpr char kIdsOfCohort[] = ENAMEL_IDS_OF_COHORT;
+constexpr char kInCohort[] = "a.id IN (" ENAMEL_IDS_OF_COHORT ")";
+#undef ENAMEL_IDS_OF_COHORT
+constexpr char kOfCohort[] =
+    "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.cohort = %1 AND "
+    "m.person = a.person)";
+constexpr char kIdsOfAssignment[] =
+    "SELECT t.id FROM attempts t WHERE t.tenant = ?1 AND t.assignment = %1";
+constexpr char kInAssignment[] = "a.assignment = %1";
+// SQLite looks for no index for this.
+constexpr char kOfAssignment[] = "(a.assignment = %1) = TRUE";
+constexpr char kIdsOfExercise[] =
+    "SELECT t.id FROM attempts t WHERE t.tenant = ?1 AND t.exercise = %1";
+constexpr char kInExercise[] = "a.exercise = %1";
+constexpr char kOfExercise[] = "(a.exercise = %1) = TRUE";
+// All that kTaughtBy may be true of, and more. The students' attempts alone are counted: PostgreSQL would make all of a
+// union before its first rows.
+#define ENAMEL_IDS_OF_TAUGHT                                                                     \
+  "SELECT t.id FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND m.cohort " \
+  "= i.cohort JOIN attempts t ON t.tenant = m.tenant AND t.person = m.person WHERE i.tenant = "  \
+  "?1 AND i.person = %1"
+constexpr char kIdsOfTaught[] = ENAMEL_IDS_OF_TAUGHT;
+constexpr char kInTaught[] =
+    "a.id IN (" ENAMEL_IDS_OF_TAUGHT
+    " UNION ALL SELECT t.id FROM cohort_members i JOIN assignments s ON s.tenant = i.tenant AND "
+    "s.cohort = i.cohort JOIN attempts t ON t.tenant = s.tenant AND t.assignment = s.id WHERE "
+    "i.tenant = ?1 AND i.person = %1)";
+#undef ENAMEL_IDS_OF_TAUGHT
+constexpr Set kCohorts{kIdsOfCohort, kInCohort, kOfCohort},
+    kAssignments{kIdsOfAssignment, kInAssignment, kOfAssignment},
+    kExercises{kIdsOfExercise, kInExercise, kOfExercise},
+    kTaught{kIdsOfTaught, kInTaught, kTaughtBy};
+
+// The orders of a list, each an index's (attempts_by_score, people_by_name), and the condition for what comes after an
+// attempt. Its first comparison says where in the index a page begins, the second what is left out from there.
+#define ENAMEL_COUNTING_SCORE "coalesce(a.override_score, a.score, 1000.0)"
+constexpr char kNewestFirst[] = "a.id DESC";
+constexpr char kAfterId[] = "a.id < %1";
+constexpr char kByName[] = "p.search_name, p.id, a.id DESC";
+constexpr char kAfterName[] = "(p.search_name, p.id) >= (%1, %2) AND (p.id <> %2 OR a.id < %3)";
+constexpr char kByScore[] = ENAMEL_COUNTING_SCORE ", a.id DESC";
+constexpr char kAfterScore[] =
+    ENAMEL_COUNTING_SCORE " >= %1 AND (" ENAMEL_COUNTING_SCORE " > %1 OR a.id < %2)";
+// The same orders as expressions that no index offers: both engines then sort, which suits few attempts.
+constexpr char kSortedByName[] = "p.search_name || '', p.id, a.id DESC";
+constexpr char kSortedByScore[] = ENAMEL_COUNTING_SCORE " + 0.0, a.id DESC";
+constexpr char kPlaceInOrders[] =
+    "SELECT p.search_name, a.person, " ENAMEL_COUNTING_SCORE
+    " FROM attempts a JOIN people p ON p.tenant = a.tenant AND p.id = "
+    "a.person WHERE a.tenant = ?1 AND a.id = ?2";
 #undef ENAMEL_COUNTING_SCORE
+
+// Puts the list's statement together. Values take the places from ?2 on, in the order in which they come.
+class ListSql {
+ public:
+  template <typename... Values>
+  ListSql& And(const std::string& condition, const Values&... values) {
+    sql_ += " AND " + With(condition, {Place(values)...});
+    return *this;
+  }
+  ListSql& OrderBy(const std::string& order, int64_t limit) {
+    sql_ += " ORDER BY " + order + " LIMIT " + Place(limit);
+    return *this;
+  }
+  Result<std::vector<AttemptRow>> Rows(Db& db) const {
+    Query q(db, sql_);
+    for (const Value& value : values_) {
+      std::visit([&](const auto& each) { q.Bind(each); }, value);
+    }
+    std::vector<AttemptRow> out;
+    while (q.Next()) out.push_back(AttemptOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  }
+
+ private:
+  using Value = std::variant<Uuid, int64_t, double, std::string>;
+  std::string Place(Value value) {
+    values_.push_back(std::move(value));
+    return "?" + std::to_string(values_.size() + 1);  // ?1 is the tenant
+  }
+
+  std::string sql_ = kAttemptSelect;
+  std::vector<Value> values_;
+};
+
+// A list continues where the last page ended, whatever came in meanwhile: ids rise with time. False: its last attempt is
+// gone, so nobody knows where.
+Result<bool> Continue(Db& db, const AttemptFilter& filter, ListSql& list) {
+  if (!filter.before) return true;
+  if (filter.order == AttemptFilter::Order::kNewest) {
+    list.And(kAfterId, *filter.before);
+    return true;
+  }
+  Query q(db, kPlaceInOrders);
+  if (!q.Bind(*filter.before).Next()) {
+    if (!q.status().ok()) return q.status();
+    return false;
+  }
+  if (filter.order == AttemptFilter::Order::kName) {
+    list.And(kAfterName, q.Text(0), q.Id(1), *filter.before);
+  } else {
+    list.And(kAfterScore, q.Real(2), *filter.before);
+  }
+  return true;
+}
+
+// A page of a small set is the set, sorted. A page of a large one is what comes first in the order's index, which passes
+// over the attempts that are not of the set: of 20 000, among which the set is spread evenly, some 2000 for 50.
+constexpr int64_t kFew = 500;
+constexpr uint32_t kMostOfPage = 200;
+
+Result<bool> AreFew(Db& db, const char* ids, const Uuid& of) {
+  Query q(db, "SELECT count(*) FROM (" + With(ids, {"?2"}) + " LIMIT ?3) AS counted");
+  if (q.Bind(of).Bind(kFew + 1).Next()) return q.Int(0) <= kFew;
+  return q.status();
+}
+
+// Adds the conditions of the sets. Returns whether one of the sets is small.
+Result<bool> AndSets(Db& db, const AttemptFilter& filter, ListSql& list) {
+  const bool page = filter.limit <= kMostOfPage;
+  bool few = !page || filter.person.has_value();
+  if (filter.person) list.And("a.person = %1", *filter.person);
+  const bool newest = filter.order == AttemptFilter::Order::kNewest;
+  const struct {
+    const Set& set;
+    const std::optional<Uuid>& of;
+  } sets[] = {
+      {kAssignments, filter.assignment}, {kCohorts, filter.cohort}, {kExercises, filter.exercise}};
+  for (const auto& [set, of] : sets) {
+    if (!of) continue;
+    // The newest are the first of an index, or ids that no attempt is read for: a set is old where others are new.
+    bool found = few || newest;
+    if (!found) {
+      ENAMEL_ASSIGN_OR_RETURN(found, AreFew(db, set.ids, *of));
+      few = found;
+    }
+    list.And(found ? set.found : set.tested, *of);
+  }
+  if (!filter.taught_by) return few;
+  if (!few) {
+    ENAMEL_ASSIGN_OR_RETURN(few, AreFew(db, kTaught.ids, *filter.taught_by));
+    if (few) list.And(kTaught.found, *filter.taught_by);
+  }
+  list.And(kTaught.tested, *filter.taught_by);
+  return few;
+}
+
+const char* OrderOf(const AttemptFilter& filter, bool few) {
+  switch (filter.order) {
+    case AttemptFilter::Order::kName:
+      return few ? kSortedByName : kByName;
+    case AttemptFilter::Order::kLowestScore:
+      return few ? kSortedByScore : kByScore;
+    case AttemptFilter::Order::kNewest:
+      break;
+  }
+  return kNewestFirst;
+}
 
 }  // namespace
 
@@ -122,7 +286,7 @@ Result<AttemptRow> AttemptRows::AttemptById(const Uuid& id) {
 Result<bool> AttemptRows::Teaches(const Uuid& person, const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<bool> {
     static const std::string kSql =
-        "SELECT 1 FROM attempts a WHERE a.tenant = ?1 AND a.id = ?2 AND " + TaughtBy("?3");
+        "SELECT 1 FROM attempts a WHERE a.tenant = ?1 AND a.id = ?2 AND " + With(kTaughtBy, {"?3"});
     Query q(db, kSql.c_str());
     const bool found = q.Bind(attempt).Bind(person).Next();
     if (!q.status().ok()) return q.status();
@@ -131,69 +295,21 @@ Result<bool> AttemptRows::Teaches(const Uuid& person, const Uuid& attempt) {
 }
 
 Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filter) {
-  std::string sql = kAttemptSelect;
-  std::vector<Uuid> ids;
-  std::vector<int64_t> numbers;
-  // ?1 is the tenant; all ids are bound before all numbers, so ids must be placed first.
-  auto next = [&] { return "?" + std::to_string(ids.size() + numbers.size() + 1); };
-  auto where = [&](const std::optional<Uuid>& id, const std::string& before,
-                   const std::string& after) {
-    if (!id) return;
-    ids.push_back(*id);
-    sql += " AND " + before + next() + after;
-  };
-  auto number = [&](int64_t value) {
-    numbers.push_back(value);
-    return next();
-  };
-  where(filter.person, "a.person = ", "");
-  // IN and not EXISTS: the planner then begins with the members.
-  where(filter.cohort,
-        "a.person IN (SELECT m.person FROM cohort_members m WHERE m.tenant = ?1 AND m.cohort = ",
-        ")");
-  if (filter.taught_by) {
-    ids.push_back(*filter.taught_by);
-    sql += " AND " + TaughtBy(next());
-  }
-  where(filter.not_to_be_marked_by,
-        "NOT EXISTS (SELECT 1 FROM marking_works w JOIN markings m ON m.tenant = w.tenant AND m.id "
-        "= w.marking JOIN marking_people b ON b.tenant = m.tenant AND b.marking = m.id WHERE "
-        "w.tenant = a.tenant AND w.attempt = a.id AND m.ended_ms = 0 AND b.removed_ms = 0 AND "
-        "EXISTS (SELECT 1 FROM "
-        "marking_works o WHERE o.tenant = m.tenant AND o.marking = m.id AND NOT EXISTS (SELECT 1 "
-        "FROM marks k WHERE k.tenant = o.tenant AND k.work = o.id AND k.marker = b.person)) AND "
-        "b.person = ",
-        ")");
-  where(filter.exercise, "a.exercise = ", "");
-  where(filter.assignment, "a.assignment = ", "");
-  // A list continues where the last page ended, whatever came in meanwhile: ids rise with time.
-  const Ordering& ordering = kOrderings[static_cast<size_t>(filter.order)];
-  where(filter.before, ordering.before, ordering.after);
-  if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
-  if (filter.flags != 0) {
-    std::string bits = number(filter.flags);
-    sql += " AND a.flags & " + bits + " = " + bits;
-  }
-  if (filter.open_appeal) {
-    sql +=
-        " AND a.id IN (SELECT o.attempt FROM appeals o WHERE o.tenant = ?1 AND o.state = 'open')";
-  }
-  const std::vector<std::string> words = SearchWords(filter.name);
-  const size_t first_word = ids.size() + numbers.size() + 2;
-  for (size_t i = 0; i < words.size(); ++i) {
-    sql += " AND " + NameHas("?" + std::to_string(first_word + 1 + i));
-  }
-  sql += std::string(" ORDER BY ") + ordering.by + " LIMIT " +
-         number(std::clamp<uint32_t>(filter.limit, 1, AttemptFilter::kMostAtOnce));
   return rows_.Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
-    Query q(db, sql.c_str());
-    for (const Uuid& id : ids) q.Bind(id);
-    for (int64_t value : numbers) q.Bind(value);
-    for (const std::string& word : words) q.Bind(word);
-    std::vector<AttemptRow> out;
-    while (q.Next()) out.push_back(AttemptOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    ListSql list;
+    ENAMEL_ASSIGN_OR_RETURN(const bool few, AndSets(db, filter, list));
+    if (filter.not_to_be_marked_by) list.And(kNotToBeMarkedBy, *filter.not_to_be_marked_by);
+    if (filter.state) list.And("a.state = %1", static_cast<int64_t>(*filter.state));
+    if (filter.flags != 0) list.And("a.flags & %1 = %1", int64_t{filter.flags});
+    if (filter.open_appeal) {
+      list.And(
+          "a.id IN (SELECT o.attempt FROM appeals o WHERE o.tenant = ?1 AND o.state = 'open')");
+    }
+    for (const std::string& word : SearchWords(filter.name)) list.And(NameHas("%1"), word);
+    ENAMEL_ASSIGN_OR_RETURN(const bool continues, Continue(db, filter, list));
+    if (!continues) return std::vector<AttemptRow>{};
+    const uint32_t limit = std::clamp<uint32_t>(filter.limit, 1, AttemptFilter::kMostAtOnce);
+    return list.OrderBy(OrderOf(filter, few), limit).Rows(db);
   });
 }
 

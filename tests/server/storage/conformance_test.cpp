@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <set>
+#include <tuple>
 
+#include "server/storage/store_engine.h"
+#include "server/training/names.h"
 #include "tests/server/storage/backends.h"
 
 // What every backend of Store must do: people, stations, content, results, references, jobs, audit.
@@ -233,6 +239,123 @@ TEST_P(StoreTest, AttemptsAreFoundByNameAndComeInOrderPageByPage) {
   EXPECT_EQ(scored[0].id, low);
   EXPECT_EQ(scored[1].id, high);
   EXPECT_FALSE(scored[2].score.has_value());
+}
+
+// An index gives the pages of a large set; the store sorts a small set. Both must be parts of the same list.
+TEST_P(StoreTest, PagesInEveryOrderAreTheWholeListSorted) {
+  World world(*store_);
+  using Order = AttemptFilter::Order;
+  std::vector<Uuid> students;
+  for (const char* name : {"Bo", "Ann", "ann", "Ada"}) {
+    students.push_back(AddPerson(*store_, "s" + std::to_string(students.size()), Role::kStudent));
+    ASSERT_TRUE(
+        store_->people.EditPerson(students.back(), {.display_name = name}, 1, kSystem).ok());
+  }
+  const Uuid outside = students.back();
+  const Uuid large = *store_->cohorts.CreateCohort("large", kSystem),
+             small = *store_->cohorts.CreateCohort("small", kSystem);
+  const Uuid of_many = AddPerson(*store_, "many", Role::kInstructor),
+             of_few = AddPerson(*store_, "few", Role::kInstructor);
+  ASSERT_TRUE(
+      store_->cohorts
+          .ChangeMembers(large, {students[0], students[1], students[2], of_many}, {}, kSystem)
+          .ok());
+  ASSERT_TRUE(store_->cohorts.ChangeMembers(small, {outside, of_few}, {}, kSystem).ok());
+  AssignmentRow terms;
+  terms.exercise = world.exercise.name;
+  terms.cohort = large;
+  const Uuid assignment = store_->assignments.AddAssignment(terms, kSystem)->id;
+  const auto add = [&](Db& db, int i) {
+    const bool outsider = i % 11 == 0;
+    Query q(db,
+            "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
+            "ticketed_ms, ticket, assignment, score, override_score) VALUES (?1, ?2, ?3, ?4, ?5, "
+            "?6, 5, 1, ?2, ?7, ?8, ?9)");
+    q.Bind(Uuid::New()).Bind(outsider ? outside : students[static_cast<size_t>(i % 3)]);
+    q.Bind(world.station).Bind(world.exercise.id).Bind(world.profile);
+    q.Bind(outsider || i % 20 == 1 ? std::nullopt : std::optional(assignment));
+    i % 7 == 0 ? q.BindNull(sql::Type::kReal) : q.Bind(0.1 * (i * 37 % 40));
+    i % 13 == 0 ? q.Bind(1.5) : q.BindNull(sql::Type::kReal);
+    return q.Run();
+  };
+  ASSERT_TRUE(store_->engine->rows
+                  .Write([&](Db& db) {
+                    Status added;
+                    for (int i = 0; i < 660 && added.ok(); ++i) added = add(db, i);
+                    return added;
+                  })
+                  .ok());
+  const auto all = *store_->attempts.Attempts({.limit = AttemptFilter::kMostAtOnce});
+  ASSERT_EQ(all.size(), 660u);
+  const auto score = [](const AttemptRow& row) {
+    return row.overridden ? row.overridden->score : row.score.value_or(1000);
+  };
+  const auto before = [&](Order order, const AttemptRow& a, const AttemptRow& b) {
+    if (order == Order::kName) {
+      return std::tuple(SearchName(a.person_name), a.person, b.id) <
+             std::tuple(SearchName(b.person_name), b.person, a.id);
+    }
+    if (order == Order::kLowestScore) {
+      return std::tuple(score(a), b.id) < std::tuple(score(b), a.id);
+    }
+    return b.id < a.id;
+  };
+  const auto is_outside = [&](const AttemptRow& row) { return row.person == outside; };
+  const struct {
+    const char* what;
+    AttemptFilter filter;
+    std::function<bool(const AttemptRow&)> has;
+  } lists[] = {
+      {"all", {}, [](const AttemptRow&) { return true; }},
+      {"a student's",
+       {.person = students[1]},
+       [&](const auto& a) { return a.person == students[1]; }},
+      {"a large cohort's", {.cohort = large}, [&](const auto& a) { return !is_outside(a); }},
+      {"a small cohort's", {.cohort = small}, is_outside},
+      {"taught by one of many",
+       {.taught_by = of_many},
+       [&](const auto& a) { return !is_outside(a); }},
+      {"taught by one of few", {.taught_by = of_few}, is_outside},
+      {"an assignment's",
+       {.assignment = assignment},
+       [&](const auto& a) { return a.assignment == assignment; }},
+      {"an exercise's", {.exercise = world.exercise.id}, [](const AttemptRow&) { return true; }},
+      {"a small cohort's of an exercise",
+       {.cohort = small, .exercise = world.exercise.id},
+       is_outside},
+      {"taught by one of few, of a large assignment",
+       {.taught_by = of_few, .assignment = assignment},
+       [](const AttemptRow&) { return false; }},
+  };
+  for (const auto& [what, filter, has] : lists) {
+    for (const Order order : {Order::kNewest, Order::kName, Order::kLowestScore}) {
+      std::vector<AttemptRow> expected;
+      std::ranges::copy_if(all, std::back_inserter(expected), has);
+      std::ranges::sort(expected,
+                        [&](const auto& a, const auto& b) { return before(order, a, b); });
+      AttemptFilter page = filter;
+      page.order = order;
+      page.limit = 90;
+      std::vector<Uuid> found;
+      for (size_t pages = 0; pages < 10; ++pages) {
+        const auto rows = store_->attempts.Attempts(page);
+        ASSERT_TRUE(rows.ok()) << rows.status().message();
+        for (const AttemptRow& row : *rows) found.push_back(row.id);
+        if (rows->size() < page.limit) break;
+        page.before = rows->back().id;
+      }
+      std::vector<Uuid> ids;
+      for (const AttemptRow& row : expected) ids.push_back(row.id);
+      EXPECT_EQ(found, ids) << what << ", order " << static_cast<int>(order);
+    }
+  }
+  // Nobody decided anything about these, as verification would find.
+  ASSERT_TRUE(
+      store_->engine->rows
+          .Write([](Db& db) {
+            return Query(db, "DELETE FROM attempts WHERE tenant = ?1 AND ticketed_ms = 1").Run();
+          })
+          .ok());
 }
 
 TEST_P(StoreTest, OnlyAScoredAttemptIsReleased) {

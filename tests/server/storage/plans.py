@@ -17,8 +17,10 @@ kMostRows = 1000
 kEverything = "reads everything: "
 # File in server/storage, a part of the statement, why it visits more.
 kExceptions = [
+    ("attempts/attempt_rows.cpp", "FROM attempts a JOIN people p", "its caller adds an id, or what kSets and kLargeSets say"),
     ("attempts/job_rows.cpp", "FROM jobs j WHERE tenant = ?1", "its caller adds the state or the attempt"),
     ("attempts/job_rows.cpp", "CASE j.state WHEN 'running'", "newest first, up to a page's limit"),
+    ("attempts/remark_rows.cpp", "FROM annotations n LEFT JOIN people", "its caller adds the attempt or the id"),
     ("audit/audit_rows.cpp", "FROM audit WHERE tenant = ?1", "newest first, up to a page's limit"),
     ("audit/audit_trail.cpp", "ORDER BY number DESC LIMIT 1", "the last row of an index"),
     ("audit/decisions.cpp", "", kEverything + "verify compares all rows with the trail"),
@@ -43,22 +45,34 @@ kExceptions = [
 ]
 # Put together at run time from more than the file's own constants, or no statement of SQLite's: how many a file has.
 kNotRead = {
-    "attempts/attempt_rows.cpp": 1, "attempts/remark_rows.cpp": 1, "audit/decisions.cpp": 1, "blobs/named_blobs.cpp": 1,
+    "attempts/attempt_rows.cpp": 2, "audit/decisions.cpp": 1, "blobs/named_blobs.cpp": 1,
     "engine/database_look.cpp": 1, "engine/pg_database.cpp": 1, "engine/rewrite.cpp": 1,
-    "judging/reference_rows.cpp": 1, "judging/timeline_rows.cpp": 1, "people/session_rows.cpp": 1,
+    "judging/timeline_rows.cpp": 1, "people/session_rows.cpp": 1,
     "people/sign_in_rows.cpp": 2, "recordings/ingest_rows.cpp": 4, "recordings/sealed_rows.cpp": 1, "verify/verify_attempts.cpp": 1,
     "recordings/trace_rows.cpp": 1, "school/school_tables.cpp": 3, "teaching/assignment_rows.cpp": 1,
     "upkeep/erasures.cpp": 1, "upkeep/retention_rows.cpp": 1,
 }
-# What AttemptRows::Attempts adds for the lists that must not read the school.
-kAttemptLists = {
-    "a student's": "AND a.person = ?2",
-    "an exercise's": "AND a.exercise = ?2",
-    "an assignment's": "AND a.assignment = ?2",
-    "a student's under an assignment": "AND a.person = ?2 AND a.assignment = ?3",
-    "a cohort's": "AND a.person IN (SELECT m.person FROM cohort_members m WHERE m.tenant = ?1 AND m.cohort = ?2)",
+# What AttemptRows::Attempts puts together, from constants of its source: what a list is of, and its order. Of few attempts
+# all, sorted; the newest without sorting.
+kSets = {
+    "a student's": ["a.person = %1"],
+    "a student's under an assignment": ["a.person = %1", "kInAssignment"],
+    "an assignment's": ["kInAssignment"], "a cohort's": ["kInCohort"], "an exercise's": ["kInExercise"],
+    "an instructor's": ["kInTaught", "kTaughtBy", "kNotToBeMarkedBy"],
     "with an open appeal":
-        "AND a.id IN (SELECT o.attempt FROM appeals o WHERE o.tenant = ?1 AND o.state = 'open')",
+        ["a.id IN (SELECT o.attempt FROM appeals o WHERE o.tenant = ?1 AND o.state = 'open')"],
+}
+kSortedOrders = ["kNewestFirst", "kSortedByName", "kSortedByScore"]
+# Of many: through the index of the order, without sorting, up to a page's limit.
+kLargeSets = {
+    "everybody's": ["kNotToBeMarkedBy"], "a large assignment's": ["kOfAssignment", "kTaughtBy"],
+    "a large cohort's": ["kOfCohort", "kTaughtBy"], "an instructor's of many": ["kTaughtBy", "kNotToBeMarkedBy"],
+    "a large exercise's": ["kOfExercise", "kTaughtBy"],
+}
+kWalkedOrders = {
+    ("kNewestFirst", "kAfterId"): "SEARCH a USING PRIMARY KEY (tenant=?",
+    ("kByName", "kAfterName"): "SEARCH p USING INDEX people_by_name (tenant=?",
+    ("kByScore", "kAfterScore"): "SEARCH a USING INDEX attempts_by_score (tenant=?",
 }
 
 kLiteral = r'"((?:[^"\\]|\\.)*)"'
@@ -88,11 +102,17 @@ class Planner:
         named = [t for t in re.findall(r"(\w+) (?:AS )?" + alias + r"\b", sql) if t in self.sizes]
         return max(named, key=self.sizes.get, default=None)
 
-    def finding(self, sql):
-        """Steps of the plan, as SQLite words them (https://www.sqlite.org/eqp.html), that visit too many rows."""
-        out = []
+    def steps(self, sql):
+        """The plan, as SQLite words it (https://www.sqlite.org/eqp.html)."""
         places = max((int(n) for n in re.findall(r"\?(\d+)", sql)), default=0)
-        for *_, step in self.db.execute("EXPLAIN QUERY PLAN " + sql, [None] * places):
+        return [step for *_, step in self.db.execute("EXPLAIN QUERY PLAN " + sql, [None] * places)]
+
+    def finding(self, sql, walked=None):
+        """Steps that visit too many rows, except `walked`, which gives rows in order until there are enough."""
+        out = []
+        for step in self.steps(sql):
+            if walked and step.startswith(walked):
+                continue
             loop = re.fullmatch(
                 r"(SCAN|SEARCH|BLOOM FILTER ON) (\w+)(?: USING (AUTOMATIC )?.*?(?:INDEX (\w+)|PRIMARY KEY|INDEX))?"
                 r"(?: ?\((.*)\))?", step)
@@ -113,9 +133,37 @@ def constants(text):
     out = {}
     for name, value in re.findall(r"#define (ENAMEL_\w+)((?:[^\n\\]|\\\n|\\.)*)", text):
         out[name] = "".join(re.findall(kLiteral, value))
-    for name, value in re.findall(r'constexpr char (k\w+)\[\] =\s*((?:"(?:[^"\\]|\\.)*"\s*)+)', text):
-        out[name] = "".join(re.findall(kLiteral, value))
+    for name, value in re.findall(r'constexpr char (k\w+)\[\] =\s*((?:"(?:[^"\\]|\\.)*"\s*|ENAMEL_\w+\s*)+);', text):
+        parts = re.finditer(kLiteral + r"|(ENAMEL_\w+)", value)
+        out[name] = "".join(out.get(part[2], "") if part[2] else part[1] for part in parts)
     return out
+
+
+def placed(text):
+    """With parameters for %1, %2 and %3, which stand for values until a statement is put together."""
+    return re.sub(r"%(\d)", lambda found: f"?{int(found[1]) + 1}", text)
+
+
+def attempt_lists(planner, known):
+    """What is wrong with the plans of AttemptRows::Attempts."""
+    def listed(conditions, order):
+        parts = [known["kAttemptSelect"]] + [known.get(each, each) for each in conditions]
+        return placed(" AND ".join(parts) + f" ORDER BY {known[order]} LIMIT 50")
+
+    for what, conditions in kSets.items():
+        for order in kSortedOrders:
+            sql = listed(conditions, order)
+            sorts = [each for each in planner.steps(sql) if order == "kNewestFirst" and each.endswith("ORDER BY")]
+            yield from (f"attempts, {what}, {order}: {each}" for each in planner.finding(sql) + sorts)
+    for what, conditions in kLargeSets.items():
+        for (order, after), walked in kWalkedOrders.items():
+            for page in [conditions, conditions + [after]]:
+                sql = listed(page, order)
+                steps = planner.steps(sql)
+                problems = planner.finding(sql, walked) + [each for each in steps if each.endswith("ORDER BY")]
+                if not steps[0].startswith(walked):
+                    problems.append(f"begins with {steps[0]}, not with {walked}")
+                yield from (f"attempts, {what}, {order}: {each}" for each in problems)
 
 
 def statements(text, known):
@@ -123,7 +171,7 @@ def statements(text, known):
     for start in re.finditer(r'"(?:SELECT|INSERT|UPDATE|DELETE|WITH) ', text):
         at, sql = start.start(), ""
         while True:
-            at += re.match(r"[\s+]*", text[at:]).end()
+            at += re.match(r"[\s+\\]*", text[at:]).end()
             if part := re.match(kLiteral, text[at:]):
                 sql += part[1].replace('\\"', '"')
             elif part := re.match(r"(?:std::string\()?Sql\((?:[^()]|\([^()]*\))*\)\)?", text[at:]):
@@ -148,15 +196,15 @@ def main(source):
     for path in glob.glob(root + "**/*.h", recursive=True):
         with open(path, encoding="utf-8") as file:
             headers.update(constants(file.read()))
-    needed, planned, select = set(), 0, None
+    needed, planned, of_attempts = set(), 0, {}
     for path in sorted(glob.glob(root + "**/*.cpp", recursive=True)):
         name = path[len(root):]
         with open(path, encoding="utf-8") as file:
             text = file.read()
         known = headers | constants(text)
-        select = known.get("kAttemptSelect", select)
+        of_attempts = known if "kAttemptSelect" in known else of_attempts
         not_read = 0
-        for sql in statements(text, known):
+        for sql in map(placed, statements(text, known)):
             try:
                 finding = planner.finding(sql)
             except sqlite3.Error:
@@ -172,9 +220,7 @@ def main(source):
             needed.add(reason)
         if not_read != kNotRead.get(name, 0):
             problems.append(f"{name}: expected {kNotRead.get(name, 0)} statements that cannot be read here, found {not_read}")
-    for what, condition in kAttemptLists.items():
-        sql = f"{select} {condition} ORDER BY a.id DESC LIMIT 50"
-        problems += [f"attempts, {what}: {each}" for each in planner.finding(sql)]
+    problems += attempt_lists(planner, of_attempts)
     problems += [f"nothing needs the exception {kExceptions[i]}" for i in range(len(kExceptions)) if i not in needed]
     for problem in problems:
         print(problem)
