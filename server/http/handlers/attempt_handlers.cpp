@@ -202,6 +202,7 @@ Response ListAttempts(const Call& call, Store& store) {
   AttemptView view(store, call.caller->person);
   json::array attempts;
   for (const AttemptRow& row : *rows) {
+    if (filter->taught_by) view.IsTaught(row);
     Result<json::object> attempt = view.Json(row);
     if (!attempt.ok()) return ErrorResponse(attempt.status());
     attempts.push_back(std::move(*attempt));

@@ -91,7 +91,13 @@ Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
   return profiles_.emplace(content, std::move(names)).first->second;
 }
 
+void AttemptView::IsTaught(const AttemptRow& row) {
+  teaches_.emplace(std::pair(row.person, row.assignment), true);
+}
+
 Result<bool> AttemptView::Teaches(const AttemptRow& row) {
+  // Nobody else's rights depend on it (server/training/access.h).
+  if (viewer_.role != Role::kInstructor) return false;
   const auto key = std::pair(row.person, row.assignment);
   auto known = teaches_.find(key);
   if (known == teaches_.end()) {

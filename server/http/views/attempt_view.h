@@ -25,6 +25,8 @@ class AttemptView {
   // Requires: the viewer may see the attempt (CanSeeAttempt). Errors: the store's.
   Result<boost::json::object> Json(const AttemptRow& row);
   Result<boost::json::object> DetailJson(const AttemptRow& row);
+  // The store found it among what the viewer teaches (AttemptFilter::taught_by), and need not be asked again.
+  void IsTaught(const AttemptRow& row);
 
  private:
   struct Exercise {
