@@ -41,15 +41,6 @@ Result<json::object> CohortJson(CohortRows& cohorts, const Cohort& cohort) {
   return out;
 }
 
-// A school has hundreds of cohorts, of some 30 members each: a list counts the students.
-Result<json::object> ListedJson(CohortRows& cohorts, const Cohort& cohort) {
-  ENAMEL_ASSIGN_OR_RETURN(const CohortSize size, cohorts.SizeOf(cohort.id));
-  json::object out = SummaryJson(cohort);
-  out["students"] = size.students;
-  out["instructors"] = json::value_from(size.instructors);
-  return out;
-}
-
 Response CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 200) {
   Result<json::object> out = CohortJson(cohorts, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
@@ -84,11 +75,17 @@ Response ListCohorts(const Call& call, CohortRows& cohorts_rows) {
     return (cohort.archived_ms != 0) != archived->value_or(false);
   });
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
+  // A school has hundreds of cohorts, of some 30 members each: a list counts the students.
+  std::vector<Uuid> ids;
+  for (const Cohort& row : *rows) ids.push_back(row.id);
+  const auto sizes = cohorts_rows.SizesOf(ids);
+  if (!sizes.ok()) return ErrorResponse(sizes.status());
   json::array cohorts;
-  for (const Cohort& row : *rows) {
-    Result<json::object> cohort = ListedJson(cohorts_rows, row);
-    if (!cohort.ok()) return ErrorResponse(cohort.status());
-    cohorts.push_back(std::move(*cohort));
+  for (size_t i = 0; i < rows->size(); ++i) {
+    json::object cohort = SummaryJson((*rows)[i]);
+    cohort["students"] = (*sizes)[i].students;
+    cohort["instructors"] = json::value_from((*sizes)[i].instructors);
+    cohorts.push_back(std::move(cohort));
   }
   return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
 }

@@ -1,5 +1,6 @@
 #include "server/storage/people/cohort_rows.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -164,21 +165,30 @@ Result<std::vector<Cohort>> CohortRows::Cohorts() {
   });
 }
 
-Result<CohortSize> CohortRows::SizeOf(const Uuid& cohort) {
-  return rows_.Read([&](Db& db) -> Result<CohortSize> {
-    CohortSize out;
-    Query q(db, "SELECT p.role, CASE WHEN p.role = " + Sql(Role::kInstructor) +
-                    " THEN p.display_name ELSE '' END AS name, count(*) FROM cohort_members m JOIN "
-                    "people p ON p.tenant = m.tenant AND p.id = m.person WHERE m.tenant = ?1 AND "
-                    "m.cohort = ?2 GROUP BY 1, 2 ORDER BY 2");
-    for (q.Bind(cohort); q.Next();) {
-      const auto role = static_cast<Role>(q.Int(0));
-      const auto count = static_cast<uint32_t>(q.Int(2));
-      if (role == Role::kStudent) out.students = count;
-      if (role == Role::kInstructor)
-        out.instructors.insert(out.instructors.end(), count, q.Text(1));
+Result<std::vector<CohortSize>> CohortRows::SizesOf(const std::vector<Uuid>& cohorts) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<CohortSize>> {
+    std::map<Uuid, uint32_t> staff;
+    std::map<Uuid, std::vector<std::string>> instructors;
+    // CROSS keeps SQLite from beginning with the members, of whom most are students.
+    Query q(db,
+            "SELECT m.cohort, p.role, p.display_name FROM people p CROSS JOIN cohort_members m "
+            "WHERE p.tenant = ?1 AND p.role IN (" +
+                Sql(Role::kInstructor) + ", " + Sql(Role::kAdmin) +
+                ") AND m.tenant = p.tenant AND m.person = p.id ORDER BY p.display_name");
+    while (q.Next()) {
+      ++staff[q.Id(0)];
+      if (q.Int(1) == static_cast<int64_t>(Role::kInstructor)) {
+        instructors[q.Id(0)].push_back(q.Text(2));
+      }
     }
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    std::vector<CohortSize> out;
+    for (const Uuid& cohort : cohorts) {
+      Query members(db, "SELECT count(*) FROM cohort_members WHERE tenant = ?1 AND cohort = ?2");
+      members.Bind(cohort).Next();
+      ENAMEL_RETURN_IF_ERROR(members.status());
+      out.push_back({static_cast<uint32_t>(members.Int(0)) - staff[cohort], instructors[cohort]});
+    }
     return out;
   });
 }

@@ -36,7 +36,8 @@ class CohortRows {
   Result<std::vector<Cohort>> CohortsOf(const Uuid& person);  // as student or instructor
   Result<std::vector<Cohort>> Cohorts();
   Result<std::vector<Person>> CohortMembers(const Uuid& cohort);
-  Result<CohortSize> SizeOf(const Uuid& cohort);
+  // In the order asked for. Reads who teaches once, and counts students without reading them.
+  Result<std::vector<CohortSize>> SizesOf(const std::vector<Uuid>& cohorts);
 
  private:
   Transactions& rows_;

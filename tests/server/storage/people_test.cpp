@@ -215,6 +215,30 @@ TEST_P(PeopleStoreTest, CohortIsRenamedArchivedAndOpenedAgain) {
   EXPECT_EQ(store_->cohorts.EditCohort(id, {.archived = false}, 2, kSystem)->archived_ms, 0);
 }
 
+TEST_P(PeopleStoreTest, CohortsAreCountedInTheOrderAskedForAndWhoTeachesIsNoStudent) {
+  const Uuid full = *store_->cohorts.CreateCohort("full", kSystem),
+             empty = *store_->cohorts.CreateCohort("empty", kSystem),
+             other = *store_->cohorts.CreateCohort("other", kSystem);
+  const auto member = [&](const char* login, Role role, const std::vector<Uuid>& cohorts) {
+    const Uuid id = AddPerson(*store_, login, role);
+    for (const Uuid& in : cohorts) ASSERT_TRUE(store_->cohorts.AddToCohort(in, id, kSystem).ok());
+  };
+  member("sam", Role::kStudent, {full, other});
+  member("sue", Role::kStudent, {full});
+  member("ben", Role::kInstructor, {full});
+  member("ada", Role::kInstructor, {full, other});
+  member("root", Role::kAdmin, {full});
+  const auto sizes = store_->cohorts.SizesOf({other, empty, full});
+  ASSERT_TRUE(sizes.ok()) << sizes.status().message();
+  ASSERT_EQ(sizes->size(), 3u);
+  EXPECT_EQ((*sizes)[0].students, 1u);
+  EXPECT_EQ((*sizes)[0].instructors, std::vector<std::string>{"Name of ada"});
+  EXPECT_EQ((*sizes)[1].students, 0u);
+  EXPECT_TRUE((*sizes)[1].instructors.empty());
+  EXPECT_EQ((*sizes)[2].students, 2u);
+  EXPECT_EQ((*sizes)[2].instructors, (std::vector<std::string>{"Name of ada", "Name of ben"}));
+}
+
 TEST_P(PeopleStoreTest, ArchivedCohortIsGivenNothingToDo) {
   World world(*store_);
   Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
