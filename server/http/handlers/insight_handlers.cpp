@@ -221,11 +221,11 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
   ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store.cohorts, row, asked));
   GradeView view(store, call.caller->person);
   ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {.cohort = asked}));
+  std::vector<Uuid> attempts;
   for (const auto& [person, work] : made) {
-    for (const AttemptRow& attempt : work.attempts) {
-      ENAMEL_RETURN_IF_ERROR(ScoreMustNotBeHidden(call, store, attempt.id));
-    }
+    for (const AttemptRow& attempt : work.attempts) attempts.push_back(attempt.id);
   }
+  ENAMEL_RETURN_IF_ERROR(ScoresMustNotBeHidden(call, store, attempts));
   std::vector<StudentWork> class_work;
   std::vector<std::optional<Uuid>> looked_at;
   uint32_t unread = 0;

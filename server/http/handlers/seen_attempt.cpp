@@ -65,10 +65,12 @@ Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& atte
   return false;
 }
 
-Status ScoreMustNotBeHidden(const Call& call, Store& store, const Uuid& attempt) {
+Status ScoresMustNotBeHidden(const Call& call, Store& store, std::span<const Uuid> attempts) {
   if (call.caller->person.role == Role::kStudent) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(call.caller->person.id));
-  if (!hidden.contains(attempt)) return Status::Ok();
+  if (std::ranges::none_of(attempts, [&](const Uuid& id) { return hidden.contains(id); })) {
+    return Status::Ok();
+  }
   return {Code::kForbidden,
           "you mark this attempt blind: its score shows once every marker is done"};
 }

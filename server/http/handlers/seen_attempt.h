@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "common/base/result.h"
 #include "server/http/caller.h"
 #include "server/http/routes.h"
@@ -24,8 +26,11 @@ void NarrowToTaught(const Call& call, AttemptFilter& filter);
 // The rest of that attempt stays hidden. Looks at the caller's newest 200 scored attempts. Errors: the store's.
 Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& attempt);
 
-// Of an attempt that the caller marks blind, until all of its markers are done: kForbidden.
-Status ScoreMustNotBeHidden(const Call& call, Store& store, const Uuid& attempt);
+// kForbidden while the caller marks one of the attempts blind: until all of its markers are done.
+Status ScoresMustNotBeHidden(const Call& call, Store& store, std::span<const Uuid> attempts);
+inline Status ScoreMustNotBeHidden(const Call& call, Store& store, const Uuid& attempt) {
+  return ScoresMustNotBeHidden(call, store, {&attempt, 1});
+}
 
 // kConflict, with its state.
 Status RequireScored(const AttemptRow& row);
