@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "server/live/station_board.h"
+#include "server/storage/store_engine.h"
 #include "tests/server/http/running_server.h"
 #include "tests/support/becomes.h"
 
@@ -70,6 +71,32 @@ TEST_F(HealthTest, AttemptOfWhichNothingComesIsLateUntilItIsGivenUp) {
   EXPECT_EQ(recordings.at("open"), 2) << "what was silent for a day is counted no more";
   ASSERT_EQ(recordings.at("late").as_array().size(), 1u);
   EXPECT_EQ(recordings.at("late").at(0).at("attempt_id").as_string(), silent.Text().c_str());
+}
+
+// Data that one party sends, or a wrong statement of the program, must not count as a fault of the database.
+TEST_F(HealthTest, OnlyAFaultOfTheStoreItselfIsTheDatabasesProblem) {
+  const auto write = [&](const char* sql) {
+    return school_.store->engine->rows.Write([&](Db& db) { return Query(db, sql).Run(); }).code();
+  };
+  const auto problem = [&] {
+    const json::value ingest = Health().at("ingest");
+    const std::string words(ingest.at("problem").as_string());
+    EXPECT_EQ(ingest.at("takes_recordings"), words.empty());
+    return words;
+  };
+  ASSERT_EQ(write("INSERT INTO tenants (tenant, name) VALUES (?1 + 1, hex(zeroblob(2000000000)))"),
+            Code::kInvalidInput);
+  EXPECT_EQ(problem(), "") << "refused data";
+  ASSERT_EQ(write("INSERT INTO nowhere VALUES (?1)"), Code::kInternal);
+  EXPECT_EQ(problem(), "") << "a fault of the program";
+  school_.before_write = [] { return true; };
+  ASSERT_EQ(write("UPDATE tenants SET name = name WHERE tenant = ?1"), Code::kStorage);
+  EXPECT_NE(problem().find("could not be written to the database; the server's log says why"),
+            std::string::npos);
+  EXPECT_EQ(root_.Get("/readyz").status, 503);
+  school_.before_write = {};
+  ASSERT_EQ(write("UPDATE tenants SET name = name WHERE tenant = ?1"), Code::kOk);
+  EXPECT_EQ(problem(), "");
 }
 
 TEST_F(HealthTest, LastBackupAndRulesAreTold) {
