@@ -1,18 +1,23 @@
 #include "server/doctor/doctor.h"
 
 #include <gtest/gtest.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <thread>
 
 #include "common/net/web_question.h"
 #include "server/app/data_folder.h"
+#include "server/storage/engine/database.h"
 #include "tests/support/temp_folder.h"
 
 // Each thing that is wrong is found, with what to do.
@@ -66,6 +71,27 @@ TEST(WebQuestionTest, WhoDoesNotAnswerIsLeftAfterTheTime) {
   const Status left = net::Ask(question).status();
   EXPECT_EQ(left.code(), Code::kUnavailable);
   EXPECT_NE(left.message().find("waiting for the answer"), std::string::npos) << left.message();
+}
+
+constexpr long kDay = 24 * 3600;
+
+// Writes the certificate again as `to`, signed by the key beside it: valid from two days ago, for so many seconds from
+// now.
+bool ValidFor(const std::filesystem::path& certificate, const std::filesystem::path& to,
+              long seconds) {
+  const auto opened = [](const std::filesystem::path& file, const char* how) {
+    return std::unique_ptr<FILE, int (*)(FILE*)>(std::fopen(file.c_str(), how), std::fclose);
+  };
+  std::filesystem::path key_file = certificate;
+  key_file.replace_extension(".key");
+  const std::unique_ptr<X509, decltype(&X509_free)> made(
+      PEM_read_X509(opened(certificate, "r").get(), nullptr, nullptr, nullptr), X509_free);
+  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(
+      PEM_read_PrivateKey(opened(key_file, "r").get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
+  return made && key && X509_gmtime_adj(X509_getm_notBefore(made.get()), -2 * kDay) != nullptr &&
+         X509_gmtime_adj(X509_getm_notAfter(made.get()), seconds) != nullptr &&
+         X509_sign(made.get(), key.get(), EVP_sha256()) > 0 &&
+         PEM_write_X509(opened(to, "w").get(), made.get()) == 1;
 }
 
 class DoctorTest : public ::testing::Test {
@@ -148,6 +174,46 @@ TEST_F(DoctorTest, ACertificateIsToldAMonthBeforeItEnds) {
   EXPECT_EQ(examined::Dates("x", now + 31 * day, "renew").verdict, Verdict::kOk);
   EXPECT_EQ(examined::Dates("x", now + 29 * day, "renew").verdict, Verdict::kWarn);
   EXPECT_EQ(examined::Dates("x", now - day, "renew").verdict, Verdict::kFail);
+}
+
+TEST_F(DoctorTest, ACertificateNearItsEndIsAWarningAndAnExpiredOneFails) {
+  const std::string station = serve_.data / "station.crt", page = serve_.data / "page.crt";
+  serve_.http_certificate = page;
+  serve_.http_key = serve_.data / "station.key";
+  ASSERT_TRUE(ValidFor(station, page, 40 * kDay));
+  EXPECT_EQ(Of("page's TLS").verdict, Verdict::kOk);
+  ASSERT_TRUE(ValidFor(station, page, 7 * kDay));
+  EXPECT_EQ(Of("page's TLS").verdict, Verdict::kWarn);
+  EXPECT_EQ(Of("page's TLS").found.find("valid until "), 0u) << Of("page's TLS").found;
+  EXPECT_NE(Of("page's TLS").advice.find("renew it"), std::string::npos);
+  ASSERT_TRUE(ValidFor(station, page, -kDay));
+  EXPECT_EQ(Of("page's TLS").verdict, Verdict::kFail);
+  EXPECT_EQ(Of("page's TLS").found.find("expired: it was valid until "), 0u);
+  EXPECT_EQ(Of("stations' link").verdict, Verdict::kOk);
+  ASSERT_TRUE(ValidFor(station, station, -kDay));
+  EXPECT_EQ(Of("stations' link").verdict, Verdict::kFail);
+  EXPECT_NE(Of("stations' link").advice.find("enrol every station again"), std::string::npos);
+}
+
+TEST_F(DoctorTest, ABackupDatedInTheFutureIsAWarningAndOneOfTodayIsNot) {
+  const auto note = [&] {
+    const auto store = OpenForCommand(serve_.data).value();
+    return store->audit.NoteAudit({{}, "test"}, "store.backup", "/b/1", "{}");
+  };
+  ASSERT_TRUE(note().ok());
+  EXPECT_EQ(Of("backup").verdict, Verdict::kOk) << Of("backup").found;
+  // A server with a wrong clock notes such a row.
+  auto db = OpenDatabase(serve_.data / "enamel.db", DbMode::kExisting).value();
+  ASSERT_TRUE(db->Exec("INSERT INTO audit SELECT tenant, later, at_ms + 172800000, actor, via, "
+                       "action, object, before_json, after_json, subject, state, salt, "
+                       "content_hash, signature, chain, number + 1, previous FROM (SELECT *, "
+                       "x'ffffffffffffffffffffffffffffffff' AS later FROM audit WHERE action "
+                       "= 'store.backup')")
+                  .ok());
+  db.reset();
+  EXPECT_EQ(Of("backup").verdict, Verdict::kWarn);
+  EXPECT_NE(Of("backup").found.find("in the future: a clock was wrong"), std::string::npos);
+  EXPECT_NE(Of("backup").advice.find("let a time server keep the clock"), std::string::npos);
 }
 
 TEST_F(DoctorTest, AnotherProgramAtThePagesPortFails) {
