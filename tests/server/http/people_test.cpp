@@ -200,6 +200,27 @@ TEST_F(PeopleTest, ErasureAsksForTheLoginAndNobodyErasesOneself) {
   EXPECT_EQ(root_.Get(Sam()).status, 404);
 }
 
+TEST_F(PeopleTest, ErasureTellsWhatWentAndWhereOthersTypedTheName) {
+  const Actor by{school_.ada, "test"};
+  AnnotationRow remark;
+  remark.attempt = school_.toms_scored;
+  remark.author = school_.ada;
+  remark.text = "as Sam cut it";
+  ASSERT_TRUE(school_.store->remarks.AddAnnotation(remark, by).ok());
+  const Uuid cohort = *school_.store->cohorts.CreateCohort("sam's group", by);
+  const RawResponse erased = Send(root_, "POST", Sam("/erase"), R"({"login":"sam"})");
+  ASSERT_EQ(erased.status, 200) << erased.body;
+  const json::value told = Parsed(erased);
+  EXPECT_EQ(told.at("attempts"), 2);
+  EXPECT_EQ(told.at("references"), 0);
+  EXPECT_GT(told.at("blobs").to_number<int>(), 0);
+  const auto place = [](const Uuid& id) { return json::array{id.Text()}; };
+  const json::array mentions{
+      {{"kind", "attempt"}, {"count", 1}, {"places", place(school_.toms_scored)}},
+      {{"kind", "cohort"}, {"count", 1}, {"places", place(cohort)}}};
+  EXPECT_EQ(told.at("mentions"), mentions);
+}
+
 TEST_F(PeopleTest, RosterOverTheApiIsTriedRefusedAndImported) {
   const std::string csv =
       "login,display_name,role,cohort\nzoe,Zoë,student,Year 3\nyan,Yan,instructor,Year 3\n";
