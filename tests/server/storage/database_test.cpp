@@ -6,6 +6,7 @@
 #include <atomic>
 #include <future>
 
+#include "server/storage/store_engine.h"
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
@@ -42,6 +43,17 @@ TEST_F(DatabaseTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
   const int64_t before = sqlite3_memory_used();
   for (uint32_t salt = 200; salt < 4000; ++salt) ask(salt);
   EXPECT_LT(sqlite3_memory_used() - before, 1 << 20);
+}
+
+TEST_F(DatabaseTest, AReaderOfTheStoreKeepsFourMebibytesOfTheFile) {
+  const auto store = OpenStore(folder_.path());
+  const auto kibibytes = store->engine->rows.Read([](Db& db) -> Result<int64_t> {
+    Query q(db, "SELECT -cache_size FROM pragma_cache_size WHERE ?1 = ?1");
+    if (q.Next()) return q.Int(0);
+    return q.status();
+  });
+  ASSERT_TRUE(kibibytes.ok()) << kibibytes.status().message();
+  EXPECT_EQ(*kibibytes, 4096);
 }
 
 TEST_F(DatabaseTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
