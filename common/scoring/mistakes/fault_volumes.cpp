@@ -21,10 +21,11 @@ double SmoothStep(double value, double from, double to) {
 double ElsewhereShare(double distance_m) {
   return SmoothStep(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
 }
-// A hole beside a wall leaves most of the layer at the wall standing; a wall that is far out does not. Chosen.
-double Attached(double taken_m3, double area_m2) {
-  constexpr double kFrom_m = 0.5 * kElsewhereFrom_m, kTo_m = kElsewhereFrom_m;
-  return area_m2 > 0 ? SmoothStep(taken_m3 / area_m2, kFrom_m, kTo_m) : 0;
+// Of the layer next to R's surface, the share from which on what was taken goes on from there. A hole beside a wall leaves
+// it standing; where a wall is too far out, none of it stands. Chosen.
+constexpr double kNext_m = 0.2e-3;
+double Attached(double next_m3, double area_m2) {
+  return area_m2 > 0 ? SmoothStep(next_m3 / (area_m2 * kNext_m), 0.25, 0.75) : 0;
 }
 
 class FaultMeter {
@@ -39,20 +40,22 @@ class FaultMeter {
         cut_(r.initial(), attempt) {
     const size_t n = r.pieces().size();
     out_.over.resize(n), out_.left.resize(n);
-    out_.elsewhere.resize(n), out_.off_m.resize(n), at_.resize(n);
+    out_.elsewhere.resize(n), out_.off_m.resize(n), at_.resize(n), next_m3_.resize(n);
   }
 
   FaultVolumes Measure() {
     for (int b = 0; b < spec_.brick_count(); ++b) {
       if (task_.Brick(b) || cut_.Brick(b)) AddBrick(b);
     }
+    // Whoever has to open the pulp exposes nothing.
+    if (opens_pulp_) out_.pulp_m3 = 0;
     if (out_.far_m3 > 0) out_.far_at_m = far_sum_ / out_.far_m3;
     for (size_t k = 0; k < at_.size(); ++k) {
       const double area = r_.pieces()[k].area_m2;
-      out_.elsewhere[k].attached = Attached(out_.over[k].volume_m3, area);
+      out_.elsewhere[k].attached = Attached(next_m3_[k], area);
       if (!(area > 0)) continue;
       const Nearby& at = at_[k];
-      const double over_m3 = at.over_m3 + at.away_m3 * Attached(at.over_m3, area);
+      const double over_m3 = at.over_m3 + at.away_m3 * Attached(at.next_m3, area);
       out_.off_m[k] =
           std::clamp((over_m3 - at.left_m3) / area, -at.farthest_left_m, at.farthest_over_m);
     }
@@ -73,26 +76,43 @@ class FaultMeter {
       const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
       const auto tissue = static_cast<Tissue>(labels ? labels[i] : uniform);
       if (tissue == Tissue::kCaries) out_.caries_m3 += Share(f0 - fr) * voxel_m3_;
+      opens_pulp_ |= tissue == Tissue::kPulp && 2 * fr < f0;
       if (fa == fr) continue;
       if (tissue == Tissue::kNeighbour) {
         if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
         continue;
       }
       if (fr == 0 && IsFilm(b, i, fa)) continue;
-      Add(places, i, tissue, Share(f0), Share(fa), Share(fr));
+      Add(places, {b, i, tissue}, Share(f0), Share(fa), Share(fr));
     }
   }
 
   static constexpr int32_t kWhole = 65536;
   static double Share(int32_t units) { return units / double{kWhole}; }
 
-  void Add(AcceptableCut::Brick& places, int i, Tissue tissue, double f0, double fa, double fr) {
+  struct Voxel {
+    int brick = 0, number = 0;
+    Tissue tissue{};
+  };
+  // Of a voxel, what lies deeper than the leeway under the untouched surface: nobody sees where less was polished off.
+  // Deeper than four voxels the distance is not known.
+  double Seen(const Voxel& v) const {
+    const int phi = r_.initial().PhiAt(VoxelOf(v.brick, v.number));
+    if (phi <= -cutting::kPhiLimit) return 1;
+    const double depth_m = -h_m_ * phi / cutting::kPhiPerVoxel;
+    return std::clamp((depth_m - kLeeway_m) / h_m_ + 0.5, 0.0, 1.0);
+  }
+
+  void Add(AcceptableCut::Brick& places, const Voxel& voxel, double f0, double fa, double fr) {
+    const int i = voxel.number;
+    const Tissue tissue = voxel.tissue;
     const double over = fr - fa, left = fa - fr;
-    if (tissue == Tissue::kPulp && over > 0) out_.pulp_m3 += over * voxel_m3_;
+    if (tissue == Tissue::kPulp) out_.pulp_m3 += std::max(0.0, over) * voxel_m3_;
     const auto nearest = places.At(i);
     if (!nearest) {
-      out_.far_m3 += std::max(0.0, over) * voxel_m3_;
-      far_sum_ += std::max(0.0, over) * voxel_m3_ * places.PointOf(i);
+      const double far = over > 0 ? over * voxel_m3_ * Seen(voxel) : 0;
+      out_.far_m3 += far;
+      far_sum_ += far * places.PointOf(i);
       return;
     }
     const size_t k = nearest->piece;
@@ -103,10 +123,13 @@ class FaultMeter {
       const Layer layer = Layer::In(solid_side_m, h_m_, over);
       // By the voxel's middle, which R alone fixes: more taken from it adds to both.
       const double away = ElsewhereShare(solid_side_m) * over * voxel_m3_;
-      out_.elsewhere[k].volume_m3 += away;
-      out_.elsewhere[k].moment_m4 += away * places.PointOf(i);
+      const double seen = away > 0 ? away * Seen(voxel) : 0;
+      out_.elsewhere[k].volume_m3 += seen;
+      out_.elsewhere[k].moment_m4 += seen * places.PointOf(i);
       AddTo(out_.over[k], over * voxel_m3_ - away, layer);
       at.over_m3 += over * voxel_m3_ - away, at.away_m3 += away;
+      const double next = over * voxel_m3_ * NextShare(solid_side_m);
+      next_m3_[k] += next, at.next_m3 += next;
       at.farthest_over_m = std::max(at.farthest_over_m, farthest_m);
     }
     if (left > 0) {
@@ -137,6 +160,11 @@ class FaultMeter {
     return false;
   }
 
+  // Of a voxel, what lies in the layer next to R's surface.
+  double NextShare(double distance_m) const {
+    return std::clamp((kNext_m - distance_m) / h_m_ + 0.5, 0.0, 1.0);
+  }
+
   static void AddTo(PieceFault& fault, double volume_m3, const Layer& layer) {
     fault.volume_m3 += volume_m3;
     fault.moment_m5 += volume_m3 * layer.Moment_m2();
@@ -160,12 +188,14 @@ class FaultMeter {
   const cutting::GridSpec spec_;
   const double h_m_, voxel_m3_;
   const ChangedBricks task_, cut_;
+  bool opens_pulp_ = false;  // R does
   dvec3 far_sum_{0};
   struct Nearby {
-    double over_m3 = 0, away_m3 = 0, left_m3 = 0;
+    double over_m3 = 0, away_m3 = 0, next_m3 = 0, left_m3 = 0;
     double farthest_over_m = 0, farthest_left_m = 0;
   };
-  std::vector<Nearby> at_;  // where a piece is the nearest
+  std::vector<Nearby> at_;       // where a piece is the nearest
+  std::vector<double> next_m3_;  // where a piece pays: taken from the layer next to it
   FaultVolumes out_;
 };
 

@@ -36,7 +36,8 @@ struct FaultVolumes {
   // How far R's surface moved at each piece, m: + over, - left. By the volume at the piece that is nearest, whichever is
   // charged, and not farther than what was found there.
   std::vector<double> off_m;
-  // Taken from the tooth where nothing of R is near: at the nearest piece.
+  // Taken from the tooth where nothing of R is near, deeper than the leeway under its untouched surface: at the nearest
+  // piece.
   struct Elsewhere {
     double volume_m3 = 0;
     dvec3 moment_m4{0};  // volume times its middle

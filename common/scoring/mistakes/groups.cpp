@@ -22,22 +22,6 @@ constexpr double kExplained = 0.4, kUnseen_mm = 0.12;
 // What no motion explains: pieces this near are one part, and a smaller part is not told.
 constexpr double kConnected_mm = 0.5, kTold = 0.5;
 
-// Parts of a graph of `n` nodes.
-class Components {
- public:
-  explicit Components(size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), size_t{0});
-  }
-  size_t Of(size_t k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  void Join(size_t a, size_t b) { parent_[Of(a)] = Of(b); }
-
- private:
-  std::vector<size_t> parent_;
-};
-
 class Grouper {
  public:
   Grouper(const AcceptableCut& r, const FaultVolumes& faults,

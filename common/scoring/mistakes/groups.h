@@ -1,11 +1,28 @@
 #pragma once
 
+#include <numeric>
 #include <vector>
 
 #include "common/scoring/mistakes/explanation.h"
 
 // Motions that belong together: one mistake each. Private to mistakes.cpp and naming.cpp.
 namespace enamel::scoring {
+
+// Parts of a graph of `n` nodes.
+class Components {
+ public:
+  explicit Components(size_t n) : parent_(n) {
+    std::iota(parent_.begin(), parent_.end(), size_t{0});
+  }
+  size_t Of(size_t k) {
+    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+    return k;
+  }
+  void Join(size_t a, size_t b) { parent_[Of(a)] = Of(b); }
+
+ private:
+  std::vector<size_t> parent_;
+};
 
 // To one side of a line, a strip, or a bump: not of a whole region.
 bool IsLocal(const Displacement& motion);

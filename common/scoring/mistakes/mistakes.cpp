@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/scoring/mistakes/naming.h"
+#include "common/scoring/mistakes/wall_fit.h"
 
 namespace enamel::scoring {
 namespace {
@@ -43,9 +44,9 @@ class Finder {
     for (size_t g = 0; g < groups_.size(); ++g) {
       if (!(out_[g].points > 0)) continue;
       NameMistake({r_, faults_, off_mm_, RestFor(g), paid_[g]}, groups_[g], out_[g]);
-      if (!IsTrue(out_[g])) CallUneven(g);
+      if (!(out_[g].size > 0) || !IsTrue(out_[g])) CallUneven(g);
     }
-    JoinHoles();
+    Join();
     return Sorted();
   }
 
@@ -62,17 +63,20 @@ class Finder {
     }
     return out;
   }
-  // A hole beside a wall is paid for by the wall, too.
-  void JoinHoles() {
-    Mistake* hole = nullptr;
-    for (Mistake& m : out_) {
-      if (m.kind != MistakeKind::kHole || !(m.points > 0)) continue;
-      if (hole == nullptr) {
-        hole = &m;
+  // A hole beside a wall is paid for by the wall, too, and one wave by several regions.
+  void Join() {
+    std::map<std::pair<MistakeKind, std::string>, size_t> first;
+    for (size_t i = 0; i < out_.size(); ++i) {
+      Mistake& m = out_[i];
+      if ((m.kind != MistakeKind::kHole && m.kind != MistakeKind::kWave) || !(m.points > 0))
         continue;
-      }
-      hole->at_m = (hole->points * hole->at_m + m.points * m.at_m) / (hole->points + m.points);
-      hole->points += m.points, hole->size += m.size;
+      const auto [found, is_new] = first.try_emplace({m.kind, m.place}, i);
+      if (is_new) continue;
+      Mistake& one = out_[found->second];
+      joined_[i] = found->second;
+      one.at_m = (one.points * one.at_m + m.points * m.at_m) / (one.points + m.points);
+      one.size = m.kind == MistakeKind::kHole ? one.size + m.size : std::max(one.size, m.size);
+      one.points += m.points;
       m.points = 0;
     }
   }
@@ -91,6 +95,7 @@ class Finder {
       m.group = GroupOfMistake(m);
       found.mistakes.push_back(std::move(m));
     }
+    for (const auto& [i, one] : joined_) place[i] = place[one];
     for (const double sign : {1.0, -1.0}) {
       auto& of = sign > 0 ? found.over : found.left;
       of.assign(r_.pieces().size(), -1);
@@ -109,7 +114,8 @@ class Finder {
       const std::string_view kind = NameOf(region.kind);
       const bool there =
           region.name == m.place || kind == m.place || kind.starts_with(m.place + "_");
-      if (there && faults[i].moment_m5 > 0) return true;
+      // What is nearest to it may be paid by its edge.
+      if (there && (faults[i].moment_m5 > 0 || sign * faults_.off_m[i] > kLeeway_m)) return true;
     }
     return false;
   }
@@ -218,7 +224,7 @@ class Finder {
   // What no motion explains of a wavy region is a wave.
   std::vector<CostlyPiece> OutsideWaves() const {
     std::vector<bool> wavy(r_.regions().size());
-    for (uint32_t k = 0; k < wavy.size(); ++k) wavy[k] = Waves_mm(k) > 0;
+    for (uint32_t k = 0; k < wavy.size(); ++k) wavy[k] = Waves_mm(k) > 0 || IsWavy(r_, k, off_mm_);
     std::vector<CostlyPiece> out;
     for (const CostlyPiece& each : costly_) {
       if (!wavy[r_.pieces()[each.piece].region]) out.push_back(each);
@@ -351,6 +357,7 @@ class Finder {
   const std::vector<CostlyPiece> costly_;
   const std::vector<Displacement> unexplained_;
   std::vector<Mistake> out_, rest_;
+  std::map<size_t, size_t> joined_;  // in out_: what another one says, too
   std::vector<dvec3> points_at_;
   std::vector<std::vector<double>> paid_;  // by group and region
   struct Uneven {

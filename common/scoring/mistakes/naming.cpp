@@ -14,8 +14,6 @@ namespace {
 constexpr double kMm = 1e3;
 // A groove is this many times longer than wide.
 constexpr double kLong = 2.0;
-// What was cut begins away from R's surface where it is farther on average, and less than a layer of this. Chosen.
-constexpr double kBeginsAt_m = 0.5e-3;
 // Shares of a wall's height: from kRimFrom up is the rim. A ledge is below kLow, and reaches to the foot but for the line
 // angle.
 constexpr double kRimFrom = 0.6, kLow = 0.4, kFoot_mm = 0.45;
@@ -26,6 +24,9 @@ constexpr double kLeanSaid = 0.6;
 // Of a wall's area, width or height: all of it. Of its deviation by height, what a straight line explains where it leans:
 // a step at half its height has 0.875.
 constexpr double kWhole = 0.72, kLine = 0.92;
+constexpr int kRowsOfLine = 4;
+// From the edge to the pieces beside it.
+constexpr double kBeside_mm = 0.4;
 constexpr double kTouched = 0.3, kMuch = 0.4, kSpans = 0.2, kMostly = 0.4;
 
 class Namer {
@@ -68,7 +69,9 @@ class Namer {
   void NameOneWall(const MotionGroup& group, size_t region, Mistake& m) const {
     const RegionFit fit = FitRegion(r_, region, from_.rest_mm);
     m.place = r_.regions()[region].name;
-    const bool leans = Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
+    // Of a low wall, whatever its rim shows is a line.
+    const bool leans =
+        fit.rows >= kRowsOfLine && Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
     if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : fit.of_area >= kWhole)
       NameWalls(fit.half_height_mm, fit.moved_mm, fit.lean_deg, m);
     else
@@ -119,6 +122,13 @@ class Namer {
     const Displacement& first = *group.motions.front();
     const bool one = first.region >= 0 && !group.Has(MotionKind::kHeight);
     const RegionKind kind = first.of;
+    const auto region = std::ranges::find(r_.regions(), kind, &Region::kind);
+    const auto number = static_cast<size_t>(region - r_.regions().begin());
+    if (!group.Has(MotionKind::kSlopeX) && !group.Has(MotionKind::kSlopeY) &&
+        region != r_.regions().end() && IsWavy(r_, number, from_.off_mm)) {
+      NameWave(number, m);
+      return;
+    }
     m.place = one && std::ranges::count(r_.regions(), kind, &Region::kind) > 1
                   ? r_.regions()[static_cast<size_t>(first.region)].name
                   : std::string(NameOf(kind));
@@ -197,13 +207,15 @@ class Namer {
                        return std::pair(pays, entry.second);
                      })->first;
     const Region& region = r_.regions()[static_cast<size_t>(main)];
-    m.place = region.name;
+    m.place = region.kind == RegionKind::kLineAngle ? BesideEdge(group) : region.name;
     const Touched touched = Touch(group, main);
     m.size = touched.off_mm;
     const double standing_mm3 =
-        over > 0 ? 0 : Standing_mm3(from_.faults, [&](size_t i) { return group.d_mm[i] < 0; });
-    if (over > 0 && over < group.motions.size()) {
-      m.kind = MistakeKind::kWave;
+        over > 0 || touched.share > kMuch
+            ? 0
+            : Standing_mm3(from_.faults, [&](size_t i) { return group.d_mm[i] < 0; });
+    if (IsWavy(r_, static_cast<size_t>(main), from_.off_mm)) {
+      NameWave(static_cast<size_t>(main), m);
     } else if (standing_mm3 > 0) {
       m.kind = MistakeKind::kStanding;
       m.size = standing_mm3;
@@ -219,6 +231,39 @@ class Namer {
                                                        : KindOfLeft(main, region, touched, m.at_m);
     }
   }
+  // The region that is nearest to most of what was taken or left in its line angles.
+  std::string BesideEdge(const MotionGroup& group) const {
+    std::map<uint32_t, double> by_region;
+    for (size_t e = 0; e < group.d_mm.size(); ++e) {
+      if (group.d_mm[e] == 0) continue;
+      for (size_t i = 0; i < group.d_mm.size(); ++i) {
+        const SurfacePiece& piece = r_.pieces()[i];
+        const dvec3 way = (piece.at_m - r_.pieces()[e].at_m) * kMm;
+        if (r_.regions()[piece.region].kind == RegionKind::kLineAngle ||
+            from_.off_mm[i] * group.d_mm[e] <= 0 || Dot(way, way) > kBeside_mm * kBeside_mm)
+          continue;
+        by_region[piece.region] += piece.area_m2 * std::fabs(from_.off_mm[i]);
+      }
+    }
+    if (by_region.empty()) return r_.regions().back().name;
+    const auto most =
+        std::ranges::max_element(by_region, {}, [](const auto& e) { return e.second; });
+    return r_.regions()[most->first].name;
+  }
+
+  // Along all regions of a kind but walls.
+  void NameWave(size_t region, Mistake& m) const {
+    const RegionKind kind = r_.regions()[region].kind;
+    m.kind = MistakeKind::kWave;
+    m.place = IsWall(kind) ? r_.regions()[region].name : std::string(NameOf(kind));
+    double square = 0, area = 0;
+    for (size_t i = 0; i < from_.off_mm.size(); ++i) {
+      const SurfacePiece& piece = r_.pieces()[i];
+      if (IsWall(kind) ? piece.region != region : r_.regions()[piece.region].kind != kind) continue;
+      square += piece.area_m2 * from_.off_mm[i] * from_.off_mm[i], area += piece.area_m2;
+    }
+    m.size = area > 0 ? std::sqrt(square / area) : 0;
+  }
   // Left between two walls, whose edge is upright, or along the foot of one.
   MistakeKind KindOfEdge(const MotionGroup& group) const {
     constexpr double kUpright = 0.35;
@@ -232,20 +277,20 @@ class Namer {
 
   // Volume of what was taken where the group is over, if it begins away from R's surface; else 0.
   double Hole_mm3(const MotionGroup& group) const {
-    double volume = 0, moment = 0, away = 0;
+    // Root mean square beyond the leeway, of a hole. Chosen.
+    constexpr double kFar_m = 0.3e-3;
+    double volume = 0, moment = 0, away = 0, elsewhere_m3 = 0;
     for (size_t i = 0; i < group.d_mm.size(); ++i) {
       if (!(group.d_mm[i] > 0)) continue;
       const PieceFault& fault = from_.faults.over[i];
       const auto& elsewhere = from_.faults.elsewhere[i];
-      volume += fault.volume_m3 + (1 - elsewhere.attached) * elsewhere.volume_m3;
+      volume += fault.volume_m3;
+      elsewhere_m3 += (1 - elsewhere.attached) * elsewhere.volume_m3;
       moment += fault.moment_m5;
-      // Farther on average than a layer that goes on from the surface to twice this depth.
-      const double deep_m = kBeginsAt_m - kLeeway_m;
-      const bool begins = fault.volume_m3 > kBeginsAt_m * r_.pieces()[i].area_m2 ||
-                          fault.moment_m5 < deep_m * deep_m * fault.volume_m3;
-      if (!begins) away += fault.moment_m5;
+      away += (1 - elsewhere.attached) * fault.moment_m5;
     }
-    return 2 * away > moment ? volume * kMm * kMm * kMm : 0;
+    const bool hole = elsewhere_m3 > 0 && 2 * away > moment && moment > kFar_m * kFar_m * volume;
+    return hole ? (volume + elsewhere_m3) * kMm * kMm * kMm : 0;
   }
 
   // How far a group moved one region, and how much of the region's area.

@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "common/scoring/mistakes/groups.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -70,6 +72,7 @@ void FitLine(const std::vector<Point>& points, RegionFit& fit) {
   }
   const double slope = zz > 0 ? dz / zz : 0;
   fit.moved_mm = d / area;
+  fit.rows = static_cast<int>(rows.size());
   fit.lean_deg = std::atan(slope) * kDegrees;
   fit.half_height_mm = 0.5 * heights.length();
   fit.explained = dd > 0 ? (d * d / area + slope * dz) / dd : 0;
@@ -112,6 +115,42 @@ RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<dou
   FitLine(points, fit);
   MeasurePart(points, fit);
   return fit;
+}
+
+bool IsWavy(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm) {
+  constexpr double kConnected_mm = 0.3;
+  constexpr int kTwice = 2;
+  const auto& regions = r.regions();
+  const RegionKind kind = regions[region].kind;
+  const bool alone = kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
+  auto counts = [&](const SurfacePiece& p) {
+    return !p.at_edge && (alone ? p.region == region : regions[p.region].kind == kind);
+  };
+  double sum = 0, square = 0;
+  for (size_t i = 0; i < off_mm.size(); ++i) {
+    if (!counts(r.pieces()[i])) continue;
+    const double off = std::fabs(off_mm[i]);
+    sum += r.pieces()[i].area_m2 * off, square += r.pieces()[i].area_m2 * off * off;
+  }
+  if (!(sum > 0)) return false;
+  std::vector<size_t> lobes[2];
+  for (size_t i = 0; i < off_mm.size(); ++i) {
+    if (counts(r.pieces()[i]) && std::fabs(off_mm[i]) > kMoved * square / sum)
+      lobes[off_mm[i] > 0].push_back(i);
+  }
+  return std::ranges::all_of(lobes, [&](const std::vector<size_t>& pieces) {
+    Components parts(pieces.size());
+    for (size_t a = 0; a < pieces.size(); ++a) {
+      for (size_t b = 0; b < a; ++b) {
+        const dvec3 way = (r.pieces()[pieces[a]].at_m - r.pieces()[pieces[b]].at_m) * kMm;
+        if (Dot(way, way) < kConnected_mm * kConnected_mm) parts.Join(a, b);
+      }
+    }
+    // A lobe is more than a piece.
+    std::map<size_t, int> sizes;
+    for (size_t a = 0; a < pieces.size(); ++a) ++sizes[parts.Of(a)];
+    return std::ranges::count_if(sizes, [](const auto& e) { return e.second > 2; }) >= kTwice;
+  });
 }
 
 }  // namespace enamel::scoring

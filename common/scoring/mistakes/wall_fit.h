@@ -4,7 +4,8 @@
 
 #include "common/scoring/mistakes/acceptable_cut.h"
 
-// How one region is off as a whole: moved, leaning or sloping, or only in a part of it. Private to naming.cpp.
+// How one region is off: moved or leaning as a whole, in waves, or only in a part of it. Private to mistakes.cpp and
+// naming.cpp.
 // Thread safety: functions, any thread.
 namespace enamel::scoring {
 
@@ -15,11 +16,15 @@ struct RegionFit {
   // Of d by height, averaged over the width, what the formula explains, 0 to 1. A wall that leans has 1, whether or not
   // it does so by its whole width; a step at half its height 0.875.
   double explained = 0;
+  int rows = 0;  // of so many heights 0.2 mm apart
   // Of its area, width and height: what moved by a third of the typical amount, 0 to 1, on the side that moved more.
   double of_area = 0, of_width = 0, of_height = 0;
   double at_height = 0;  // the middle of that part, 0 at the foot to 1 at the rim
 };
 // `off_mm`: by piece, + over.
 RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
+
+// A wave goes up and down twice at the least, in one wall or along all regions of another kind: floors, cusps, a margin.
+bool IsWavy(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
 
 }  // namespace enamel::scoring

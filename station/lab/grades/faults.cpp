@@ -16,6 +16,8 @@ namespace {
 using cutting::Tissue;
 
 constexpr double kShallow_m = 20e-6, kShave_m = 50e-6;
+// Of what no eye sees, points at most.
+constexpr double kMayCost = 3;
 
 }  // namespace
 
@@ -76,7 +78,7 @@ void FaultMaker::AddDegrees(std::string name, Size size, std::string metric, Hol
 
 void FaultMaker::AddAllSurfaces(std::string metric_over, std::string metric_short,
                                 const std::function<Hollow(double by_m)>& moved) {
-  constexpr double kUnseen_mm = 0.08, kMayCost = 3;
+  constexpr double kUnseen_mm = 0.08;
   AddMm("all_over", {kUnseen_mm, false}, std::move(metric_over), moved(kUnseen_mm / kMm));
   out_.back().may_cost = kMayCost;
   // Too little is + where the metric has no sign.
@@ -226,8 +228,9 @@ void FaultMaker::AddShaving() {
     const double surface_m2 =
         AreaWhere_m2([&](const dvec3& p) { return p.z > bottom && FarFromCut(p); });
     const double size = surface_m2 * layer_m;
-    Add("shaved by " + std::to_string(std::lround(layer_m * 1e6)) + " um", {size * kMm3}, "mm3",
-        "outside_removed_mm3", surface_m2 * quarter_m_ * kMm3, Both(Wanted(), shaving));
+    Add("shaved by " + std::to_string(std::lround(layer_m * 1e6)) + " um", {size * kMm3, false},
+        "mm3", "outside_removed_mm3", surface_m2 * quarter_m_ * kMm3, Both(Wanted(), shaving));
+    out_.back().may_cost = kMayCost;
   }
 }
 const surface::Mesh& FaultMaker::Surface() {
