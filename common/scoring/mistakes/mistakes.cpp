@@ -271,13 +271,14 @@ class Finder {
       if (out_[g].points > 0) out_[g].at_m = points_at_[g] / out_[g].points;
     }
     for (auto& [where, uneven] : uneven_) {
-      const auto [region, over] = where;
+      const uint32_t region = where.first;
+      const bool over = where.second;
       uneven.number = static_cast<int>(groups + rest_.size());
       Mistake mistake;
       mistake.points = uneven.points;
       mistake.at_m = uneven.points_at / uneven.points;
       mistake.place = r_.regions()[region].name;
-      auto there = [&](size_t i) { return r_.pieces()[i].region == where.first; };
+      auto there = [&](size_t i) { return r_.pieces()[i].region == region; };
       if (const double mm3 = over ? 0 : Standing_mm3(faults_, there); mm3 > 0) {
         mistake.kind = MistakeKind::kStanding;
         mistake.size = mm3;
