@@ -72,10 +72,12 @@ class Namer {
     // Of a low wall, whatever its rim shows is a line.
     const bool leans =
         fit.rows >= kRowsOfLine && Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
-    if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : fit.of_area >= kWhole)
+    if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : fit.of_area >= kWhole) {
       NameWalls(fit.half_height_mm, fit.moved_mm, fit.lean_deg, m);
-    else
+      if (!leans) m.size = std::fabs(fit.median_mm);
+    } else {
       NamePatch(group, m);
+    }
   }
   // What was cut from a part of a wall.
   MistakeKind NameOfCut(const RegionFit& fit, bool is_long) const {

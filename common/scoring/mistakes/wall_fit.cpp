@@ -78,6 +78,18 @@ void FitLine(const std::vector<Point>& points, RegionFit& fit) {
   fit.explained = dd > 0 ? (d * d / area + slope * dz) / dd : 0;
 }
 
+void FindMedian(std::vector<Point> points, RegionFit& fit) {
+  std::erase_if(points, [](const Point& p) { return p.at_edge; });
+  std::ranges::sort(points, {}, &Point::off_mm);
+  double area = 0, below = 0;
+  for (const Point& p : points) area += p.area;
+  for (const Point& p : points) {
+    fit.median_mm = p.off_mm;
+    below += p.area;
+    if (2 * below >= area) return;
+  }
+}
+
 void MeasurePart(const std::vector<Point>& points, RegionFit& fit) {
   double sum[2] = {0, 0}, square[2] = {0, 0}, all = 0;
   for (const Point& p : points) {
@@ -113,6 +125,7 @@ RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<dou
   const std::vector<Point> points = PointsOf(r, region, off_mm);
   RegionFit fit;
   FitLine(points, fit);
+  FindMedian(points, fit);
   MeasurePart(points, fit);
   return fit;
 }

@@ -12,6 +12,8 @@ namespace enamel::scoring {
 struct RegionFit {
   // d = moved + lean (z - middle), over all of the region, mm and degrees. + over.
   double moved_mm = 0, lean_deg = 0;
+  // The median of d over its area: what most of it moved by, whatever its rim and corners did.
+  double median_mm = 0;
   double half_height_mm = 0;  // from the middle to its ends, as far as pieces reach
   // Of d by height, averaged over the width, what the formula explains, 0 to 1. A wall that leans has 1, whether or not
   // it does so by its whole width; a step at half its height 0.875.
