@@ -25,8 +25,12 @@ double ElsewhereShare(double distance_m) {
 // it standing; where a wall is too far out, none of it stands. Chosen.
 constexpr double kNext_m = 0.2e-3;
 double Attached(double next_m3, double area_m2) {
-  return area_m2 > 0 ? SmoothStep(next_m3 / (area_m2 * kNext_m), 0.25, 0.75) : 0;
+  return area_m2 > 0 ? SmoothStep(next_m3 / (area_m2 * kNext_m), 0.1, 0.4) : 0;
 }
+
+// A piece at a rim is small beside what is nearest to it. Columns of voxels are up to half as many again as a piece's area
+// has.
+constexpr double kMost = 1.5;
 
 class FaultMeter {
  public:
@@ -56,8 +60,8 @@ class FaultMeter {
       if (!(area > 0)) continue;
       const Nearby& at = at_[k];
       const double over_m3 = at.over_m3 + at.away_m3 * Attached(at.next_m3, area);
-      out_.off_m[k] =
-          std::clamp((over_m3 - at.left_m3) / area, -at.farthest_left_m, at.farthest_over_m);
+      out_.off_m[k] = std::clamp((over_m3 - at.left_m3) / area, -kMost * at.farthest_left_m,
+                                 kMost * at.farthest_over_m);
     }
     return std::move(out_);
   }

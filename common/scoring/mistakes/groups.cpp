@@ -148,7 +148,9 @@ class Grouper {
     for (MotionGroup& group : groups_) {
       const double there = group.d_mm[middle];
       const Displacement& first = *group.motions.front();
-      const bool same_wall = first.kind >= MotionKind::kOffset && first.region == patch.region;
+      const bool wall = first.of == RegionKind::kWall || first.of == RegionKind::kAxialWall;
+      const bool same_wall =
+          wall && first.kind >= MotionKind::kOffset && first.region == patch.region;
       const double share = same_wall ? kSameWall : kSameMove;
       if (there * peak <= 0 || std::fabs(there) < share * std::fabs(peak)) continue;
       if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;

@@ -25,6 +25,7 @@ constexpr double kLeanSaid = 0.6;
 // a step at half its height has 0.875.
 constexpr double kWhole = 0.72, kLine = 0.92;
 constexpr int kRowsOfLine = 4;
+constexpr double kHalf = 0.5;
 // From the edge to the pieces beside it.
 constexpr double kBeside_mm = 0.4;
 constexpr double kTouched = 0.3, kMuch = 0.4, kSpans = 0.2, kMostly = 0.4;
@@ -67,17 +68,32 @@ class Namer {
     return kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
   }
   void NameOneWall(const MotionGroup& group, size_t region, Mistake& m) const {
-    const RegionFit fit = FitRegion(r_, region, from_.rest_mm);
+    const RegionFit fit = FitRegion(r_, region, OwnOf(region));
     m.place = r_.regions()[region].name;
     // Of a low wall, whatever its rim shows is a line.
     const bool leans =
         fit.rows >= kRowsOfLine && Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
-    if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : fit.of_area >= kWhole) {
+    // A wall that was left short ends where caries or a pillar does.
+    const bool most = fit.of_area >= kWhole ||
+                      (fit.moved_mm < 0 && group.Has(MotionKind::kOffset) && fit.of_area >= kHalf);
+    if (leans ? fit.explained >= kLine && fit.of_width >= kWhole : most) {
       NameWalls(fit.half_height_mm, fit.moved_mm, fit.lean_deg, m);
       if (!leans) m.size = std::fabs(fit.median_mm);
     } else {
       NamePatch(group, m);
     }
+  }
+  // What other groups explain of a wall is theirs where it is much of it; little is the sparse fit's own sharing.
+  const std::vector<double>& OwnOf(size_t region) const {
+    constexpr double kLittle = 0.3;
+    double others = 0, all = 0;
+    for (size_t i = 0; i < from_.off_mm.size(); ++i) {
+      const SurfacePiece& piece = r_.pieces()[i];
+      if (piece.region != region || piece.at_edge) continue;
+      others += piece.area_m2 * std::fabs(from_.off_mm[i] - from_.rest_mm[i]);
+      all += piece.area_m2 * std::fabs(from_.off_mm[i]);
+    }
+    return others < kLittle * all ? from_.off_mm : from_.rest_mm;
   }
   // What was cut from a part of a wall.
   MistakeKind NameOfCut(const RegionFit& fit, bool is_long) const {

@@ -78,8 +78,21 @@ void FitLine(const std::vector<Point>& points, RegionFit& fit) {
   fit.explained = dd > 0 ? (d * d / area + slope * dz) / dd : 0;
 }
 
+// Of the means around each piece: a piece alone has a voxel's column more or less than its area.
 void FindMedian(std::vector<Point> points, RegionFit& fit) {
+  constexpr double kAround_mm = 0.35;
   std::erase_if(points, [](const Point& p) { return p.at_edge; });
+  const std::vector<Point> own = points;
+  for (Point& p : points) {
+    double area = 0, off = 0;
+    for (const Point& q : own) {
+      if (std::fabs(q.width_mm - p.width_mm) > kAround_mm ||
+          std::fabs(q.height_mm - p.height_mm) > kAround_mm)
+        continue;
+      area += q.area, off += q.area * q.off_mm;
+    }
+    p.off_mm = off / area;
+  }
   std::ranges::sort(points, {}, &Point::off_mm);
   double area = 0, below = 0;
   for (const Point& p : points) area += p.area;

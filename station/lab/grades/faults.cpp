@@ -230,7 +230,6 @@ void FaultMaker::AddShaving() {
     const double size = surface_m2 * layer_m;
     Add("shaved by " + std::to_string(std::lround(layer_m * 1e6)) + " um", {size * kMm3, false},
         "mm3", "outside_removed_mm3", surface_m2 * quarter_m_ * kMm3, Both(Wanted(), shaving));
-    out_.back().may_cost = kMayCost;
   }
 }
 const surface::Mesh& FaultMaker::Surface() {
