@@ -23,8 +23,8 @@ constexpr double kLeanSaid = 0.6;
 // patch, in each of two walls; of a group, that a part is most of.
 // Of a wall's area, width or height: all of it. Of its deviation by height, what a straight line explains where it leans:
 // a step at half its height has 0.875.
-constexpr double kWhole = 0.72, kLine = 0.92;
-constexpr int kRowsOfLine = 4;
+constexpr double kWhole = 0.72, kLine = 0.86;
+constexpr int kRowsOfLine = 3;
 constexpr double kHalf = 0.5;
 // From the edge to the pieces beside it.
 constexpr double kBeside_mm = 0.4;

@@ -105,7 +105,7 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
 INSTANTIATE_TEST_SUITE_P(
     Exercises, Grades,
     testing::Values(Asked{"molar", "class-1", 3}, Asked{"molar-buccal", "class-5", 5},
-                    Asked{"incisor-labial", "veneer", 2}, Asked{"block", "line", 3},
+                    Asked{"incisor-labial", "veneer", 4}, Asked{"block", "line", 3},
                     Asked{"incisor", "crown", 5, true}, Asked{"molar-caries", "caries", 3},
                     Asked{"premolar", "crown", 4, true}, Asked{"molar", "crown", 5, true},
                     Asked{"molar", "access", 5, true}, Asked{"block", "circle", 4, true}),
