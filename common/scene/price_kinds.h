@@ -4,13 +4,13 @@
 #include <array>
 #include <string_view>
 
-// What a rubric has prices for: RubricPrice::of. Thread safety: constants.
+// The kinds of RubricPrice::of. Thread safety: constants.
 namespace enamel::scene {
 
 struct PriceKind {
   std::string_view of;    // a kind of region (scoring::NameOf), or of damage to the whole
   std::string_view unit;  // of its sizes
-  // Members of a document that hold the sizes; nullptr: this kind has no such side.
+  // A document's members for the sizes. nullptr: the kind lacks that side.
   const char *over, *left;
   bool is_region;
 };

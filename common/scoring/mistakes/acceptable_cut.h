@@ -52,6 +52,10 @@ enum class RegionKind : uint8_t {
 inline constexpr size_t kRegionKinds = 7;
 // "floor", "wall", ...
 std::string_view NameOf(RegionKind kind);
+// Upright, of a cavity or a stump.
+constexpr bool IsWall(RegionKind kind) {
+  return kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
+}
 
 // A wall or table that moves leaves a wedge in the cells of its neighbours across a sharp edge. A point whose
 // distances from the two surfaces differ by less than this belongs to the edge. Chosen.

@@ -29,8 +29,6 @@ struct Atom {
   std::vector<std::pair<uint32_t, double>> at;
 };
 
-bool IsWall(RegionKind kind) { return kind == RegionKind::kWall || kind == RegionKind::kAxialWall; }
-
 class Dictionary {
  public:
   Dictionary(const AcceptableCut& r) : r_(r), pieces_(r.pieces()) {

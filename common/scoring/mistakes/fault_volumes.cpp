@@ -21,15 +21,16 @@ double SmoothStep(double value, double from, double to) {
 double ElsewhereShare(double distance_m) {
   return SmoothStep(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
 }
-// Of the layer next to R's surface, the share from which on what was taken goes on from there. A hole beside a wall leaves
-// it standing; where a wall is too far out, none of it stands. Chosen.
+// How far a cut at a distance from R's surface continues one at the surface, 0 to 1, by the share that was taken of the
+// layer next to the surface. A hole beside a wall leaves that layer; a wall that is too far out has none of it. Chosen.
 constexpr double kNext_m = 0.2e-3;
 double Attached(double next_m3, double area_m2) {
   return area_m2 > 0 ? SmoothStep(next_m3 / (area_m2 * kNext_m), 0.1, 0.4) : 0;
 }
 
-// A piece at a rim is small beside what is nearest to it. Columns of voxels are up to half as many again as a piece's area
-// has.
+// The volume nearest to a small piece at a rim is many times what its area holds, so a piece is off by no more than this
+// times the farthest distance that was found there. A piece in the middle of a surface may hold half as many voxels again
+// as its area. Chosen.
 constexpr double kMost = 1.5;
 
 class FaultMeter {
@@ -51,7 +52,7 @@ class FaultMeter {
     for (int b = 0; b < spec_.brick_count(); ++b) {
       if (task_.Brick(b) || cut_.Brick(b)) AddBrick(b);
     }
-    // Whoever has to open the pulp exposes nothing.
+    // Where the task opens the pulp, touching it is no exposure.
     if (opens_pulp_) out_.pulp_m3 = 0;
     if (out_.far_m3 > 0) out_.far_at_m = far_sum_ / out_.far_m3;
     for (size_t k = 0; k < at_.size(); ++k) {
@@ -98,8 +99,8 @@ class FaultMeter {
     int brick = 0, number = 0;
     Tissue tissue{};
   };
-  // Of a voxel, what lies deeper than the leeway under the untouched surface: nobody sees where less was polished off.
-  // Deeper than four voxels the distance is not known.
+  // The share of a voxel that is deeper than the leeway under the untouched surface: nobody sees where less was polished
+  // off. The distance is known down to four voxels.
   double Seen(const Voxel& v) const {
     const int phi = r_.initial().PhiAt(VoxelOf(v.brick, v.number));
     if (phi <= -cutting::kPhiLimit) return 1;
@@ -164,7 +165,7 @@ class FaultMeter {
     return false;
   }
 
-  // Of a voxel, what lies in the layer next to R's surface.
+  // The share of a voxel that is in the layer next to R's surface.
   double NextShare(double distance_m) const {
     return std::clamp((kNext_m - distance_m) / h_m_ + 0.5, 0.0, 1.0);
   }

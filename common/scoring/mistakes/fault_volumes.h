@@ -33,15 +33,15 @@ struct PieceFault {
 struct FaultVolumes {
   // By AcceptableCut::pieces(). Without what is counted below.
   std::vector<PieceFault> over, left;
-  // How far R's surface moved at each piece, m: + over, - left. By the volume at the piece that is nearest, whichever is
-  // charged, and not farther than what was found there.
+  // How far R's surface moved at each piece, m: + over, - left. Each voxel counts at its nearest piece, even where another
+  // piece is charged. At most 1.5 times the distance of the farthest voxel.
   std::vector<double> off_m;
   // Taken from the tooth where nothing of R is near, deeper than the leeway under its untouched surface: at the nearest
   // piece.
   struct Elsewhere {
     double volume_m3 = 0;
     dvec3 moment_m4{0};  // volume times its middle
-    // Of the volume: taken on from what was taken at the piece itself. 0 to 1.
+    // The share of the volume that continues a cut at the piece itself.
     double attached = 0;
   };
   std::vector<Elsewhere> elsewhere;

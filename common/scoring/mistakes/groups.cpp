@@ -19,7 +19,7 @@ constexpr size_t kWavy = 2;
 constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
 // A piece has a mistake of its own where less than this part of it, and all but this much, is explained. Chosen.
 constexpr double kExplained = 0.4, kUnseen_mm = 0.12;
-// What no motion explains: pieces this near are one part, and a smaller part is not told.
+// Pieces that no motion explains belong together where they are this near, and are named from so many points on. Chosen.
 constexpr double kConnected_mm = 0.5, kTold = 0.5;
 
 class Grouper {
@@ -79,8 +79,7 @@ class Grouper {
   // The only floor moves and slopes as one.
   std::pair<int, int> KeyOfRegion(const Displacement& m) const {
     const auto same = std::ranges::count(r_.regions(), m.of, &Region::kind);
-    const bool wall = m.of == RegionKind::kWall || m.of == RegionKind::kAxialWall;
-    return same == 1 && !wall ? KeyOfKind(m.of) : std::pair(5, m.region);
+    return same == 1 && !IsWall(m.of) ? KeyOfKind(m.of) : std::pair(5, m.region);
   }
 
   void TakePatches() {
@@ -113,7 +112,7 @@ class Grouper {
     for (auto& [region, group] : waves) groups_.push_back(std::move(group));
   }
 
-  // What overlaps in one wall is one mistake: a lean, and where it is more than a lean.
+  // Groups that overlap in one wall are one mistake: a lean, and a part that moved farther than the lean says.
   void MergeWalls() {
     for (size_t a = 0; a < groups_.size(); ++a) {
       for (size_t b = groups_.size(); b-- > a + 1;) {
@@ -148,9 +147,8 @@ class Grouper {
     for (MotionGroup& group : groups_) {
       const double there = group.d_mm[middle];
       const Displacement& first = *group.motions.front();
-      const bool wall = first.of == RegionKind::kWall || first.of == RegionKind::kAxialWall;
       const bool same_wall =
-          wall && first.kind >= MotionKind::kOffset && first.region == patch.region;
+          IsWall(first.of) && first.kind >= MotionKind::kOffset && first.region == patch.region;
       const double share = same_wall ? kSameWall : kSameMove;
       if (there * peak <= 0 || std::fabs(there) < share * std::fabs(peak)) continue;
       if (best == nullptr || std::fabs(there) > std::fabs(best->d_mm[middle])) best = &group;
@@ -303,8 +301,7 @@ int MotionGroup::OnlyWall(const AcceptableCut& r) const {
   }
   const auto most = std::ranges::max_element(by_region, {}, [](const auto& e) { return e.second; });
   const RegionKind of = r.regions()[static_cast<size_t>(most->first)].kind;
-  const bool wall = of == RegionKind::kWall || of == RegionKind::kAxialWall;
-  return wall && most->second > kNearlyAll * all ? most->first : -1;
+  return IsWall(of) && most->second > kNearlyAll * all ? most->first : -1;
 }
 
 bool MotionGroup::Has(MotionKind kind) const {
@@ -346,7 +343,7 @@ std::vector<Displacement> Unexplained(const AcceptableCut& r, const FaultVolumes
   std::map<size_t, std::vector<CostlyPiece>> by_part;
   for (size_t a = 0; a < left.size(); ++a) by_part[parts.Of(a)].push_back(left[a]);
   std::vector<Displacement> out;
-  // Small parts of line angles, by side: what stands in all corners is told as one.
+  // Small parts of line angles, by side: tissue left in all corners is one mistake.
   std::array<std::vector<CostlyPiece>, 2> small;
   auto tell = [&](const std::vector<CostlyPiece>& members) {
     const double points = PointsOf(members);

@@ -44,8 +44,8 @@ std::vector<MotionGroup> GroupMotions(const AcceptableCut& r, const FaultVolumes
                                       const std::vector<Displacement>& motions,
                                       const std::vector<double>& off_mm);
 
-// How far a piece is off on one side, mm: the thickness of an even layer with its faults. Of line angles too, which pay
-// for what is nearest to the surfaces that meet there.
+// How far a piece is off on one side, mm: the thickness of an even layer with its faults. Pieces of line angles have one,
+// too, although off_m counts their voxels at the surfaces that meet there.
 double Thickness_mm(const PieceFault& fault);
 
 // A piece that costs, by whatever of it costs: `over`, else what was left.
@@ -54,8 +54,8 @@ struct CostlyPiece {
   bool over = false;
   double points = 0;
 };
-// What no motion explains, where it costs: a bump at each connected part of one region and sign that costs enough to be
-// told.
+// Bumps at the costly pieces that no motion moved: one for each connected part of one sign that costs enough to be named,
+// and one for all small parts in line angles.
 std::vector<Displacement> Unexplained(const AcceptableCut& r, const FaultVolumes& faults,
                                       const std::vector<MotionGroup>& groups,
                                       const std::vector<CostlyPiece>& costly);

@@ -15,9 +15,10 @@ namespace {
 
 // A region goes both ways where the smaller share of the squares is at least this. Chosen.
 constexpr double kBothWays = 0.2;
-// Its root mean square is a wave's that costs: a sine's is 0.7 of its peak. Chosen.
+// The least root mean square of a wave, as a share of how far the region is off where it costs most. A sine has 0.7.
+// Chosen.
 constexpr double kWaveOfCost = 0.3;
-// From this share on, nothing was done. Chosen.
+// Share of the task from which on it counts as not done at all. Chosen.
 constexpr double kNothing_percent = 90;
 
 class Finder {
@@ -28,11 +29,16 @@ class Finder {
         cost_(cost),
         measures_(MeasuresOf(r, faults)),
         off_mm_(InMm(faults.off_m)),
+        wavy_(Wavy()),
         motions_(Explain(r, off_mm_)),
         groups_(GroupMotions(r, faults, motions_, off_mm_)),
         costly_(CostlyPieces()),
         unexplained_(Unexplained(r, faults, groups_, OutsideWaves())) {
     for (const Displacement& bump : unexplained_) groups_.emplace_back().Take(bump);
+    explained_mm_.assign(off_mm_.size(), 0);
+    for (const MotionGroup& group : groups_) {
+      for (size_t i = 0; i < off_mm_.size(); ++i) explained_mm_[i] += group.d_mm[i];
+    }
   }
 
   FoundMistakes Find() {
@@ -43,7 +49,8 @@ class Finder {
     ShareRest();
     for (size_t g = 0; g < groups_.size(); ++g) {
       if (!(out_[g].points > 0)) continue;
-      NameMistake({r_, faults_, off_mm_, RestFor(g), paid_[g]}, groups_[g], out_[g]);
+      NameMistake({r_, faults_, off_mm_, RestFor(groups_[g]), wavy_, paid_[g]}, groups_[g],
+                  out_[g]);
       if (!(out_[g].size > 0) || !IsTrue(out_[g])) CallUneven(g);
     }
     Join();
@@ -55,12 +62,15 @@ class Finder {
     for (double& off : off_m) off *= 1e3;
     return off_m;
   }
-  std::vector<double> RestFor(size_t group) const {
+  // The deviation less what the other groups explain.
+  std::vector<double> RestFor(const MotionGroup& group) const {
     std::vector<double> out = off_mm_;
-    for (size_t g = 0; g < groups_.size(); ++g) {
-      if (g == group) continue;
-      for (size_t i = 0; i < out.size(); ++i) out[i] -= groups_[g].d_mm[i];
-    }
+    for (size_t i = 0; i < out.size(); ++i) out[i] -= explained_mm_[i] - group.d_mm[i];
+    return out;
+  }
+  std::vector<bool> Wavy() const {
+    std::vector<bool> out(r_.regions().size());
+    for (size_t k = 0; k < out.size(); ++k) out[k] = IsWavy(r_, k, off_mm_);
     return out;
   }
   // A hole beside a wall is paid for by the wall, too, and one wave by several regions.
@@ -114,7 +124,7 @@ class Finder {
       const std::string_view kind = NameOf(region.kind);
       const bool there =
           region.name == m.place || kind == m.place || kind.starts_with(m.place + "_");
-      // What is nearest to it may be paid by its edge.
+      // The edge may have paid for the voxels that are nearest to the region.
       if (there && (faults[i].moment_m5 > 0 || sign * faults_.off_m[i] > kLeeway_m)) return true;
     }
     return false;
@@ -202,7 +212,7 @@ class Finder {
     paid_[group][piece.region] += points;
   }
 
-  // What each region paid, by the pieces that it paid for.
+  // Divides each region's points among its pieces, by their moments.
   std::vector<CostlyPiece> CostlyPieces() const {
     std::vector<CostlyPiece> out;
     for (size_t row = 0; row < r_.regions().size(); ++row) {
@@ -221,13 +231,13 @@ class Finder {
     }
     return out;
   }
-  // What no motion explains of a wavy region is a wave.
+  // The rest of a wavy region is a wave and no bumps.
   std::vector<CostlyPiece> OutsideWaves() const {
-    std::vector<bool> wavy(r_.regions().size());
-    for (uint32_t k = 0; k < wavy.size(); ++k) wavy[k] = Waves_mm(k) > 0 || IsWavy(r_, k, off_mm_);
+    std::vector<bool> waves = wavy_;
+    for (uint32_t k = 0; k < waves.size(); ++k) waves[k] = waves[k] || Waves_mm(k) > 0;
     std::vector<CostlyPiece> out;
     for (const CostlyPiece& each : costly_) {
-      if (!wavy[r_.pieces()[each.piece].region]) out.push_back(each);
+      if (!waves[r_.pieces()[each.piece].region]) out.push_back(each);
     }
     return out;
   }
@@ -248,22 +258,21 @@ class Finder {
   // Shares the rows that belong to no region.
   void ShareRest() {
     const size_t groups = groups_.size();
-    const auto& measures = measures_;
-    for (size_t i = r_.regions().size(); i < measures.size(); ++i) {
+    for (size_t i = r_.regions().size(); i < measures_.size(); ++i) {
       double lost = cost_.rows[i].lost;
-      if (measures[i].kind == whole::kNotDone) lost += PaidForNothing();
+      if (measures_[i].kind == whole::kNotDone) lost += PaidForNothing();
       if (!(lost > 0)) continue;
       Mistake mistake;
       mistake.points = lost;
-      mistake.size = cost_.rows[i].over ? measures[i].over : measures[i].left;
-      if (measures[i].kind == whole::kElsewhere) {
+      mistake.size = cost_.rows[i].over ? measures_[i].over : measures_[i].left;
+      if (measures_[i].kind == whole::kElsewhere) {
         ShareElsewhere(lost);
         continue;
       }
-      mistake.kind = measures[i].kind == whole::kNeighbour ? MistakeKind::kNeighbour
-                     : measures[i].kind == whole::kPulp    ? MistakeKind::kPulp
-                     : measures[i].kind == whole::kCaries  ? MistakeKind::kCaries
-                                                           : MistakeKind::kNotDone;
+      mistake.kind = measures_[i].kind == whole::kNeighbour ? MistakeKind::kNeighbour
+                     : measures_[i].kind == whole::kPulp    ? MistakeKind::kPulp
+                     : measures_[i].kind == whole::kCaries  ? MistakeKind::kCaries
+                                                            : MistakeKind::kNotDone;
       mistake.at_m = MiddleOfTask();
       rest_.push_back(mistake);
     }
@@ -326,7 +335,7 @@ class Finder {
     return thickness_mm;
   }
 
-  // What was taken on from a wall belongs to the mistake that moved the wall, the rest is a hole.
+  // A cut that continues from a wall belongs to the mistake that moved the wall; the rest is a hole.
   void ShareElsewhere(double points) {
     double all = faults_.far_m3;
     for (const auto& e : faults_.elsewhere) all += e.volume_m3;
@@ -353,10 +362,12 @@ class Finder {
   const CutCost& cost_;
   const std::vector<RegionMeasure> measures_;
   const std::vector<double> off_mm_;
+  const std::vector<bool> wavy_;  // by region
   const std::vector<Displacement> motions_;
   std::vector<MotionGroup> groups_;
   const std::vector<CostlyPiece> costly_;
   const std::vector<Displacement> unexplained_;
+  std::vector<double> explained_mm_;  // by all groups
   std::vector<Mistake> out_, rest_;
   std::map<size_t, size_t> joined_;  // in out_: what another one says, too
   std::vector<dvec3> points_at_;

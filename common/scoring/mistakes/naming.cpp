@@ -19,15 +19,16 @@ constexpr double kLong = 2.0;
 constexpr double kRimFrom = 0.6, kLow = 0.4, kFoot_mm = 0.45;
 // A lean is said where it moves the ends of a wall by more than this part of what moved all of it.
 constexpr double kLeanSaid = 0.6;
+// All of a wall's area, width or height; and half of its area. Shares. Chosen.
+constexpr double kWhole = 0.72, kHalf = 0.5;
+// A wall leans where a line explains so much (RegionFit::explained): at 0.1 mm, one that leans about its middle has 0.86
+// to 1, and a rim of 0.4 of its height 0.83. Chosen.
+constexpr double kLine = 0.86;
+constexpr int kRowsOfLine = 3;
+// Line angles are within this of the regions beside them.
+constexpr double kBeside_mm = 0.4;
 // Shares: of its peak, where a patch counts as touched; of a region, which then is named as a whole; of a
 // patch, in each of two walls; of a group, that a part is most of.
-// Of a wall's area, width or height: all of it. Of its deviation by height, what a straight line explains where it leans:
-// a step at half its height has 0.875.
-constexpr double kWhole = 0.72, kLine = 0.86;
-constexpr int kRowsOfLine = 3;
-constexpr double kHalf = 0.5;
-// From the edge to the pieces beside it.
-constexpr double kBeside_mm = 0.4;
 constexpr double kTouched = 0.3, kMuch = 0.4, kSpans = 0.2, kMostly = 0.4;
 
 class Namer {
@@ -56,21 +57,15 @@ class Namer {
       NameOneWall(group, static_cast<size_t>(wall), m);
     } else if (IsLocal(first)) {
       NamePatch(group, m);
-    } else if (group.Has(MotionKind::kHeight) || group.Has(MotionKind::kSlopeX) ||
-               group.Has(MotionKind::kSlopeY) || !IsWall(first.of)) {
-      NameLevel(group, m);
     } else {
       NameLevel(group, m);
     }
   }
 
-  static bool IsWall(RegionKind kind) {
-    return kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
-  }
   void NameOneWall(const MotionGroup& group, size_t region, Mistake& m) const {
     const RegionFit fit = FitRegion(r_, region, OwnOf(region));
     m.place = r_.regions()[region].name;
-    // Of a low wall, whatever its rim shows is a line.
+    // With fewer rows, a line fits any deviation.
     const bool leans =
         fit.rows >= kRowsOfLine && Leans(fit.half_height_mm, fit.moved_mm, fit.lean_deg);
     // A wall that was left short ends where caries or a pillar does.
@@ -83,7 +78,8 @@ class Namer {
       NamePatch(group, m);
     }
   }
-  // What other groups explain of a wall is theirs where it is much of it; little is the sparse fit's own sharing.
+  // The deviation less what other groups explain of the wall; all of it where they explain little, since the sparse fit
+  // shares a little of every wall among motions of the whole.
   const std::vector<double>& OwnOf(size_t region) const {
     constexpr double kLittle = 0.3;
     double others = 0, all = 0;
@@ -95,7 +91,7 @@ class Namer {
     }
     return others < kLittle * all ? from_.off_mm : from_.rest_mm;
   }
-  // What was cut from a part of a wall.
+  // Names a cut into a part of a wall.
   MistakeKind NameOfCut(const RegionFit& fit, bool is_long) const {
     const bool all_along = fit.of_width >= kWhole;
     // Along all of the rim, the wall is too far out there.
@@ -143,7 +139,7 @@ class Namer {
     const auto region = std::ranges::find(r_.regions(), kind, &Region::kind);
     const auto number = static_cast<size_t>(region - r_.regions().begin());
     if (!group.Has(MotionKind::kSlopeX) && !group.Has(MotionKind::kSlopeY) &&
-        region != r_.regions().end() && IsWavy(r_, number, from_.off_mm)) {
+        region != r_.regions().end() && from_.wavy[number]) {
       NameWave(number, m);
       return;
     }
@@ -232,7 +228,7 @@ class Namer {
         over > 0 || touched.share > kMuch
             ? 0
             : Standing_mm3(from_.faults, [&](size_t i) { return group.d_mm[i] < 0; });
-    if (IsWavy(r_, static_cast<size_t>(main), from_.off_mm)) {
+    if (from_.wavy[static_cast<size_t>(main)]) {
       NameWave(static_cast<size_t>(main), m);
     } else if (standing_mm3 > 0) {
       m.kind = MistakeKind::kStanding;

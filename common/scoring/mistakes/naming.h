@@ -11,6 +11,7 @@ struct NamedFrom {
   const FaultVolumes& faults;
   const std::vector<double>& off_mm;   // of FaultVolumes
   const std::vector<double>& rest_mm;  // the same less what the other groups explain
+  const std::vector<bool>& wavy;       // by region: IsWavy
   // Points that the group costs, by region: a patch is named after a region that pays for it.
   const std::vector<double>& paid;
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRow_mm = 0.2;  // a piece's width
 constexpr double kMm = 1e3, kDegrees = 180 / std::numbers::pi;
-// Of the typical amount; a wall that leans from its foot reaches it from a quarter of its height on.
+// A share of the typical amount. A wall that leans from its foot reaches it at a quarter of its height.
 constexpr double kMoved = 0.35;
 
 // A piece as a point of the region's own plane.
@@ -78,7 +78,7 @@ void FitLine(const std::vector<Point>& points, RegionFit& fit) {
   fit.explained = dd > 0 ? (d * d / area + slope * dz) / dd : 0;
 }
 
-// Of the means around each piece: a piece alone has a voxel's column more or less than its area.
+// Takes the median of means around each piece: the volume at a single piece is off by up to a column of voxels.
 void FindMedian(std::vector<Point> points, RegionFit& fit) {
   constexpr double kAround_mm = 0.35;
   std::erase_if(points, [](const Point& p) { return p.at_edge; });
@@ -148,7 +148,7 @@ bool IsWavy(const AcceptableCut& r, size_t region, const std::vector<double>& of
   constexpr int kTwice = 2;
   const auto& regions = r.regions();
   const RegionKind kind = regions[region].kind;
-  const bool alone = kind == RegionKind::kWall || kind == RegionKind::kAxialWall;
+  const bool alone = IsWall(kind);
   auto counts = [&](const SurfacePiece& p) {
     return !p.at_edge && (alone ? p.region == region : regions[p.region].kind == kind);
   };

@@ -15,18 +15,20 @@ struct RegionFit {
   // The median of d over its area: what most of it moved by, whatever its rim and corners did.
   double median_mm = 0;
   double half_height_mm = 0;  // from the middle to its ends, as far as pieces reach
-  // Of d by height, averaged over the width, what the formula explains, 0 to 1. A wall that leans has 1, whether or not
-  // it does so by its whole width; a step at half its height 0.875.
+  // The formula's share of the squares of d, which is averaged over the width at each height. A wall that leans has 1,
+  // whether or not all of its width does; a step at a share f of its height from the rim has f + 3 f (1 - f)^2.
   double explained = 0;
-  int rows = 0;  // of so many heights 0.2 mm apart
-  // Of its area, width and height: what moved by a third of the typical amount, 0 to 1, on the side that moved more.
+  int rows = 0;  // number of these heights, 0.2 mm apart
+  // The part that moved by a third of the typical amount, on the side that moved more, as shares of the region's area,
+  // width and height.
   double of_area = 0, of_width = 0, of_height = 0;
   double at_height = 0;  // the middle of that part, 0 at the foot to 1 at the rim
 };
 // `off_mm`: by piece, + over.
 RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
 
-// A wave goes up and down twice at the least, in one wall or along all regions of another kind: floors, cusps, a margin.
+// Whether the surface goes up and down twice at the least: of one wall, or of all regions of another kind together, such as
+// a margin's.
 bool IsWavy(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
 
 }  // namespace enamel::scoring

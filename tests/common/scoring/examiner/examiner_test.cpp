@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
+#include <memory>
 #include <set>
+#include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -137,7 +139,7 @@ constexpr Says kCrown[] = {
     {"shift", "shifted@"},
     {"gouge axial", "pit@axial_+x groove@axial_+x"},
     {"waves axial .2", "wave@axial"},
-    {"waves axial", "full wave@axial"},
+    {"waves axial", "full"},
     {"root cut", "hole@"},
     {"pulp exposed", "pulp@ hole@ pit@"},
     {"nothing", "not_done@"},
