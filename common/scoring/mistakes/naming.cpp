@@ -94,10 +94,12 @@ class Namer {
   // Names a cut into a part of a wall.
   MistakeKind NameOfCut(const RegionFit& fit, bool is_long) const {
     const bool all_along = fit.of_width >= kWhole;
-    // Along all of the rim, the wall is too far out there.
+    const bool all_up = fit.of_height >= kWhole;
+    // Along all of the rim, or from the foot to the rim over half of its width as far as its end, the wall is too far out
+    // there. A groove has two sides.
     if (all_along && (fit.at_height > kRimFrom || fit.of_area >= kWhole)) return NameOfMoved(1);
-    return all_along || fit.of_height >= kWhole || is_long ? MistakeKind::kGroove
-                                                           : MistakeKind::kPit;
+    if (all_up && fit.of_width >= kHalf && fit.at_end) return NameOfMoved(1);
+    return all_along || all_up || is_long ? MistakeKind::kGroove : MistakeKind::kPit;
   }
   static bool Leans(double half_height_mm, double moved_mm, double lean_deg) {
     return std::fabs(TangentOf(lean_deg)) * half_height_mm > kLeanSaid * std::fabs(moved_mm);

@@ -15,6 +15,8 @@ constexpr double kRow_mm = 0.2;  // a piece's width
 constexpr double kMm = 1e3, kDegrees = 180 / std::numbers::pi;
 // A share of the typical amount. A wall that leans from its foot reaches it at a quarter of its height.
 constexpr double kMoved = 0.35;
+// What reaches an end comes as near to it: less than a piece. Chosen.
+constexpr double kEnd_mm = 0.15;
 
 // A piece as a point of the region's own plane.
 struct Point {
@@ -128,6 +130,7 @@ void MeasurePart(const std::vector<Point>& points, RegionFit& fit) {
   };
   fit.of_area = area / all;
   fit.of_width = of(width, whole_width), fit.of_height = of(height, whole_height);
+  fit.at_end = std::min(width.lo - whole_width.lo, whole_width.hi - width.hi) < kEnd_mm;
   fit.at_height =
       whole_height.length() > 0 ? (at / area - whole_height.lo) / whole_height.length() : 0.5;
 }

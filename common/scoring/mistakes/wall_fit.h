@@ -23,6 +23,7 @@ struct RegionFit {
   // width and height.
   double of_area = 0, of_width = 0, of_height = 0;
   double at_height = 0;  // the middle of that part, 0 at the foot to 1 at the rim
+  bool at_end = false;   // that part reaches an end of the region's width: it has no second side
 };
 // `off_mm`: by piece, + over.
 RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
