@@ -110,6 +110,7 @@ class FaultMaker {
   std::vector<dvec3> pulp_m_, contact_m_;  // voxels; contact: of the task
   std::vector<dvec3> caries_m_;            // parts of voxels, of the task
   double highest_m_ = 0;
+  double task_m3_ = 0;  // without neighbours, computed on first use
   std::vector<Fault> out_;
 };
 

@@ -29,20 +29,20 @@ Hollow Without(Hollow taken, Hollow kept) {
 }  // namespace
 
 void FaultMaker::AddCritical(const char* error, Hollow taken, Neighbours neighbours) {
-  const double all = VolumeWhere_m3(
-      volume_, grid_lo_m_, grid_hi_m_,
-      [&](const dvec3& p, Tissue t) { return t != Tissue::kNeighbour && task_.Distance_m(p) < 0; },
-      Wanted());
-  const double done = VolumeWhere_m3(
-      volume_, grid_lo_m_, grid_hi_m_,
-      [&](const dvec3& p, Tissue t) {
-        return t != Tissue::kNeighbour && task_.Distance_m(p) < 0 && taken(p) < 0;
-      },
-      Wanted());
+  auto part = [&](const Hollow& of) {
+    return VolumeWhere_m3(
+        volume_, grid_lo_m_, grid_hi_m_,
+        [&](const dvec3& p, Tissue t) {
+          return t != Tissue::kNeighbour && task_.Distance_m(p) < 0 && of(p) < 0;
+        },
+        Wanted());
+  };
+  if (task_m3_ == 0) task_m3_ = part(EverythingTaken);
+  const double done_m3 = part(taken);
   // A cut through the task is known to half a voxel.
   constexpr double kTolerance_percent = 3;
-  Add(std::string("critical: ") + error, {kNotUsed_percent * done / all}, "%", "task_done_percent",
-      kTolerance_percent, std::move(taken), neighbours);
+  Add(std::string("critical: ") + error, {kNotUsed_percent * done_m3 / task_m3_}, "%",
+      "task_done_percent", kTolerance_percent, std::move(taken), neighbours);
   out_.back().critical = error;
 }
 

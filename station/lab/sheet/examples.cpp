@@ -60,6 +60,22 @@ CutPair Pit(const GradedExercise& graded) {
           }};
 }
 
+constexpr double kTypical_m = 0.3e-3;
+// Along all of the distal wall.
+CutPair ShortOfWall(const GradedExercise& graded) {
+  const BoxCavity& b = graded.task().box;
+  const double wall = b.centre_m.x - b.mesial_x * b.half_x_m;
+  const double inner = wall + b.mesial_x * kTypical_m;
+  return Leaving(graded.task(),
+                 Block({std::min(wall, inner), -1, -1}, {std::max(wall, inner), 1, 1}));
+}
+// Over all of the floor.
+CutPair ShortOfFloor(const GradedExercise& graded) {
+  const BoxCavity& b = graded.task().box;
+  const double floor = b.centre_m.z - b.depth_m;
+  return Leaving(graded.task(), Block({-1, -1, -1}, {1, 1, floor + kTypical_m}));
+}
+
 // At the foot of the distal wall's buccal half, 0.6 mm wide and 0.4 mm high.
 CutPair Ledge(const GradedExercise& graded) {
   constexpr double kWide_m = 0.6e-3, kHigh_m = 0.4e-3;
@@ -144,11 +160,11 @@ std::span<const Example> Examples() {
       {kTurned, "molar", "class-1", "turn", 1, nullptr, Plane::kLevel},
       {kTipped, "molar", "class-1", "", 1, Tipped},
       {kOverExtended, "molar", "class-1", "wall_distal"},
-      {kUnderExtended, "molar", "class-1", "wall_distal", -1},
+      {kUnderExtended, "molar", "class-1", "", 1, ShortOfWall},
       {kLeansOut, "molar", "class-1", "taper"},
       {kLeansIn, "molar", "class-1", "undercut"},
       {kDeep, "molar", "class-1", "floor"},
-      {kShallow, "molar", "class-1", "floor", -1},
+      {kShallow, "molar", "class-1", "", 1, ShortOfFloor},
       {kOverReduced, "molar", "crown", "top_over"},
       {kUnderReduced, "molar", "crown", "top_short"},
       {kSlopes, "molar", "class-1", "tilt_floor"},

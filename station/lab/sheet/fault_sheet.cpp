@@ -142,7 +142,7 @@ class Shower {
       ENAMEL_ASSIGN_OR_RETURN(const auto built,
                               scene::BuildBuiltinScene(std::string(place.first), voxel_nm_));
       ENAMEL_ASSIGN_OR_RETURN(const GradedExercise graded, GradedOf(built, place.second));
-      const auto made = FaultsOf(built, graded.exercise(), graded.task(), false);
+      const auto made = FaultsOf(built, graded.exercise(), graded.task(), true);
       for (const Example* example : examples) {
         if (step) step(static_cast<double>(out.size()) / static_cast<double>(Examples().size()));
         ENAMEL_ASSIGN_OR_RETURN(out[example->kind], Show(words_, *example, graded, made));
