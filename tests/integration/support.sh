@@ -26,14 +26,15 @@ fi
 
 fail() { echo "FAILED: $*" >&2; exit 1; }
 
-# Two neighbouring free ports on loopback; prints the lower.
+# Two neighbouring free ports on loopback; prints the lower. Below 32768: no client gets them while a server is between two
+# starts.
 free_ports() {
   node -e '
     const net = require("net");
     const open = (p) => new Promise((ok) => { const s = net.createServer(); s.once("error", () => ok()); s.listen(p, "127.0.0.1", () => ok(s)); });
     (async () => {
       for (let i = 0; i < 200; ++i) {
-        const p = 20000 + Math.floor(Math.random() * 20000);
+        const p = 20000 + 2 * Math.floor(Math.random() * 6380);
         const a = await open(p), b = a && await open(p + 1);
         a?.close(); b?.close();
         if (a && b) { console.log(p); return; }
