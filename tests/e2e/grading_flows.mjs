@@ -266,7 +266,7 @@ async function handInExam(world) {
   await page.getByRole("button", { name: "Release score" }).click();
   await page.getByText("Score released").waitFor();
   const student = await signedIn(world, "student", world.attempt("exam"));
-  await student.getByText("All measurements").waitFor();
+  await student.getByRole("heading", { name: "All measurements" }).waitFor();
   assert.equal(await student.getByText("How the hand moved").count(), 0);
   assert.equal(await student.getByText("Signed at the chair").count(), 0);
 }
