@@ -134,8 +134,9 @@ bool DistanceQuery::IsWithin(const dvec3& point_m, double distance_m) const {
 }
 
 std::optional<DistanceQuery::Nearest> DistanceQuery::NearestTriangle(const dvec3& point_m,
-                                                                     double limit_m) const {
-  const Found found = Nearest2(point_m, limit_m * limit_m, 0);
+                                                                     double limit_m,
+                                                                     uint32_t guess) const {
+  const Found found = Nearest2(point_m, limit_m * limit_m, 0, guess);
   if (found.triangle == kNone) return {};
   return Nearest{std::sqrt(found.distance2), found.triangle};
 }
@@ -144,8 +145,8 @@ double DistanceQuery::DistanceTo_m(uint32_t triangle, const dvec3& point_m) cons
   return std::sqrt(TriangleDistance2(point_m, triangles_[triangle]));
 }
 
-DistanceQuery::Found DistanceQuery::Nearest2(const dvec3& point_m, double limit2,
-                                             double enough_m) const {
+DistanceQuery::Found DistanceQuery::Nearest2(const dvec3& point_m, double limit2, double enough_m,
+                                             uint32_t guess) const {
   dvec3 g = (point_m - origin_) / cell_m_;
   bool near = std::fabs(g.x) < 1e6 && std::fabs(g.y) < 1e6 && std::fabs(g.z) < 1e6;
   if (triangles_.empty() || !near) return {limit2};
@@ -159,7 +160,13 @@ DistanceQuery::Found DistanceQuery::Nearest2(const dvec3& point_m, double limit2
   dvec3 f = g - dvec3(centre), to_side = glm::min(f, 1.0 - f);
   double margin = std::min({to_side.x, to_side.y, to_side.z});
   uint32_t nearest_one = kNone;
-  double best2 = limit2, best = std::sqrt(limit2) * kRoundUp;
+  double best2 = limit2;
+  if (guess != kNone) {
+    // A little farther than it is, so that it is found in its turn: of equally near ones the first counts.
+    constexpr double kFarther = 1 + 1e-9, kLeast2 = 1e-30;
+    best2 = std::min(best2, TriangleDistance2(point_m, triangles_[guess]) * kFarther + kLeast2);
+  }
+  double best = std::sqrt(best2) * kRoundUp;
   for (; ring <= last; ++ring) {
     double nearest = ring == 0 ? 0 : (ring - 1 + margin) * cell_m_;
     if (nearest * nearest >= best2 || best <= enough_m) break;

@@ -82,11 +82,12 @@ const std::vector<Region>& AcceptableCut::regions() const { return surface_->reg
 const std::vector<SurfacePiece>& AcceptableCut::pieces() const { return surface_->pieces; }
 bool AcceptableCut::is_stump() const { return surface_->is_stump; }
 
-std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_m,
-                                                             double limit_m) const {
+std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_m, double limit_m,
+                                                             Guess& guess) const {
   if (surface_->pieces.empty()) return {};
-  const auto found = query_->NearestTriangle(point_m, limit_m);
+  const auto found = query_->NearestTriangle(point_m, limit_m, guess.triangle);
   if (!found) return {};
+  guess.triangle = found->triangle;
   const uint32_t inner = inner_[found->triangle];
   const uint32_t piece = surface_->piece[inner];
   Found out{{found->distance_m, piece, piece}, found->triangle};
@@ -97,8 +98,9 @@ std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_
     const auto& query = surface_->of_family[other];
     if (!query->IsWithin(point_m, found->distance_m + kLineAngle_m)) continue;
     // The edge is at most as far again.
-    const auto edge = edges_->NearestTriangle(point_m, 2 * (found->distance_m + kLineAngle_m));
-    if (edge) out.nearest.piece = piece_of_edge_[edge->triangle];
+    const auto edge =
+        edges_->NearestTriangle(point_m, 2 * (found->distance_m + kLineAngle_m), guess.edge);
+    if (edge) out.nearest.piece = piece_of_edge_[edge->triangle], guess.edge = edge->triangle;
     break;
   }
   return out;
@@ -131,12 +133,12 @@ std::optional<AcceptableCut::Nearest> AcceptableCut::Brick::At(int i) {
     const double inner = 0.5 * (side_ - 1) * voxel_m_;
     const dvec3 middle = first_m_ + dvec3(at * side_) * voxel_m_ + inner;
     const double half_m = inner * std::sqrt(3.0);
-    block.middle = r_.NearestTo(middle, limit_m_ + half_m);
+    block.middle = r_.NearestTo(middle, limit_m_ + half_m, guess_);
     block.far = !block.middle || block.middle->nearest.distance_m - half_m > kFar_m;
   }
   const dvec3 p = PointOf(i);
   if (!block.far) {
-    auto found = r_.NearestTo(p, limit_m_);
+    auto found = r_.NearestTo(p, limit_m_, guess_);
     if (!found) return {};
     // A mesh cuts the corner between wall and tooth, and is too far from what is left there.
     const int16_t phi = samples_[i];

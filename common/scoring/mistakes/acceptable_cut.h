@@ -119,6 +119,10 @@ class AcceptableCut {
     Nearest nearest;
     uint32_t triangle = 0;
   };
+  // Triangles of query_ and edges_ that a point nearby had.
+  struct Guess {
+    uint32_t triangle = surface::DistanceQuery::kNone, edge = surface::DistanceQuery::kNone;
+  };
   // Looks up the nearest piece of R's surface for the voxels of one brick. One thread at a time.
   class Brick {
    public:
@@ -135,6 +139,7 @@ class AcceptableCut {
       std::optional<Found> middle;
     };
     const AcceptableCut& r_;
+    Guess guess_;
     const double limit_m_, voxel_m_;
     const int16_t* const samples_;  // of R
     dvec3 first_m_{0};
@@ -143,7 +148,7 @@ class AcceptableCut {
   };
 
  private:
-  std::optional<Found> NearestTo(const dvec3& point_m, double limit_m) const;
+  std::optional<Found> NearestTo(const dvec3& point_m, double limit_m, Guess& guess) const;
   void MarkRim(const surface::Mesh& whole, size_t inner);
   void MeasureTask();
 
