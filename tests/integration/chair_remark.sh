@@ -9,7 +9,7 @@ station="$work/station"
 export LC_ALL=C.UTF-8  # it reads English
 
 "$bin/enamel-server" init --data "$work/server" >/dev/null
-"$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$work/server" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 port=$(free_ports)
 start_server "$work/server" "$port"

@@ -17,7 +17,7 @@ may_fill=no
 trap 'umount -l "$station" 2>/dev/null || true; stop_all' EXIT
 
 "$bin/enamel-server" init --data "$server_data" >/dev/null
-"$bin/enamel-server" seed-demo --data "$server_data" --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$server_data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 port=$(free_ports)
 start_server "$server_data" "$port"

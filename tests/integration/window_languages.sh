@@ -8,7 +8,7 @@ mkdir -p "$pictures"
 station="$work/station"
 
 "$bin/enamel-server" init --data "$work/server" >/dev/null
-"$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
+"$bin/enamel-server" seed-demo --data "$work/server" --voxel-um 100 --json "$work/seed" >/dev/null
 port=$(free_ports)
 start_server "$work/server" "$port"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
