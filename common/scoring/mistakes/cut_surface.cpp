@@ -30,7 +30,10 @@ constexpr double kFarFromEdge_m = kLineAngle_m + 0.15e-3;
 constexpr double kNormalCell_m = 0.1e-3, kPiece_m = 0.2e-3;
 
 enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
+// By Class. Seen from the buccal side (scene::Up::kBuccal), gum and chewing surface are where buccal and lingual are from
+// above.
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
+constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
 
 using Cell = std::array<int32_t, 3>;
 Cell CellOf(const dvec3& p, double size_m) {
@@ -263,7 +266,7 @@ class Divider {
 
     for (size_t i = 0; i < at_.size(); ++i) {
       if (class_[i] != kUpward) {
-        const char* side = kSides[class_[i]];
+        const char* side = (place_.up == scene::Up::kBuccal ? kSidesOfFace : kSides)[class_[i]];
         if (out_.is_stump)
           Name(i, RegionKind::kAxialWall, std::string("axial_") + side);
         else

@@ -46,6 +46,8 @@ TEST(ScoreTextTest, EveryRegionGroupAndStateHasWordsInEveryLanguage) {
                               "wall_distal",
                               "wall_buccal",
                               "wall_lingual",
+                              "wall_gingival",
+                              "wall_occlusal",
                               "floor",
                               "floor_1",
                               "floor_2",
