@@ -324,6 +324,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     auto added = std::unique_ptr<Acceptable>(new Acceptable{
         reference, data, {initial_, *data.final_volume, {scene_.tooth, scene_.up}}, {}});
+    ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     ENAMEL_ASSIGN_OR_RETURN(added->cut, scoring::MeasureCut(added->r, attempt, exercise_.rubric));
     acceptable_.push_back(std::move(added));
     return Status::Ok();
@@ -339,7 +340,9 @@ class ScoreJob {
       ENAMEL_RETURN_IF_ERROR(
           AddAcceptable(&reference, {&initial_, &of.final_volume, &of.surface, &of.process}, cut));
     }
+    ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     ENAMEL_ASSIGN_OR_RETURN(target_, scoring::ExactCut(scene_, exercise_, initial_));
+    ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     target_surface_ = surface::ExtractSurface(target_);
     ENAMEL_RETURN_IF_ERROR(
         AddAcceptable(nullptr, {&initial_, &target_, &target_surface_, nullptr}, cut));
@@ -362,17 +365,19 @@ class ScoreJob {
   // `part` of `parts`: how far the measuring is.
   Result<Judged> JudgedBy(scoring::AttemptData attempt, const Acceptable& by, size_t part,
                           size_t parts) {
+    auto tell = [&](double done) {
+      const double all = (static_cast<double>(part) + done) / static_cast<double>(parts);
+      return Tell(kReplayTo + (kMeasureTo - kReplayTo) * all);
+    };
+    ENAMEL_RETURN_IF_ERROR(tell(0));
     Judged out{&by, scoring::FindMistakes(by.r, by.cut.faults, by.cut.cost), {}, {}, {}};
+    ENAMEL_RETURN_IF_ERROR(tell(0));
     out.deviation_m =
         scoring::DeviationPerVertex(*attempt.final_surface, initial_, *attempt.final_volume,
                                     *by.data.final_volume, *by.data.final_surface);
     attempt.deviation_m = &out.deviation_m;
     auto metrics = scoring::ComputeMetrics(
-        scene_, exercise_, attempt, by.data,
-        [&](double done) {
-          const double all = (static_cast<double>(part) + done) / static_cast<double>(parts);
-          return Tell(kReplayTo + (kMeasureTo - kReplayTo) * all).ok();
-        },
+        scene_, exercise_, attempt, by.data, [&](double done) { return tell(done).ok(); },
         scoring::MetricPlan::For(exercise_.rubric));
     if (metrics.status().code() == Code::kUnavailable) return Stopped();
     ENAMEL_ASSIGN_OR_RETURN(out.metrics, std::move(metrics));
