@@ -211,7 +211,8 @@ TEST_F(PgServersTest, ChunksThatComeToTwoServersAtOnceAreKeptOnce) {
   EXPECT_EQ(row.flags & kContradicted, 0u);
   EXPECT_EQ(row.ticks, uint64_t{kChunks} * World::kTicksPerChunk);
   EXPECT_TRUE(stores[1]->seals.SealAttempt(World::SealOf(chunks), 300).ok());
-  EXPECT_TRUE(stores[0]->seals.SealAttempt(World::SealOf(chunks), 300).ok()) << "said twice";
+  const Status twice = stores[0]->seals.SealAttempt(World::SealOf(chunks), 300);
+  EXPECT_TRUE(twice.ok()) << "said twice: " << twice.message();
   EXPECT_EQ(Count("SELECT count(*) FROM jobs"), 1);
 }
 
