@@ -108,10 +108,20 @@ class FaultMeter {
     return std::clamp((depth_m - kLeeway_m) / h_m_ + 0.5, 0.0, 1.0);
   }
 
+  // The share of what was taken from a voxel that is no film of the untouched surface: from where it was to where the
+  // attempt's is, at least the leeway. A larger cut only moves the attempt's surface away.
+  double Deep(const Voxel& v) const {
+    const ivec3 at = VoxelOf(v.brick, v.number);
+    const double from = r_.initial().PhiAt(at), to = attempt_.PhiAt(at);
+    if (from <= -cutting::kPhiLimit || to >= cutting::kPhiLimit) return 1;
+    const double taken_m = h_m_ * (to - from) / cutting::kPhiPerVoxel;
+    return std::clamp((taken_m - kLeeway_m) / h_m_ + 0.5, 0.0, 1.0);
+  }
+
   void Add(AcceptableCut::Brick& places, const Voxel& voxel, double f0, double fa, double fr) {
     const int i = voxel.number;
     const Tissue tissue = voxel.tissue;
-    const double over = fr - fa, left = fa - fr;
+    const double over = fr > fa ? (fr - fa) * Deep(voxel) : 0, left = fa - fr;
     if (tissue == Tissue::kPulp) out_.pulp_m3 += std::max(0.0, over) * voxel_m3_;
     const auto nearest = places.At(i);
     if (!nearest) {

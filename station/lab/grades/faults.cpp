@@ -17,7 +17,7 @@ using cutting::Tissue;
 
 constexpr double kShallow_m = 20e-6, kShave_m = 50e-6;
 // Of what no eye sees, points at most.
-constexpr double kMayCost = 3;
+constexpr double kMayCost = 3, kShavedMayCost = 0.1;
 
 }  // namespace
 
@@ -230,6 +230,7 @@ void FaultMaker::AddShaving() {
     const double size = surface_m2 * layer_m;
     Add("shaved by " + std::to_string(std::lround(layer_m * 1e6)) + " um", {size * kMm3, false},
         "mm3", "outside_removed_mm3", surface_m2 * quarter_m_ * kMm3, Both(Wanted(), shaving));
+    out_.back().may_cost = kShavedMayCost;
   }
 }
 const surface::Mesh& FaultMaker::Surface() {
