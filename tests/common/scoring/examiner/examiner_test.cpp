@@ -173,6 +173,7 @@ class Examiner {
     r_ = std::make_unique<AcceptableCut>(built_.volume, exact_,
                                          ToothPlace{built_.scene.tooth, built_.scene.up});
     carver_ = std::make_unique<Carver>(built_, exercise_);
+    calm_ = std::make_unique<CalmAttempts>(built_.volume, exact_);
   }
 
   struct Judgement {
@@ -185,6 +186,18 @@ class Examiner {
     const auto cut = JudgeCut(*r_, carver_->Carve(recipe), exercise_.rubric);
     EXPECT_TRUE(cut.ok()) << cut.status().message();
     return {100 - std::min(100.0, cut->cost.sum), cut->found.mistakes, cut->cost, cut->measures};
+  }
+
+  // The errors that no examiner passes, as a calm hand's attempt has them.
+  std::vector<std::string> CriticalOf(const Recipe& recipe) const {
+    const cutting::Volume cut = carver_->Carve(recipe);
+    const auto metrics = calm_->Measure(built_.scene, exercise_, cut);
+    EXPECT_TRUE(metrics.ok()) << metrics.status().message();
+    const auto score = ApplyRubric(exercise_.rubric, *metrics, {}, {});
+    EXPECT_TRUE(score.ok()) << score.status().message();
+    std::vector<std::string> out;
+    for (const CriticalResult& c : score->critical) out.push_back(c.error);
+    return out;
   }
 
   // "wall_+x" in the words of this tooth.
@@ -213,6 +226,7 @@ class Examiner {
   cutting::Volume exact_;
   std::unique_ptr<AcceptableCut> r_;
   std::unique_ptr<Carver> carver_;
+  std::unique_ptr<CalmAttempts> calm_;
 };
 
 // Two recipes that differ in the size of their faults alone, the second of which has none smaller.
@@ -303,6 +317,39 @@ INSTANTIATE_TEST_SUITE_P(
                     Asked{"crown_reduction.txt", "molar", "crown", kCrown, 1},
                     Asked{"crown_more.txt", "molar", "crown", kCrown, 1}),
     [](const auto& test) { return fs::path(test.param.file).stem().string(); });
+
+// The README beside the recipes: "A closed gingival contact fails a class II." "Neighbour touched 0.05 mm: remark; 0.15 to
+// 0.25: loses; 0.45: critical." Its "pulp exposed axial" takes no pulp of this tooth.
+TEST(ExaminerCriticalTest, WhatNoExaminerPassesIsCriticalAndNoLesserFaultIs) {
+  const fs::path folder = fs::path(ENAMEL_SHARED_DATA) / "cuts";
+  if (!fs::exists(folder)) GTEST_SKIP() << "shared data not present: " << folder;
+  struct Row {
+    const char *recipe, *error;  // empty: none
+  };
+  constexpr Row kOfClassTwo[] = {
+      {"contact shell .15 left whole", "contact_left"},
+      {"contact shell .3 left gingival third", "contact_left"},
+      {"axial wall deep .15", ""},
+      {"neighbour nick .05", ""},
+      {"neighbour nick .15", ""},
+      {"neighbour groove .25", ""},
+      {"neighbour groove .45", "neighbour_damaged"},
+      {"wrong side: box distal", "wrong_place"},
+  };
+  const Examiner examiner("molar-class-2", "class-2");
+  const std::vector<Recipe> recipes = ReadRecipes(folder / "class2_box.txt");
+  for (const Row& row : kOfClassTwo) {
+    const auto recipe = std::ranges::find(recipes, row.recipe, &Recipe::name);
+    ASSERT_NE(recipe, recipes.end()) << row.recipe;
+    const std::vector<std::string> found = examiner.CriticalOf(*recipe);
+    std::string all;
+    for (const std::string& error : found) all += error + " ";
+    if (*row.error == 0)
+      EXPECT_TRUE(found.empty()) << row.recipe << ": " << all;
+    else
+      EXPECT_TRUE(std::ranges::count(found, row.error)) << row.recipe << ": " << all;
+  }
+}
 
 }  // namespace
 }  // namespace enamel::scoring::examiner
