@@ -271,9 +271,11 @@ try {
   const pages = Object.entries(kPages).flatMap(([who, all]) =>
     all.map((page) => `${who} ${typeof page === "function" ? page(w) : page}`),
   );
+  const chosen = covering(pages, kFactors, { each: kEach, fits });
+  if (chosen.left.length > 0) throw new Error(`no page is shown with ${chosen.left.join(", ")}`);
   const looks = process.env.ENAMEL_FULL
     ? pages.flatMap((page) => allOf(kFactors, fits).map((look) => ({ page, ...look })))
-    : covering(pages, kFactors, { each: kEach, fits }).combinations;
+    : chosen.combinations;
   const browser = await launch();
   try {
     for (const who of Object.keys(kPages)) {

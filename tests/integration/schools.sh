@@ -137,6 +137,7 @@ if [ -z "${ENAMEL_POSTGRES:-}" ]; then
     ls -l "/proc/$server/fd" | grep -q " $north/" || break
     sleep 0.1
   done
+  ! ls -l "/proc/$server/fd" | grep -q " $north/" || fail "a suspended school's files are still open after a minute"
   mv "$north" "$work/away"
   cli school resume north --data "$data" >/dev/null
   wait_for_log "$work/server.log" 'north is not in'

@@ -30,8 +30,7 @@ constexpr double kFarFromEdge_m = kLineAngle_m + 0.15e-3;
 constexpr double kNormalCell_m = 0.1e-3, kPiece_m = 0.2e-3;
 
 enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
-// By Class. Seen from the buccal side (scene::Up::kBuccal), gum and chewing surface are where buccal and lingual are from
-// above.
+// By Class. A cavity in the buccal face (scene::Up::kBuccal) has its gingival wall where one from above has its buccal wall.
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
 constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
 
@@ -266,11 +265,12 @@ class Divider {
 
     for (size_t i = 0; i < at_.size(); ++i) {
       if (class_[i] != kUpward) {
-        const char* side = (place_.up == scene::Up::kBuccal ? kSidesOfFace : kSides)[class_[i]];
-        if (out_.is_stump)
-          Name(i, RegionKind::kAxialWall, std::string("axial_") + side);
-        else
-          Name(i, RegionKind::kWall, std::string("wall_") + side);
+        if (out_.is_stump) {
+          Name(i, RegionKind::kAxialWall, std::string("axial_") + kSides[class_[i]]);
+        } else {
+          const auto& sides = place_.up == scene::Up::kBuccal ? kSidesOfFace : kSides;
+          Name(i, RegionKind::kWall, std::string("wall_") + sides[class_[i]]);
+        }
         continue;
       }
       const auto floor = std::ranges::find(floors, static_cast<size_t>(part[i]));

@@ -108,8 +108,8 @@ class FaultMeter {
     return std::clamp((depth_m - kLeeway_m) / h_m_ + 0.5, 0.0, 1.0);
   }
 
-  // The share of what was taken from a voxel that is no film of the untouched surface: from where it was to where the
-  // attempt's is, at least the leeway. A larger cut only moves the attempt's surface away.
+  // The share of what was taken from a voxel that belongs to no film off the untouched surface. A film is thinner than the
+  // leeway between that surface and the attempt's. A larger cut only moves the attempt's surface away.
   double Deep(const Voxel& v) const {
     const ivec3 at = VoxelOf(v.brick, v.number);
     const double from = r_.initial().PhiAt(at), to = attempt_.PhiAt(at);

@@ -13,8 +13,9 @@
 //     M^3 = 1/A  integral over the set of  3 ((delta - lambda) / L)^2 / L  dV
 //
 // where L is the size at which the measure is 1 (prices.h). A layer of even thickness t that begins
-// at R's surface has M = (t - lambda) / L. Depth counts more than area, and both count. A larger set
-// never has a smaller M, since the integrand depends on R alone.
+// at R's surface has M = (t - lambda) / L. Depth counts more than area, and both count. A film off the untouched surface
+// that is thinner than lambda is not over. A larger set never has a smaller M: the integrand depends on R alone, and what
+// is a film stops being one when more is taken.
 //
 // Deterministic. Thread safety: functions, any thread. Not real-time.
 namespace enamel::scoring {

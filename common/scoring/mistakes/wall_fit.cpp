@@ -15,7 +15,7 @@ constexpr double kRow_mm = 0.2;  // a piece's width
 constexpr double kMm = 1e3, kDegrees = 180 / std::numbers::pi;
 // A share of the typical amount. A wall that leans from its foot reaches it at a quarter of its height.
 constexpr double kMoved = 0.35;
-// What reaches an end comes as near to it: less than a piece. Chosen.
+// A part that comes this near to an end of the region reaches it. Less than a piece is wide. Chosen.
 constexpr double kEnd_mm = 0.15;
 
 // A piece as a point of the region's own plane.

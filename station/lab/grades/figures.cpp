@@ -92,7 +92,8 @@ std::string Lost(const GradeRow& r) {
 GradeFigure FirstMistakes(const std::vector<GradeRow>& rows, const char* of, bool crowns) {
   return Counted(
       rows,
-      std::string("first mistakes named as an instructor would, ") + of + ", goal 95 % or more",
+      std::string("first mistakes named as an instructor would, ") + of + ", goal " +
+          (crowns ? "95" : "98") + " % or more",
       [&](const GradeRow& r) { return r.NamesItsMistake() && r.IsCrown() == crowns; },
       [](const GradeRow& r) { return r.judged.FirstIsRight(); }, LostFor);
 }

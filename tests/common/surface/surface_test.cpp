@@ -562,6 +562,17 @@ TEST(DistanceQueryTest, NearestTriangleIsAsFarAsTheDistanceSays) {
     EXPECT_EQ(nearest->distance_m, query.Distance_m(p, 1));
     EXPECT_EQ(query.DistanceTo_m(nearest->triangle, p), nearest->distance_m);
     EXPECT_FALSE(query.NearestTriangle(p, 0.999 * nearest->distance_m));
+    // Vertices and the middle of the ball, too, are as near to several triangles.
+    for (const dvec3& at :
+         {p, dvec3(mesh.position_m[static_cast<size_t>(i)]), kCentre * kVoxel_m}) {
+      const auto without = query.NearestTriangle(at, 1);
+      for (const uint32_t guess : {without->triangle, uint32_t{0}, static_cast<uint32_t>(i) * 3}) {
+        const auto with = query.NearestTriangle(at, 1, guess);
+        ASSERT_TRUE(with);
+        EXPECT_EQ(with->triangle, without->triangle);
+        EXPECT_EQ(with->distance_m, without->distance_m);
+      }
+    }
   }
   EXPECT_FALSE(DistanceQuery(Mesh{}).NearestTriangle({0, 0, 0}, 1));
 }

@@ -163,7 +163,7 @@ void Thief::Run(const std::stop_token& stop) {
     const double now = NowS();
     const auto turn = static_cast<size_t>((now - begin_s) / turn_s_);
     const auto misuse = misuses_[turn % misuses_.size()];
-    // A single one goes on: what it has sent is what another turn would have to send again.
+    // A single misuse keeps its links. On new ones it would have to send everything again.
     if (turn != before && misuses_.size() > 1) {
       for (Line& line : lines) line.link->Close(true);
       before = turn;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/trace/trace.h"
 #include "tests/load/school.h"
 #include "tests/load/stations/link.h"
 

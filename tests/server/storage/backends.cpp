@@ -139,7 +139,7 @@ class EmptySchemas {
     if (!kept_.empty() || Structure(*db) != structure_) {
       return Do(*db, ("DROP SCHEMA \"" + schema + "\" CASCADE").c_str());
     }
-    // As a replica, whose triggers keep silent: nobody deletes from an audit trail.
+    // The audit trail's triggers forbid every delete. In the role of a replica PostgreSQL fires none of them.
     Do(*db, R"(SET session_replication_role = replica; DO $$ DECLARE t text; BEGIN
       FOR t IN SELECT tablename FROM pg_tables WHERE schemaname = current_schema() LOOP
         EXECUTE format('DELETE FROM %I', t);
@@ -160,7 +160,7 @@ class EmptySchemas {
     const Status done = db.Exec(sql);
     EXPECT_TRUE(done.ok()) << done.message();
   }
-  // Of all that a test may make, drop or alter.
+  // Describes every column, constraint and trigger of the schema: what a test may make, drop or alter.
   static std::string Structure(sql::Db& db) {
     sql::Query q(db, R"(SELECT string_agg(what, ' ' ORDER BY what) FROM (
       SELECT format('%s %s %s %s', attrelid, attname, atttypid, attnotnull) AS what FROM pg_attribute

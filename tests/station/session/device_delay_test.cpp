@@ -274,7 +274,8 @@ TEST_F(DeviceDelayTest, ADeviceAsQuickAsTheLoopHasNothingAdded) {
   }
 }
 
-// At least: a busy computer looks late, at half of them or more. PoseWatchTest has the rest, on a clock of its own.
+// A busy computer looks late, at half of the poses or more, so only the least is checked. PoseWatchTest checks the exact
+// period, on a simulated clock.
 TEST_F(DeviceDelayTest, ThePeriodOfADevicesPosesIsMeasured) {
   for (const int period_us : {4000, 1000}) {
     const DevicePace pace = AwaitPace(Paced(std::chrono::microseconds(period_us)));

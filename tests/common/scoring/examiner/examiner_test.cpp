@@ -188,7 +188,7 @@ class Examiner {
     return {100 - std::min(100.0, cut->cost.sum), cut->found.mistakes, cut->cost, cut->measures};
   }
 
-  // The errors that no examiner passes, as a calm hand's attempt has them.
+  // Names the critical errors of the cut, as if a calm hand had made it.
   std::vector<std::string> CriticalOf(const Recipe& recipe) const {
     const cutting::Volume cut = carver_->Carve(recipe);
     const auto metrics = calm_->Measure(built_.scene, exercise_, cut);
