@@ -78,7 +78,8 @@ upload station1
 upload station2
 wait_scored second_cut
 mark second_cut
-wait_scored late_person late_station late_exercise
+# A cut that becomes a reference is scored once more, beside itself.
+wait_scored first_cut second_cut late_person late_station late_exercise
 admin list-awaited | grep -q "nothing waits" || fail "something is still awaited"
 [ "$(admin list-attempts | grep -c ' scored ')" = 5 ] || { admin list-attempts; fail "not the five attempts"; }
 "$bin/enamel-server" verify --data "$data"

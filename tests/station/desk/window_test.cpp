@@ -18,6 +18,7 @@
 #include "tests/station/render/second_client.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/station/session/kept_attempt.h"
+#include "tests/station/session/log_lines.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
@@ -247,8 +248,15 @@ TEST_F(WindowTest, ALostDeviceIsSeenAtAGlance) {
     const std::string name =
         std::to_string(shown.width_px) + "-" + std::string(language::CodeOf(shown.language));
     const fs::path lost = pictures / ("lost-device-" + name + ".png");
-    Play("",
-         Meet([&] { HidBus::Get().Unplug(Node().string()); }) + "picture " + lost.string() + "\n");
+    const LogLines log;
+    const auto unplug = [&] {
+      HidBus::Get().Unplug(Node().string());
+      // A busy computer finds it out after many frames.
+      for (int i = 0; i < 3000 && !log.Has("the force is off"); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      }
+    };
+    Play("", Meet(unplug) + "picture " + lost.string() + "\n");
     board_.reset();
     board_.emplace(Node(), kProfile);
     // A disc of a fifth of the picture's height, less its symbol.

@@ -215,25 +215,25 @@ TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) 
     service.Delay(std::chrono::microseconds(delay_us), std::chrono::microseconds(200));
     auto device = sdk::OpenChosenDevice(choice, prepared_.profile, 1e-3);
     ASSERT_TRUE(device.ok()) << device.status().message();
+    // A busy computer answers later than it was told to, never sooner.
+    const auto measured = AwaitPace(**device).answers;
+    ASSERT_TRUE(measured.has_value());
+    EXPECT_GT(measured->answers, 0);
+    EXPECT_GE(measured->median_us, delay_us);
+    EXPECT_GE(measured->p99_us, measured->median_us);
     LogLines log;
-    ASSERT_TRUE(UseDelay(**device).ok());
-    ASSERT_TRUE(prepared_.delay && prepared_.delay->answers);
-    const scene::AnswerTime answers = *prepared_.delay->answers;
-    EXPECT_GE(answers.answers, kAnswersToKnow);
-    EXPECT_GE(answers.median_us, delay_us);
-    EXPECT_GE(answers.p99_us, answers.median_us);
-    const auto whole = [](int64_t us) { return std::max<int64_t>(1, (us + 999) / 1000); };
-    const int64_t ticks = 1 + whole(answers.p99_us) + whole(answers.median_us) - 1;
+    const scene::AnswerTime answers{delay_us + 100, delay_us + 190, kAnswersToKnow};
+    ASSERT_TRUE(UseDelayOf(prepared_, **device, {answers, {}}, folder_).ok());
+    EXPECT_TRUE(prepared_.delay && prepared_.delay->answers == answers);
+    const int ticks = delay_us == 0 ? 2 : 8;  // one, and that of the profile; twice four less one
     EXPECT_EQ(prepared_.delay->ticks, ticks);
     EXPECT_EQ(prepared_.header.params.bus_delay_ticks, static_cast<uint32_t>(ticks));
-    EXPECT_EQ(Kc(), std::min<int64_t>(222, 2000 / ((ticks + 1) * (ticks + 1))));
+    EXPECT_EQ(Kc(), 2000 / ((ticks + 1) * (ticks + 1)));
     EXPECT_TRUE(log.Has("99 of 100 answers within")) << log.text();
     EXPECT_TRUE(scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile,
                                    prepared_.header.params)
                     .ok());
-    if (delay_us == 0) continue;
-    EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kAnswers);
-    EXPECT_LE(Kc(), 2000 / 36);
+    if (delay_us != 0) EXPECT_EQ(prepared_.delay->from, scene::DelayUsed::From::kAnswers);
   }
 }
 
