@@ -158,7 +158,8 @@ template <typename Work>
 auto Authenticator::InPlace(std::string login, Origin origin, Line line, std::string via,
                             StorePool& pool, Work work)
     -> boost::asio::awaitable<decltype(work())> {
-  const std::optional<Turn> turn = places_.Take(login, PlaceOf(origin), line);
+  const std::optional<Turn> turn =
+      places_.Take(login, PlaceOf(origin), line, !origin.party.empty());
   if (!turn) {
     co_return TurnAway(
         "busy", std::move(login), origin.address, via,

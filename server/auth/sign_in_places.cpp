@@ -1,5 +1,7 @@
 #include "server/auth/sign_in_places.h"
 
+#include <limits>
+
 namespace enamel::server::auth {
 namespace {
 
@@ -11,20 +13,22 @@ std::string NameOf(const std::string& login, const std::string& place) {
 }  // namespace
 
 std::optional<Turn> SignInPlaces::Take(const std::string& login, const std::string& place,
-                                       Line line) {
+                                       Line line, bool is_party) {
   const std::string name = NameOf(login, place);
+  const std::string& of = is_party ? place : name;
+  const size_t threads = is_party ? 1 : std::numeric_limits<size_t>::max();
   MutexLock lock(mutex_);
   const bool known = line == Line::kFirst || known_.contains(name);
-  if (known && waiting_[name] < kMostOfLogin) {
-    ++waiting_[name];
-    return Turn(name, Line::kFirst);
+  if (known && waiting_[of] < kMostOfLogin) {
+    ++waiting_[of];
+    return Turn(of, Line::kFirst, threads);
   }
   const auto at = waiting_.find(place);
   const size_t here = at == waiting_.end() ? 0 : at->second;
   if (here >= of_place_ || (here >= kAlways && others_ >= kMost)) return std::nullopt;
   ++waiting_[place];
   ++others_;
-  return Turn(place, known ? Line::kUsual : line);
+  return Turn(place, known ? Line::kUsual : line, threads);
 }
 
 void SignInPlaces::Leave(const Turn& turn) {

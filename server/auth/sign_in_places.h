@@ -19,14 +19,16 @@ namespace enamel::server::auth {
 //   another login                                    the other places of its      `of_place`
 //                                                    line
 //
-// A place is an AddressSite or a party (Origin). "Has signed in" is since the server began: at most
-// 20 000 logins. While kMost wait, a place has kAlways more. Thread safety: any thread.
+// A place is an AddressSite or a party (Origin). A party takes turns as one, whatever the login, and
+// has one thread: a hash takes 64 MiB. "Has signed in" is since the server began: at most 20 000
+// logins. While kMost wait, a place has kAlways more. Thread safety: any thread.
 class SignInPlaces {
  public:
   explicit SignInPlaces(size_t of_place) : of_place_(of_place) {}
 
   // None: there is no place, it has to come again.
-  std::optional<Turn> Take(const std::string& login, const std::string& place, Line line);
+  std::optional<Turn> Take(const std::string& login, const std::string& place, Line line,
+                           bool is_party = false);
   // Of a Take.
   void Leave(const Turn& turn);
   // The login has signed in from there.

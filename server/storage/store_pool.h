@@ -42,7 +42,8 @@ struct Turn {
       : of(std::move(whose)), line(in), most(most_threads) {}
   std::string of;  // a person, an address; empty: nobody's in particular
   Line line = Line::kUsual;
-  // Threads that it may have at once, where that is less than the pool's `most_of_one`.
+  // Threads that it may have at once, in all lines together, where that is less than the pool's
+  // `most_of_one`. The same in each of its turns.
   size_t most = std::numeric_limits<size_t>::max();
 };
 
@@ -84,7 +85,7 @@ class StorePool {
                                asio::execution::outstanding_work.tracked);
       // std::function wants to copy it.
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-      Post(std::move(turn), [&work, back, shared] {
+      Post(turn, [&work, back, shared] {
         std::exception_ptr failure;
         std::optional<T> value;
         try {
@@ -107,20 +108,20 @@ class StorePool {
 
  private:
   using Task = std::function<void()>;
+  static constexpr size_t kLines = 3;
   struct Party {
-    std::deque<Task> waiting{};
-    size_t running = 0;
-    bool in_line = false;
+    std::array<std::deque<Task>, kLines> waiting{};  // by Line
+    std::array<bool, kLines> in_line{};
+    size_t most = 0;   // threads
+    size_t taken = 0;  // of them: running, and in line for one
   };
-  using Parties = std::map<Turn, Party, bool (*)(const Turn&, const Turn&)>;
-  static bool Before(const Turn& a, const Turn& b) {
-    return a.line != b.line ? a.line < b.line : a.of < b.of;
-  }
+  using Parties = std::map<std::string, Party>;  // by Turn::of
 
-  void Post(Turn turn, Task task) {
+  void Post(const Turn& turn, Task task) {
     MutexLock lock(mutex_);
-    const auto at = parties_.try_emplace(std::move(turn)).first;
-    at->second.waiting.push_back(std::move(task));
+    const auto at = parties_.try_emplace(turn.of).first;
+    at->second.most = std::min(most_of_one_, turn.most);
+    at->second.waiting[static_cast<size_t>(turn.line)].push_back(std::move(task));
     Queue(at);
     if (lines_[0].size() + lines_[1].size() + lines_[2].size() <= idle_) {
       wake_.notify_one();
@@ -135,13 +136,15 @@ class StorePool {
     }
   }
 
-  // Puts the party at the end of its line, if it may have a thread for what waits.
+  // Puts the party at the end of each line in which its work waits, if it may have a thread more.
   void Queue(Parties::iterator at) ENAMEL_REQUIRES(mutex_) {
     Party& party = at->second;
-    const size_t most = std::min(most_of_one_, at->first.most);
-    if (party.in_line || party.waiting.empty() || party.running >= most) return;
-    party.in_line = true;
-    lines_[static_cast<size_t>(at->first.line)].push_back(at);
+    for (size_t line = 0; line < kLines; ++line) {
+      if (party.in_line[line] || party.waiting[line].empty() || party.taken >= party.most) continue;
+      party.in_line[line] = true;
+      ++party.taken;
+      lines_[line].push_back(at);
+    }
   }
 
   // Whose turn it is. Requires: somebody is in a line.
@@ -155,15 +158,6 @@ class StorePool {
     return last ? 2 : 1;
   }
 
-  // The next in line. Requires: somebody is in one.
-  Parties::iterator Next() ENAMEL_REQUIRES(mutex_) {
-    auto& line = lines_[NextLine()];
-    const Parties::iterator at = line.front();
-    line.pop_front();
-    at->second.in_line = false;
-    return at;
-  }
-
   void Loop() {
     MutexLock lock(mutex_);
     for (;;) {
@@ -174,26 +168,29 @@ class StorePool {
       wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || any(); });
       --idle_;
       if (!any()) return;
-      const auto at = Next();
-      Task task = std::move(at->second.waiting.front());
-      at->second.waiting.pop_front();
-      ++at->second.running;
+      const size_t line = NextLine();
+      const Parties::iterator at = lines_[line].front();
+      lines_[line].pop_front();
+      at->second.in_line[line] = false;
+      Task task = std::move(at->second.waiting[line].front());
+      at->second.waiting[line].pop_front();
       Queue(at);
       mutex_.unlock();
       task();
       task = nullptr;
       mutex_.lock();
-      --at->second.running;
+      --at->second.taken;
       Queue(at);
-      if (at->second.running == 0 && at->second.waiting.empty()) parties_.erase(at);
+      // All that waits is in line, or follows what runs.
+      if (at->second.taken == 0) parties_.erase(at);
     }
   }
 
   const size_t most_, most_of_one_;
   Mutex mutex_;
   std::condition_variable_any wake_;
-  Parties parties_ ENAMEL_GUARDED_BY(mutex_){&Before};
-  std::array<std::deque<Parties::iterator>, 3> lines_ ENAMEL_GUARDED_BY(mutex_);  // by Line
+  Parties parties_ ENAMEL_GUARDED_BY(mutex_);
+  std::array<std::deque<Parties::iterator>, kLines> lines_ ENAMEL_GUARDED_BY(mutex_);  // by Line
   bool first_had_turn_ ENAMEL_GUARDED_BY(mutex_) = false;
   bool usual_had_turn_ ENAMEL_GUARDED_BY(mutex_) = false;
   size_t idle_ ENAMEL_GUARDED_BY(mutex_) = 0;

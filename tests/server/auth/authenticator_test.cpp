@@ -533,8 +533,24 @@ TEST(SignInPlacesTest, OwnersSignInWhileThreeAddressesGuess) {
 
 TEST(SignInPlacesTest, WhoIsKnownToBeTheOwnerGoesFirstAndWhoGuessesLast) {
   SignInPlaces places(64);
-  EXPECT_EQ(places.Take("ada", "=device 1", Line::kFirst)->line, Line::kFirst);
+  EXPECT_EQ(places.Take("ada", "=device 1", Line::kFirst, true)->line, Line::kFirst);
   EXPECT_EQ(places.Take("ada", "elsewhere", Line::kLast)->line, Line::kLast);
+}
+
+// Its hashes take the memory of one (load.a_stolen_chair…), whoever signs in at it.
+TEST(SignInPlacesTest, AChairTakesTurnsAsOneAndHasOneThread) {
+  SignInPlaces places(4);
+  places.Know("ada", "=chair 1");
+  size_t let_in = 0;
+  for (const char* login : {"ada", "ben", "ada", "cem", "ada", "ada", "ben"}) {
+    const auto turn = places.Take(login, "=chair 1", Line::kUsual, true);
+    if (!turn) continue;
+    ++let_in;
+    EXPECT_EQ(turn->of, "=chair 1");
+    EXPECT_EQ(turn->most, 1u);
+  }
+  EXPECT_EQ(let_in, 4u);
+  EXPECT_GT(places.Take("ada", "school", Line::kUsual)->most, 2u) << "a school is many people";
 }
 
 TEST(SignInPlacesTest, AClassIsLetInFromOneAddressAndManyAddressesDoNotKeepOutOneMore) {

@@ -103,12 +103,13 @@ TEST_F(StorePoolTest, APartyHasAsManyThreadsAsItsTurnSays) {
   StorePool pool(2);
   Post(pool, Turn("one", Line::kUsual, 1), "a");
   Post(pool, Turn("one", Line::kUsual, 1), "b");
+  Post(pool, Turn("one", Line::kFirst, 1), "c");  // in whatever line
   begun_.acquire();
   Post(pool, Turn("other"), "X");
   begun_.acquire();
   EXPECT_EQ(order(), "aX");
-  Finish(3);
-  EXPECT_EQ(order().size(), 3u);
+  Finish(4);
+  EXPECT_EQ(order().size(), 4u);
 }
 
 TEST_F(StorePoolTest, WhoWaitsForWorkThrowsWhatItThrew) {
