@@ -21,7 +21,7 @@ namespace {
 struct GradesCommand {
   GradesOptions options;
   std::vector<int> voxels_um;
-  int mixtures = 0;
+  int mixtures = 0, offsets = 0;
   uint64_t seed = 1;
   std::string json;
 };
@@ -69,6 +69,7 @@ Status RunMixtures(const GradesCommand& command) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(command.json, "--json"));
   MixturesOptions options;
   options.count = command.mixtures;
+  options.offsets = command.offsets;
   options.seed = command.seed;
   options.exercises = command.options.exercises;
   if (!command.voxels_um.empty()) options.voxels_nm = command.options.voxels_nm;
@@ -86,6 +87,7 @@ Status RunMixtures(const GradesCommand& command) {
                 faults.c_str());
     for (const std::string& law : r.broken) std::printf("%28sBROKEN: %s\n", "", law.c_str());
     for (const std::string& what : r.wrong) std::printf("%28sFALSE: %s\n", "", what.c_str());
+    for (const std::string& fault : r.missed) std::printf("%28snot named: %s\n", "", fault.c_str());
     broken += r.broken.size();
   };
   ENAMEL_ASSIGN_OR_RETURN(const auto rows,
@@ -93,16 +95,31 @@ Status RunMixtures(const GradesCommand& command) {
                             progress.Show(what, ratio);
                           }));
   progress.Clear();
-  double sum_error = 0;
-  size_t said = 0, wrong = 0;
+  double sum_error = 0, lost = 0, uneven = 0;
+  size_t said = 0, wrong = 0, asked = 0, found = 0, mistakes = 0, invented = 0;
   for (const MixtureRow& r : rows) {
     sum_error = std::max(sum_error, r.sum_error);
     said += r.sentences, wrong += r.wrong.size();
+    asked += r.asked, found += r.found;
+    mistakes += r.mistakes, invented += r.invented;
+    lost += r.lost, uneven += r.uneven;
   }
   std::printf(
       "\n%12zu  laws broken in %zu mixtures\n%12.1e  points, the largest difference between the "
-      "mistakes' points and the loss\n%12zu  of %zu sentences are false\n",
-      broken, rows.size(), sum_error, wrong, said);
+      "mistakes' points and the loss\n%12zu  of %zu sentences are false\n%12zu  of %zu faults that "
+      "alone cost a point are named at a region that they reach\n%12zu  of %zu mistakes of a point "
+      "and more are at no such region\n%12.1f  %% of the points are lost to what nothing "
+      "explains\n",
+      broken, rows.size(), sum_error, wrong, said, found, asked, invented, mistakes,
+      lost > 0 ? 100 * uneven / lost : 0);
+  if (options.offsets > 0) {
+    std::vector<double> spread;
+    for (const MixtureRow& r : rows) spread.push_back(r.offset_spread);
+    std::ranges::sort(spread);
+    std::printf(
+        "%12.2f  points, the 95th percentile of a mixture's spread over %d places in the grid\n",
+        spread[(spread.size() * 95 - 1) / 100], options.offsets + 1);
+  }
   ENAMEL_RETURN_IF_ERROR(WriteRows(command.json, MixturesJson(rows)));
   return broken == 0 ? Status::Ok()
                      : Status(Code::kInternal, std::to_string(broken) + " laws are broken");
@@ -269,6 +286,11 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       ->add_option("--mixtures", command->mixtures,
                    "Instead: so many random mixtures of faults, and the laws that points obey")
       ->check(CLI::Range(1, 100'000));
+  grades
+      ->add_option("--offsets", command->offsets,
+                   "Of the mixtures: so many more places in the grid, by parts of a voxel")
+      ->needs("--mixtures")
+      ->check(CLI::Range(1, 64));
   grades->add_option("--seed", command->seed, "Of the mixtures")->capture_default_str();
   grades->add_option("--json", command->json, "Write the rows to this file");
   grades->footer(

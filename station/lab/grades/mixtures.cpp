@@ -20,9 +20,11 @@ namespace {
 namespace json = boost::json;
 using scoring::AcceptableCut;
 
-// Points: the rounding of their sums.
-constexpr double kRounding = 1e-9;
+// Points: the rounding of their sums; a fault that an examiner would write down.
+constexpr double kRounding = 1e-9, kWorthSaying = 1;
 constexpr double kMm = 1e-3;
+// Multiples of it fill a cube evenly: powers of the root of x^4 = x + 1 (Roberts, the R sequence).
+constexpr dvec3 kSpread(0.8191725134, 0.6710436067, 0.5497004779);
 
 // Over faults lie outside the task and left ones inside it, so that none undoes another.
 struct RandomFault {
@@ -120,6 +122,16 @@ class Mixer {
     return out;
   }
 
+  // Whether the fault moved a region's surface by half a voxel and more, for each region.
+  std::vector<bool> Reached(const RandomFault& fault) const {
+    const double in_m = (fault.over ? -0.5 : 0.5) * r_.initial().spec().voxel_m();
+    std::vector<bool> out(r_.regions().size());
+    for (const scoring::SurfacePiece& piece : r_.pieces()) {
+      if (fault.small(piece.at_m + piece.normal * in_m) < 0) out[piece.region] = true;
+    }
+    return out;
+  }
+
   double Uniform(double from, double to) {
     return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
   }
@@ -145,9 +157,9 @@ class Mixer {
 class Trial {
  public:
   static Result<std::unique_ptr<Trial>> Make(const scene::BuiltScene& built,
-                                             const scene::Exercise& exercise) {
+                                             const scene::Exercise& exercise, int offsets) {
     ENAMEL_ASSIGN_OR_RETURN(Task task, TaskOf(built, exercise));
-    return std::unique_ptr<Trial>(new Trial(built, exercise, std::move(task)));
+    return std::unique_ptr<Trial>(new Trial(built, exercise, std::move(task), offsets));
   }
 
   Result<MixtureRow> Try(uint64_t seed) const {
@@ -161,7 +173,10 @@ class Trial {
     for (int i = 0; i < count; ++i) faults.push_back(mixer.DrawApart(faults));
     for (const RandomFault& fault : faults) row.faults.push_back(fault.name);
     ENAMEL_ASSIGN_OR_RETURN(row.exact, Score(task_, row));
-    ENAMEL_ASSIGN_OR_RETURN(row.score, Score(mixer.Cut(faults), row));
+    std::vector<scoring::Mistake> mistakes;
+    ENAMEL_ASSIGN_OR_RETURN(row.score, Score(mixer.Cut(faults), row, &mistakes));
+    ENAMEL_RETURN_IF_ERROR(Compare(mixer, faults, mistakes, row));
+    ENAMEL_ASSIGN_OR_RETURN(row.offset_spread, Spread(mixer.Cut(faults), row.score));
     for (size_t i = 0; i < faults.size(); ++i) {
       ENAMEL_ASSIGN_OR_RETURN(row.larger.emplace_back(), Score(mixer.Cut(faults, i), row));
       if (row.larger.back() > row.score + kRounding) {
@@ -179,15 +194,85 @@ class Trial {
   }
 
  private:
-  Trial(const scene::BuiltScene& built, const scene::Exercise& exercise, Task task)
+  Trial(const scene::BuiltScene& built, const scene::Exercise& exercise, Task task, int offsets)
       : built_(built),
         exercise_(exercise),
         task_([task = std::move(task)](const dvec3& p) { return task.Distance_m(p); }),
         exact_(CutAway(built.volume, task_, Neighbours::kSpared)),
-        r_(built.volume, exact_, {built.scene.tooth, built.scene.up}) {}
+        r_(built.volume, exact_, {built.scene.tooth, built.scene.up}) {
+    for (int i = 1; i <= offsets; ++i) {
+      Shifted& shifted = shifted_.emplace_back();
+      shifted.by_m = glm::fract(kSpread * static_cast<double>(i)) * (built.scene.voxel_nm * 1e-9);
+      shifted.exact = std::make_unique<cutting::Volume>(
+          CutAway(built.volume, By(shifted.by_m, task_), Neighbours::kSpared));
+      shifted.r = std::make_unique<AcceptableCut>(
+          built.volume, *shifted.exact, scoring::ToothPlace{built.scene.tooth, built.scene.up});
+    }
+  }
 
-  // Points of the cut alone.
-  Result<double> Score(const Hollow& taken, MixtureRow& row) const {
+  // Another place of the task in the same grid.
+  struct Shifted {
+    dvec3 by_m{0};
+    std::unique_ptr<cutting::Volume> exact;
+    std::unique_ptr<AcceptableCut> r;
+  };
+  static Hollow By(const dvec3& by_m, Hollow what) {
+    return [by_m, what = std::move(what)](const dvec3& p) { return what(p - by_m); };
+  }
+  Result<double> Spread(const Hollow& taken, double score) const {
+    double least = score, most = score;
+    for (const Shifted& shifted : shifted_) {
+      const cutting::Volume attempt =
+          CutAway(built_.volume, By(shifted.by_m, taken), Neighbours::kSpared);
+      ENAMEL_ASSIGN_OR_RETURN(const auto measured,
+                              scoring::MeasureCut(*shifted.r, attempt, exercise_.rubric));
+      const double points = 100 - std::min(100.0, measured.cost.sum);
+      least = std::min(least, points), most = std::max(most, points);
+    }
+    return most - least;
+  }
+
+  // What was done with what is said.
+  Status Compare(const Mixer& mixer, const std::vector<RandomFault>& faults,
+                 const std::vector<scoring::Mistake>& mistakes, MixtureRow& row) const {
+    std::vector<std::vector<bool>> reached;
+    for (const RandomFault& fault : faults) {
+      reached.push_back(mixer.Reached(fault));
+      double alone = row.score;
+      if (faults.size() > 1) {
+        ENAMEL_ASSIGN_OR_RETURN(alone, Score(mixer.Cut({fault}), row));
+      }
+      if (alone > 100 - kWorthSaying) continue;
+      ++row.asked;
+      const bool found = std::ranges::any_of(mistakes, [&](const scoring::Mistake& m) {
+        return m.points > 0 && Names(m, fault, reached.back());
+      });
+      found ? void(++row.found) : row.missed.push_back(fault.name);
+    }
+    for (const scoring::Mistake& m : mistakes) {
+      row.lost += m.points;
+      if (m.kind == scoring::MistakeKind::kUneven) row.uneven += m.points;
+      if (m.points < kWorthSaying) continue;
+      ++row.mistakes;
+      bool made = false;
+      for (size_t i = 0; i < faults.size(); ++i) made |= Names(m, faults[i], reached[i]);
+      row.invented += !made;
+    }
+    return Status::Ok();
+  }
+  bool Names(const scoring::Mistake& m, const RandomFault& fault,
+             const std::vector<bool>& reached) const {
+    const Sides sides = SidesOf(m.kind);
+    if (!(fault.over ? sides.over : sides.left)) return false;
+    for (size_t i = 0; i < reached.size(); ++i) {
+      if (reached[i] && IsAt(r_.regions()[i], m.place)) return true;
+    }
+    return false;
+  }
+
+  // Points of the cut alone. `mistakes`: filled where it is given.
+  Result<double> Score(const Hollow& taken, MixtureRow& row,
+                       std::vector<scoring::Mistake>* mistakes = nullptr) const {
     const cutting::Volume attempt = CutAway(built_.volume, taken, Neighbours::kSpared);
     ENAMEL_ASSIGN_OR_RETURN(const auto judged, scoring::JudgeCut(r_, attempt, exercise_.rubric));
     double points = 0;
@@ -197,6 +282,7 @@ class Trial {
         CheckSentences(r_, attempt, judged.measures, judged.cost.rows, judged.found.mistakes);
     row.sentences += sentences.said;
     row.wrong.insert(row.wrong.end(), sentences.wrong.begin(), sentences.wrong.end());
+    if (mistakes != nullptr) *mistakes = judged.found.mistakes;
     return 100 - std::min(100.0, judged.cost.sum);
   }
 
@@ -205,6 +291,7 @@ class Trial {
   const Hollow task_;
   const cutting::Volume exact_;
   const AcceptableCut r_;
+  std::vector<Shifted> shifted_;
 };
 
 struct Named {
@@ -255,7 +342,8 @@ Result<std::vector<MixtureRow>> TryMixtures(
         scene = exercises[e].scene;
         ENAMEL_ASSIGN_OR_RETURN(built, scene::BuildBuiltinScene(scene, options.voxels_nm[v]));
       }
-      ENAMEL_ASSIGN_OR_RETURN(const auto trial, Trial::Make(*built, exercises[e].exercise));
+      ENAMEL_ASSIGN_OR_RETURN(const auto trial,
+                              Trial::Make(*built, exercises[e].exercise, options.offsets));
       for (size_t i = 0; i < count; ++i) {
         if (progress) {
           progress(exercises[e].exercise.name,
@@ -272,19 +360,25 @@ Result<std::vector<MixtureRow>> TryMixtures(
 json::object MixturesJson(const std::vector<MixtureRow>& rows) {
   json::array out;
   double sum_error = 0;
-  size_t broken = 0, sentences = 0, wrong = 0;
+  size_t broken = 0, sentences = 0, wrong = 0, asked = 0, found = 0, mistakes = 0, invented = 0;
+  double lost = 0, uneven = 0;
   for (const MixtureRow& r : rows) {
     broken += r.broken.size();
     sentences += r.sentences;
     wrong += r.wrong.size();
+    asked += r.asked, found += r.found;
+    mistakes += r.mistakes, invented += r.invented;
+    lost += r.lost, uneven += r.uneven;
     sum_error = std::max(sum_error, r.sum_error);
     out.push_back(json::object{{"exercise", r.exercise},
                                {"voxel_mm", r.voxel_mm},
                                {"seed", r.seed},
                                {"faults", json::value_from(r.faults)},
+                               {"missed", json::value_from(r.missed)},
                                {"score", r.score},
                                {"larger", json::value_from(r.larger)},
                                {"further", r.further},
+                               {"offset_spread", r.offset_spread},
                                {"exact", r.exact},
                                {"sum_error", r.sum_error},
                                {"sentences", r.sentences},
@@ -295,6 +389,11 @@ json::object MixturesJson(const std::vector<MixtureRow>& rows) {
           {"mixtures", rows.size()},
           {"laws_broken", broken},
           {"sum_error", sum_error},
+          {"faults_asked", asked},
+          {"faults_found", found},
+          {"mistakes", mistakes},
+          {"mistakes_invented", invented},
+          {"uneven_share", lost > 0 ? uneven / lost : 0},
           {"sentences", sentences},
           {"sentences_false", wrong},
           {"rows", std::move(out)}};

@@ -16,6 +16,8 @@ namespace enamel::station::lab {
 
 struct MixturesOptions {
   int count = 60;  // of all exercises together, in turn
+  // Each mixture is cut so many times more, together with the task, shifted by parts of a voxel.
+  int offsets = 0;
   uint64_t seed = 1;
   std::vector<int32_t> voxels_nm = {100'000};
   std::vector<std::string> exercises;  // names or their beginnings; empty: all built in
@@ -26,11 +28,19 @@ struct MixtureRow {
   double voxel_mm = 0;
   uint64_t seed = 0;
   std::vector<std::string> faults;  // what was done
+  std::vector<std::string> missed;  // faults that were asked for and not found
   double score = 0;
-  std::vector<double> larger;       // the score with each fault made larger
-  double further = 0;               // with one more
-  double exact = 0;                 // of the task itself
-  double sum_error = 0;             // |points of the mistakes - points lost|, the largest of all
+  std::vector<double> larger;  // the score with each fault made larger
+  double further = 0;          // with one more
+  double offset_spread = 0;    // of the scores at all offsets, the largest less the smallest
+  double exact = 0;            // of the task itself
+  double sum_error = 0;        // |points of the mistakes - points lost|, the largest of all
+  // Of the faults that alone cost a point: those that a mistake of the mixture names, by a region that
+  // the fault reached and the side that it is on.
+  size_t asked = 0, found = 0;
+  // Mistakes of the mixture of a point and more; those at no region that a fault of their side reached.
+  size_t mistakes = 0, invented = 0;
+  double lost = 0, uneven = 0;      // points of all mistakes, and of those that nothing explains
   size_t sentences = 0;             // said of all these cuts
   std::vector<std::string> wrong;   // those that are false (sentences.h)
   std::vector<std::string> broken;  // laws, in words

@@ -177,11 +177,6 @@ class Checker {
     if (!seen) return over ? "nothing was cut too far there" : "nothing was left there";
     return paid ? "" : "it lost nothing by that";
   }
-  static bool IsAt(const scoring::Region& region, const std::string& place) {
-    const std::string_view kind = scoring::NameOf(region.kind);
-    return place.empty() || region.name == place || kind == place || kind.starts_with(place + "_");
-  }
-
   const AcceptableCut& r_;
   const std::vector<scoring::RegionMeasure>& measures_;
   const std::vector<scoring::RegionCost>& costs_;
@@ -189,6 +184,28 @@ class Checker {
 };
 
 }  // namespace
+
+bool IsAt(const scoring::Region& region, const std::string& place) {
+  const std::string_view kind = scoring::NameOf(region.kind);
+  return place.empty() || region.name == place || kind == place || kind.starts_with(place + "_");
+}
+
+Sides SidesOf(MistakeKind kind) {
+  switch (ClaimOf(kind)) {
+    case Claim::kOver:
+    case Claim::kElsewhere:
+    case Claim::kNeighbour:
+    case Claim::kPulp:
+      return {true, false};
+    case Claim::kLeft:
+    case Claim::kCaries:
+    case Claim::kNotDone:
+      return {false, true};
+    case Claim::kEither:
+      break;
+  }
+  return {true, true};
+}
 
 Sentences CheckSentences(const AcceptableCut& r, const cutting::Volume& attempt,
                          const std::vector<scoring::RegionMeasure>& measures,

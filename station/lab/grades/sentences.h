@@ -10,6 +10,14 @@
 // thread.
 namespace enamel::station::lab {
 
+// Of which tissue a mistake speaks: cut too far, left, or both.
+struct Sides {
+  bool over = false, left = false;
+};
+Sides SidesOf(scoring::MistakeKind kind);
+// Whether a mistake's place is this region, all of its kind, or the whole.
+bool IsAt(const scoring::Region& region, const std::string& place);
+
 struct Sentences {
   size_t said = 0;                 // mistakes with points
   std::vector<std::string> wrong;  // "over_extended at wall_distal: nothing was cut too far there"

@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/json.hpp>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "common/scene/builder.h"
 #include "common/scene/builtin/builtin.h"
@@ -13,7 +10,6 @@
 #include "common/scoring/deviation.h"
 #include "common/scoring/score.h"
 #include "station/lab/grades/hollow.h"
-#include "station/lab/grades/mixtures.h"
 
 // Points and mistakes of cuts made by closed forms: a box cavity in the block, with faults of shapes
 // that the explanation's dictionary does not contain. The laws are proved on the volume, which is
@@ -243,34 +239,6 @@ TEST(LawsTest, AMirroredCutHasTheScoreOfItsMirror) {
     EXPECT_NEAR(Usual().Score(known.taken).score, Usual().Score(Mirrored(known.taken)).score, 0.2)
         << known.what;
   }
-}
-
-TEST(LawsTest, NoMixtureInAnExerciseOfTheBlockBreaksOneAndTheDocumentSaysSo) {
-  MixturesOptions options;
-  options.count = 3;
-  options.exercises = {"circle", "cross", "step"};
-  const auto rows = TryMixtures(options);
-  ASSERT_TRUE(rows.ok()) << rows.status().message();
-  ASSERT_EQ(rows->size(), 3U);
-  for (const MixtureRow& row : *rows) {
-    EXPECT_TRUE(row.wrong.empty()) << row.exercise << ": " << row.wrong.front();
-    EXPECT_TRUE(row.broken.empty())
-        << row.exercise << ", seed " << row.seed << ": " << row.broken.front();
-    EXPECT_EQ(row.larger.size(), row.faults.size());
-  }
-  const auto document = MixturesJson(*rows);
-  EXPECT_EQ(document.at("laws_broken"), 0);
-  EXPECT_EQ(document.at("mixtures"), 3);
-  EXPECT_GT(document.at("sentences").to_number<int>(), 0);
-  EXPECT_EQ(document.at("sentences_false"), 0);
-  std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/lab_mixtures.schema.json");
-  const std::string text(std::istreambuf_iterator<char>(file), {});
-  const auto schema = boost::json::parse(text);
-  for (const auto& name : schema.at("required").as_array()) {
-    EXPECT_TRUE(document.contains(name.as_string())) << name;
-  }
-  options.exercises = {"bridge"};
-  EXPECT_EQ(TryMixtures(options).status().code(), Code::kNotFound);
 }
 
 // Half a point is the goal. At 0.1 mm the widest of these fifteen cuts misses it by 0.04.

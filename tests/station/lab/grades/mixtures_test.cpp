@@ -1,0 +1,60 @@
+#include "station/lab/grades/mixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <fstream>
+#include <iterator>
+
+// Faults of shapes that the explanation's dictionary does not contain, in every exercise. What is held
+// against them is our own witness: the volumes, read anew, and the places where the faults were cut.
+namespace enamel::station::lab {
+namespace {
+
+double Number(const boost::json::object& document, const char* name) {
+  return document.at(name).to_number<double>();
+}
+
+TEST(MixturesTest, BreakNoLawAndAreNamed) {
+  const auto rows = TryMixtures({.count = 60, .seed = 1});
+  ASSERT_TRUE(rows.ok()) << rows.status().message();
+  ASSERT_EQ(rows->size(), 60U);
+  for (const MixtureRow& row : *rows) {
+    EXPECT_TRUE(row.wrong.empty()) << row.exercise << ": " << row.wrong.front();
+    EXPECT_TRUE(row.broken.empty())
+        << row.exercise << ", seed " << row.seed << ": " << row.broken.front();
+    EXPECT_EQ(row.larger.size(), row.faults.size());
+  }
+  const auto document = MixturesJson(*rows);
+  EXPECT_EQ(document.at("laws_broken"), 0);
+  EXPECT_GT(Number(document, "sentences"), 600);
+  EXPECT_EQ(document.at("sentences_false"), 0);
+  EXPECT_GT(Number(document, "faults_asked"), 60);
+  EXPECT_GE(Number(document, "faults_found"), 0.92 * Number(document, "faults_asked"));
+  EXPECT_LE(Number(document, "mistakes_invented"), 0.03 * Number(document, "mistakes"));
+  EXPECT_LE(Number(document, "uneven_share"), 0.05);
+  std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/lab_mixtures.schema.json");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto schema = boost::json::parse(text);
+  for (const auto& name : schema.at("required").as_array()) {
+    EXPECT_TRUE(document.contains(name.as_string())) << name;
+  }
+}
+
+TEST(MixturesTest, AnUnknownExerciseIsRefused) {
+  EXPECT_EQ(TryMixtures({.exercises = {"bridge"}}).status().code(), Code::kNotFound);
+}
+
+// The same cut at other places in the grid: at voxels of 0.1 mm a score moves by less than a point.
+TEST(MixturesTest, PartsOfAVoxelMoveAScoreLittle) {
+  const auto rows =
+      TryMixtures({.count = 3, .offsets = 2, .exercises = {"circle", "cross", "step"}});
+  ASSERT_TRUE(rows.ok()) << rows.status().message();
+  for (const MixtureRow& row : *rows) {
+    EXPECT_GT(row.offset_spread, 0) << row.exercise;
+    EXPECT_LT(row.offset_spread, 1) << row.exercise;
+  }
+}
+
+}  // namespace
+}  // namespace enamel::station::lab
