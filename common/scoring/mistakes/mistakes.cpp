@@ -45,12 +45,14 @@ class Finder {
     out_.resize(groups_.size());
     points_at_.resize(groups_.size());
     paid_.assign(groups_.size(), std::vector<double>(r_.regions().size()));
+    paid_over_ = paid_;
     for (const CostlyPiece& each : costly_) ShareAt(each.piece, each.over ? 1 : -1, each.points);
     ShareRest();
     for (size_t g = 0; g < groups_.size(); ++g) {
       if (!(out_[g].points > 0)) continue;
       NameMistake({r_, faults_, off_mm_, RestFor(groups_[g]), wavy_, paid_[g]}, groups_[g],
                   out_[g]);
+      if (!PaidWhereNamed(g)) NameWherePaid(g);
       if (!(out_[g].size > 0) || !IsTrue(out_[g])) CallUneven(g);
     }
     Join();
@@ -120,14 +122,44 @@ class Finder {
     if (sign == 0 || m.place.empty()) return true;
     const auto& faults = sign > 0 ? faults_.over : faults_.left;
     for (size_t i = 0; i < faults.size(); ++i) {
-      const Region& region = r_.regions()[r_.pieces()[i].region];
-      const std::string_view kind = NameOf(region.kind);
-      const bool there =
-          region.name == m.place || kind == m.place || kind.starts_with(m.place + "_");
       // The edge may have paid for the voxels that are nearest to the region.
-      if (there && (faults[i].moment_m5 > 0 || sign * faults_.off_m[i] > kLeeway_m)) return true;
+      if (IsAt(r_.pieces()[i].region, m.place) &&
+          (faults[i].moment_m5 > 0 || sign * faults_.off_m[i] > kLeeway_m))
+        return true;
     }
     return false;
+  }
+  bool IsAt(size_t region, const std::string& place) const {
+    const Region& at = r_.regions()[region];
+    const std::string_view kind = NameOf(at.kind);
+    return at.name == place || kind == place || kind.starts_with(place + "_");
+  }
+  // A motion may reach over several regions, and to both sides. Where the one that it is named after lost more by the other side, its points
+  // were lost next to it. A line angle pays for the surfaces that meet in it.
+  bool PaidWhereNamed(size_t group) const {
+    const Mistake& m = out_[group];
+    if (SignOf(m.kind) == 0 || m.place.empty()) return true;
+    for (size_t k = 0; k < r_.regions().size(); ++k) {
+      const bool pays = r_.regions()[k].kind == RegionKind::kLineAngle || IsAt(k, m.place);
+      const double over = paid_over_[group][k];
+      if (pays && (SignOf(m.kind) > 0 ? over : paid_[group][k] - over) > 0) return true;
+    }
+    return false;
+  }
+  void NameWherePaid(size_t group) {
+    const size_t region = MostPaid(group);
+    Mistake& m = out_[group];
+    const int sign = 2 * paid_over_[group][region] > paid_[group][region] ? 1 : -1;
+    m.kind = sign > 0 ? MistakeKind::kPit : MistakeKind::kBump;
+    m.place = r_.regions()[region].name;
+    m.size = 0;
+    for (size_t i = 0; i < off_mm_.size(); ++i) {
+      if (r_.pieces()[i].region == region && sign * groups_[group].d_mm[i] > 0)
+        m.size = std::max(m.size, sign * off_mm_[i]);
+    }
+  }
+  size_t MostPaid(size_t group) const {
+    return static_cast<size_t>(std::ranges::max_element(paid_[group]) - paid_[group].begin());
   }
   // What a kind says was done: + cut too far, - left, 0 both.
   static int SignOf(MistakeKind kind) {
@@ -153,10 +185,9 @@ class Finder {
     }
   }
   void CallUneven(size_t group) {
-    const auto most = std::ranges::max_element(paid_[group]) - paid_[group].begin();
     Mistake& m = out_[group];
     m.kind = MistakeKind::kUneven;
-    m.place = r_.regions()[static_cast<size_t>(most)].name;
+    m.place = r_.regions()[MostPaid(group)].name;
     m.towards = dvec3(0);
   }
   static int PlaceOrNone(const std::vector<int>& place, int i) {
@@ -199,17 +230,18 @@ class Finder {
     for (const MotionGroup& group : groups_) sum += std::max(0.0, sign * group.d_mm[piece]);
     for (size_t g = 0; g < groups_.size(); ++g) {
       const double part = std::max(0.0, sign * groups_[g].d_mm[piece]);
-      if (part > 0) Give(g, r_.pieces()[piece], points * part / sum);
+      if (part > 0) Give(g, r_.pieces()[piece], points * part / sum, sign > 0);
     }
     if (sum > 0) return;
     Uneven& uneven = uneven_[{r_.pieces()[piece].region, sign > 0}];
     uneven.points += points;
     uneven.points_at += points * r_.pieces()[piece].at_m;
   }
-  void Give(size_t group, const SurfacePiece& piece, double points) {
+  void Give(size_t group, const SurfacePiece& piece, double points, bool over) {
     out_[group].points += points;
     points_at_[group] += points * piece.at_m;
     paid_[group][piece.region] += points;
+    if (over) paid_over_[group][piece.region] += points;
   }
 
   // Divides each region's points among its pieces, by their moments.
@@ -371,7 +403,8 @@ class Finder {
   std::vector<Mistake> out_, rest_;
   std::map<size_t, size_t> joined_;  // in out_: what another one says, too
   std::vector<dvec3> points_at_;
-  std::vector<std::vector<double>> paid_;  // by group and region
+  std::vector<std::vector<double>> paid_;       // by group and region
+  std::vector<std::vector<double>> paid_over_;  // of it, for what was cut too far
   struct Uneven {
     double points = 0;
     dvec3 points_at{0};
