@@ -406,8 +406,13 @@ TEST(HidArmTest, ItsCurrentsDoTheForcesWork) {
       const double body_rad = -2 / 2000.0 * kTurn / d.gear[i];
       expected[i] = d.sign[i] * work_j / body_rad / d.gear[i] / d.k * 1e3;
     }
-    PushUntil(*device, force, [&] { return arm.told() != std::array<int, 3>{}; });
-    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(arm.told()[i], expected[i], 1) << d.polhem << i;
+    // Within 1 mA, while it is pushed: the station's keeper takes back a force that nobody asks for again.
+    PushUntil(*device, force, [&] {
+      const auto told = arm.told();
+      bool all = true;
+      for (size_t i = 0; i < 3; ++i) all &= std::abs(told[i] - expected[i]) <= 1;
+      return all;
+    });
     // Beyond 2 A the direction stays.
     std::array<int, 3> strong;
     PushUntil(*device, force * 5.0, [&] {
