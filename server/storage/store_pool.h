@@ -43,7 +43,7 @@ struct Turn {
   std::string of;  // a person, an address; empty: nobody's in particular
   Line line = Line::kUsual;
   // Threads that it may have at once, in all lines together, where that is less than the pool's
-  // `most_of_one`. The same in each of its turns.
+  // `most_of_one`. A party gives the same number in each of its turns.
   size_t most = std::numeric_limits<size_t>::max();
 };
 

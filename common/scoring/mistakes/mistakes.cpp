@@ -134,8 +134,9 @@ class Finder {
     const std::string_view kind = NameOf(at.kind);
     return at.name == place || kind == place || kind.starts_with(place + "_");
   }
-  // A motion may reach over several regions, and to both sides. Where the one that it is named after lost more by the other side, its points
-  // were lost next to it. A line angle pays for the surfaces that meet in it.
+  // True where the group lost points at the place that it is named after, and by the side that its kind
+  // says. A motion may reach over several regions and to both sides. A line angle pays for the surfaces
+  // that meet in it.
   bool PaidWhereNamed(size_t group) const {
     const Mistake& m = out_[group];
     if (SignOf(m.kind) == 0 || m.place.empty()) return true;

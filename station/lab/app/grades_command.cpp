@@ -288,7 +288,7 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1, 100'000));
   grades
       ->add_option("--offsets", command->offsets,
-                   "Of the mixtures: so many more places in the grid, by parts of a voxel")
+                   "Cut each mixture at so many more places in the grid, parts of a voxel apart")
       ->needs("--mixtures")
       ->check(CLI::Range(1, 64));
   grades->add_option("--seed", command->seed, "Of the mixtures")->capture_default_str();

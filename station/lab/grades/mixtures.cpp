@@ -122,7 +122,7 @@ class Mixer {
     return out;
   }
 
-  // Whether the fault moved a region's surface by half a voxel and more, for each region.
+  // The regions whose surface the fault moved by half a voxel and more.
   std::vector<bool> Reached(const RandomFault& fault) const {
     const double in_m = (fault.over ? -0.5 : 0.5) * r_.initial().spec().voxel_m();
     std::vector<bool> out(r_.regions().size());
@@ -232,7 +232,7 @@ class Trial {
     return most - least;
   }
 
-  // What was done with what is said.
+  // Compares the faults that were cut with the mistakes that the grade names.
   Status Compare(const Mixer& mixer, const std::vector<RandomFault>& faults,
                  const std::vector<scoring::Mistake>& mistakes, MixtureRow& row) const {
     std::vector<std::vector<bool>> reached;

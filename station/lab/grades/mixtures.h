@@ -35,10 +35,11 @@ struct MixtureRow {
   double offset_spread = 0;    // of the scores at all offsets, the largest less the smallest
   double exact = 0;            // of the task itself
   double sum_error = 0;        // |points of the mistakes - points lost|, the largest of all
-  // Of the faults that alone cost a point: those that a mistake of the mixture names, by a region that
-  // the fault reached and the side that it is on.
+  // Faults that alone cost a point. A fault is found where a mistake of the mixture is on its side, at a
+  // region that the fault reached.
   size_t asked = 0, found = 0;
-  // Mistakes of the mixture of a point and more; those at no region that a fault of their side reached.
+  // Mistakes of the mixture that cost a point and more. One is invented where no fault of its side
+  // reached its place.
   size_t mistakes = 0, invented = 0;
   double lost = 0, uneven = 0;      // points of all mistakes, and of those that nothing explains
   size_t sentences = 0;             // said of all these cuts

@@ -10,12 +10,12 @@
 // thread.
 namespace enamel::station::lab {
 
-// Of which tissue a mistake speaks: cut too far, left, or both.
+// A mistake speaks of tissue that was cut too far, of tissue that was left, or of both.
 struct Sides {
   bool over = false, left = false;
 };
 Sides SidesOf(scoring::MistakeKind kind);
-// Whether a mistake's place is this region, all of its kind, or the whole.
+// True where a mistake's place is this region, all regions of its kind, or the whole.
 bool IsAt(const scoring::Region& region, const std::string& place);
 
 struct Sentences {

@@ -537,7 +537,7 @@ TEST(SignInPlacesTest, WhoIsKnownToBeTheOwnerGoesFirstAndWhoGuessesLast) {
   EXPECT_EQ(places.Take("ada", "elsewhere", Line::kLast)->line, Line::kLast);
 }
 
-// Its hashes take the memory of one (load.a_stolen_chair…), whoever signs in at it.
+// A stolen chair that signs in without end makes the server hash one password at a time, 64 MiB.
 TEST(SignInPlacesTest, AChairTakesTurnsAsOneAndHasOneThread) {
   SignInPlaces places(4);
   places.Know("ada", "=chair 1");

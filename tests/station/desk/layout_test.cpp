@@ -143,7 +143,8 @@ class PagesLayoutTest : public LayoutTest {
     }
     ASSERT_TRUE(until()) << flow_->problem();
   }
-  // A busy computer hears the board late, and the page says that it answers too late: as a person would, tries again.
+  // On a busy computer the board's poses come late, and the page refuses the board as too slow. A person
+  // would try again.
   template <typename Try, typename Until>
   void AwaitTrying(const Try& again, const Until& until) {
     Await([&] {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-// Faults of shapes that the explanation's dictionary does not contain, in every exercise. What is held
-// against them is our own witness: the volumes, read anew, and the places where the faults were cut.
+// Faults of shapes that the explanation's dictionary does not contain, in every exercise. The witness is
+// our own: the test reads the volumes anew and knows where each fault was cut.
 namespace enamel::station::lab {
 namespace {
 
@@ -45,7 +45,7 @@ TEST(MixturesTest, AnUnknownExerciseIsRefused) {
   EXPECT_EQ(TryMixtures({.exercises = {"bridge"}}).status().code(), Code::kNotFound);
 }
 
-// The same cut at other places in the grid: at voxels of 0.1 mm a score moves by less than a point.
+// Task and faults move together by parts of a voxel of 0.1 mm: a score moves by less than a point.
 TEST(MixturesTest, PartsOfAVoxelMoveAScoreLittle) {
   const auto rows =
       TryMixtures({.count = 3, .offsets = 2, .exercises = {"circle", "cross", "step"}});
