@@ -1,6 +1,6 @@
 // What one request costs a server of a large school, in its processor's time and, under with_postgres.sh, in that of the
 // database's processes too:
-//   node tests/bench/request_cost.mjs [--school DIR] [ATTEMPTS]     3000, unless told; 20000 take ten minutes to copy
+//   node tests/bench/request_cost.mjs [--school DIR] [ATTEMPTS]     3000, unless told; 20000 take 22 minutes to copy
 //   tests/support/with_postgres.sh node tests/bench/request_cost.mjs
 // The attempts are copied from what the students of the school (tests/e2e/school) did, by large_class.
 import { execFileSync } from "node:child_process";
