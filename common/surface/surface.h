@@ -67,8 +67,8 @@ class DistanceQuery {
   // point that is not finite. Exact. Time grows with the distance found, in cells.
   double Distance_m(const dvec3& point_m, double limit_m) const;
   // The nearest triangle, counted among those taken from the mesh; none at `limit_m` or farther. Of
-  // equally near ones always the same. `guess`: a triangle of the mesh that may be near, such as the nearest one of a point
-  // beside this one. A guess makes the answer quicker and never changes it.
+  // equally near ones always the same. `guess`: a triangle of the mesh that may be near, such as the answer for a
+  // neighbouring point. A guess speeds the search up and never changes the answer.
   struct Nearest {
     double distance_m = 0;
     uint32_t triangle = 0;

@@ -30,7 +30,7 @@ constexpr double kFarFromEdge_m = kLineAngle_m + 0.15e-3;
 constexpr double kNormalCell_m = 0.1e-3, kPiece_m = 0.2e-3;
 
 enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
-// By Class. A cavity in the buccal face (scene::Up::kBuccal) has its gingival wall where one from above has its buccal wall.
+// By Class. In a cavity of the buccal face (scene::Up::kBuccal) the gingival wall takes the place of the buccal wall.
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
 constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
 

@@ -95,23 +95,18 @@ Status RunMixtures(const GradesCommand& command) {
                             progress.Show(what, ratio);
                           }));
   progress.Clear();
-  double sum_error = 0, lost = 0, uneven = 0;
-  size_t said = 0, wrong = 0, asked = 0, found = 0, mistakes = 0, invented = 0;
-  for (const MixtureRow& r : rows) {
-    sum_error = std::max(sum_error, r.sum_error);
-    said += r.sentences, wrong += r.wrong.size();
-    asked += r.asked, found += r.found;
-    mistakes += r.mistakes, invented += r.invented;
-    lost += r.lost, uneven += r.uneven;
-  }
+  const boost::json::object document = MixturesJson(rows);
+  const auto said = [&](const char* name) { return document.at(name).to_number<double>(); };
   std::printf(
       "\n%12zu  laws broken in %zu mixtures\n%12.1e  points, the largest difference between the "
-      "mistakes' points and the loss\n%12zu  of %zu sentences are false\n%12zu  of %zu faults that "
-      "alone cost a point are named at a region that they reach\n%12zu  of %zu mistakes of a point "
-      "and more are at no such region\n%12.1f  %% of the points are lost to what nothing "
-      "explains\n",
-      broken, rows.size(), sum_error, wrong, said, found, asked, invented, mistakes,
-      lost > 0 ? 100 * uneven / lost : 0);
+      "mistakes' points and the loss\n%12.0f  of %.0f sentences are false\n%12.0f  of %.0f faults "
+      "that alone cost a point are named at a region that they reach\n%12.0f  of %.0f mistakes of "
+      "a "
+      "point and more are at no such region\n%12.1f  %% of the points are lost to faults that no "
+      "mistake explains\n",
+      broken, rows.size(), said("sum_error"), said("sentences_false"), said("sentences"),
+      said("faults_found"), said("faults_asked"), said("mistakes_invented"), said("mistakes"),
+      100 * said("uneven_share"));
   if (options.offsets > 0) {
     std::vector<double> spread;
     for (const MixtureRow& r : rows) spread.push_back(r.offset_spread);
@@ -120,7 +115,7 @@ Status RunMixtures(const GradesCommand& command) {
         "%12.2f  points, the 95th percentile of a mixture's spread over %d places in the grid\n",
         spread[(spread.size() * 95 - 1) / 100], options.offsets + 1);
   }
-  ENAMEL_RETURN_IF_ERROR(WriteRows(command.json, MixturesJson(rows)));
+  ENAMEL_RETURN_IF_ERROR(WriteRows(command.json, document));
   return broken == 0 ? Status::Ok()
                      : Status(Code::kInternal, std::to_string(broken) + " laws are broken");
 }

@@ -35,8 +35,8 @@ Axes AxesOf(Plane plane) {
 struct Left {
   double should = 1, is = 1;
 };
-Left LeftAt(const CutPair& cut, const dvec3& p) {
-  const double tooth = cut.tooth->DistanceAt_m(p);
+// `tooth`: the distance to the whole tooth there.
+Left LeftAt(const CutPair& cut, const dvec3& p, double tooth) {
   if (tooth > 2 * kSearch_m) return {tooth, tooth};
   const bool neighbour = cut.tooth->TissueAtPoint(p) == Tissue::kNeighbour;
   const bool spared = neighbour && cut.neighbours == Neighbours::kSpared;
@@ -73,9 +73,11 @@ double BestPlane_m(const CutPair& cut, const Axes& axes) {
       for (double v = lo[axes.up]; v < hi[axes.up]; v += kSearch_m) {
         dvec3 p(0);
         p[axes.through] = w, p[axes.across] = u, p[axes.up] = v;
-        const Left left = LeftAt(cut, p);
+        const double tooth = cut.tooth->DistanceAt_m(p);
+        if (tooth >= 0) continue;
+        const Left left = LeftAt(cut, p, tooth);
         count += (left.should < 0) != (left.is < 0) ? 1 : 0;
-        if (left.should < 0 || cut.tooth->DistanceAt_m(p) >= 0) continue;
+        if (left.should < 0) continue;
         wanted += 1, wanted_at += static_cast<double>(differing.size());
       }
     }
@@ -106,8 +108,7 @@ Window WindowOf(const CutPair& cut, const Axes& axes, double through_m) {
   for (int row = 0; row < all.rows; ++row) {
     for (int column = 0; column < all.columns; ++column) {
       const dvec3 p = all.At(column, row);
-      const bool cut_here = cut.wanted(p) < 0 || cut.taken(p) < 0;
-      if (!cut_here || cut.tooth->DistanceAt_m(p) >= 0) continue;
+      if (cut.tooth->DistanceAt_m(p) >= 0 || !(cut.wanted(p) < 0 || cut.taken(p) < 0)) continue;
       left = std::min(left, column), right = std::max(right, column);
       bottom = std::min(bottom, row), top = std::max(top, row);
     }
@@ -250,8 +251,13 @@ std::string DrawSections(const CutPair& cut, Plane plane) {
   const double through_m = BestPlane_m(cut, axes);
   if (std::isnan(through_m)) return "";
   const Window w = WindowOf(cut, axes, through_m);
-  const Field should = FieldOf(w, [&](int c, int r) { return LeftAt(cut, w.At(c, r)).should; });
-  const Field is = FieldOf(w, [&](int c, int r) { return LeftAt(cut, w.At(c, r)).is; });
+  Field is;
+  const Field should = FieldOf(w, [&](int column, int row) {
+    const dvec3 p = w.At(column, row);
+    const Left left = LeftAt(cut, p, cut.tooth->DistanceAt_m(p));
+    is.push_back(left.is);
+    return left.should;
+  });
   std::string sections[2] = {Element(w, should, "enamel"), Element(w, is, "enamel")};
   for (const Layer& layer : Layers()) {
     const Field tissue = TissueField(cut, w, layer.tissues);

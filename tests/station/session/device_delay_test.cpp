@@ -215,7 +215,7 @@ TEST_F(DeviceDelayTest, AnInverse3WhoseAnswersTakeThreeTicksIsComputedWithThem) 
     service.Delay(std::chrono::microseconds(delay_us), std::chrono::microseconds(200));
     auto device = sdk::OpenChosenDevice(choice, prepared_.profile, 1e-3);
     ASSERT_TRUE(device.ok()) << device.status().message();
-    // A busy computer answers later than it was told to, never sooner.
+    // On a busy computer the answers come later than the set delay, never sooner.
     const auto measured = AwaitPace(**device).answers;
     ASSERT_TRUE(measured.has_value());
     EXPECT_GT(measured->answers, 0);

@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 // Faults of shapes that the explanation's dictionary does not contain, in every exercise. The witness is
 // our own: the test reads the volumes anew and knows where each fault was cut.
@@ -38,6 +39,18 @@ TEST(MixturesTest, BreakNoLawAndAreNamed) {
   const auto schema = boost::json::parse(text);
   for (const auto& name : schema.at("required").as_array()) {
     EXPECT_TRUE(document.contains(name.as_string())) << name;
+  }
+}
+
+// A motion that reached over several regions named one that had lost its points by the other side.
+TEST(MixturesTest, AreNamedWhereTheyLostPoints) {
+  const std::pair<const char*, uint64_t> cases[] = {{"crown-incisor-11", 1044},
+                                                    {"class-2-molar-46", 1258}};
+  for (const auto& [exercise, seed] : cases) {
+    const auto rows = TryMixtures({.count = 1, .seed = seed, .exercises = {exercise}});
+    ASSERT_TRUE(rows.ok()) << rows.status().message();
+    const MixtureRow& row = rows->front();
+    EXPECT_TRUE(row.wrong.empty()) << exercise << ": " << row.wrong.front();
   }
 }
 
