@@ -218,7 +218,7 @@ class FaultWalk {
       return Whole(MistakeKind::kCaries);
     const auto at = near.At(i);
     if (!at || (!left && at->distance_m > kElsewhereTo_m)) return Whole(MistakeKind::kHole);
-    const int by_piece = (left ? in_.found->left : in_.found->over)[at->piece];
+    const int by_piece = (left ? in_.found->left : in_.found->over)[at->piece()];
     if (by_piece >= 0) return by_piece;
     return left ? Whole(MistakeKind::kNotDone) : Whole(MistakeKind::kHole);
   }

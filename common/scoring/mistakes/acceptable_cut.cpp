@@ -91,18 +91,27 @@ std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_
   const uint32_t inner = inner_[found->triangle];
   const uint32_t piece = surface_->piece[inner];
   Found out{{found->distance_m, piece, piece}, found->triangle};
+  if (surface_->beside[inner] != kNoPiece) {
+    out.nearest.beside = surface_->beside[inner];
+    out.nearest.beside_share = surface_->beside_share[inner];
+  }
   if (!edges_) return out;
+  double other_m = found->distance_m + kLineAngle_m + kLineAngleSoft_m;
+  const double farthest_m = other_m;
   const auto& meets = surface_->meets[surface_->family[inner]];
   for (size_t other = 0; other < meets.size(); ++other) {
     if (!meets[other]) continue;
     const auto& query = surface_->of_family[other];
-    if (!query->IsWithin(point_m, found->distance_m + kLineAngle_m)) continue;
-    // The edge is at most as far again.
-    const auto edge =
-        edges_->NearestTriangle(point_m, 2 * (found->distance_m + kLineAngle_m), guess.edge);
-    if (edge) out.nearest.piece = piece_of_edge_[edge->triangle], guess.edge = edge->triangle;
-    break;
+    other_m = query->Distance_m(point_m, other_m);
   }
+  if (!(other_m < farthest_m)) return out;
+  // The edge is at most as far again.
+  const auto edge = edges_->NearestTriangle(point_m, 2 * farthest_m, guess.edge);
+  if (!edge) return out;
+  guess.edge = edge->triangle;
+  out.nearest.edge = piece_of_edge_[edge->triangle];
+  const double t = std::clamp((farthest_m - other_m) / (2 * kLineAngleSoft_m), 0.0, 1.0);
+  out.nearest.edge_share = t * t * (3 - 2 * t);
   return out;
 }
 
@@ -151,7 +160,9 @@ std::optional<AcceptableCut::Nearest> AcceptableCut::Brick::At(int i) {
   if (!block.middle) return {};
   const double distance_m = r_.query_->DistanceTo_m(block.middle->triangle, p);
   if (distance_m >= limit_m_) return {};
-  return Nearest{distance_m, block.middle->nearest.piece, block.middle->nearest.next_to};
+  Nearest out = block.middle->nearest;
+  out.distance_m = distance_m;
+  return out;
 }
 
 // Measures a region's area by a thin layer on the hollow's side of R's surface, in the cells in which faults are counted.
@@ -181,7 +192,9 @@ void AcceptableCut::MeasureTask() {
       const Layer layer = Layer::In(side_m, voxel_m, share);
       task_beyond_m3_ += share_m3 * layer.Beyond();
       const double within = std::clamp((kLayer_m - layer.from_m) / layer.thickness_m(), 0.0, 1.0);
-      surface_->regions[pieces()[nearest->piece].region].area_m2 += share_m3 * within / kLayer_m;
+      for (const auto& [piece, paid] : nearest->Payers()) {
+        surface_->regions[pieces()[piece].region].area_m2 += paid * share_m3 * within / kLayer_m;
+      }
     }
   }
 }

@@ -58,8 +58,10 @@ constexpr bool IsWall(RegionKind kind) {
 }
 
 // A wall or table that moves leaves a wedge in the cells of its neighbours across a sharp edge. A point whose
-// distances from the two surfaces differ by less than this belongs to the edge. Chosen.
-inline constexpr double kLineAngle_m = 0.35e-3;
+// distances from the two surfaces differ by less than this belongs to the edge, whose share falls from all to none
+// within kLineAngleSoft_m to either side: a grid rounds an edge by half a voxel, each place of it another way. Chosen; the
+// spread over places in the grid (enamel-lab grades --offsets) shows the second.
+inline constexpr double kLineAngle_m = 0.35e-3, kLineAngleSoft_m = 0.2e-3;
 // Farther from R's surface nothing of a task lies.
 inline constexpr double kDeepest_m = 6e-3;
 struct Region {
@@ -110,10 +112,29 @@ class AcceptableCut {
 
   struct Nearest {
     double distance_m = 0;  // without a side
-    uint32_t piece = 0;     // the piece that pays
-    // The nearest piece. It is another one where the point is about as near to two surfaces that meet
-    // in a sharp edge: then a piece of the edge pays.
-    uint32_t next_to = 0;
+    // The nearest piece; near the border of its region, also a piece of the next region, and that one's share.
+    uint32_t next_to = 0, beside = 0;
+    double beside_share = 0;
+    // Where the point is about as near to two surfaces that meet in a sharp edge, a piece of the edge, and its share.
+    uint32_t edge = 0;
+    double edge_share = 0;
+
+    struct Payer {
+      uint32_t piece = 0;
+      double share = 0;
+    };
+    // The nearest pieces of the surface itself. The shares sum to 1, here and below.
+    std::array<Payer, 2> Nearby() const {
+      return {{{next_to, 1 - beside_share}, {beside, beside_share}}};
+    }
+    // The pieces that pay.
+    std::array<Payer, 3> Payers() const {
+      return {{{edge, edge_share},
+               {next_to, (1 - edge_share) * (1 - beside_share)},
+               {beside, (1 - edge_share) * beside_share}}};
+    }
+    // The one that pays most.
+    uint32_t piece() const { return edge_share > 0.5 ? edge : next_to; }
   };
   struct Found {
     Nearest nearest;

@@ -27,7 +27,10 @@ constexpr double kLeastOfLargest = 0.1, kStep_m = 0.2e-3;
 constexpr double kFar_m = -1e9;
 // Beyond the band of the line angles by more than a coarse grid's triangle.
 constexpr double kFarFromEdge_m = kLineAngle_m + 0.15e-3;
-constexpr double kNormalCell_m = 0.1e-3, kPiece_m = 0.2e-3;
+// Normals are means over kSmooth_m: the steps of a bur's path are finer. Chosen.
+constexpr double kSmooth_m = 0.2e-3, kPiece_m = 0.2e-3;
+// Two regions of one surface share what lies nearer to their border than this, so that no grid's triangles decide. Chosen.
+constexpr double kBorder_m = 0.25e-3;
 
 enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
 // By Class. In a cavity of the buccal face (scene::Up::kBuccal) the gingival wall takes the place of the buccal wall.
@@ -79,24 +82,26 @@ class Divider {
   CutSurface Take() { return std::move(out_); }
 
  private:
-  // Over 0.3 mm: the steps of a bur's path are finer.
   void Smooth() {
-    std::unordered_map<Cell, dvec3, CellHash> sums;
+    std::unordered_map<Cell, std::vector<uint32_t>, CellHash> cells;
     for (size_t i = 0; i < at_.size(); ++i) {
-      dvec3& sum = sums.try_emplace(CellOf(at_[i], kNormalCell_m), 0.0).first->second;
-      sum += normal_[i];
+      cells[CellOf(at_[i], kSmooth_m)].push_back(static_cast<uint32_t>(i));
     }
+    std::vector<dvec3> out(at_.size(), dvec3(0));
     for (size_t i = 0; i < at_.size(); ++i) {
-      const Cell c = CellOf(at_[i], kNormalCell_m);
-      dvec3 sum(0);
-      for (int z = -1; z <= 1; ++z)
-        for (int y = -1; y <= 1; ++y)
-          for (int x = -1; x <= 1; ++x) {
-            const auto found = sums.find({c[0] + x, c[1] + y, c[2] + z});
-            if (found != sums.end()) sum += found->second;
-          }
-      normal_[i] = Unit(sum);
+      const Cell c = CellOf(at_[i], kSmooth_m);
+      for (int k = 0; k < 27; ++k) {
+        const auto cell = cells.find({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1});
+        if (cell == cells.end()) continue;
+        for (const uint32_t j : cell->second) {
+          const dvec3 way = at_[j] - at_[i];
+          const double in = 1 - Dot(way, way) / (kSmooth_m * kSmooth_m);
+          if (in > 0) out[i] += in * in * normal_[j];
+        }
+      }
+      out[i] = Unit(out[i]);
     }
+    normal_ = std::move(out);
   }
 
   void Classify() {
@@ -288,7 +293,47 @@ class Divider {
       }
     }
     Number();
+    ShareBorders();
     MakePieces();
+  }
+
+  // The mean of the regions within kBorder_m, of which the two largest count.
+  void ShareBorders() {
+    beside_.assign(at_.size(), nullptr);
+    out_.beside_share.assign(at_.size(), 0);
+    std::unordered_map<Cell, std::vector<uint32_t>, CellHash> cells;
+    for (size_t i = 0; i < at_.size(); ++i) {
+      cells[CellOf(at_[i], kBorder_m)].push_back(static_cast<uint32_t>(i));
+    }
+    const Named* const edge = &named_.at("~");
+    std::vector<Named*> own(at_.size());
+    for (size_t i = 0; i < at_.size(); ++i) {
+      own[i] = region_[i];
+      if (region_[i] == edge) continue;
+      std::vector<std::pair<Named*, double>> near;
+      const Cell c = CellOf(at_[i], kBorder_m);
+      for (int k = 0; k < 27; ++k) {
+        const auto cell = cells.find({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1});
+        if (cell == cells.end()) continue;
+        for (const uint32_t j : cell->second) {
+          if (region_[j] == edge || Dot(normal_[i], normal_[j]) < kSharp) continue;
+          const dvec3 way = at_[j] - at_[i];
+          const double in = 1 - Dot(way, way) / (kBorder_m * kBorder_m);
+          if (!(in > 0)) continue;
+          auto found = std::ranges::find(near, region_[j], &std::pair<Named*, double>::first);
+          if (found == near.end()) found = near.insert(found, {region_[j], 0});
+          found->second += area_[j] * in * in;
+        }
+      }
+      if (near.size() < 2) continue;
+      std::ranges::sort(near, [](const auto& a, const auto& b) {
+        return a.second != b.second ? a.second > b.second : a.first->number < b.first->number;
+      });
+      own[i] = near[0].first;
+      beside_[i] = near[1].first;
+      out_.beside_share[i] = near[1].second / (near[0].second + near[1].second);
+    }
+    region_ = std::move(own);
   }
 
   struct Named {
@@ -328,14 +373,17 @@ class Divider {
   void MakePieces() {
     out_.piece.resize(at_.size());
     out_.edge_piece.assign(at_.size(), kNoPiece);
+    out_.beside.assign(at_.size(), kNoPiece);
     const Named& edge = named_.at("~");
     for (size_t i = 0; i < at_.size(); ++i) {
       if (region_[i] == &edge) {
-        out_.piece[i] = out_.edge_piece[i] = AddToPiece(i, edge.number);
+        out_.piece[i] = out_.edge_piece[i] = AddToPiece(i, edge.number, 1);
         continue;
       }
-      out_.piece[i] = AddToPiece(i, region_[i]->number);
-      if (OutsideBand(i) < 1) out_.edge_piece[i] = AddToPiece(i, edge.number);
+      out_.piece[i] = AddToPiece(i, region_[i]->number, 1 - out_.beside_share[i]);
+      if (beside_[i] != nullptr)
+        out_.beside[i] = AddToPiece(i, beside_[i]->number, out_.beside_share[i]);
+      if (OutsideBand(i) < 1) out_.edge_piece[i] = AddToPiece(i, edge.number, 1);
     }
     for (size_t k = 0; k < out_.pieces.size(); ++k) {
       SurfacePiece& piece = out_.pieces[k];
@@ -345,7 +393,7 @@ class Divider {
       piece.normal = Unit(piece.normal);
     }
   }
-  uint32_t AddToPiece(size_t triangle, uint32_t region) {
+  uint32_t AddToPiece(size_t triangle, uint32_t region, double share) {
     const auto next = static_cast<uint32_t>(out_.pieces.size());
     const auto [found, is_new] =
         numbers_.try_emplace({CellOf(at_[triangle], kPiece_m), region}, next);
@@ -354,10 +402,11 @@ class Divider {
       banded_m2_.push_back(0);
     }
     SurfacePiece& piece = out_.pieces[found->second];
-    piece.at_m += area_[triangle] * at_[triangle];
-    piece.normal += area_[triangle] * normal_[triangle];
-    piece.area_m2 += area_[triangle];
-    banded_m2_[found->second] += area_[triangle] * (1 - OutsideBand(triangle));
+    const double area_m2 = area_[triangle] * share;
+    piece.at_m += area_m2 * at_[triangle];
+    piece.normal += area_m2 * normal_[triangle];
+    piece.area_m2 += area_m2;
+    banded_m2_[found->second] += area_m2 * (1 - OutsideBand(triangle));
     return found->second;
   }
 
@@ -371,6 +420,7 @@ class Divider {
   std::vector<Class> class_;
   std::map<std::string, Named> named_;
   std::vector<Named*> region_;  // of each triangle; null: none of its own
+  std::vector<Named*> beside_;  // null: none
   std::vector<double> to_edge_m_;
   std::map<std::pair<Cell, uint32_t>, uint32_t> numbers_;  // of pieces
   std::vector<double> banded_m2_;                          // of each piece, within the band

@@ -15,7 +15,10 @@ inline constexpr uint32_t kNoPiece = 0xffffffff;
 struct CutSurface {
   std::vector<Region> regions;  // by name, the line angles last
   std::vector<SurfacePiece> pieces;
-  std::vector<uint32_t> piece;       // of its region
+  std::vector<uint32_t> piece;  // of its region
+  // Near the border with another region of the same surface: a piece of that one, and its share. Else kNoPiece and 0.
+  std::vector<uint32_t> beside;
+  std::vector<double> beside_share;
   std::vector<uint32_t> edge_piece;  // of the line angles, in their band; else kNoPiece
   // Surfaces that face one way: up, or to one side. All of a stump's walls are one, as its corners
   // are round.

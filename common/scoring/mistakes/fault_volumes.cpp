@@ -130,8 +130,7 @@ class FaultMeter {
       far_sum_ += far * places.PointOf(i);
       return;
     }
-    const size_t k = nearest->piece;
-    Nearby& at = at_[nearest->next_to];
+    const size_t k = nearest->piece();
     const double farthest_m = nearest->distance_m + 0.5 * h_m_;
     const double solid_side_m = fr > 0.5 * f0 ? nearest->distance_m : -nearest->distance_m;
     if (over > 0) {
@@ -141,11 +140,18 @@ class FaultMeter {
       const double seen = away > 0 ? away * Seen(voxel) : 0;
       out_.elsewhere[k].volume_m3 += seen;
       out_.elsewhere[k].moment_m4 += seen * places.PointOf(i);
-      AddTo(out_.over[k], over * voxel_m3_ - away, layer);
-      at.over_m3 += over * voxel_m3_ - away, at.away_m3 += away;
+      for (const auto& [piece, share] : nearest->Payers()) {
+        AddTo(out_.over[piece], share * (over * voxel_m3_ - away), layer);
+      }
       const double next = over * voxel_m3_ * NextShare(solid_side_m);
-      next_m3_[k] += next, at.next_m3 += next;
-      at.farthest_over_m = std::max(at.farthest_over_m, farthest_m);
+      next_m3_[k] += next;
+      for (const auto& [piece, share] : nearest->Nearby()) {
+        if (!(share > 0)) continue;
+        Nearby& at = at_[piece];
+        at.over_m3 += share * (over * voxel_m3_ - away), at.away_m3 += share * away;
+        at.next_m3 += share * next;
+        at.farthest_over_m = std::max(at.farthest_over_m, farthest_m);
+      }
     }
     if (left > 0) {
       const Layer layer = Layer::In(-solid_side_m, h_m_, left);
@@ -154,9 +160,14 @@ class FaultMeter {
       if (tissue == Tissue::kCaries)
         out_.caries_left_m3 += beyond_m3;
       else
-        AddTo(out_.left[k], left * voxel_m3_, layer);
-      at.left_m3 += left * voxel_m3_;
-      at.farthest_left_m = std::max(at.farthest_left_m, farthest_m);
+        for (const auto& [piece, share] : nearest->Payers()) {
+          AddTo(out_.left[piece], share * left * voxel_m3_, layer);
+        }
+      for (const auto& [piece, share] : nearest->Nearby()) {
+        if (!(share > 0)) continue;
+        at_[piece].left_m3 += share * left * voxel_m3_;
+        at_[piece].farthest_left_m = std::max(at_[piece].farthest_left_m, farthest_m);
+      }
     }
   }
 

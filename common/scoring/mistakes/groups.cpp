@@ -17,6 +17,8 @@ constexpr double kNear_mm = 1.0, kSameMove = 0.5, kSameWall = 0.2;
 // A region with so many patches of each sign is wavy.
 constexpr size_t kWavy = 2;
 constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
+// Half the leeway: nobody sees a whole surface that moved by less everywhere, whose points are those of a few places. Chosen.
+constexpr double kLeastMove_mm = 0.05;
 // A piece has a mistake of its own where less than this part of it, and all but this much, is explained. Chosen.
 constexpr double kExplained = 0.4, kUnseen_mm = 0.12;
 // Pieces that no motion explains belong together where they are this near, and are named from so many points on. Chosen.
@@ -73,7 +75,11 @@ class Grouper {
     for (const Displacement& m : motions_) {
       if (!IsLocal(m)) by_key[key(m)].Take(m);
     }
-    for (auto& [k, group] : by_key) groups_.push_back(std::move(group));
+    for (auto& [k, group] : by_key) {
+      const double most_mm =
+          std::ranges::max(group.d_mm, {}, [](double d) { return std::fabs(d); });
+      if (std::fabs(most_mm) >= kLeastMove_mm) groups_.push_back(std::move(group));
+    }
   }
   static std::pair<int, int> KeyOfKind(RegionKind kind) { return {4, static_cast<int>(kind)}; }
   // The only floor moves and slopes as one.

@@ -319,6 +319,12 @@ double Task::Distance_m(const dvec3& p) const {
   return 1;
 }
 
+double Task::GrownDistance_m(const dvec3& p, double by_m) const {
+  if (kind == Kind::kShape) return scene::PreparationDistance_m(shape, p, {by_m, by_m});
+  if (kind == Kind::kCrown) return crown.Moved(by_m, by_m).Deeper(by_m).Distance_m(p);
+  return box.Distance_m(p) - by_m;
+}
+
 Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exercise) {
   const scene::CavityTarget& target = exercise.target;
   const auto landmark = built.scene.landmarks.find(target.landmark);

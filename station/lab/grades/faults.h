@@ -22,6 +22,9 @@ struct Task {
   bool open_mesial = false;  // of a box: there is no mesial wall
 
   double Distance_m(const dvec3& point_m) const;
+  // To the task with its surface moved into the solid by `by_m`, out of it where that is below 0. Continuous on that
+  // surface, where the distance from a relief is not.
+  double GrownDistance_m(const dvec3& point_m, double by_m) const;
 };
 // Errors: kInvalidInput when the landmark is not in the scene.
 Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exercise);

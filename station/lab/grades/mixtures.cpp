@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "common/scene/builder.h"
 #include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "station/lab/grades/faults.h"
@@ -57,8 +58,11 @@ Hollow Outside(Hollow a) {
 
 class Mixer {
  public:
-  Mixer(const AcceptableCut& r, Hollow task, uint64_t seed)
-      : r_(r), task_(std::move(task)), random_(seed) {}
+  Mixer(const AcceptableCut& r, const Task& task, uint64_t seed)
+      : r_(r), shape_(task), task_(HollowOf(task)), random_(seed) {}
+  static Hollow HollowOf(const Task& task) {
+    return [task](const dvec3& p) { return task.Distance_m(p); };
+  }
 
   RandomFault Draw() {
     const auto& pieces = r_.pieces();
@@ -72,7 +76,7 @@ class Mixer {
     const dvec3 along = glm::cross(piece.normal, dvec3(Uniform(-1, 1), Uniform(-1, 1), 1)) * kMm;
     const Hollow patch = Ball(piece.at_m, Uniform(0.6, 2.5) * kMm);
     auto layer = [&](double d) {
-      return Hollow([task = task_, d](const dvec3& p) { return task(p) - d; });
+      return Hollow([task = shape_, d](const dvec3& p) { return task.GrownDistance_m(p, d); });
     };
     switch (static_cast<int>(Uniform(0, 5.999))) {
       case 0:
@@ -149,6 +153,7 @@ class Mixer {
   }
 
   const AcceptableCut& r_;
+  const Task shape_;
   const Hollow task_;
   std::mt19937_64 random_;
 };
@@ -158,8 +163,8 @@ class Trial {
  public:
   static Result<std::unique_ptr<Trial>> Make(const scene::BuiltScene& built,
                                              const scene::Exercise& exercise, int offsets) {
-    ENAMEL_ASSIGN_OR_RETURN(Task task, TaskOf(built, exercise));
-    return std::unique_ptr<Trial>(new Trial(built, exercise, std::move(task), offsets));
+    ENAMEL_ASSIGN_OR_RETURN(const Task task, TaskOf(built, exercise));
+    return std::unique_ptr<Trial>(new Trial(built, exercise, task, offsets));
   }
 
   Result<MixtureRow> Try(uint64_t seed) const {
@@ -167,7 +172,7 @@ class Trial {
     row.exercise = exercise_.name;
     row.voxel_mm = built_.scene.voxel_nm * 1e-6;
     row.seed = seed;
-    Mixer mixer(r_, task_, seed);
+    Mixer mixer(r_, shape_, seed);
     std::vector<RandomFault> faults;
     const int count = 1 + static_cast<int>(mixer.Uniform(0, 2.999));
     for (int i = 0; i < count; ++i) faults.push_back(mixer.DrawApart(faults));
@@ -194,36 +199,41 @@ class Trial {
   }
 
  private:
-  Trial(const scene::BuiltScene& built, const scene::Exercise& exercise, Task task, int offsets)
+  Trial(const scene::BuiltScene& built, const scene::Exercise& exercise, const Task& task,
+        int offsets)
       : built_(built),
         exercise_(exercise),
-        task_([task = std::move(task)](const dvec3& p) { return task.Distance_m(p); }),
+        shape_(task),
+        task_(Mixer::HollowOf(task)),
         exact_(CutAway(built.volume, task_, Neighbours::kSpared)),
         r_(built.volume, exact_, {built.scene.tooth, built.scene.up}) {
     for (int i = 1; i <= offsets; ++i) {
       Shifted& shifted = shifted_.emplace_back();
-      shifted.by_m = glm::fract(kSpread * static_cast<double>(i)) * (built.scene.voxel_nm * 1e-9);
-      shifted.exact = std::make_unique<cutting::Volume>(
-          CutAway(built.volume, By(shifted.by_m, task_), Neighbours::kSpared));
+      shifted.initial = std::make_unique<cutting::Volume>(
+          InGridMoved(glm::fract(kSpread * static_cast<double>(i)), built.volume));
+      shifted.exact =
+          std::make_unique<cutting::Volume>(CutAway(*shifted.initial, task_, Neighbours::kSpared));
       shifted.r = std::make_unique<AcceptableCut>(
-          built.volume, *shifted.exact, scoring::ToothPlace{built.scene.tooth, built.scene.up});
+          *shifted.initial, *shifted.exact, scoring::ToothPlace{built.scene.tooth, built.scene.up});
     }
   }
 
-  // Another place of the task in the same grid.
+  // The same tooth and task at another place of the grid.
   struct Shifted {
-    dvec3 by_m{0};
-    std::unique_ptr<cutting::Volume> exact;
+    std::unique_ptr<cutting::Volume> initial, exact;
     std::unique_ptr<AcceptableCut> r;
   };
-  static Hollow By(const dvec3& by_m, Hollow what) {
-    return [by_m, what = std::move(what)](const dvec3& p) { return what(p - by_m); };
+  static cutting::Volume InGridMoved(const dvec3& by_voxels, const cutting::Volume& volume) {
+    cutting::GridSpec spec = volume.spec();
+    for (int a = 0; a < 3; ++a) spec.origin_nm[a] += std::llround(by_voxels[a] * spec.voxel_nm);
+    return scene::BuildVolume(spec, [&](const dvec3& p) {
+      return scene::FieldSample{volume.DistanceAt_m(p), volume.TissueAtPoint(p)};
+    });
   }
   Result<double> Spread(const Hollow& taken, double score) const {
     double least = score, most = score;
     for (const Shifted& shifted : shifted_) {
-      const cutting::Volume attempt =
-          CutAway(built_.volume, By(shifted.by_m, taken), Neighbours::kSpared);
+      const cutting::Volume attempt = CutAway(*shifted.initial, taken, Neighbours::kSpared);
       ENAMEL_ASSIGN_OR_RETURN(const auto measured,
                               scoring::MeasureCut(*shifted.r, attempt, exercise_.rubric));
       const double points = 100 - std::min(100.0, measured.cost.sum);
@@ -288,6 +298,7 @@ class Trial {
 
   const scene::BuiltScene& built_;
   const scene::Exercise exercise_;
+  const Task shape_;
   const Hollow task_;
   const cutting::Volume exact_;
   const AcceptableCut r_;

@@ -16,7 +16,7 @@ namespace enamel::station::lab {
 
 struct MixturesOptions {
   int count = 60;  // of all exercises together, in turn
-  // Each mixture is cut so many times more, together with the task, shifted by parts of a voxel.
+  // Tooth, task and each mixture are made so many times more, in a grid that is shifted by parts of a voxel.
   int offsets = 0;
   uint64_t seed = 1;
   std::vector<int32_t> voxels_nm = {100'000};

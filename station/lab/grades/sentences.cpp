@@ -104,7 +104,8 @@ class Looker {
     if (!at || at->distance_m > scoring::kElsewhereFrom_m) out_.far_over += over;
     if (!at || at->distance_m + 0.5 * h_m_ <= scoring::kLeeway_m) return;
     // Where two surfaces meet, either may have moved.
-    for (const uint32_t piece : {at->piece, at->next_to}) {
+    for (const uint32_t piece : {at->edge_share > 0 ? at->edge : at->next_to, at->next_to,
+                                 at->beside_share > 0 ? at->beside : at->next_to}) {
       Seen& seen = out_.regions[r_.pieces()[piece].region];
       seen.over += over, seen.left += left;
     }

@@ -184,7 +184,7 @@ TEST_F(DeductionsTest, AWallTooFarOutIsNamedWithTheStrokesThatCutIt) {
 
 // A stroke that grazes the wall is nothing that one has to stop; the one that goes through it is.
 TEST_F(DeductionsTest, ItBeganWithTheFirstStrokeThatCounts) {
-  hand.Along({{1.08, -0.7, -2}, {1.08, 0.7, -2}});
+  hand.Along({{1.12, -0.05, -2}, {1.12, 0.05, -2}});
   hand.Along({{1.6, -0.7, -2}, {1.6, 0.7, -2}});
   const Explained found = Find();
   const Deduction* d = found.Of(MistakeKind::kOverExtended);

