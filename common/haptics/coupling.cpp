@@ -1,6 +1,7 @@
 #include "common/haptics/coupling.h"
 
 #include <cmath>
+#include <limits>
 
 namespace enamel::haptics {
 namespace {
@@ -18,7 +19,23 @@ dvec3 BeyondCoulomb(const Pull& pull, const Contact& contact) noexcept {
   return pull.stretch_m * (1 - contact.coulomb_n / force);
 }
 
+double DampingAlong(const Sym3& b, const dvec3& way) noexcept {
+  const double length2 = Dot(way, way);
+  return length2 > 0 ? Dot(way, b * way) / length2 : 0;
+}
+
 }  // namespace
+
+dvec3 LessFriction(const dvec3& pull, double b, const OwnFriction& own) noexcept {
+  const double share = own.half_n_s_per_m > 0 ? own.half_n_s_per_m / (own.half_n_s_per_m + b) : 1;
+  dvec3 out = pull;
+  for (int i = 0; i < 3; ++i) {
+    const double c = share * own.c_n[i];
+    if (!(c > 0)) continue;
+    out[i] = pull[i] > c ? pull[i] - c : pull[i] < -c ? pull[i] + c : 0;
+  }
+  return out;
+}
 
 Coupling::Coupling(const CouplingParams& params) : params_(params) {
   const TipCell cell =
@@ -89,8 +106,8 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     // A tick's first one is Resume where there was a gap: its move counts with the tick's.
     if (!resumed_) EnBeginTick(&spring_.tank);
     resumed_ = false;
-    const dvec3 pull_n = RelaxAnchor(tip_m, material, out);
-    if ((out.flags & kNonFiniteInput) == 0) SendThroughSpring(tip_m, pull_n, bound_n, out);
+    const Resistance resistance = RelaxAnchor(tip_m, material, out);
+    if ((out.flags & kNonFiniteInput) == 0) SendThroughSpring(tip_m, resistance, bound_n, out);
   } else {
     TickTip(tip_m, bound_n, material, out);
   }
@@ -113,22 +130,25 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
 // In time dt a pull K s moves the bur by w with B w = K (s - w) dt (implicit): s - w = B (B + K dt)^-1 s,
 // defined for every B >= 0. B = 0 gives w = s (air), B -> infinity gives w = 0 (a wall of stiffness K).
 // Then R = K (s - w) = B w/dt exactly: eq. 1 for the bur that cuts.
-dvec3 Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept {
+Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& material,
+                                           CouplingOutput& out) noexcept {
   double left_s = params_.law.tick_s;
   for (int i = 0; i < params_.max_substeps; ++i) {
     const dvec3 e = tip_m - anchor_;
-    if (Dot(e, e) == 0) return dvec3(0);
+    if (Dot(e, e) == 0) return {};
     const Contact contact = material.ContactAt(anchor_, e);
     const Sym3& b = contact.damping_n_s_per_m;
     if (!b.IsFinite()) {
       out.flags |= kNonFiniteInput;
-      return dvec3(0);
+      return {};
     }
     clear_ = !contact.engaged && contact.clearance_m > 0;
     Pull pull{e, params_.law.kc_n_per_m};
+    double along = 0;
     dvec3 step = e;
     if (b.Trace() > 0) {
       pull = law_->PullOn(anchor_, b);
+      along = DampingAlong(b, pull.stretch_m);
       const dvec3 felt = BeyondCoulomb(pull, contact);
       const double shift = pull.stiffness_n_per_m * left_s;
       step = shift > 0 ? felt - b * SolveShifted(b, shift, felt) : dvec3(0);
@@ -138,6 +158,7 @@ dvec3 Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutp
     const double into = Dot(step, contact.wall_normal);
     if (into > 0) {
       step -= contact.wall_normal * into;
+      along = std::numeric_limits<double>::infinity();
       out.flags |= kWallContact;
     }
     const double length = std::sqrt(Dot(step, step));
@@ -148,23 +169,24 @@ dvec3 Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutp
     if (length > 0) MoveBur(anchor_ + step * share, material);
     if (share == 1) {
       if (!contact.engaged) out.flags |= kFreeAir;
-      return (pull.stretch_m - step) * pull.stiffness_n_per_m;
+      return {(pull.stretch_m - step) * pull.stiffness_n_per_m, along};
     }
     left_s -= left_s * share;
     if (i + 1 == params_.max_substeps) {
       out.flags |= kSubstepLimit;
-      return (pull.stretch_m - step * share) * pull.stiffness_n_per_m;
+      return {(pull.stretch_m - step * share) * pull.stiffness_n_per_m, along};
     }
   }
-  return dvec3(0);
+  return {};
 }
 
-// Moves the rest point to where the spring would give `pull_n`, as far as the guard lets it, and sends
-// what the spring gives. A bound lets the rest point give way, at a wall too; what is left of it is a
-// share of the stiffness.
-void Coupling::SendThroughSpring(const dvec3& tip_m, const dvec3& pull_n, double bound_n,
+// Moves the rest point to where the spring would give the pull less the device's friction, as far as the
+// guard lets it, and sends what the spring gives. A bound lets the rest point give way, at a wall too; what
+// is left of it is a share of the stiffness.
+void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                                  CouplingOutput& out) noexcept {
   const double kc = params_.law.kc_n_per_m;
+  const dvec3 pull_n = LessFriction(resistance.pull_n, resistance.b_n_s_per_m, params_.friction);
   const double magnitude = std::sqrt(Dot(pull_n, pull_n));
   double keep = 1;
   if (magnitude > bound_n) {

@@ -14,9 +14,10 @@
 // force, R = Kc (p - r) while all of the stiffness is felt.
 //  * The law says how hard the bur is pulled, and the bur goes through tissue as that pull over B.
 //    Where nothing resists it is at the tip in the same tick. No bound and no guard holds it.
-//  * r goes to where the spring gives the law's pull, by guarded steps (guard.h). The proof is in
-//    README.md, "Why it is passive", and rests on that alone: the operator never extracts energy,
-//    whatever the tissue, the geometry, B(t), the law's parameters or the hand do.
+//  * r goes to where the spring gives the law's pull less the device's own friction, by guarded steps
+//    (guard.h). The proof is in README.md, "Why it is passive", and rests on that alone: the operator
+//    never extracts energy, whatever the tissue, the geometry, B(t), the law's parameters, the friction
+//    that it is told or the hand do.
 //  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
 //    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
 //  * A bound on the force moves r, at a wall too, never the bur.
@@ -61,6 +62,20 @@ enum CouplingFlags : uint16_t {
   kLatched = 1 << 6,  // after kNonFiniteInput: force 0 and anchor kept until Reset
 };
 
+// Coulomb friction of the device itself. It resists the hand beside the motors, so the law asks the motors
+// for that much less (README.md, "What the wish leaves out").
+struct OwnFriction {
+  dvec3 c_n{0};  // per axis; 0: nothing is left out
+  // For a c that nobody measured: in tissue of this B half of c is left out, in harder tissue less. 0: all
+  // of c, in every tissue.
+  double half_n_s_per_m = 0;
+};
+
+// What the law asks of the motors for a pull R in tissue of damping b along R. Per axis
+// S_i = sgn(R_i) max(0, |R_i| - share c_i), share = half/(half + b). S is continuous in R: where R changes
+// sign, S is 0 over a width of 2 share c_i and cannot chatter. It reads no speed.
+dvec3 LessFriction(const dvec3& pull_n, double b_n_s_per_m, const OwnFriction& own) noexcept;
+
 struct CouplingParams {
   LawParams law;
   double peak_force_n = 0;    // magnitude never exceeded, N
@@ -69,6 +84,7 @@ struct CouplingParams {
   int delay_ticks = 0;        // whole ticks from reading to force, as the guard is to count with
   // Where the true tip can be around the measured one; of no size: the law's resolution per axis.
   TipCell cell{};
+  OwnFriction friction{};  // anchored laws
   // The device's board runs spring and guard (common/board/board.h). The coupling says where the rest
   // point should be, and feels the spring that the board reports.
   bool spring_on_board = false;
@@ -120,8 +136,13 @@ class Coupling {
   const CouplingParams& params() const noexcept { return params_; }
 
  private:
-  dvec3 RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
-  void SendThroughSpring(const dvec3& tip_m, const dvec3& pull_n, double bound_n,
+  // The law's pull at the end of a tick, and the damping that the tissue has along it.
+  struct Resistance {
+    dvec3 pull_n{0};
+    double b_n_s_per_m = 0;
+  };
+  Resistance RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
+  void SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                          CouplingOutput& out) noexcept;
   void PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,
                   CouplingOutput& out) noexcept;

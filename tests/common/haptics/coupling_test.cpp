@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace enamel::haptics {
@@ -157,7 +158,8 @@ class RandomMaterial final : public Material {
 
 // The theorem of coupling.h as a property: with Kc = 2 b/T and c = Kc delta / 2 per axis, the sum
 // of R.dx + (b/T) dx.dx + c sum |dx_i| never falls below -V_0 = 0 from an unloaded start, whatever
-// B does each tick and wherever the true position is in its encoder cell.
+// B does each tick and wherever the true position is in its encoder cell. It holds whatever friction the
+// law leaves out: every second hand plays against four times c.
 class PassivityTest : public testing::TestWithParam<LawKind> {};
 
 TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
@@ -168,6 +170,7 @@ TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
   for (uint64_t seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
+    params.friction.c_n = dvec3(seed % 2 == 0 ? 4 * c : 0);
     Coupling coupling(params);
     RandomMaterial material(seed);
     dvec3 x(0), v(0), force(0);
@@ -222,6 +225,7 @@ TEST(CouplingTest, OperatorNeverExtractsEnergyAtWallsUnderChangingBoundsAndGaps)
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
+    params.friction = {dvec3(seed % 2 == 0 ? 4 * c : 0), seed % 4 == 0 ? 400.0 : 0.0};
     Coupling coupling(params);
     ChangingMaterial material(seed);
     dvec3 x(0), v(0), force(0);
@@ -269,6 +273,64 @@ TEST(GuardTest, NoGuardedMoveRaisesSpringEnergyAnywhereInTheCell) {
       EXPECT_LE(glm::dot(x - w, x - w), glm::dot(x, x) * (1 + 1e-12) + 1e-24);
     }
   }
+}
+
+TEST(OwnFrictionTest, IsLeftOutOfEachAxisAndTurnsNoForceAround) {
+  const OwnFriction own{dvec3(0.1, 0.2, 0)};
+  const dvec3 asked = LessFriction(dvec3(0.5, -0.15, -0.3), 6500, own);
+  EXPECT_NEAR(asked.x, 0.4, 1e-15);
+  EXPECT_EQ(asked.y, 0);
+  EXPECT_EQ(asked.z, -0.3);
+  EXPECT_EQ(LessFriction(dvec3(1, 2, 3), 6500, OwnFriction{}), dvec3(1, 2, 3));
+}
+
+// No step of R makes a longer step of S, also where R changes sign: nothing there can chatter.
+TEST(OwnFrictionTest, ForceAskedNeverMovesMoreThanThePull) {
+  const OwnFriction own{dvec3(0.09), 400};
+  double before = LessFriction(dvec3(-0.3, 0, 0), 530, own).x;
+  for (double r = -0.299; r < 0.3; r += 0.001) {
+    const double asked = LessFriction(dvec3(r, 0, 0), 530, own).x;
+    EXPECT_GE(asked, before);
+    EXPECT_LE(asked - before, 0.001 + 1e-12);
+    EXPECT_GE(asked * r, 0);
+    before = asked;
+  }
+}
+
+TEST(OwnFrictionTest, OfAGuessLessIsLeftOutTheHarderTheTissue) {
+  const OwnFriction guess{dvec3(0.09), 400};
+  const auto left_out = [&](double b) { return 1 - LessFriction(dvec3(1, 0, 0), b, guess).x; };
+  EXPECT_NEAR(left_out(0), 0.09, 1e-15);
+  EXPECT_NEAR(left_out(400), 0.045, 1e-15);
+  EXPECT_NEAR(left_out(6500), 0.09 * 400 / 6900, 1e-15);
+  EXPECT_EQ(left_out(std::numeric_limits<double>::infinity()), 0);
+}
+
+// The bur cuts as it does without, and the force sent lacks c. At a wall all of a guess stays.
+TEST(OwnFrictionTest, ChangesTheForceAndNotTheCut) {
+  CouplingParams with = Phantom();
+  with.friction.c_n = dvec3(0.3, 0, 0);
+  Coupling less(with), plain(Phantom());
+  UniformMaterial same(Sym3::Isotropic(6500)), enamel(Sym3::Isotropic(6500));
+  less.Reset(dvec3(0));
+  plain.Reset(dvec3(0));
+  CouplingOutput a, b;
+  for (int tick = 0; tick < 30000; ++tick) {
+    const dvec3 tip = Quantise(dvec3(0.43e-6 * tick, 0, 0), 10e-6);
+    a = less.Tick(tip, 1, same);
+    b = plain.Tick(tip, 1, enamel);
+    ASSERT_EQ(a.anchor_m, b.anchor_m) << tick;
+  }
+  EXPECT_NEAR(a.force_sent_n.x - b.force_sent_n.x, 0.3, 2500 * 10e-6);
+
+  with.friction.half_n_s_per_m = 400;
+  Coupling guessed(with);
+  ChangingMaterial wall(1);
+  wall.still = true;
+  guessed.Reset(dvec3(0));
+  const dvec3 into(1e-3, 0.3e-3, -0.2e-3);
+  EXPECT_NEAR(glm::length(guessed.Tick(into, 1, wall).force_sent_n), 2500 * glm::length(into),
+              2500 * 10e-6);
 }
 
 TEST(CouplingTest, SoftStartScalesTheBound) {
