@@ -150,6 +150,9 @@ Status CheckValues(const CoreParams& p) {
   for (int32_t h : p.cell_half_nm)
     ENAMEL_RETURN_IF_ERROR(CheckRange("cell_half_nm", h, 0, kMaxCell_nm));
   ENAMEL_RETURN_IF_ERROR(CheckRange("cell_ball_nm", p.cell_ball_nm, 0, kMaxCell_nm));
+  for (int32_t c : p.friction_mn)
+    ENAMEL_RETURN_IF_ERROR(CheckRange("friction_mn", c, 0, kMaxForce_mn));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("friction_half_us", p.friction_half_us, 0, 10'000'000));
   for (int64_t o : p.device_origin_nm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("device_origin_nm", o, -1'000'000'000, 1'000'000'000));
   }
@@ -249,6 +252,8 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   for (int32_t h : p.cell_half_nm) out.I32(h);
   out.I32(p.cell_ball_nm);
   out.U8(p.spring_on_board ? 1 : 0);
+  for (int32_t c : p.friction_mn) out.I32(c);
+  out.I32(p.friction_half_us);
   out.U8(static_cast<uint8_t>(p.other_burs.size()));
   for (const OtherBur& bur : p.other_burs) WriteBur(bur, out);
 }
@@ -301,6 +306,8 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   for (int32_t& h : p.cell_half_nm) h = in.I32();
   p.cell_ball_nm = in.I32();
   p.spring_on_board = in.U8() != 0;
+  for (int32_t& c : p.friction_mn) c = in.I32();
+  p.friction_half_us = in.I32();
   const uint8_t other_burs = in.U8();
   if (in.ok() && other_burs >= kMaxBurs) {
     return OutOfRange("other_burs", "0 to " + std::to_string(kMaxBurs - 1), other_burs);

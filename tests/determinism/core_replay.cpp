@@ -77,6 +77,10 @@ core::CoreParams ParamsFor(uint64_t seed) {
     p.handpiece_tangential_permille = 300;
     p.handpiece_lag_us = 50'000;
   }
+  if (seed % 3 == 0) {
+    p.friction_mn = {90, 25, 80};
+    p.friction_half_us = seed % 2 ? 30'000 : 0;
+  }
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;

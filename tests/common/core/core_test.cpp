@@ -706,6 +706,8 @@ CoreParams FullParams() {
   p.chatter_cue_mn = 200;
   p.cue_energy_nj = 50'000;
   p.cue_power_nw = 100'000;
+  p.friction_mn = {90, 25, 80};
+  p.friction_half_us = 30'000;
   p.other_burs = {
       {cutting::BurShape::kPear, 600'000, 2'500'000, 350'000, 800'000, 1'000'000, 800'000},
       {cutting::BurShape::kSphere, 800'000, 0, 0, 0, 0, 800'000}};
@@ -746,6 +748,8 @@ TEST(CoreParamsTest, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_EQ(refused([](CoreParams& p) { p.chatter_cue_mn = -1; }), "chatter_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
+  EXPECT_EQ(refused([](CoreParams& p) { p.friction_mn[2] = -1; }), "friction_mn");
+  EXPECT_EQ(refused([](CoreParams& p) { p.friction_half_us = 10'000'001; }), "friction_half_us");
   EXPECT_EQ(refused([](CoreParams& p) { p.other_burs.resize(8, p.other_burs[0]); }), "other_burs");
   EXPECT_EQ(refused([](CoreParams& p) { p.other_burs[1].radius_nm = 1; }), "bur_radius_nm");
   // What a six-axis device lets the hand feel does not depend on the bur.

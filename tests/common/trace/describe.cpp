@@ -72,6 +72,8 @@ json::object Describe(const core::CoreParams& p) {
           {"cell_half_nm", Numbers(p.cell_half_nm)},
           {"cell_ball_nm", Number(p.cell_ball_nm)},
           {"spring_on_board", p.spring_on_board},
+          {"friction_mn", Numbers(p.friction_mn)},
+          {"friction_half_us", Number(p.friction_half_us)},
           {"other_burs", Describe(p.other_burs)}};
 }
 
