@@ -4,8 +4,6 @@
 
 namespace enamel::fidelity {
 
-bool HasMotors(const scene::DeviceProfile& profile) { return profile.name != "pointer"; }
-
 double FeltIn(const FeltDevice& device, const FeltTrial& trial, double grip,
               std::span<const std::vector<dvec3>> ways) {
   FeltTrial in_grip = trial;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "common/fidelity/felt.h"
-#include "common/scene/types.h"
 
 // The map of what a hand can feel: up to which stiffness of its grip a device passes for tissue that
 // resists with F = B v, within what a hand can tell.
@@ -41,9 +40,6 @@ inline constexpr double kGrips_n_per_m[] = {300,  500,  700,  1000,   1400,  200
 // How quickly a hand that works a surface moves to and fro: what the closed form needs of a motion
 // (common/haptics/README.md, "The law").
 inline constexpr double kHand_rad_per_s = 1.6;
-
-// False for the built-in profile of what has no motors ("pointer"): its force is shown, not felt.
-bool HasMotors(const scene::DeviceProfile& profile);
 
 // One point of the map: RMS error over RMS force, both over all ways. Requires: a grip above 0; at least one
 // way, as `Feel` asks.

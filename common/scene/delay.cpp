@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "common/scene/own_friction.h"
 #include "common/scene/plan.h"
 
 namespace enamel::scene {
@@ -120,13 +121,18 @@ Status CheckParams(const Scene& scene, const Exercise& exercise, const DevicePro
                    const core::CoreParams& params) {
   ENAMEL_ASSIGN_OR_RETURN(auto plain, CompilePlan(scene, exercise, profile));
   if (plain == params) return Status::Ok();
-  if (auto delayed = WithDelay(profile, exercise.rate_hz, params.bus_delay_ticks); delayed.ok()) {
+  // All of a friction is left out only where it was measured.
+  const int32_t friction_mn = params.friction_mn[0];
+  const bool calibrated = params.friction_half_us == 0 && friction_mn > 0;
+  const DeviceProfile unit = calibrated ? WithFriction(profile, friction_mn) : profile;
+  if (auto delayed = WithDelay(unit, exercise.rate_hz, params.bus_delay_ticks); delayed.ok()) {
     auto planned = CompilePlan(scene, exercise, *delayed);
     if (planned.ok() && *planned == params) return Status::Ok();
   }
   return Status(Code::kConflict,
                 "the core parameters are not those that exercise '" + exercise.name +
-                    "' and device profile '" + profile.name + "' give, with whatever delay",
+                    "' and device profile '" + profile.name +
+                    "' give, with whatever delay and measured friction",
                 "params");
 }
 

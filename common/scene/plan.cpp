@@ -5,9 +5,11 @@
 #include <string>
 
 #include "common/cutting/voxel_limit.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/cell.h"
 #include "common/scene/delay.h"
 #include "common/scene/json/json.h"
+#include "common/scene/own_friction.h"
 #include "common/scene/rate.h"
 
 namespace enamel::scene {
@@ -165,6 +167,10 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.cell_half_nm.fill(cell.half_nm);
   p.cell_ball_nm = cell.ball_nm;
   p.spring_on_board = profile.board_spring.has_value();
+  if (HasMotors(profile)) {
+    p.friction_mn.fill(static_cast<int32_t>(profile.friction_mn.value));
+    p.friction_half_us = profile.friction_measured ? 0 : kUnmeasuredHalf_us;
+  }
   const PointUm& landmark = scene.landmarks.at(exercise.target.landmark);
   for (size_t i = 0; i < 3; ++i) p.device_origin_nm[i] = int64_t{landmark[i]} * 1000;
   p.device_origin_nm[2] += kStartHeight_nm;

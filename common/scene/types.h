@@ -197,6 +197,8 @@ struct DeviceProfile {
   Sourced rate_hz;
   Sourced bus_delay_ticks;
   bool delay_measured = false;  // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
+  bool friction_measured =
+      false;  // friction_mn was, on a unit; false: own_friction.h is careful with it
   Sourced workspace_radius_um;
   // None: cells along the axes, recorded as they are counted, without noise.
   std::optional<CellSpec> cell;

@@ -18,6 +18,7 @@
 #include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
+#include "common/scene/own_friction.h"
 #include "common/scene/rate.h"
 #include "station/app/measured_device.h"
 #include "station/devices/operators.h"
@@ -354,7 +355,9 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   if (subject->real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, *subject));
   if (!proposed.ok()) return proposed.status();
   proposed->bus_delay_ticks.source += answers;
-  proposed->delay_measured = subject->real;  // a simulated device is no unit
+  // A simulated device is no unit.
+  proposed->delay_measured = subject->real;
+  proposed->friction_measured = subject->real && scene::FrictionOf(document).has_value();
   for (const std::string& member : scene::AskedFor(*proposed)) {
     std::printf(
         "not measured, and not published: %s. Ask the maker, and write it into the profile\n",

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/scene/own_friction.h"
 #include "common/scene/plan.h"
 
 namespace enamel::station {
@@ -207,7 +208,10 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const DeviceP
   const int64_t rate_hz = prepared.header.params.rate_hz;
   const auto used = scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr,
                                            rate_hz, pace.answers, pace.poses);
-  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
+  const auto friction_mn = calibration ? scene::FrictionOf(*calibration) : std::nullopt;
+  const scene::DeviceProfile unit =
+      friction_mn ? scene::WithFriction(prepared.profile, *friction_mn) : prepared.profile;
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(unit, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
   // The chunks of a resumed attempt are chained to its header, and its ticks must replay with it: a
   // device that needs less stiffness or more guard is refused.

@@ -80,7 +80,8 @@ std::string AnswersText(const scene::AnswerTime& answers);
 std::string DelayText(const scene::DelayUsed& used, const std::string& device);
 
 // Before the ticket is taken: compiles the attempt's parameters again with the delay of `device`, which keeps
-// this pace, and notes it in `prepared.delay`. Applies to devices with motors that are not simulated; others
+// this pace, and with the friction that its calibration measured (scene/own_friction.h). Notes the delay in
+// `prepared.delay`. Applies to devices with motors that are not simulated; others
 // are left unchanged. Logged, as a warning if nobody measured. A resumed attempt keeps its original
 // parameters. Errors: WithDelay's; kConflict when a resumed attempt is stiffer than this device
 // allows.

@@ -37,6 +37,9 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
 // inverse3, minverse, touch, touch_x, falcon, omega6 and omega7, which ask for what nobody published (AskedFor); and last sigma7, which drives six axes.
 std::vector<DeviceProfile> BuiltinProfiles();
 
+// False for "pointer": its force is shown, not felt.
+bool HasMotors(const DeviceProfile& profile);
+
 // Class I occlusal cavity on any scene with an "occlusal_centre" landmark.
 Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 

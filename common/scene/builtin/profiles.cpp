@@ -323,6 +323,8 @@ DeviceProfile Pointer() {
 
 }  // namespace
 
+bool HasMotors(const DeviceProfile& profile) { return profile.name != "pointer"; }
+
 std::vector<DeviceProfile> BuiltinProfiles() {
   return {Omega3(),
           PhantomDesktop(),

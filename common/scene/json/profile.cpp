@@ -14,8 +14,9 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque",
-                           kCell = "cell", kBoardSpring = "board_spring";
+constexpr std::string_view kDelay = "bus_delay_ticks", kFriction = "friction_mn",
+                           kMeasured = "measured", kTorque = "torque", kCell = "cell",
+                           kBoardSpring = "board_spring";
 constexpr int64_t kSixAxes = 6;
 
 template <typename Owner>
@@ -58,6 +59,13 @@ constexpr std::array<NumberOf<TorqueSpec>, 5> kTorqueNumbers = {{
     {"orientation_cell_urad", &TorqueSpec::orientation_cell_urad, core::kLeastRotationCell_urad,
      100'000},
 }};
+
+// Of the numbers that may be said to have been measured on a unit; nullptr: of no other.
+template <typename Profile>
+auto MeasuredFlag(Profile& profile, const Number& n) -> decltype(&profile.delay_measured) {
+  if (n.name == kDelay) return &profile.delay_measured;
+  return n.name == kFriction ? &profile.friction_measured : nullptr;
+}
 
 template <typename Owner>
 Sourced ReadSourced(ObjectReader& in, const NumberOf<Owner>& n, bool* measured = nullptr) {
@@ -151,7 +159,8 @@ std::string ToJson(const DeviceProfile& profile) {
   for (const Number& n : kNumbers) {
     const Sourced& s = profile.*n.member;
     json::object item = Document(s);
-    if (profile.delay_measured && n.name == kDelay) item[kMeasured] = true;
+    const bool* measured = MeasuredFlag(profile, n);
+    if (measured != nullptr && *measured) item[kMeasured] = true;
     out[n.name] = std::move(item);
   }
   if (profile.cell) out[kCell] = Document(*profile.cell);
@@ -180,7 +189,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
   for (const Number& n : kNumbers) {
-    profile.*n.member = ReadSourced(in, n, n.name == kDelay ? &profile.delay_measured : nullptr);
+    profile.*n.member = ReadSourced(in, n, MeasuredFlag(profile, n));
   }
   ReadCell(in, profile);
   ReadBoardSpring(in, profile);

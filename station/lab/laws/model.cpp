@@ -67,7 +67,7 @@ std::vector<DeviceProfile> QualifyProfiles() {
   // No motors; six axes, whose torque the tests of the core and of haptics attack; and stand-ins for figures
   // that nobody knows.
   std::erase_if(all, [](const DeviceProfile& p) {
-    return !fidelity::HasMotors(p) || p.torque || !scene::AskedFor(p).empty();
+    return !scene::HasMotors(p) || p.torque || !scene::AskedFor(p).empty();
   });
   all.push_back(Other("omega_dot_3", "omega.3 (CHAI3D's figures)", {10'000, kSheet}, {5'000, kChai},
                       4'500, {250, kGuess}, {12'000, kChai}, {12'000, kSheet}, 75'000));

@@ -328,19 +328,21 @@ TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessary) {
   EXPECT_EQ(profile->structural_mode_hz.value, 120);
 }
 
-TEST(SceneJsonTest, ProfilesSayWhetherTheirDelayWasMeasured) {
+TEST(SceneJsonTest, ProfilesSayWhetherTheirDelayAndFrictionWereMeasured) {
   std::string text = ReadText("golden/scene_profile_measured.json");
   Result<DeviceProfile> profile = ProfileFromJson(text);
   ASSERT_TRUE(profile.ok()) << profile.status().message();
   EXPECT_TRUE(profile->delay_measured);
+  EXPECT_TRUE(profile->friction_measured);
   EXPECT_EQ(ToJson(*profile), text);
-  profile->delay_measured = false;
+  profile->delay_measured = profile->friction_measured = false;
   Result<DeviceProfile> unsaid = ProfileFromJson(ToJson(*profile));
   ASSERT_TRUE(unsaid.ok()) << unsaid.status().message();
   EXPECT_FALSE(unsaid->delay_measured);
+  EXPECT_FALSE(unsaid->friction_measured);
   profile = ProfileFromJson(Replaced(text, "\"measured\": true", "\"measured\": false"));
   ASSERT_FALSE(profile.ok()) << "what was not measured is not said";
-  EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
+  EXPECT_EQ(profile.status().field(), "/friction_mn/measured");
 }
 
 TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThreshold) {

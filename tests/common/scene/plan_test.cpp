@@ -7,7 +7,9 @@
 
 #include "common/scene/builder.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
+#include "common/scene/own_friction.h"
 
 namespace enamel::scene {
 namespace {
@@ -36,6 +38,15 @@ TEST_F(PlanTest, PaperDevicesCarryTheExerciseWithThePapersStiffness) {
     ASSERT_TRUE(params.ok()) << params.status().message();
     EXPECT_EQ(params->kc_mn_per_mm, kc[i]);
   }
+}
+
+TEST_F(PlanTest, FrictionIsLeftOutWholeWhereItWasMeasuredAndNotAtAllOfAMouse) {
+  EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_mn, (std::array{25, 25, 25}));
+  EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_half_us, kUnmeasuredHalf_us);
+  profile.friction_measured = true;
+  EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_half_us, 0);
+  const DeviceProfile mouse = *FindProfile("pointer");
+  EXPECT_EQ(CompilePlan(scene, exercise, mouse)->friction_mn, (std::array{0, 0, 0}));
 }
 
 TEST_F(PlanTest, CountZeroIsEightMillimetresAboveTheLandmark) {

@@ -127,13 +127,15 @@ class DeviceDelayTest : public testing::Test {
         *scene::CompilePlan(prepared_.scene, prepared_.exercise, prepared_.profile);
   }
 
-  void Keep(const std::string& unit, int64_t ticks) {
+  void Keep(const std::string& unit, int64_t ticks,
+            std::optional<scene::Measured> friction_mn = std::nullopt) {
     scene::Calibration c;
     c.device = unit;
     c.profile = "phantom_desktop";
     c.software = "test";
     c.method = "test";
     c.bus_delay_ticks = scene::Measured{ticks, 0, 8};
+    c.friction_mn = friction_mn;
     fs::create_directories(CalibrationsFolder(folder_));
     ASSERT_TRUE(WriteFileDurably(CalibrationFile(folder_, unit), AsBytes(scene::ToJson(c))).ok());
   }
@@ -184,6 +186,23 @@ TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
   Keep("hid:1209:0001:SN7", 2);
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(Kc(), 388);
+}
+
+TEST_F(DeviceDelayTest, AllOfAFrictionIsLeftOutOnlyWhereThisUnitsWasMeasured) {
+  const core::CoreParams& params = prepared_.header.params;
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
+  EXPECT_EQ(params.friction_mn, (std::array{25, 25, 25}));
+  EXPECT_GT(params.friction_half_us, 0);
+  // Too wide an interval.
+  Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 7, 40});
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
+  EXPECT_GT(params.friction_half_us, 0);
+  Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 4, 40});
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
+  EXPECT_EQ(params.friction_mn, (std::array{36, 36, 36}));
+  EXPECT_EQ(params.friction_half_us, 0);
+  EXPECT_TRUE(
+      scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile, params).ok());
 }
 
 TEST_F(DeviceDelayTest, ADeviceThatAnswersLaterThanAnAttemptCanBearIsRefusedByName) {
