@@ -90,6 +90,7 @@ haptics::CouplingParams CouplingOf(const FeltDevice& d, const FeltTrial& trial) 
   p.peak_force_n = d.peak_force_n;
   p.delay_ticks = trial.delay_ticks;
   p.cell = CellOf(trial.lattice, d.resolution_m);
+  p.friction = trial.friction;
   return p;
 }
 

@@ -5,7 +5,7 @@
 
 #include "common/fidelity/board_loop.h"
 #include "common/fidelity/plant.h"
-#include "common/haptics/force_law.h"
+#include "common/haptics/coupling.h"
 #include "common/haptics/guard.h"
 #include "common/math/sym3.h"
 
@@ -51,7 +51,9 @@ struct FeltTrial {
   HandOn hand;
   Lattice lattice;
   int delay_ticks = 0;  // of the law's loop, where the host runs the spring
-  double from_s = 0;    // figures are taken from here on
+  // What the law is told of the device's friction, which may be wrong.
+  haptics::OwnFriction friction{};
+  double from_s = 0;  // figures are taken from here on
   // Without the damper on the device the error of the command and the ideal stay 0; without the ideal tool
   // the figures of the force in the hand do.
   bool ideal = true, tool = true;
