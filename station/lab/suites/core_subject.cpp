@@ -48,6 +48,7 @@ core::CoreParams ParamsOf(const DeviceModel& m, const GameRules& rules, haptics:
   p.resolution_nm.fill(scene::CountNm(profile));
   p.cell_half_nm.fill(cell.half_nm);
   p.cell_ball_nm = cell.ball_nm;
+  p.friction_mn.fill(static_cast<int32_t>(std::lround(m.friction_n * 1e3)));
   p.peak_force_mn = static_cast<int32_t>(std::lround(m.peak_force_n * 1e3));
   p.bus_delay_ticks = static_cast<uint32_t>(rules.clause_ticks());
   // Until every force under way has ended, as half a second of a real attempt does.

@@ -63,6 +63,8 @@ class CouplingSubject final : public OrderedSubject {
     p.peak_force_n = m.peak_force_n;
     p.law.resolution_m = dvec3(m.resolution_m);
     p.cell = CellUnder(m, rules);
+    // All of it, as of a calibrated device: what is asked of the motors is farthest from the law's pull.
+    p.friction.c_n = dvec3(m.friction_n);
     // Exactly the delay of the rules, for which it is proved.
     p.delay_ticks = rules.clause_ticks();
     return p;
