@@ -1,5 +1,5 @@
 // Draws a report of enamel-lab as one HTML file that needs nothing else: no server, no network.
-//   enamel-lab qualify --profile omega3 --suite strokes --json strokes.json
+//   enamel-lab qualify --profile omega3 --suite withdrawal --json strokes.json
 //   node scripts/draw_report.mjs strokes.json strokes.html
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";

@@ -34,7 +34,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify
       ->add_option(
           "--suite", options->suites,
-          "paper, hand, map, strokes, calibration, laws, front, estimators, extreme, adversary, "
+          "paper, hand, map, withdrawal, calibration, laws, front, estimators, extreme, adversary, "
           "random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
@@ -72,7 +72,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "beside "
       "the closed\n"
       "              form; Kc at each rate and what limits it (schemas/feel.schema.json)\n"
-      "  strokes     press, stroke, reverse, lift, nick, slip-out with the product's core: force "
+      "  withdrawal  press, stroke, reverse, lift, nick, slip-out with the product's core: force "
       "against time\n"
       "              beside the ideal (schemas/strokes.schema.json)\n"
       "  calibration what stays safe if a calibration is wrong: Kc at the bad end of each interval "
@@ -92,7 +92,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  enamel-lab qualify --profile omega3 --suite hand --quick\n"
       "  enamel-lab qualify --profile my_device.json --suite map,hand\n"
-      "  enamel-lab qualify --profile omega3 --suite strokes --json strokes.json\n"
+      "  enamel-lab qualify --profile omega3 --suite withdrawal --json strokes.json\n"
       "  enamel-lab qualify --profile omega3 --report omega3.html\n"
       "A page is drawn by node and draw_report.mjs, which are installed with this program; the\n"
       "JSON can be attached to the device on the server, whose page draws it too.\n"

@@ -24,7 +24,7 @@ struct Suite {
 constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
                              {"hand", &RunHandSuite},
                              {"map", &RunMapSuite},
-                             {"strokes", &RunStrokesSuite},
+                             {"withdrawal", &RunWithdrawalSuite},
                              {"calibration", &RunCalibrationSuite},
                              {"laws", &RunLawsSuite},
                              {"front", &RunFrontSuite},
@@ -89,7 +89,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, strokes, calibration, laws, front, estimators, "
+                  "': expected paper, hand, map, withdrawal, calibration, laws, front, estimators, "
                   "extreme, "
                   "adversary, random, cutting or all",
               "suite"};

@@ -215,7 +215,7 @@ struct Findings {
   std::vector<JointFront> fronts;
   std::vector<ExtremeRow> extremes;
   std::vector<FeelCurve> feel;
-  std::vector<StrokeDevice> strokes;
+  std::vector<StrokeDevice> strokes;  // of the suite "withdrawal"
   std::vector<ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;    // the simulator's own, worst of the trials asked
   double seconds = 0;

@@ -1,7 +1,7 @@
 import { isObject } from "../base/document";
 import { fail, ok, type Result } from "../base/result";
 
-// Six short motions of a hand on a device, as `enamel-lab qualify --suite strokes` writes them
+// Six short motions of a hand on a device, as `enamel-lab qualify --suite withdrawal` writes them
 // (schemas/strokes.schema.json).
 export interface StrokeFigure {
   readonly name: string;

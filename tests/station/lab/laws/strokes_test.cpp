@@ -179,7 +179,7 @@ TEST(StrokesTest, TheDocumentOfARunIsOfItsSchema) {
   const std::string path = (std::filesystem::path(testing::TempDir()) / "strokes.json").string();
   QualifyOptions o;
   o.profile = "omega3";
-  o.suites = {"strokes"};
+  o.suites = {"withdrawal"};
   o.quick = true;
   o.json_path = path;
   ASSERT_EQ(RunQualify(o), 0);

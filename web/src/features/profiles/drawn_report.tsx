@@ -36,7 +36,7 @@ export function DrawnReport({
           <p>
             {sayWith("drawn.nothing_text", {
               reason: capital(drawable.error),
-              command: <code>enamel-lab qualify --profile NAME --suite strokes --json FILE</code>,
+              command: <code>enamel-lab qualify --profile NAME --suite withdrawal --json FILE</code>,
             })}
           </p>
         </Notice>

@@ -23,7 +23,7 @@ std::string FigureText(const StrokeTrack& track, const char* name, double factor
 
 }  // namespace
 
-void RunStrokesSuite(SuiteContext& c) {
+void RunWithdrawalSuite(SuiteContext& c) {
   // Built once: every trial cuts a copy.
   const cutting::Volume block = WithdrawalBlock();
   Table t;
@@ -52,7 +52,7 @@ void RunStrokesSuite(SuiteContext& c) {
     std::atomic<size_t> done{0};
     ParallelFor(device.tracks.size(), c.options.threads, [&](size_t i) {
       device.tracks[i] = RunStroke(m, kStrokeCases[i / laws], kLaws[i % laws], block);
-      c.progress("strokes", ++done, device.tracks.size());
+      c.progress("withdrawal", ++done, device.tracks.size());
     });
     for (size_t i = 0; i < device.tracks.size(); i += laws) {
       const StrokeTrack& s = device.tracks[i];
