@@ -32,10 +32,10 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                    "device profile, a profile document (….json), or all")
       ->capture_default_str();
   qualify
-      ->add_option(
-          "--suite", options->suites,
-          "paper, hand, map, withdrawal, calibration, laws, front, estimators, extreme, adversary, "
-          "random, cutting or all")
+      ->add_option("--suite", options->suites,
+                   "paper, hand, map, strokes, withdrawal, calibration, laws, front, estimators, "
+                   "extreme, adversary, "
+                   "random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
@@ -72,6 +72,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "beside "
       "the closed\n"
       "              form; Kc at each rate and what limits it (schemas/feel.schema.json)\n"
+      "  strokes     what a hand feels in the strokes of the built-in exercises, on the devices as "
+      "shipped: not\n"
+      "              measured and calibrated\n"
       "  withdrawal  press, stroke, reverse, lift, nick, slip-out with the product's core: force "
       "against time\n"
       "              beside the ideal (schemas/strokes.schema.json)\n"

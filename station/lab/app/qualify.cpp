@@ -24,6 +24,7 @@ struct Suite {
 constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
                              {"hand", &RunHandSuite},
                              {"map", &RunMapSuite},
+                             {"strokes", &RunStrokesSuite},
                              {"withdrawal", &RunWithdrawalSuite},
                              {"calibration", &RunCalibrationSuite},
                              {"laws", &RunLawsSuite},
@@ -89,7 +90,8 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, withdrawal, calibration, laws, front, estimators, "
+                  "': expected paper, hand, map, strokes, withdrawal, calibration, laws, front, "
+                  "estimators, "
                   "extreme, "
                   "adversary, random, cutting or all",
               "suite"};
@@ -159,7 +161,8 @@ void Print(std::FILE* out, const Findings& f) {
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
   size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() +
-                f.budgets.size() + f.seconds_felt.size() + f.extremes.size();
+                f.budgets.size() + f.seconds_felt.size() + f.extremes.size() +
+                f.exercise_strokes.size();
   for (const JointFront& front : f.fronts) rows += front.points.size();
   if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
   std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);

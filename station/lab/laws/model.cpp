@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/fidelity/feel.h"
 #include "common/haptics/criteria.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"

@@ -79,12 +79,16 @@ Result<HandMotion> Recorded(const std::filesystem::path& path) {
     motion.way_m.push_back({v[1], v[2], v[3]});
   }
   if (motion.way_m.size() < 100) return Refuse(1, "found fewer than 100 rows");
-  // Twice, which makes a triangle of 40 ms: once leaves steps in the slope.
-  motion.way_m = RunningMean(RunningMean(motion.way_m, 10), 10);
+  motion.way_m = Smoothed(motion.way_m);
   return motion;
 }
 
 }  // namespace
+
+// Twice, which makes a triangle of 40 ms: once leaves steps in the slope.
+std::vector<dvec3> Smoothed(const std::vector<dvec3>& way) {
+  return RunningMean(RunningMean(way, 10), 10);
+}
 
 double MeanSpeed(const HandMotion& m) {
   double length = 0;

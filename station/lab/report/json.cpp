@@ -133,6 +133,21 @@ json::object SecondsJson(const SecondsRow& r) {
           {"within", r.within}};
 }
 
+json::object StrokeJson(const StrokeRow& r) {
+  return {{"suite", "strokes"},
+          {"exercise", r.exercise},
+          {"stroke", r.stroke},
+          {"device", r.device},
+          {"calibrated", r.calibrated},
+          {"hand_n_per_mm", Number(r.hand_n_per_mm)},
+          {"felt_error", Number(r.felt_error())},
+          {"felt_error_rms", Number(r.felt_error_rms_n)},
+          {"tool_rms_n", Number(r.tool_rms_n)},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"speed_mm_s", Number(r.speed_mm_s)},
+          {"removal_s", Number(r.removal_s)}};
+}
+
 void AppendFront(const JointFront& front, json::array& rows) {
   const JointPoint* best = BestWithin(front.points, kNoBudget_us);
   for (const JointPoint& p : front.points) {
@@ -202,6 +217,7 @@ std::string JsonOf(const Findings& f) {
   for (const JointFront& front : f.fronts) AppendFront(front, rows);
   for (const BudgetRow& r : f.budgets) rows.push_back(BudgetJson(r));
   for (const SecondsRow& r : f.seconds_felt) rows.push_back(SecondsJson(r));
+  for (const StrokeRow& r : f.exercise_strokes) rows.push_back(StrokeJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},

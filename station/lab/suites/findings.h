@@ -155,6 +155,19 @@ struct SecondsRow {
   double share() const { return seconds > 0 ? static_cast<double>(within) / seconds : 0; }
 };
 
+// One stroke of a built-in exercise in one hand on one device, as shipped or after a calibration.
+struct StrokeRow {
+  std::string exercise, stroke, device;
+  bool calibrated = false;
+  double hand_n_per_mm = 0;
+  // Of the force in the hand (fidelity::FeltFigures): RMS of the error and of the tool's force.
+  double felt_error_rms_n = 0, tool_rms_n = 0;
+  double b_n_s_per_mm = 0, speed_mm_s = 0;
+  double removal_s = 0;  // of the exercise's removal that it stands for
+
+  double felt_error() const { return tool_rms_n > 0 ? felt_error_rms_n / tool_rms_n : 0; }
+};
+
 // One curve of the map of what a hand can feel: an error for each grip of fidelity::kGrips_n_per_m.
 // JSON: schemas/feel.schema.json.
 struct FeelCurve {
@@ -216,6 +229,7 @@ struct Findings {
   std::vector<ExtremeRow> extremes;
   std::vector<FeelCurve> feel;
   std::vector<StrokeDevice> strokes;  // of the suite "withdrawal"
+  std::vector<StrokeRow> exercise_strokes;
   std::vector<ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;    // the simulator's own, worst of the trials asked
   double seconds = 0;

@@ -26,6 +26,7 @@ void RunAdversarySuite(SuiteContext& context);
 void RunRandomSuite(SuiteContext& context);
 void RunHandSuite(SuiteContext& context);
 void RunMapSuite(SuiteContext& context);
+void RunStrokesSuite(SuiteContext& context);
 void RunWithdrawalSuite(SuiteContext& context);
 void RunCalibrationSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
