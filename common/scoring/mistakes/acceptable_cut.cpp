@@ -67,7 +67,21 @@ AcceptableCut::AcceptableCut(const cutting::Volume& initial, const cutting::Volu
     inner_.push_back(nearest ? nearest->triangle : 0);
   }
   MeasureTask();
+  FindPulp();
 }
+
+void AcceptableCut::FindPulp() {
+  const double step_m = 0.25 * initial_.spec().voxel_m();
+  double cover_m = kPulpCover_m;
+  for (const SurfacePiece& piece : pieces()) {
+    for (double in_m = 0; in_m < cover_m; in_m += step_m) {
+      if (initial_.TissueAtPoint(piece.at_m - piece.normal * in_m) == cutting::Tissue::kPulp)
+        cover_m = in_m;
+    }
+  }
+  pulp_counts_ = SmoothStep(cover_m, kLeeway_m, kPulpCover_m);
+}
+
 void AcceptableCut::MarkRim(const surface::Mesh& whole, size_t inner) {
   std::vector<bool> rim(whole.position_m.size());
   for (size_t i = inner; i < whole.triangles.size(); ++i) {
@@ -110,8 +124,7 @@ std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_
   if (!edge) return out;
   guess.edge = edge->triangle;
   out.nearest.edge = piece_of_edge_[edge->triangle];
-  const double t = std::clamp((farthest_m - other_m) / (2 * kLineAngleSoft_m), 0.0, 1.0);
-  out.nearest.edge_share = t * t * (3 - 2 * t);
+  out.nearest.edge_share = SmoothStep(farthest_m - other_m, 0, 2 * kLineAngleSoft_m);
   return out;
 }
 

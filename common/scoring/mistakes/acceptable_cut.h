@@ -23,6 +23,12 @@ namespace enamel::scoring {
 // Nobody pays for less: an examiner's eye just sees 0.1 mm (a minute of arc at 0.3 m).
 inline constexpr double kLeeway_m = 0.1e-3;
 
+// 0 to 1, without a corner at either end.
+inline double SmoothStep(double value, double from, double to) {
+  const double t = value <= from ? 0 : value >= to ? 1 : (value - from) / (to - from);
+  return t * t * (3 - 2 * t);
+}
+
 // The part of a layer along R's surface between two distances from it, of even area.
 struct Layer {
   double from_m = 0, to_m = 0;
@@ -62,6 +68,8 @@ constexpr bool IsWall(RegionKind kind) {
 // within kLineAngleSoft_m to either side: a grid rounds an edge by half a voxel, each place of it another way. Chosen; the
 // spread over places in the grid (enamel-lab grades --offsets) shows the second.
 inline constexpr double kLineAngle_m = 0.35e-3, kLineAngleSoft_m = 0.2e-3;
+// Whoever has to leave less over the pulp cannot help touching it. Chosen.
+inline constexpr double kPulpCover_m = 0.3e-3;
 // Farther from R's surface nothing of a task lies.
 inline constexpr double kDeepest_m = 6e-3;
 struct Region {
@@ -109,6 +117,9 @@ class AcceptableCut {
   bool is_stump() const;
   // The part of the task that is farther than kLeeway_m from R's surface.
   double task_beyond_m3() const { return task_beyond_m3_; }
+  // How much touching the pulp is a fault, 0 to 1: 0 where R opens it or leaves less than the leeway over it, 1 where R
+  // leaves kPulpCover_m. Without a step, since the grid decides whether a cut that just meets the pulp opens it.
+  double pulp_counts() const { return pulp_counts_; }
 
   struct Nearest {
     double distance_m = 0;  // without a side
@@ -172,6 +183,7 @@ class AcceptableCut {
   std::optional<Found> NearestTo(const dvec3& point_m, double limit_m, Guess& guess) const;
   void MarkRim(const surface::Mesh& whole, size_t inner);
   void MeasureTask();
+  void FindPulp();
 
   const cutting::Volume &initial_, &prepared_;
   std::unique_ptr<CutSurface> surface_;
@@ -180,7 +192,7 @@ class AcceptableCut {
   std::vector<bool> at_rim_;                     // of its triangles, whether they touch the rim
   std::optional<surface::DistanceQuery> edges_;  // of the line angles
   std::vector<uint32_t> piece_of_edge_;          // of its triangles
-  double task_beyond_m3_ = 0;
+  double task_beyond_m3_ = 0, pulp_counts_ = 1;
 };
 
 }  // namespace enamel::scoring

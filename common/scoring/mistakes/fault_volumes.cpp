@@ -13,11 +13,6 @@ using cutting::kBrickSide;
 using cutting::kBrickVoxels;
 using cutting::Tissue;
 
-// 0 to 1, without a corner at either end.
-double SmoothStep(double value, double from, double to) {
-  const double t = std::clamp((value - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 double ElsewhereShare(double distance_m) {
   return SmoothStep(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
 }
@@ -52,8 +47,7 @@ class FaultMeter {
     for (int b = 0; b < spec_.brick_count(); ++b) {
       if (task_.Brick(b) || cut_.Brick(b)) AddBrick(b);
     }
-    // Where the task opens the pulp, touching it is no exposure.
-    if (opens_pulp_) out_.pulp_m3 = 0;
+    out_.pulp_m3 *= r_.pulp_counts();
     if (out_.far_m3 > 0) out_.far_at_m = far_sum_ / out_.far_m3;
     for (size_t k = 0; k < at_.size(); ++k) {
       const double area = r_.pieces()[k].area_m2;
@@ -81,7 +75,6 @@ class FaultMeter {
       const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
       const auto tissue = static_cast<Tissue>(labels ? labels[i] : uniform);
       if (tissue == Tissue::kCaries) out_.caries_m3 += Share(f0 - fr) * voxel_m3_;
-      opens_pulp_ |= tissue == Tissue::kPulp && 2 * fr < f0;
       if (fa == fr) continue;
       if (tissue == Tissue::kNeighbour) {
         if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
@@ -214,7 +207,6 @@ class FaultMeter {
   const cutting::GridSpec spec_;
   const double h_m_, voxel_m3_;
   const ChangedBricks task_, cut_;
-  bool opens_pulp_ = false;  // R does
   dvec3 far_sum_{0};
   struct Nearby {
     double over_m3 = 0, away_m3 = 0, next_m3 = 0, left_m3 = 0;

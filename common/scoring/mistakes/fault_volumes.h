@@ -55,7 +55,7 @@ struct FaultVolumes {
   // The integral, over what was taken from a neighbour, of the square of the depth under its surface,
   // which counts to 0.4 mm.
   double neighbour_moment_m5 = 0;
-  double pulp_m3 = 0;  // taken from the pulp beyond R
+  double pulp_m3 = 0;  // taken from the pulp beyond R, times AcceptableCut::pulp_counts
 };
 
 // Requires: grids equal to R's, nothing packed.
