@@ -87,7 +87,7 @@ struct SurfacePiece {
   dvec3 normal{0};  // unit, out of the solid
   double area_m2 = 0;
   uint32_t region = 0;  // index into regions()
-  // Within kLineAngle_m of a sharp edge, where the surfaces that meet share what moved.
+  // Within kLineAngle_m of a sharp edge, or beyond its region's border: there the surfaces that meet share what moved.
   bool at_edge = false;
 };
 

@@ -382,7 +382,7 @@ class Divider {
       }
       out_.piece[i] = AddToPiece(i, region_[i]->number, 1 - out_.beside_share[i]);
       if (beside_[i] != nullptr)
-        out_.beside[i] = AddToPiece(i, beside_[i]->number, out_.beside_share[i]);
+        out_.beside[i] = AddToPiece(i, beside_[i]->number, out_.beside_share[i], true);
       if (OutsideBand(i) < 1) out_.edge_piece[i] = AddToPiece(i, edge.number, 1);
     }
     for (size_t k = 0; k < out_.pieces.size(); ++k) {
@@ -393,7 +393,8 @@ class Divider {
       piece.normal = Unit(piece.normal);
     }
   }
-  uint32_t AddToPiece(size_t triangle, uint32_t region, double share) {
+  // `shared`: with the region that the triangle lies in.
+  uint32_t AddToPiece(size_t triangle, uint32_t region, double share, bool shared = false) {
     const auto next = static_cast<uint32_t>(out_.pieces.size());
     const auto [found, is_new] =
         numbers_.try_emplace({CellOf(at_[triangle], kPiece_m), region}, next);
@@ -406,7 +407,7 @@ class Divider {
     piece.at_m += area_m2 * at_[triangle];
     piece.normal += area_m2 * normal_[triangle];
     piece.area_m2 += area_m2;
-    banded_m2_[found->second] += area_m2 * (1 - OutsideBand(triangle));
+    banded_m2_[found->second] += area_m2 * (shared ? 1 : 1 - OutsideBand(triangle));
     return found->second;
   }
 
@@ -423,7 +424,7 @@ class Divider {
   std::vector<Named*> beside_;  // null: none
   std::vector<double> to_edge_m_;
   std::map<std::pair<Cell, uint32_t>, uint32_t> numbers_;  // of pieces
-  std::vector<double> banded_m2_;                          // of each piece, within the band
+  std::vector<double> banded_m2_;  // of each piece, within the band or shared
   CutSurface out_;
 };
 
