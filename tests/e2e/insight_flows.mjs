@@ -64,7 +64,8 @@ async function classInsight(world) {
   );
   await card
     .getByRole("region", { name: "Far from the class" })
-    .getByText(/: Time \d.*; class \d/)
+    .getByText(/: Time in all attempts \d.*; class \d/)
+    .first()
     .waitFor();
   await card.getByRole("region", { name: "Teaching staff" }).getByText("Instructor One").waitFor();
   await accessible(page, "the class of an assignment");

@@ -19,8 +19,9 @@ constexpr double kLong = 2.0;
 constexpr double kRimFrom = 0.6, kLow = 0.4, kFoot_mm = 0.45;
 // A lean is said where it moves the ends of a wall by more than this part of what moved all of it.
 constexpr double kLeanSaid = 0.6;
-// All of a wall's area, width or height; and half of its area. Shares. Chosen.
-constexpr double kWhole = 0.72, kHalf = 0.5;
+// All of a wall's area, width or height; and half of its area. Shares. Chosen: a round bur that cuts all of a wall too far
+// leaves its corners, a third of the area of a short one.
+constexpr double kWhole = 0.66, kHalf = 0.5;
 // A wall leans where a line explains so much (RegionFit::explained): at 0.1 mm, one that leans about its middle has 0.86
 // to 1, and a rim of 0.4 of its height 0.83. Chosen.
 constexpr double kLine = 0.86;
