@@ -51,7 +51,7 @@ struct FeltTrial {
   HandOn hand;
   Lattice lattice;
   int delay_ticks = 0;  // of the law's loop, where the host runs the spring
-  // What the law is told of the device's friction, which may be wrong.
+  // The device's friction that the law assumes. It may be wrong.
   haptics::OwnFriction friction{};
   double from_s = 0;  // figures are taken from here on
   // Without the damper on the device the error of the command and the ideal stay 0; without the ideal tool

@@ -17,7 +17,7 @@
 //  * r goes to where the spring gives the law's pull less the device's own friction, by guarded steps
 //    (guard.h). The proof is in README.md, "Why it is passive", and rests on that alone: the operator
 //    never extracts energy, whatever the tissue, the geometry, B(t), the law's parameters, the friction
-//    that it is told or the hand do.
+//    that the law assumes or the hand do.
 //  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
 //    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
 //  * A bound on the force moves r, at a wall too, never the bur.
@@ -62,8 +62,8 @@ enum CouplingFlags : uint16_t {
   kLatched = 1 << 6,  // after kNonFiniteInput: force 0 and anchor kept until Reset
 };
 
-// Coulomb friction of the device itself. It resists the hand beside the motors, so the law asks the motors
-// for that much less (README.md, "What the wish leaves out").
+// Coulomb friction of the device itself. Friction and motors both resist the hand, so the force asked of the
+// motors is less by the friction (README.md, "What the wish leaves out").
 struct OwnFriction {
   dvec3 c_n{0};  // per axis; 0: nothing is left out
   // For a c that nobody measured: in tissue of this B half of c is left out, in harder tissue less. 0: all
@@ -71,7 +71,7 @@ struct OwnFriction {
   double half_n_s_per_m = 0;
 };
 
-// What the law asks of the motors for a pull R in tissue of damping b along R. Per axis
+// The force asked of the motors for a pull R in tissue of damping b along R. Per axis
 // S_i = sgn(R_i) max(0, |R_i| - share c_i), share = half/(half + b). S is continuous in R: where R changes
 // sign, S is 0 over a width of 2 share c_i and cannot chatter. It reads no speed.
 dvec3 LessFriction(const dvec3& pull_n, double b_n_s_per_m, const OwnFriction& own) noexcept;

@@ -11,7 +11,7 @@
 // Thread safety: functions, any thread. Real-time: not safe.
 namespace enamel::scene {
 
-// Of a c that nobody measured, half is left out in tissue whose B/Kc is this long. Chosen: with a true c of half or
+// Where nobody measured c, half of it is left out in tissue whose B/Kc is this long. Chosen: with a true c of half or
 // twice the profile's, 1 of 4 608 strokes is felt worse by more than a point than with nothing left out. Four times
 // as long makes more of them worse, a tenth gains little: tests/station/lab/laws/friction_test.cpp.
 inline constexpr int32_t kUnmeasuredHalf_us = 40'000;

@@ -16,8 +16,8 @@ namespace enamel::scene {
 // above it (scene frame, +z), clear of every cusp; the axes of device and scene agree. Force and
 // cutting begin after half a second in free air. The coupling's stiffness at half its height
 // resists a turn of the bur, felt or not: a device that cannot push back must not cut by turning.
-// The device's friction is left out of what the motors are asked for; of a friction that nobody measured a
-// share (own_friction.h). Touch cues are the exercise's, whether it is graded or not; an exercise that names none has none.
+// The motors are asked for less force by the device's friction, or by a share of one that nobody measured
+// (own_friction.h). Touch cues are the exercise's, whether it is graded or not; an exercise that names none has none.
 // An exercise whose scene hash is not zero is compiled with that scene only (kConflict). Errors:
 // kInvalidInput when the profile cannot carry the exercise (rate, touch cues under 300 Hz, Kc above
 // what its damping, friction, structure or first resonance carries (rate.h), a missing landmark or tissue,

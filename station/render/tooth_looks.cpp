@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/ramp.h"
 #include "station/render/materials.h"
 
 namespace enamel::station::render {
@@ -60,11 +61,6 @@ uint8_t ToByte(double v) {
 }
 
 dvec3 ColourOf(Tissue tissue) { return dvec3(TissueColour(tissue)); }
-
-double Ramp(double v, double lo, double hi) {
-  const double t = std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 // Of a lesion by its share around a point; `sound` is the colour without it.
 dvec3 CariesColour(double share, const dvec3& sound, double enamel) {

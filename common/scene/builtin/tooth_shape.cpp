@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/ramp.h"
+
 namespace enamel::scene {
 namespace {
 
@@ -15,10 +17,6 @@ double SmoothMax(double a, double b, double k) {
 }
 double SmoothMin(double a, double b, double k) { return -SmoothMax(-a, -b, k); }
 double Square(double v) { return v * v; }
-double Ramp(double v, double lo, double hi) {
-  double t = std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 // Catmull-Rom curve through samples at u = 0, 1, ...; level beyond its ends.
 template <size_t N>

@@ -60,7 +60,7 @@ constexpr std::array<NumberOf<TorqueSpec>, 5> kTorqueNumbers = {{
      100'000},
 }};
 
-// Of the numbers that may be said to have been measured on a unit; nullptr: of no other.
+// The flag that says that a number was measured on a unit; nullptr for a number that has no such flag.
 template <typename Profile>
 auto MeasuredFlag(Profile& profile, const Number& n) -> decltype(&profile.delay_measured) {
   if (n.name == kDelay) return &profile.delay_measured;

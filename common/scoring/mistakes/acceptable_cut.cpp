@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/ramp.h"
 #include "common/scoring/brick_samples.h"
 #include "common/scoring/changed.h"
 #include "common/scoring/mistakes/cut_surface.h"
@@ -79,7 +80,7 @@ void AcceptableCut::FindPulp() {
         cover_m = in_m;
     }
   }
-  pulp_counts_ = SmoothStep(cover_m, kLeeway_m, kPulpCover_m);
+  pulp_counts_ = Ramp(cover_m, kLeeway_m, kPulpCover_m);
 }
 
 void AcceptableCut::MarkRim(const surface::Mesh& whole, size_t inner) {
@@ -124,7 +125,7 @@ std::optional<AcceptableCut::Found> AcceptableCut::NearestTo(const dvec3& point_
   if (!edge) return out;
   guess.edge = edge->triangle;
   out.nearest.edge = piece_of_edge_[edge->triangle];
-  out.nearest.edge_share = SmoothStep(farthest_m - other_m, 0, 2 * kLineAngleSoft_m);
+  out.nearest.edge_share = Ramp(farthest_m - other_m, 0, 2 * kLineAngleSoft_m);
   return out;
 }
 

@@ -23,12 +23,6 @@ namespace enamel::scoring {
 // Nobody pays for less: an examiner's eye just sees 0.1 mm (a minute of arc at 0.3 m).
 inline constexpr double kLeeway_m = 0.1e-3;
 
-// 0 to 1, without a corner at either end.
-inline double SmoothStep(double value, double from, double to) {
-  const double t = value <= from ? 0 : value >= to ? 1 : (value - from) / (to - from);
-  return t * t * (3 - 2 * t);
-}
-
 // The part of a layer along R's surface between two distances from it, of even area.
 struct Layer {
   double from_m = 0, to_m = 0;
@@ -68,7 +62,7 @@ constexpr bool IsWall(RegionKind kind) {
 // within kLineAngleSoft_m to either side: a grid rounds an edge by half a voxel, each place of it another way. Chosen; the
 // spread over places in the grid (enamel-lab grades --offsets) shows the second.
 inline constexpr double kLineAngle_m = 0.35e-3, kLineAngleSoft_m = 0.2e-3;
-// Whoever has to leave less over the pulp cannot help touching it. Chosen.
+// A task that leaves less over the pulp makes a hand touch it. Chosen.
 inline constexpr double kPulpCover_m = 0.3e-3;
 // Farther from R's surface nothing of a task lies.
 inline constexpr double kDeepest_m = 6e-3;
@@ -144,7 +138,7 @@ class AcceptableCut {
                {next_to, (1 - edge_share) * (1 - beside_share)},
                {beside, (1 - edge_share) * beside_share}}};
     }
-    // The one that pays most.
+    // The piece that pays most.
     uint32_t piece() const { return edge_share > 0.5 ? edge : next_to; }
   };
   struct Found {

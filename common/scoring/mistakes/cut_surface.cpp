@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "common/scene/tooth_number.h"
+#include "common/scoring/mistakes/around.h"
 
 namespace enamel::scoring {
 namespace {
@@ -36,20 +37,6 @@ enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
 // By Class. In a cavity of the buccal face (scene::Up::kBuccal) the gingival wall takes the place of the buccal wall.
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
 constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
-
-using Cell = std::array<int32_t, 3>;
-Cell CellOf(const dvec3& p, double size_m) {
-  const dvec3 g = p / size_m;
-  return {static_cast<int32_t>(std::floor(g.x)), static_cast<int32_t>(std::floor(g.y)),
-          static_cast<int32_t>(std::floor(g.z))};
-}
-struct CellHash {
-  size_t operator()(const Cell& c) const {
-    return (static_cast<size_t>(static_cast<uint32_t>(c[0])) * 73856093U) ^
-           (static_cast<size_t>(static_cast<uint32_t>(c[1])) * 19349663U) ^
-           (static_cast<size_t>(static_cast<uint32_t>(c[2])) * 83492791U);
-  }
-};
 
 dvec3 Unit(const dvec3& v) {
   const double length = std::sqrt(Dot(v, v));
@@ -83,22 +70,10 @@ class Divider {
 
  private:
   void Smooth() {
-    std::unordered_map<Cell, std::vector<uint32_t>, CellHash> cells;
-    for (size_t i = 0; i < at_.size(); ++i) {
-      cells[CellOf(at_[i], kSmooth_m)].push_back(static_cast<uint32_t>(i));
-    }
+    const Around around(at_, kSmooth_m);
     std::vector<dvec3> out(at_.size(), dvec3(0));
     for (size_t i = 0; i < at_.size(); ++i) {
-      const Cell c = CellOf(at_[i], kSmooth_m);
-      for (int k = 0; k < 27; ++k) {
-        const auto cell = cells.find({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1});
-        if (cell == cells.end()) continue;
-        for (const uint32_t j : cell->second) {
-          const dvec3 way = at_[j] - at_[i];
-          const double in = 1 - Dot(way, way) / (kSmooth_m * kSmooth_m);
-          if (in > 0) out[i] += in * in * normal_[j];
-        }
-      }
+      around.Of(i, [&](uint32_t j, double weight) { out[i] += weight * normal_[j]; });
       out[i] = Unit(out[i]);
     }
     normal_ = std::move(out);
@@ -147,26 +122,15 @@ class Divider {
 
   // How far each triangle is from another family across a sharp edge, at most kFarFromEdge_m.
   void FindEdges() {
-    std::unordered_map<Cell, std::vector<uint32_t>, CellHash> cells;
-    for (size_t i = 0; i < at_.size(); ++i) {
-      cells[CellOf(at_[i], kFarFromEdge_m)].push_back(static_cast<uint32_t>(i));
-    }
+    const Around around(at_, kFarFromEdge_m);
     to_edge_m_.assign(at_.size(), kFarFromEdge_m);
     for (size_t i = 0; i < at_.size(); ++i) {
       const uint8_t own = out_.family[i];
       std::array<bool, CutSurface::kFamilies> sharp{};
-      const Cell c = CellOf(at_[i], kFarFromEdge_m);
-      for (int k = 0; k < 27; ++k) {
-        const auto cell = cells.find({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1});
-        if (cell == cells.end()) continue;
-        for (const uint32_t j : cell->second) {
-          const uint8_t other = out_.family[j];
-          if (other == own || sharp[other]) continue;
-          const dvec3 way = at_[j] - at_[i];
-          sharp[other] = Dot(way, way) <= kFarFromEdge_m * kFarFromEdge_m &&
-                         Dot(normal_[i], normal_[j]) < kSharp;
-        }
-      }
+      around.Of(i, [&](uint32_t j, double) {
+        const uint8_t other = out_.family[j];
+        if (other != own && Dot(normal_[i], normal_[j]) < kSharp) sharp[other] = true;
+      });
       for (size_t f = 0; f < sharp.size(); ++f) {
         if (!sharp[f]) continue;
         to_edge_m_[i] = out_.of_family[f]->Distance_m(at_[i], to_edge_m_[i]);
@@ -301,30 +265,19 @@ class Divider {
   void ShareBorders() {
     beside_.assign(at_.size(), nullptr);
     out_.beside_share.assign(at_.size(), 0);
-    std::unordered_map<Cell, std::vector<uint32_t>, CellHash> cells;
-    for (size_t i = 0; i < at_.size(); ++i) {
-      cells[CellOf(at_[i], kBorder_m)].push_back(static_cast<uint32_t>(i));
-    }
+    const Around around(at_, kBorder_m);
     const Named* const edge = &named_.at("~");
     std::vector<Named*> own(at_.size());
     for (size_t i = 0; i < at_.size(); ++i) {
       own[i] = region_[i];
       if (region_[i] == edge) continue;
       std::vector<std::pair<Named*, double>> near;
-      const Cell c = CellOf(at_[i], kBorder_m);
-      for (int k = 0; k < 27; ++k) {
-        const auto cell = cells.find({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1});
-        if (cell == cells.end()) continue;
-        for (const uint32_t j : cell->second) {
-          if (region_[j] == edge || Dot(normal_[i], normal_[j]) < kSharp) continue;
-          const dvec3 way = at_[j] - at_[i];
-          const double in = 1 - Dot(way, way) / (kBorder_m * kBorder_m);
-          if (!(in > 0)) continue;
-          auto found = std::ranges::find(near, region_[j], &std::pair<Named*, double>::first);
-          if (found == near.end()) found = near.insert(found, {region_[j], 0});
-          found->second += area_[j] * in * in;
-        }
-      }
+      around.Of(i, [&](uint32_t j, double weight) {
+        if (region_[j] == edge || !(weight > 0) || Dot(normal_[i], normal_[j]) < kSharp) return;
+        auto found = std::ranges::find(near, region_[j], &std::pair<Named*, double>::first);
+        if (found == near.end()) found = near.insert(found, {region_[j], 0});
+        found->second += area_[j] * weight;
+      });
       if (near.size() < 2) continue;
       std::ranges::sort(near, [](const auto& a, const auto& b) {
         return a.second != b.second ? a.second > b.second : a.first->number < b.first->number;

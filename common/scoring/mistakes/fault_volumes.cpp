@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/math/ramp.h"
 #include "common/scoring/brick_samples.h"
 #include "common/scoring/changed.h"
 
@@ -14,13 +15,13 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 
 double ElsewhereShare(double distance_m) {
-  return SmoothStep(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
+  return Ramp(distance_m, kElsewhereFrom_m, kElsewhereTo_m);
 }
 // How far a cut at a distance from R's surface continues one at the surface, 0 to 1, by the share that was taken of the
 // layer next to the surface. A hole beside a wall leaves that layer; a wall that is too far out has none of it. Chosen.
 constexpr double kNext_m = 0.2e-3;
 double Attached(double next_m3, double area_m2) {
-  return area_m2 > 0 ? SmoothStep(next_m3 / (area_m2 * kNext_m), 0.1, 0.4) : 0;
+  return area_m2 > 0 ? Ramp(next_m3 / (area_m2 * kNext_m), 0.1, 0.4) : 0;
 }
 
 // The volume nearest to a small piece at a rim is many times what its area holds, so a piece is off by no more than this

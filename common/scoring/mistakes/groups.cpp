@@ -17,7 +17,7 @@ constexpr double kNear_mm = 1.0, kSameMove = 0.5, kSameWall = 0.2;
 // A region with so many patches of each sign is wavy.
 constexpr size_t kWavy = 2;
 constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
-// Half the leeway: nobody sees a whole surface that moved by less everywhere, whose points are those of a few places. Chosen.
+// Half the leeway. A surface that moved by less everywhere looks right; its points are lost at a few places. Chosen.
 constexpr double kLeastMove_mm = 0.05;
 // A piece has a mistake of its own where less than this part of it, and all but this much, is explained. Chosen.
 constexpr double kExplained = 0.4, kUnseen_mm = 0.12;

@@ -218,7 +218,7 @@ class Trial {
     }
   }
 
-  // The same tooth and task at another place of the grid.
+  // Holds the same tooth and task at another place of the grid.
   struct Shifted {
     std::unique_ptr<cutting::Volume> initial, exact;
     std::unique_ptr<AcceptableCut> r;

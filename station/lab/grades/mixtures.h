@@ -16,7 +16,7 @@ namespace enamel::station::lab {
 
 struct MixturesOptions {
   int count = 60;  // of all exercises together, in turn
-  // Tooth, task and each mixture are made so many times more, in a grid that is shifted by parts of a voxel.
+  // So many more grids, parts of a voxel apart, in which the tooth, its task and each mixture are made anew.
   int offsets = 0;
   uint64_t seed = 1;
   std::vector<int32_t> voxels_nm = {100'000};

@@ -30,7 +30,7 @@ struct Block {
   }
 };
 
-// Of one attempt at 1 kHz.
+// Finds the strokes of one attempt at 1 kHz.
 class Watched {
  public:
   void Add(const core::CoreParams& params, const trace::Tick& tick) {

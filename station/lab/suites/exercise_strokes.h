@@ -26,10 +26,10 @@ struct StrokesOptions {
   int threads = 2;
 };
 
-// A stroke goes on while tissue is removed, with rests of at most a tenth of a second, for 0.3 to 4 s. Of one
-// person in one exercise the strokes are taken at even shares of the time in which tissue is removed, so that
-// each stands for the same time. Deterministic: the number of threads changes nothing.
-// Errors: those of the scenes and of RunOperator.
+// A stroke lasts while tissue is removed, with rests of at most a tenth of a second, for 0.3 to 4 s. One person's
+// strokes in one exercise are taken at even shares of the time in which tissue is removed, so that each stands
+// for the same time. Deterministic: the number of threads changes nothing.
+// Errors: as the scenes' builder and RunOperator return them.
 Result<std::vector<ExerciseStroke>> StrokesOfExercises(const StrokesOptions& options);
 
 }  // namespace enamel::station::lab

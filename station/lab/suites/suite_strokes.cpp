@@ -23,8 +23,8 @@ struct Unit {
   haptics::OwnFriction told;
 };
 
-// The device as an attempt takes it. Calibrated: its friction is told at the lower end of the widest interval
-// that counts, and its delay is the profile's.
+// Makes the device that an attempt would use. Calibrated: the law assumes the friction at the lower end of the widest
+// interval that counts, and the delay is the profile's.
 Result<Unit> UnitOf(const scene::DeviceProfile& shipped, bool calibrated) {
   const int64_t rate_hz = shipped.rate_hz.value;
   const int64_t ticks = calibrated ? shipped.bus_delay_ticks.value
