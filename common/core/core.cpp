@@ -337,24 +337,22 @@ void Core::ReadContact(const Pose& pose) noexcept {
   sample_valid_ = true;
 }
 
-// The handpiece and the law have had the coupling's force by now. In a tick whose force a bound has
-// changed there is no cue, so that where there is one the force computed is the coupling's.
+// The handpiece and the law have had the coupling's force by now.
 void Core::AddCue(const TickInput& input, const dvec3& tip, bool unfelt, TickOutput& out) noexcept {
   haptics::TouchCueInput in;
   in.tip_m = tip;
   in.coupling_n = out.force_sent_n;
+  in.pressed_n = out.pressed_n();
   in.across = orientation_.Matrix()[0];
   in.tissue_b_n_s_per_m = tissue_.b_n_s_per_m;
   in.bur_speed_krpm = bur_on_ ? input.bur_speed_krpm * handpiece_.speed_ratio() : 0;
   in.contact_read = tissue_.read;
   in.engaged = tissue_.engaged;
   in.suspended = (out.flags & kSuspended) != 0 || (out.flags & haptics::kLatched) != 0;
-  in.bounded = out.force_sent_n != out.force_computed_n;
+  in.bounded = (out.flags & haptics::kPeakBounded) != 0;
   in.gap = unfelt;
-  const dvec3 cue = cues_.Tick(in);
-  if (cue == dvec3(0)) return;
-  out.force_sent_n += cue;
-  out.flags |= kTouchCue;
+  out.cue_n = cues_.Tick(in);
+  out.force_sent_n += out.cue_n;
 }
 
 void Core::Booked(bool complete) noexcept {
@@ -452,7 +450,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
       }
     }
   }
-  resisting_n_ = std::sqrt(Dot(out.force_sent_n, out.force_sent_n));
+  resisting_n_ = std::sqrt(Dot(out.pressed_n(), out.pressed_n()));
   if (cues_.enabled()) AddCue(input, tip, unfelt, out);
   out.bur_speed_ratio = handpiece_.speed_ratio();
   out.anchor = {coupling_.anchor_m(), orientation_};

@@ -67,10 +67,12 @@ struct SpringWish {
 // The core's output at the resolution of the recording: the witness of a tick. Finer than any device
 // sends a force or a reading moves the tip, and what is beyond it is in the state's hash.
 struct TickWitness {
-  std::array<int32_t, 3> force_sent_mn{};      // on the operator, mN
-  std::array<int32_t, 3> force_computed_mn{};  // before the bounds
-  std::array<int32_t, 3> anchor_100nm{};       // relative to CoreParams::device_origin_nm
-  uint16_t flags = 0;                          // haptics::CouplingFlags | OutputFlags
+  // On the operator, mN: to the motors; and what the hand is to feel, before the bounds, the device's
+  // own friction among it (haptics::CouplingOutput).
+  std::array<int32_t, 3> force_sent_mn{};
+  std::array<int32_t, 3> force_computed_mn{};
+  std::array<int32_t, 3> anchor_100nm{};  // relative to CoreParams::device_origin_nm
+  uint16_t flags = 0;                     // haptics::CouplingFlags | OutputFlags
 
   bool operator==(const TickWitness&) const = default;
 };
@@ -81,22 +83,23 @@ enum OutputFlags : uint16_t {
   kSuspended = 1 << 10,  // no force and no cut: the bur has not yet been in free air long enough
   kStepTooLong =
       1 << 11,  // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
-  // The force sent is the coupling's and a touch cue. No bound has changed the coupling's part: it
-  // is the force computed.
-  kTouchCue = 1 << 12,
 };
 
-// The coupling's part of the force sent, mN: what the hand pressed with, without touch cues.
+// What the tissue and the hand press each other with, mN: the force computed, and what a bound has left
+// of it. Without touch cues, and the same on a device with much friction and with none: the friction
+// that the motors leave out is the hand's to overcome.
 inline const std::array<int32_t, 3>& PressedForce_mn(const TickWitness& witness) noexcept {
-  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_mn : witness.force_sent_mn;
+  return (witness.flags & haptics::kPeakBounded) != 0 ? witness.force_sent_mn
+                                                      : witness.force_computed_mn;
 }
 
 struct TickOutput {
-  dvec3 force_sent_n{0};  // to send to the device, scene frame
+  dvec3 force_sent_n{0};  // to send to the device, scene frame; the touch cue is in it
+  dvec3 cue_n{0};         // none in a tick whose force a bound has changed
   dvec3 force_computed_n{0};
-  // Without touch cues, as PressedForce_mn.
+  // As PressedForce_mn.
   const dvec3& pressed_n() const noexcept {
-    return (flags & kTouchCue) != 0 ? force_computed_n : force_sent_n;
+    return (flags & haptics::kPeakBounded) != 0 ? force_sent_n : force_computed_n;
   }
   dvec3 torque_sent_n_m{0};         // on the operator, scene frame; 0 without peak_torque_un_m
   cutting::Pose anchor;             // the bur as drawn and as it cuts

@@ -195,10 +195,14 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistanc
   }
   out.wish_m = kc > 0 ? tip_m - pull_n * (keep / kc) : rest_m();
   out.follow = clear_;
-  if (!params_.spring_on_board) return PullSpring(tip_m, out.wish_m, bound_n, out);
-  out.force_computed_n = (tip_m - rest_m()) * -kc;
-  out.force_sent_n = out.force_computed_n * spring_.share;
-  if (spring_.share < 1) out.flags |= kPeakBounded;
+  if (params_.spring_on_board) {
+    out.force_computed_n = (tip_m - rest_m()) * -kc;
+    out.force_sent_n = out.force_computed_n * spring_.share;
+    if (spring_.share < 1) out.flags |= kPeakBounded;
+  } else {
+    PullSpring(tip_m, out.wish_m, bound_n, out);
+  }
+  out.force_computed_n -= resistance.pull_n - pull_n;
 }
 
 void Coupling::PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,

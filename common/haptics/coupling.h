@@ -91,8 +91,10 @@ struct CouplingParams {
 };
 
 struct CouplingOutput {
-  dvec3 force_computed_n{0};  // -R of the law, on the operator, world frame
-  dvec3 force_sent_n{0};      // after the bounds
+  // On the operator, world frame. Computed: what the hand is to feel, before the bounds, the device's
+  // own friction among it. Sent: to the motors, after the bounds, without that friction.
+  dvec3 force_computed_n{0};
+  dvec3 force_sent_n{0};
   dvec3 anchor_m{0};
   uint16_t flags = 0;  // CouplingFlags
   uint16_t substeps = 0;

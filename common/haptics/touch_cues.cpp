@@ -186,7 +186,7 @@ dvec3 TouchCues::Knock() noexcept {
 }
 
 dvec3 TouchCues::Chatter(const TouchCueInput& input) noexcept {
-  const double load = std::sqrt(Dot(input.coupling_n, input.coupling_n));
+  const double load = std::sqrt(Dot(input.pressed_n, input.pressed_n));
   const double amplitude =
       params_.chatter_n * (load / (load + kHalfLoad_n)) * Hardness(input.tissue_b_n_s_per_m);
   if (!engaged_ || !(amplitude > 0) || !(input.bur_speed_krpm > 0)) {

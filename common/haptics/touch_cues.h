@@ -85,6 +85,7 @@ struct TouchCueParams {
 struct TouchCueInput {
   dvec3 tip_m{0};                 // measured
   dvec3 coupling_n{0};            // the coupling's force as it will be sent
+  dvec3 pressed_n{0};             // and as the hand feels it, the device's own friction among it
   dvec3 across{1, 0, 0};          // unit, across the bur's axis
   double tissue_b_n_s_per_m = 0;  // B of the tissue touched, as of its reference engagement
   double bur_speed_krpm = 0;      // 0: still

@@ -55,7 +55,7 @@ ProcessRecorder CalmRecording() {
   for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
     trace::Tick tick;
     tick.witness.anchor_100nm[0] = 10 * i;  // 1 mm/s
-    tick.witness.force_sent_mn[2] = 1000;
+    tick.witness.force_computed_mn[2] = 1000;
     recorder.AddRecorded(tick);
   }
   return recorder;

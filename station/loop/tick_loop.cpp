@@ -151,7 +151,7 @@ void TickLoop::Send(const core::TickOutput& out) noexcept {
   command.on = out.spring.on;
   command.follow = out.spring.follow;
   command.rest_nm = out.spring.rest_nm;
-  command.added_n = out.force_sent_n - out.pressed_n();
+  command.added_n = out.cue_n;
   command.torque_n_m = out.torque_sent_n_m;
   command.bound_n = core_.params().peak_force_mn * 1e-3;
   device_.SendSpring(command);

@@ -16,7 +16,7 @@ namespace enamel::scoring {
 struct PathSample {
   double time_s;   // since the start, gaps included
   dvec3 anchor_m;  // scene frame, at the stretch's first tick
-  dvec3 force_n;   // sent without touch cues, mean over the stretch
+  dvec3 force_n;   // pressed (core::PressedForce_mn), mean over the stretch
   double way_m;    // of the anchor until then, without the jumps after gaps and faults
 };
 
@@ -54,7 +54,7 @@ class ProcessRecorder {
   // At most 50 Hz.
   const std::vector<PathSample>& samples() const { return samples_; }
   double impulse_n_s() const { return impulse_n_s_; }
-  // Work of the hand on the tool, less the work it got back: - the sum of F (p_next - p), F as sent
+  // Work of the hand on the tool, less the work it got back: - the sum of F (p_next - p), F pressed
   // and held over the tick, p as the device read it. Not over gaps and faults.
   double work_j() const { return work_j_; }
   // |F - F before| / 10 ms of the means of 10 ms, over those with any force; 0.1 N/s steps.

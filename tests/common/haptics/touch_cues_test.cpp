@@ -121,7 +121,7 @@ std::vector<double> ChatterOf(double krpm, double load_n, double b, double rate_
   std::vector<double> out;
   for (int k = 0; k < ticks; ++k) {
     TouchCueInput in;
-    in.coupling_n = dvec3(0, 0, load_n);
+    in.coupling_n = in.pressed_n = dvec3(0, 0, load_n);
     in.across = dvec3(0, 1, 0);
     in.contact_read = in.engaged = true;
     in.tissue_b_n_s_per_m = b;
@@ -174,7 +174,7 @@ TEST(TouchCues, NothingInFreeAirWithAStillBurOrWhileSuspended) {
   for (int k = 0; k < 3000; ++k) {
     TouchCueInput in;
     in.tip_m = dvec3(0.003 * std::sin(0.01 * k), 1e-6 * k, 0);
-    in.coupling_n = dvec3(1, 0, 0);  // stored force may still run out in air
+    in.coupling_n = in.pressed_n = dvec3(1, 0, 0);  // stored force may still run out in air
     in.bur_speed_krpm = 400;
     in.contact_read = k % 3 != 0;
     in.tissue_b_n_s_per_m = 6500;
@@ -216,7 +216,7 @@ TEST(TouchCues, CouplingAndCueTogetherStayWithinThePeak) {
   for (int k = 0; k < 5000; ++k) {
     TouchCueInput in;
     const double angle = 0.37 * k, load = 3.0 * (k % 1000) / 999;
-    in.coupling_n = dvec3(load * std::cos(angle), load * std::sin(angle), 0);
+    in.coupling_n = in.pressed_n = dvec3(load * std::cos(angle), load * std::sin(angle), 0);
     in.contact_read = in.engaged = true;
     in.tissue_b_n_s_per_m = 6500;
     in.bur_speed_krpm = 400;
@@ -244,7 +244,7 @@ TEST(TouchCues, GoesOnFromSavedStateToTheBit) {
   auto input = [](int k) {
     TouchCueInput in;
     in.tip_m = dvec3(20e-6 * std::floor(0.9 * k), 20e-6 * std::floor(30 * std::sin(0.05 * k)), 0);
-    in.coupling_n = dvec3(1.5, 0.2, 0);
+    in.coupling_n = in.pressed_n = dvec3(1.5, 0.2, 0);
     in.contact_read = true;
     in.engaged = k % 300 > 80;
     in.tissue_b_n_s_per_m = 6500;

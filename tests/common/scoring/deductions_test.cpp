@@ -94,7 +94,7 @@ class Strokes {
   void Tick(bool cutting, std::span<const int32_t> touched) {
     trace::Tick tick;
     core::TickOutput out;
-    out.witness.force_sent_mn = {0, 0, cutting ? 50 : 0};
+    out.witness.force_computed_mn = {0, 0, cutting ? 50 : 0};
     out.removed[1] = cutting ? 1 : 0;
     strokes_.Add(tick, out);
     moments_.Add(volume_, touched);

@@ -266,7 +266,7 @@ TEST(MetricsTest, RatesAndOrderAreThoseOfAKnownWork) {
   attempt.process = ProcessRecorder(SomeParams());
   for (int i = 0; i < 12'000; ++i) {
     trace::Tick tick;
-    tick.witness.force_sent_mn[2] = 1000;
+    tick.witness.force_computed_mn[2] = 1000;
     core::TickOutput output;
     output.witness = tick.witness;
     const auto tissue = i < 6000 ? cutting::Tissue::kEnamel : cutting::Tissue::kDentin;
@@ -325,7 +325,7 @@ TEST(MetricsTest, ForcesAtTheDevicesLimitSaySo) {
     attempt.process = ProcessRecorder(SomeParams());
     for (int i = 0; i < 1000; ++i) {
       trace::Tick tick;
-      tick.witness.force_sent_mn[2] = 6000;
+      tick.witness.force_sent_mn[2] = tick.witness.force_computed_mn[2] = 6000;
       if (i < bounded) tick.witness.flags = haptics::kPeakBounded;
       attempt.process.AddRecorded(tick);
     }

@@ -18,7 +18,7 @@ ProcessRecorder Corner(double aside_mm, bool slow) {
     tick.witness.anchor_100nm = {static_cast<int32_t>(std::lround(x_mm * 1e4)),
                                  static_cast<int32_t>(std::lround(y_mm * 1e4)),
                                  static_cast<int32_t>(std::lround(aside_mm * 1e4))};
-    tick.witness.force_sent_mn[2] = 1000;
+    tick.witness.force_computed_mn[2] = 1000;
     recorder.AddRecorded(tick);
   };
   for (int i = 0; i < 2000; ++i) put(i * 1e-3, 0);

@@ -13,7 +13,7 @@ namespace {
 trace::Tick TickAt(int32_t x_100nm, int32_t force_mn) {
   trace::Tick tick;
   tick.witness.anchor_100nm = {x_100nm, 0, 0};
-  tick.witness.force_sent_mn = {0, force_mn, 0};
+  tick.witness.force_sent_mn = tick.witness.force_computed_mn = {0, force_mn, 0};
   return tick;
 }
 
@@ -41,12 +41,13 @@ TEST(ProcessRecorderTest, TouchCuesAreNotTheStudentsForce) {
   ProcessRecorder with(SomeParams()), without(SomeParams());
   for (int i = 1; i <= 400; ++i) {
     trace::Tick tick = TickAt(0, i);
-    tick.witness.force_computed_mn = {0, i * 2, 0};  // a bound has changed what was sent
+    tick.witness.force_computed_mn = {0, i * 2, 0};
+    tick.witness.flags = haptics::kPeakBounded;
     without.Add(tick, OutputOf(tick, 1));
     if (i % 3 != 0) {
       tick.witness.force_computed_mn = tick.witness.force_sent_mn;
       tick.witness.force_sent_mn = {90, i + 80, -70};
-      tick.witness.flags = core::kTouchCue;
+      tick.witness.flags = 0;
     }
     with.Add(tick, OutputOf(tick, 1));
   }
@@ -191,7 +192,7 @@ TEST(ProcessRecorderTest, ImpulseAndWorkAreThoseOfAKnownPush) {
     for (int i = 0; i < ticks; ++i) {
       trace::Tick tick = TickAt(0, 0);
       tick.input.counts[0] = count;  // of 30 um
-      tick.witness.force_sent_mn = {force_mn, 0, 0};
+      tick.witness.force_computed_mn = {force_mn, 0, 0};
       recorder.AddRecorded(tick);
       count += step;
     }
@@ -205,7 +206,7 @@ TEST(ProcessRecorderTest, ImpulseAndWorkAreThoseOfAKnownPush) {
   // A gap in which the hand went elsewhere is nobody's work.
   trace::Tick far = TickAt(0, 0);
   far.input.counts[0] = 10'000;
-  far.witness.force_sent_mn = {-3000, 0, 0};
+  far.witness.force_computed_mn = {-3000, 0, 0};
   far.witness.flags = core::kAnchorReset;
   recorder.AddRecorded(far);
   EXPECT_NEAR(recorder.work_j(), 4.5e-3, 1e-12);

@@ -19,7 +19,7 @@ core::CoreParams Params() {
 
 core::TickOutput Output(double force_n, double x_mm, int64_t enamel_units) {
   core::TickOutput out;
-  out.force_sent_n = dvec3(0, -force_n, 0);
+  out.force_sent_n = out.force_computed_n = dvec3(0, -force_n, 0);
   out.anchor.tip_m = dvec3(x_mm * 1e-3, 0, 1e-3);
   out.removed[1] = enamel_units;
   return out;
@@ -49,11 +49,10 @@ TEST(SeriesRecorderTest, EveryTickIsAStepWhenThereAreFew) {
   EXPECT_EQ(tissues.at("enamel"), o.at("removed_mm3"));
 }
 
-TEST(SeriesRecorderTest, ForceIsWithoutTouchCues) {
+TEST(SeriesRecorderTest, ForceIsWhatTheHandFeelsWithoutTouchCues) {
   SeriesRecorder series(Params(), 50e-6, 1);
   core::TickOutput out = Output(1.3, 0, 0);
   out.force_computed_n = dvec3(0, -1, 0);
-  out.flags = core::kTouchCue;
   series.Add({}, out);
   EXPECT_NEAR(At(Json(series), "force_n", 0), 1, 1e-9);
 }
@@ -65,12 +64,13 @@ TEST(SeriesRecorderTest, AStepHasTheDirectionOfItsLargestForceAndWhatCameLate) {
   core::TickOutput weak = Output(1, 0, 0), strong = Output(2, 0, 0);
   strong.force_sent_n = dvec3(0, 0, 2);
   strong.force_computed_n = dvec3(3, 0, 4);
+  strong.flags = haptics::kPeakBounded;
   series.Add(late, strong);
   series.Add({}, weak);
   series.Add({}, weak);
   const json::object o = Json(series);
   EXPECT_EQ(o.at("force_vector_n"), json::parse("[[0,0,2],[0,-1,0]]"));
-  EXPECT_EQ(o.at("computed_n"), json::parse("[5,0]"));
+  EXPECT_EQ(o.at("computed_n"), json::parse("[5,1]"));
   EXPECT_EQ(o.at("late_ticks"), json::parse("[1,0]"));
   EXPECT_EQ(o.at("force_n"), json::parse("[2,1]"));
 }

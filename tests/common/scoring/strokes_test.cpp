@@ -17,7 +17,7 @@ struct StrokeHand {
       core::TickOutput out;
       if (i == 0) tick.input.gap_ticks = gap;
       if (i == 0) out.witness.flags = flags;
-      out.witness.force_sent_mn = {0, 0, force};
+      out.witness.force_computed_mn = {0, 0, force};
       out.removed[1] = removed;
       recorder.Add(tick, out);
     }

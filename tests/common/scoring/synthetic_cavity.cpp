@@ -141,7 +141,7 @@ ProcessRecorder StraightRecording(uint32_t ticks, double speed_mm_per_s, double 
     trace::Tick tick;
     tick.witness.anchor_100nm[0] =
         static_cast<int32_t>(std::lround(i * speed_mm_per_s * 1e4 / 1000));
-    tick.witness.force_sent_mn[2] = static_cast<int32_t>(std::lround(force_n * 1e3));
+    tick.witness.force_computed_mn[2] = static_cast<int32_t>(std::lround(force_n * 1e3));
     recorder.AddRecorded(tick);
   }
   return recorder;

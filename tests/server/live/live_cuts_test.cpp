@@ -11,7 +11,7 @@ trace::Tick At(double x_mm, double y_mm, double z_mm, double force_n = 1) {
   trace::Tick tick;
   auto unit = [](double mm) { return static_cast<int32_t>(mm * 1e4); };
   tick.witness.anchor_100nm = {unit(x_mm), unit(y_mm), unit(z_mm)};
-  tick.witness.force_sent_mn[2] = static_cast<int32_t>(force_n * 1e3);
+  tick.witness.force_computed_mn[2] = static_cast<int32_t>(force_n * 1e3);
   return tick;
 }
 
