@@ -62,8 +62,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   c.max_step_m = 0.5 * voxel_m;
   c.cell = TipCellOf(p);
-  c.friction.c_n = dvec3(p.friction_mn[0], p.friction_mn[1], p.friction_mn[2]) * 1e-3;
-  c.friction.half_n_s_per_m = p.kc_mn_per_mm * (p.friction_half_us * 1e-6);
+  c.friction = OwnFrictionOf(p);
   c.spring_on_board = p.spring_on_board;
   return c;
 }

@@ -193,6 +193,11 @@ int32_t RotationalKc_un_m_per_rad(const CoreParams& p, size_t bur) noexcept {
   return BurAt(p, bur).rotational_kc_un_m_per_rad;
 }
 
+haptics::OwnFriction OwnFrictionOf(const CoreParams& p) noexcept {
+  return {dvec3(p.friction_mn[0], p.friction_mn[1], p.friction_mn[2]) * 1e-3,
+          p.kc_mn_per_mm * (p.friction_half_us * 1e-6)};
+}
+
 haptics::TipCell TipCellOf(const CoreParams& p) noexcept {
   const dvec3 half(p.cell_half_nm[0], p.cell_half_nm[1], p.cell_half_nm[2]);
   if (half == dvec3(0) && p.cell_ball_nm == 0) {

@@ -8,6 +8,7 @@
 #include "common/base/result.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/tissue.h"
+#include "common/haptics/coupling.h"
 #include "common/haptics/force_law.h"
 #include "common/haptics/guard.h"
 
@@ -106,6 +107,8 @@ cutting::Bur BurOf(const CoreParams& params, size_t bur = 0) noexcept;
 std::vector<cutting::Bur> BursOf(const CoreParams& params);
 int32_t RotationalKc_un_m_per_rad(const CoreParams& params, size_t bur) noexcept;
 haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
+// What the law leaves out of the force that it asks for.
+haptics::OwnFriction OwnFrictionOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that
 // this program does not run, kInvalidInput for a value out of range. Also the passivity premise on

@@ -9,6 +9,9 @@ namespace enamel::fidelity {
 // A way is sampled once a millisecond, from time 0.
 inline constexpr double kWayStep_s = 1e-3;
 
+// A recorded way without its reading's steps, over 20 ms: a force is compared with its differences.
+std::vector<dvec3> Smoothed(const std::vector<dvec3>& way_m);
+
 // Position and speed at any time, by cubic interpolation of the way; at rest beyond its end.
 class WayReader {
  public:

@@ -5,11 +5,11 @@ import { readFileSync } from "node:fs";
 
 const { feel } = JSON.parse(readFileSync(process.argv[2], "utf8"));
 const grips = feel.grips_n_per_mm;
-const curves = feel.curves.filter((curve) => curve.tissue === "enamel" && curve.delay_ticks === 0);
+const curves = feel.curves.filter((curve) => curve.tissue === "enamel");
 const devices = [...new Set(curves.map((curve) => curve.device))];
 
 const panel = { width: 226, height: 168, left: 34, top: 22, gap: 12 };
-const columns = 4;
+const columns = 5;
 const head = 62;
 const plot = { width: panel.width - panel.left - 8, height: panel.height - panel.top - 24 };
 const width = columns * (panel.width + panel.gap) + panel.gap;
@@ -17,7 +17,7 @@ const height = head + Math.ceil((devices.length + 1) / columns) * (panel.height 
 const most = 0.6;
 const firmest = 2; // N/mm, of a hand (common/fidelity/feel.h)
 const kBlue = "#1565c0";
-const kGreen = "#2e7d32";
+const kOrange = "#e67700";
 const kGrey = "#8a8f98";
 
 const x = (grip) => (Math.log(grip / grips[0]) / Math.log(grips.at(-1) / grips[0])) * plot.width;
@@ -31,17 +31,15 @@ function line(values, colour, more = "") {
 }
 
 const kDashed = 'stroke-dasharray="4 3" opacity=".75"';
-const fastest = (of) => of.reduce((best, curve) => (curve.rate_hz > best.rate_hz ? curve : best));
-const own = (of) => of.find((curve) => curve.limit === "");
+const own = (of, calibrated = true) => of.find((curve) => curve.limit === "" && curve.calibrated === calibrated);
 
 function drawnIn(device) {
   const of = (law) => curves.filter((curve) => curve.device === device && curve.law === law);
   const [lead, plain] = [of("lead-maxwell"), of("maxwell")];
   return [
     line(own(plain).error, kGrey),
-    line(own(plain).closed_form, kGrey, kDashed),
     line(own(lead).closed_form, kBlue, kDashed),
-    line(fastest(lead).error, kGreen),
+    line(own(lead, false).error, kOrange),
     line(own(lead).error, kBlue),
   ].join("");
 }
@@ -74,14 +72,11 @@ function panelOf(device, i) {
 }
 
 function legend() {
-  const own_hz = `${Math.round(own(curves).rate_hz / 1000)} kHz`;
-  const fast_hz = `${Math.round(fastest(curves).rate_hz / 1000)} kHz`;
   const rows = [
-    [kBlue, "", `default law, ${own_hz}, profile’s Kc`],
-    [kGreen, "", `default law, ${fast_hz}, largest Kc`],
-    [kGrey, "", `plain spring Kc, ${own_hz}`],
+    [kBlue, "", "default law, calibrated"],
+    [kOrange, "", "default law, not calibrated"],
+    [kGrey, "", "plain spring Kc, calibrated"],
     [kBlue, kDashed, "closed form: spring n·Kc"],
-    [kGrey, kDashed, "closed form: spring Kc"],
   ].map(
     ([colour, dash, words], i) =>
       `<line x1="0" x2="26" y1="${i * 18}" y2="${i * 18}" stroke="${colour}" stroke-width="1.8" ${dash}/>${text(32, i * 18 + 4, words)}`,
@@ -89,7 +84,7 @@ function legend() {
   const notes = [
     `Red: ${feel.shares.map((share) => `${Math.round(100 * share)}`).join(", ")} % error.`,
     "Felt from: force 7 %, viscosity 19 %.",
-  ].map((words, i) => text(0, 96 + i * 14, words, 'fill="#555"'));
+  ].map((words, i) => text(0, 80 + i * 14, words, 'fill="#555"'));
   return `<g transform="${place(devices.length)}">${rows.join("")}${notes.join("")}</g>`;
 }
 

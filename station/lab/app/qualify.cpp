@@ -65,7 +65,7 @@ Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
   if (name.ends_with(".json")) return ModelIn(name);
   std::vector<DeviceModel> out;
   std::string known;
-  for (const scene::DeviceProfile& p : QualifyProfiles()) {
+  for (const scene::DeviceProfile& p : ShippedProfiles()) {
     known += (known.empty() ? "" : ", ") + p.name;
     // Listed before it is left out, so that a refusal can name all.
     if (name != "all" && name != p.name) continue;

@@ -6,43 +6,14 @@
 
 #include "common/haptics/criteria.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/delay.h"
 #include "common/scene/json/json.h"
+#include "common/scene/own_friction.h"
 
 namespace enamel::station::lab {
 namespace {
 
 using scene::DeviceProfile;
-using scene::Sourced;
-
-constexpr const char* kChai = "CHAI3D's device list";
-constexpr const char* kSheet =
-    "published by the manufacturer; not measured, not checked against this unit";
-constexpr const char* kHalfKT =
-    "assumption: K T/2 at 1 kHz, so that the listed stiffness is the largest passive one";
-constexpr const char* kFriction = "assumption: Kc delta / 2, the least the theorem asks for";
-constexpr const char* kGuess = "assumption, not measured";
-
-DeviceProfile Other(const char* name, const char* title, Sourced resolution_nm, Sourced k,
-                    int64_t kc, Sourced mass_g, Sourced peak, Sourced continuous,
-                    int64_t radius_um) {
-  DeviceProfile p;
-  p.name = name;
-  p.title = title;
-  p.resolution_nm = resolution_nm;
-  p.max_stiffness_mn_per_mm = k;
-  p.coupling_mn_per_mm = {kc, "chosen: below the listed stiffness"};
-  // K T/2 with T = 1 ms: mN/mm halved is mN s/m.
-  p.damping_mn_s_per_m = {k.value / 2, kHalfKT};
-  // Kc delta / 2, rounded up: mN/mm times nm is 1e-9 N.
-  p.friction_mn = {(kc * resolution_nm.value + 1'999'999) / 2'000'000, kFriction};
-  p.mass_g = mass_g;
-  p.peak_force_mn = peak;
-  p.continuous_force_mn = continuous;
-  p.rate_hz = {1000, "assumption: one tick per millisecond"};
-  p.bus_delay_ticks = {0, "assumption: force is out before the next tick"};
-  p.workspace_radius_um = {radius_um, kChai};
-  return p;
-}
 
 std::string Text(const char* format, double a, double b = 0, double c = 0) {
   char out[300];
@@ -61,23 +32,25 @@ double DeviceModel::PassiveKc(double rate) const {
                   2 * friction_n / resolution_m);
 }
 
-std::vector<DeviceProfile> QualifyProfiles() {
+std::vector<DeviceProfile> ShippedProfiles() {
   std::vector<DeviceProfile> all = scene::BuiltinProfiles();
-  // No motors; six axes, whose torque the tests of the core and of haptics attack; and stand-ins for figures
-  // that nobody knows.
-  std::erase_if(all, [](const DeviceProfile& p) {
-    return !scene::HasMotors(p) || p.torque || !scene::AskedFor(p).empty();
-  });
-  all.push_back(Other("omega_dot_3", "omega.3 (CHAI3D's figures)", {10'000, kSheet}, {5'000, kChai},
-                      4'500, {250, kGuess}, {12'000, kChai}, {12'000, kSheet}, 75'000));
-  all.push_back(Other("touch", "Touch", {55'000, kSheet}, {400, kChai}, 360, {45, kSheet},
-                      {3'300, kChai}, {880, kSheet}, 75'000));
-  all.push_back(Other("falcon", "Falcon", {60'000, kSheet}, {3'000, kChai}, 2'500, {150, kGuess},
-                      {8'000, kChai}, {4'000, kGuess}, 40'000));
-  all.push_back(Other("inverse3", "Inverse3", {10'000, kSheet}, {2'000, kGuess}, 1'800,
-                      {200, kGuess}, {10'000, kSheet}, {3'300, kSheet}, 100'000));
-  all.back().workspace_radius_um.source = kGuess;
+  std::erase_if(all, [](const DeviceProfile& p) { return !scene::HasMotors(p); });
   return all;
+}
+
+Result<Unit> UnitOf(const DeviceProfile& shipped, bool calibrated) {
+  const int64_t rate_hz = shipped.rate_hz.value;
+  const int64_t ticks = calibrated ? shipped.bus_delay_ticks.value
+                                   : scene::DelayOfAttached(shipped, nullptr, rate_hz).ticks;
+  ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::WithDelay(shipped, rate_hz, ticks));
+  ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(profile));
+  Unit out{std::move(model), calibrated, {}};
+  const double low =
+      calibrated ? 1 - 0.01 * static_cast<double>(scene::kMostUncertainty_percent) : 1;
+  out.told.c_n = dvec3(out.model.friction_n * low);
+  if (!calibrated)
+    out.told.half_n_s_per_m = out.model.kc_n_per_m * (scene::kUnmeasuredHalf_us * 1e-6);
+  return out;
 }
 
 Result<DeviceModel> ModelOf(const DeviceProfile& p) {

@@ -39,14 +39,24 @@ struct DeviceModel {
   double PassiveKc(double rate_hz) const;
 };
 
-// The paper's three devices, and omega.3, Touch, Falcon and Inverse3 by their manufacturers' and
-// CHAI3D's figures. Every number has its source, assumptions included.
-std::vector<scene::DeviceProfile> QualifyProfiles();
+// The built-in profiles of devices with motors, as they are shipped, the paper's three first.
+std::vector<scene::DeviceProfile> ShippedProfiles();
 
 // Converts and checks. Errors (kInvalidInput, field named): K <= 0, delta <= 0, rate 0, negative b
 // or c, Kc above the passive limit at the profile's rate and delay (the message gives the number
 // allowed).
 Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
+
+// A device as an attempt would use it.
+struct Unit {
+  DeviceModel model;
+  bool calibrated = false;
+  haptics::OwnFriction told;  // what the law leaves out
+};
+// Calibrated: with the profile's delay, and the friction at the lower end of the widest interval that counts. Else
+// with the delay that a station assumes of an attached device, and Kc lowered to it. Errors: those of ModelOf;
+// kInvalidInput where the delay leaves no coupling.
+Result<Unit> UnitOf(const scene::DeviceProfile& shipped, bool calibrated);
 
 // The model at another loop rate: same b, c, mass; Kc kept or, with `scale_kc`, raised or lowered
 // with 2 b / T as far as friction allows.

@@ -25,17 +25,6 @@ dvec3 Across(const dvec3& direction) {
 }
 
 // Running mean over 2 half + 1 samples, in place of each; shorter towards the ends.
-std::vector<dvec3> RunningMean(const std::vector<dvec3>& x, size_t half) {
-  std::vector<dvec3> sums(x.size() + 1, dvec3(0)), out(x.size());
-  // Relative to the first one: sums of large coordinates would lose the small motion.
-  for (size_t i = 0; i < x.size(); ++i) sums[i + 1] = sums[i] + (x[i] - x[0]);
-  for (size_t i = 0; i < x.size(); ++i) {
-    size_t reach = std::min({half, i, x.size() - 1 - i});
-    out[i] = x[0] + (sums[i + reach + 1] - sums[i - reach]) / static_cast<double>(2 * reach + 1);
-  }
-  return out;
-}
-
 // The first `n` numbers of a line of comma-separated numbers.
 bool Numbers(std::string_view line, double* out, int n) {
   const char* at = line.data();
@@ -79,16 +68,11 @@ Result<HandMotion> Recorded(const std::filesystem::path& path) {
     motion.way_m.push_back({v[1], v[2], v[3]});
   }
   if (motion.way_m.size() < 100) return Refuse(1, "found fewer than 100 rows");
-  motion.way_m = Smoothed(motion.way_m);
+  motion.way_m = fidelity::Smoothed(motion.way_m);
   return motion;
 }
 
 }  // namespace
-
-// Twice, which makes a triangle of 40 ms: once leaves steps in the slope.
-std::vector<dvec3> Smoothed(const std::vector<dvec3>& way) {
-  return RunningMean(RunningMean(way, 10), 10);
-}
 
 double MeanSpeed(const HandMotion& m) {
   double length = 0;

@@ -48,9 +48,6 @@ HandMotion TremorMotion(double speed_m_per_s, double amplitude_m, double duratio
 // amplitude of 1/500 of a stroke of a second at unit speed; all scaled to the mean speed.
 HandMotion WanderingMotion(double mean_m_per_s, double duration_s, uint64_t seed);
 
-// A recorded way without its reading's steps, over 20 ms: a force is compared with its differences.
-std::vector<dvec3> Smoothed(const std::vector<dvec3>& way_m);
-
 // The file `folder`, or every `*.csv` under it (at most 64 files of 4 MiB), with columns t_s, px_m, py_m, pz_m at 1
 // kHz. Positions are Smoothed. Empty
 // if there is no such file or folder. Errors: kInvalidInput with file and line.

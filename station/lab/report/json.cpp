@@ -168,6 +168,7 @@ json::object CurveJson(const FeelCurve& c) {
           {"rate_hz", Number(c.rate_hz)},
           {"delay_ticks", c.delay_ticks},
           {"kc_n_per_mm", Number(c.kc_n_per_mm)},
+          {"calibrated", c.calibrated},
           {"limit", c.limit},
           {"friction_n", Number(c.friction_n)},
           {"error", json::array(c.error.begin(), c.error.end())},

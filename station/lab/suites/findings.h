@@ -174,6 +174,7 @@ struct FeelCurve {
   std::string device, title, tissue, law;
   double b_n_s_per_mm = 0, rate_hz = 0, kc_n_per_mm = 0, friction_n = 0;
   int delay_ticks = 0;
+  bool calibrated = false;  // Unit
   std::string limit;  // what keeps Kc from being larger (scene/rate.h); empty: the profile's own Kc
   std::vector<double> error;
   std::vector<double> closed_form;  // of the law's spring for slow motion, without friction

@@ -10,7 +10,7 @@ namespace enamel::station::lab {
 
 // Selects measurements and their options; app/qualify.h runs them.
 struct QualifyOptions {
-  std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
+  std::string profile = "phantom_desktop";  // of ShippedProfiles, a file, or "all"
   std::vector<std::string> suites = {
       "all"};  // paper | hand | map | strokes | withdrawal | calibration | laws | front | estimators | extreme | adversary | random | cutting | all
   bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz

@@ -19,7 +19,7 @@ namespace enamel::station::lab {
 
 // What the paper prints of a device.
 struct PrintedDevice {
-  const char* profile;  // of QualifyProfiles
+  const char* profile;  // of ShippedProfiles
   const char* name;     // as in the paper
   double resolution_mm, max_stiffness_n_per_mm, rate_hz;
   double table1_b_n_s_per_mm, table1_force_n;

@@ -256,7 +256,7 @@ const char* NameOf(PaperVerdict verdict) {
 std::vector<PaperElement> PaperElements(const PrintedPaper& printed) {
   std::vector<DeviceModel> devices;
   for (const PrintedDevice& d : printed.devices) {
-    for (const scene::DeviceProfile& profile : QualifyProfiles()) {
+    for (const scene::DeviceProfile& profile : ShippedProfiles()) {
       if (profile.name != d.profile) continue;
       DeviceModel m = *ModelOf(profile);
       // The paper's own setting: its K, its Kc, its rate and its cells.

@@ -16,13 +16,18 @@ using haptics::LawKind;
 constexpr double kSpeed_m_per_s = 0.2e-3, kDuration_s = 12;
 
 struct Condition {
-  DeviceModel model;
+  Unit unit;
   std::string limit;
 };
 
-// The unchanged profile first; then the rates with the largest Kc there, without delay and with a tick.
+// The device as shipped, not calibrated and calibrated; then, calibrated, the rates with the largest Kc there,
+// without delay and with a tick.
 std::vector<Condition> ConditionsOf(const DeviceModel& m, bool quick) {
-  std::vector<Condition> out{{m, ""}};
+  std::vector<Condition> out;
+  for (const bool calibrated : {false, true}) {
+    Result<Unit> unit = UnitOf(m.profile, calibrated);
+    if (unit.ok()) out.push_back({std::move(*unit), ""});
+  }
   for (int64_t delay : {0, 1}) {
     for (int64_t rate : {1000, 4000, 8000}) {
       if (quick && (delay != 0 || rate != 8000)) continue;
@@ -35,8 +40,8 @@ std::vector<Condition> ConditionsOf(const DeviceModel& m, bool quick) {
       at->bus_delay_ticks.value = delay;
       const scene::LargestCoupling largest = scene::LargestCouplingAt(*at, rate, delay);
       at->coupling_mn_per_mm.value = largest.coupling_mn_per_mm;
-      Result<DeviceModel> model = ModelOf(*at);
-      if (model.ok()) out.push_back({*model, scene::CouplingLimitName(largest.limit)});
+      Result<Unit> unit = UnitOf(*at, true);
+      if (unit.ok()) out.push_back({std::move(*unit), scene::CouplingLimitName(largest.limit)});
     }
   }
   return out;
@@ -49,7 +54,7 @@ std::vector<scene::TissueSpec> Tissues(bool quick) {
 }
 
 FeelCurve CurveOf(const Condition& condition, const scene::TissueSpec& tissue, LawKind law) {
-  const DeviceModel& m = condition.model;
+  const DeviceModel& m = condition.unit.model;
   FeelCurve c;
   c.device = m.name;
   c.title = m.title;
@@ -60,6 +65,7 @@ FeelCurve CurveOf(const Condition& condition, const scene::TissueSpec& tissue, L
   c.kc_n_per_mm = m.kc_n_per_m * 1e-3;
   c.friction_n = m.friction_n;
   c.delay_ticks = m.delay_ticks;
+  c.calibrated = condition.unit.calibrated;
   c.limit = condition.limit;
   const double b = tissue.damping_mn_s_per_mm;  // mN s/mm = N s/m
   const double spring =
@@ -93,16 +99,18 @@ void AddTable(SuiteContext& c, size_t from) {
       "K = Kc "
       "(plain Maxwell) or n Kc (lead Maxwell) at 1.6 rad/s, about kh/(kh + K). -: not even at 0.3; "
       "20.0: at "
-      "least. Kc: the profile's (limit empty), else the largest at that rate and delay. Generated "
-      "hands "
-      "that work a surface at 0.2 mm/s.";
-  t.head = {"device",  "tissue", "B N s/mm", "rate Hz", "delay",
-            "Kc N/mm", "limit",  "law",      "felt",    "closed form"};
+      "least. Not calibrated: with the delay that a station assumes of an attached device, and Kc "
+      "lowered to it. Kc: the profile's (limit empty), else the largest at that rate and delay. "
+      "The "
+      "device's friction is left out of what the motors are asked for, as in an attempt. Generated "
+      "hands that work a surface at 0.2 mm/s.";
+  t.head = {"device",  "calibrated", "tissue", "B N s/mm", "rate Hz",    "delay",
+            "Kc N/mm", "limit",      "law",    "felt",     "closed form"};
   for (size_t i = from; i < c.findings.feel.size(); ++i) {
     const FeelCurve& r = c.findings.feel[i];
-    t.rows.push_back({r.title, r.tissue, F(r.b_n_s_per_mm, "%.1f"), F(r.rate_hz, "%.0f"),
-                      std::to_string(r.delay_ticks), F(r.kc_n_per_mm, "%.2f"), r.limit, r.law,
-                      Grips(r.error), Grips(r.closed_form)});
+    t.rows.push_back({r.title, r.calibrated ? "yes" : "no", r.tissue, F(r.b_n_s_per_mm, "%.1f"),
+                      F(r.rate_hz, "%.0f"), std::to_string(r.delay_ticks), F(r.kc_n_per_mm, "%.2f"),
+                      r.limit, r.law, Grips(r.error), Grips(r.closed_form)});
   }
   c.findings.tables.push_back(std::move(t));
 }
@@ -127,9 +135,11 @@ void RunMapSuite(SuiteContext& c) {
           fidelity::FeltTrial trial;
           trial.law = law;
           trial.b_n_s_per_m = Sym3::Isotropic(tissue.damping_mn_s_per_mm);
-          trial.delay_ticks = condition.model.delay_ticks;
+          trial.delay_ticks = condition.unit.model.delay_ticks;
+          trial.friction = condition.unit.told;
           for (size_t grip = 0; grip < std::size(fidelity::kGrips_n_per_m); ++grip)
-            jobs.push_back({FeltDeviceOf(condition.model), trial, c.findings.feel.size(), grip});
+            jobs.push_back(
+                {FeltDeviceOf(condition.unit.model), trial, c.findings.feel.size(), grip});
           c.findings.feel.push_back(CurveOf(condition, tissue, law));
         }
       }

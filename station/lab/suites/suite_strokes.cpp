@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 
-#include "common/scene/builtin/builtin.h"
-#include "common/scene/delay.h"
-#include "common/scene/own_friction.h"
+#include "common/fidelity/budget.h"
 #include "station/devices/operators.h"
+#include "station/lab/laws/motions.h"
 #include "station/lab/suites/exercise_strokes.h"
 #include "station/lab/suites/suites.h"
 
@@ -17,47 +17,11 @@ namespace {
 constexpr double kHeadline_n_per_mm = 1;
 constexpr double kGrips_n_per_mm[] = {kHeadline_n_per_mm, 0.3, 2};
 
-struct Unit {
-  DeviceModel model;
-  bool calibrated = false;
-  haptics::OwnFriction told;
-};
-
-// Makes the device that an attempt would use. Calibrated: the law assumes the friction at the lower end of the widest
-// interval that counts, and the delay is the profile's.
-Result<Unit> UnitOf(const scene::DeviceProfile& shipped, bool calibrated) {
-  const int64_t rate_hz = shipped.rate_hz.value;
-  const int64_t ticks = calibrated ? shipped.bus_delay_ticks.value
-                                   : scene::DelayOfAttached(shipped, nullptr, rate_hz).ticks;
-  ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::WithDelay(shipped, rate_hz, ticks));
-  ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(profile));
-  Unit out{std::move(model), calibrated, {}};
-  const double low =
-      calibrated ? 1 - 0.01 * static_cast<double>(scene::kMostUncertainty_percent) : 1;
-  out.told.c_n = dvec3(out.model.friction_n * low);
-  if (!calibrated)
-    out.told.half_n_s_per_m = out.model.kc_n_per_m * (scene::kUnmeasuredHalf_us * 1e-6);
-  return out;
-}
-
-// One list for the lab and the product: the shipped profiles of devices with motors, or the asked one.
-std::vector<scene::DeviceProfile> Shipped(const SuiteContext& c) {
-  std::vector<scene::DeviceProfile> out;
-  if (c.options.profile != "all") {
-    for (const DeviceModel& m : c.findings.models) out.push_back(m.profile);
-    return out;
-  }
-  for (scene::DeviceProfile& p : scene::BuiltinProfiles()) {
-    if (scene::HasMotors(p)) out.push_back(std::move(p));
-  }
-  return out;
-}
-
 std::vector<Unit> Units(const SuiteContext& c) {
   std::vector<Unit> out;
-  for (const scene::DeviceProfile& p : Shipped(c)) {
+  for (const DeviceModel& m : c.findings.models) {
     for (const bool calibrated : {false, true}) {
-      Result<Unit> unit = UnitOf(p, calibrated);
+      Result<Unit> unit = UnitOf(m.profile, calibrated);
       // A profile whose delay leaves no coupling has no figures.
       if (unit.ok()) out.push_back(std::move(*unit));
     }
@@ -126,9 +90,82 @@ void AddStrokeTables(SuiteContext& c, const std::vector<Unit>& units) {
   c.findings.tables.push_back(std::move(t));
 }
 
-}  // namespace
+fidelity::FeltTrial TrialOf(const Unit& unit, const fidelity::CutStroke& stroke, double grip) {
+  fidelity::FeltTrial trial;
+  trial.b_n_s_per_m = Sym3::Isotropic(stroke.b_n_s_per_m);
+  trial.hand.stiffness_n_per_m = grip * 1e3;
+  trial.delay_ticks = unit.model.delay_ticks;
+  trial.friction = unit.told;
+  trial.ideal = false;
+  return trial;
+}
 
-void RunStrokesSuite(SuiteContext& c) {
+// What makes the error of the calibrated devices, from every kEach-th stroke: a budget takes nine simulations.
+void AddCauses(SuiteContext& c, const std::vector<Unit>& units,
+               const std::vector<ExerciseStroke>& strokes) {
+  constexpr size_t kEach = 8;
+  std::vector<const Unit*> calibrated;
+  for (const Unit& u : units)
+    if (u.calibrated) calibrated.push_back(&u);
+  Table t;
+  t.title = "What the error in these strokes is made of, % of its square, calibrated, grip 1 N/mm";
+  t.note =
+      "Spring: what lags behind it, and what the law makes of that. A cause that takes error away "
+      "is below 0.";
+  t.head = {"device", "spring", "friction", "mass", "damping", "cells", "delay", "ceiling"};
+  std::vector<std::vector<std::string>> lines(calibrated.size());
+  std::atomic<size_t> done{0};
+  ParallelFor(calibrated.size(), c.options.threads, [&](size_t i) {
+    const Unit& u = *calibrated[i];
+    std::map<std::string, double> share;
+    double whole = 0;
+    for (size_t k = 0; k < strokes.size(); k += kEach) {
+      const auto budget = fidelity::BudgetOf(
+          FeltDeviceOf(u.model), TrialOf(u, strokes[k], kHeadline_n_per_mm), strokes[k].way_m);
+      const double square = strokes[k].seconds * budget.rms_n * budget.rms_n;
+      whole += square;
+      for (const fidelity::FeltPart& part : budget.parts) share[part.cause] += part.share * square;
+    }
+    lines[i] = {u.model.title};
+    for (const double sum :
+         {share["lag"] + share["law"], share["friction"], share["inertia"], share["damping"],
+          share["quantisation"], share["delay"], share["saturation"]})
+      lines[i].push_back(F(whole > 0 ? 100 * sum / whole : 0, "%.0f"));
+    c.progress("strokes: causes", ++done, calibrated.size());
+  });
+  t.rows = std::move(lines);
+  c.findings.tables.push_back(std::move(t));
+}
+
+// Recorded motions of people, at their own speed, in tissues that the built-in exercises consist of.
+std::vector<ExerciseStroke> RecordedStrokes(const std::vector<HandMotion>& motions) {
+  constexpr std::pair<const char*, double> kTissues[] = {
+      {"slot", 3560}, {"widening", 890}, {"dentin", 530}, {"finishing", 180}, {"caries", 100}};
+  std::vector<ExerciseStroke> out;
+  for (const HandMotion& motion : motions) {
+    for (const auto& [tissue, b] : kTissues) {
+      ExerciseStroke s;
+      s.way_m = motion.way_m;
+      const dvec3 from = s.way_m.front();
+      for (dvec3& x : s.way_m) x -= from;
+      s.b_n_s_per_m = b;
+      s.speed_m_per_s = MeanSpeed(motion);
+      s.seconds = static_cast<double>(s.way_m.size()) * kWayStep_s;
+      s.exercise = "recorded";
+      s.name = motion.name + " " + tissue;
+      out.push_back(std::move(s));
+    }
+  }
+  return out;
+}
+
+// Of built-in documents, or the recordings that were asked for; both are known to be readable.
+std::vector<ExerciseStroke> StrokesAskedFor(SuiteContext& c) {
+  if (!c.options.motion.empty()) {
+    const auto motions = RecordedMotions(c.options.motion);
+    ENAMEL_CHECK(motions.ok());
+    return RecordedStrokes(*motions);
+  }
   StrokesOptions options;
   options.threads = c.options.threads;
   for (const OperatorPreset& preset : OperatorPresets()) {
@@ -136,9 +173,15 @@ void RunStrokesSuite(SuiteContext& c) {
     if (counts) options.people.emplace_back(preset.name);
   }
   c.progress("strokes: simulated people", 0, 1);
-  const auto strokes = StrokesOfExercises(options);
-  // Of built-in documents only.
+  auto strokes = StrokesOfExercises(options);
   ENAMEL_CHECK(strokes.ok());
+  return std::move(*strokes);
+}
+
+}  // namespace
+
+void RunStrokesSuite(SuiteContext& c) {
+  const std::vector<ExerciseStroke> strokes = StrokesAskedFor(c);
   const std::vector<Unit> units = Units(c);
   std::vector<StrokeRow>& rows = c.findings.exercise_strokes;
   struct Job {
@@ -149,7 +192,7 @@ void RunStrokesSuite(SuiteContext& c) {
   for (const Unit& u : units) {
     for (double grip : kGrips_n_per_mm) {
       if (c.options.quick && grip != kHeadline_n_per_mm) continue;
-      for (const ExerciseStroke& s : *strokes) {
+      for (const ExerciseStroke& s : strokes) {
         rows.push_back({s.exercise, s.name, u.model.name, u.calibrated, grip, 0, 0,
                         s.b_n_s_per_m * 1e-3, s.speed_m_per_s * 1e3, s.seconds});
         jobs.push_back({&u, &s});
@@ -159,18 +202,14 @@ void RunStrokesSuite(SuiteContext& c) {
   std::atomic<size_t> done{0};
   ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {
     const auto& [unit, stroke] = jobs[i];
-    fidelity::FeltTrial trial;
-    trial.b_n_s_per_m = Sym3::Isotropic(stroke->b_n_s_per_m);
-    trial.hand.stiffness_n_per_m = rows[i].hand_n_per_mm * 1e3;
-    trial.delay_ticks = unit->model.delay_ticks;
-    trial.friction = unit->told;
-    trial.ideal = false;
-    const auto felt = Feel(FeltDeviceOf(unit->model), trial, stroke->way_m);
+    const auto felt = Feel(FeltDeviceOf(unit->model),
+                           TrialOf(*unit, *stroke, rows[i].hand_n_per_mm), stroke->way_m);
     rows[i].felt_error_rms_n = felt.felt_error_rms_n;
     rows[i].tool_rms_n = felt.tool_rms_n;
     c.progress("strokes: hands", ++done, jobs.size());
   });
   AddStrokeTables(c, units);
+  if (!c.options.quick) AddCauses(c, units, strokes);
 }
 
 }  // namespace enamel::station::lab

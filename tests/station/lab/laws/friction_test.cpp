@@ -21,7 +21,7 @@ constexpr Stroke kSlot{3560, 0.2e-3}, kWidening{890, 0.5e-3}, kDentin{530, 0.5e-
     kCaries{100, 1e-3};
 
 DeviceModel Named(const std::string& name) {
-  for (const scene::DeviceProfile& p : QualifyProfiles())
+  for (const scene::DeviceProfile& p : ShippedProfiles())
     if (p.name == name) return *ModelOf(p);
   ADD_FAILURE() << name;
   return {};

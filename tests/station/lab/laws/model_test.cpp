@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "common/scene/find_profile.h"
+
 namespace enamel::station::lab {
 namespace {
 
 TEST(DeviceModelTest, EveryProfileIsPassiveAndSaysWhereItsNumbersAreFrom) {
-  ASSERT_GE(QualifyProfiles().size(), 7u);
-  for (const auto& profile : QualifyProfiles()) {
+  ASSERT_GE(ShippedProfiles().size(), 14u);
+  for (const auto& profile : ShippedProfiles()) {
     auto model = ModelOf(profile);
     ASSERT_TRUE(model.ok()) << profile.name << ": " << model.status().message();
     EXPECT_LE(model->kc_n_per_m, model->PassiveKc(model->rate_hz) * (1 + 1e-9));
@@ -18,7 +20,7 @@ TEST(DeviceModelTest, EveryProfileIsPassiveAndSaysWhereItsNumbersAreFrom) {
 
 TEST(DeviceModelTest, RefusesWhatCannotBeRunNamingTheField) {
   auto Refused = [](auto change) {
-    auto profile = QualifyProfiles()[1];
+    auto profile = ShippedProfiles()[1];
     change(profile);
     auto model = ModelOf(profile);
     return model.ok() ? std::string() : model.status().field();
@@ -33,7 +35,7 @@ TEST(DeviceModelTest, RefusesWhatCannotBeRunNamingTheField) {
 
 // b = 1.75 N s/m: 2b/T = 3500 N/m at 1 kHz, and a quarter of it with one tick of delay.
 TEST(DeviceModelTest, RefusesTooStiffACouplingWithTheNumberThatWouldDo) {
-  auto profile = QualifyProfiles()[1];
+  auto profile = ShippedProfiles()[1];
   profile.friction_mn.value = 100;
   profile.coupling_mn_per_mm.value = 3600;
   auto model = ModelOf(profile);
@@ -46,10 +48,10 @@ TEST(DeviceModelTest, RefusesTooStiffACouplingWithTheNumberThatWouldDo) {
 }
 
 TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
-  auto touch = ModelOf(QualifyProfiles()[4]);
+  auto touch = ModelOf(*scene::FindProfile("touch"));
   ASSERT_TRUE(touch.ok());
   EXPECT_FALSE(CannotRender(*touch, 6500, 0.43e-3).empty());
-  auto omega = ModelOf(QualifyProfiles()[0]);
+  auto omega = ModelOf(ShippedProfiles()[0]);
   EXPECT_TRUE(CannotRender(*omega, 6500, 0.43e-3).empty());
   EXPECT_EQ(CannotRender(*omega, 6500, 2e-3).size(), 1u);
 }
@@ -57,7 +59,7 @@ TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
 // Table 3 of the paper prints the limiter's force in one experiment, not the motors' continuous
 // force.
 TEST(DeviceModelTest, NoContinuousForceIsTheLimitersForceOfThePapersTable3) {
-  for (const auto& profile : QualifyProfiles()) {
+  for (const auto& profile : ShippedProfiles()) {
     EXPECT_EQ(profile.continuous_force_mn.source.find("paper"), std::string::npos) << profile.name;
     EXPECT_LE(profile.continuous_force_mn.value, profile.peak_force_mn.value) << profile.name;
   }
@@ -65,7 +67,7 @@ TEST(DeviceModelTest, NoContinuousForceIsTheLimitersForceOfThePapersTable3) {
 
 // 2.795 N against 1.75 N continuous: (F/Fc)^2 (1 - exp(-t/tau)) = 1 at t = 0.4975 tau.
 TEST(DeviceModelTest, SaysInSecondsHowLongThePeakLastsWhereTheTimeConstantIsKnown) {
-  auto profile = QualifyProfiles()[1];
+  auto profile = ShippedProfiles()[1];
   profile.thermal_time_constant_ms = {60'000, "measured: warmed until its cut-out"};
   auto phantom = ModelOf(profile);
   ASSERT_TRUE(phantom.ok());

@@ -42,7 +42,7 @@ const cutting::Volume& Block() {
   return block;
 }
 
-DeviceModel Device(int i) { return *ModelOf(QualifyProfiles()[static_cast<size_t>(i)]); }
+DeviceModel Device(int i) { return *ModelOf(ShippedProfiles()[static_cast<size_t>(i)]); }
 
 const StrokeFigure* Figure(const StrokeTrack& track, const std::string& name) {
   for (const StrokeFigure& f : track.figures) {
@@ -149,7 +149,7 @@ TEST_P(StrokesOnDevice, NothingSticksKicksOrLagsBeyondWhatIsListed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, StrokesOnDevice, testing::Values(0, 1, 2), [](const auto& i) {
-  return QualifyProfiles()[static_cast<size_t>(i.param)].name;
+  return ShippedProfiles()[static_cast<size_t>(i.param)].name;
 });
 
 // Proves that the figures can fail: eq. 1 kicks by 58 N a count.

@@ -13,7 +13,7 @@ using haptics::LawKind;
 
 constexpr double kEnamel = 6500, kSpeed = 0.43e-3;
 
-DeviceModel Model(size_t i) { return *ModelOf(QualifyProfiles()[i]); }
+DeviceModel Model(size_t i) { return *ModelOf(ShippedProfiles()[i]); }
 
 const dvec3 kWays[] = {dvec3(1, 0, 0), glm::normalize(dvec3(1, 1, 0)),
                        glm::normalize(dvec3(1, 2, 3)), glm::normalize(dvec3(1, -0.4, 0.02))};
@@ -166,7 +166,7 @@ TEST_P(PaperDevice, MatrixDampingSettlesOnItsForce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, PaperDevice, testing::Values(0u, 1u, 2u),
-                         [](const auto& i) { return QualifyProfiles()[i.param].name; });
+                         [](const auto& i) { return ShippedProfiles()[i.param].name; });
 
 // Section 2 of the design: eq. 17 as printed is a spring up to saturation when held at dp = 0, and
 // next to nothing when passed through there.

@@ -10,7 +10,7 @@ namespace {
 
 using haptics::LawKind;
 
-DeviceModel Device(size_t i) { return *ModelOf(QualifyProfiles()[i]); }
+DeviceModel Device(size_t i) { return *ModelOf(ShippedProfiles()[i]); }
 
 TEST(AdversaryGameTest, NoRuleGetsTheGuardAloneUnderItsFloor) {
   uint64_t seed = 1;

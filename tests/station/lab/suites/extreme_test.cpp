@@ -14,7 +14,7 @@ struct Suite {
 
   explicit Suite(double of_kc = 1) {
     options.quick = true;
-    DeviceModel omega = *ModelOf(QualifyProfiles().at(0));
+    DeviceModel omega = *ModelOf(ShippedProfiles().at(0));
     omega.kc_n_per_m *= of_kc;
     findings.models = {omega};
   }

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 const dvec3 kOblique = glm::normalize(dvec3(1, 2, 3));
 
-DeviceModel Device(int i) { return *ModelOf(QualifyProfiles()[static_cast<size_t>(i)]); }
+DeviceModel Device(int i) { return *ModelOf(ShippedProfiles()[static_cast<size_t>(i)]); }
 
 // A synthetic recording like a person's: slow strokes with two harmonics.
 std::string RecordingText(int rows) {
@@ -214,7 +214,7 @@ TEST_P(HandOnDevice, AFirstStrokeAfterAirIsNoStrongerThanTheTissue) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, HandOnDevice, testing::Values(0, 1, 2), [](const auto& i) {
-  return QualifyProfiles()[static_cast<size_t>(i.param)].name;
+  return ShippedProfiles()[static_cast<size_t>(i.param)].name;
 });
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(JointFrontTest, WhatTheDevicesLoopDoesNotCarryIsNotPicked) {
   const std::string text = NextHalvings(points, points[0]);
   EXPECT_NE(text.find("2000 Hz, beyond this profile's loop, cost"), std::string::npos) << text;
   // A device's own rate, and what is slower with the same Kc.
-  const DeviceModel omega = *ModelOf(QualifyProfiles()[0]);
+  const DeviceModel omega = *ModelOf(ShippedProfiles()[0]);
   const JointAxes axes = FrontAxes(omega, {500, 4000}, {});
   ASSERT_EQ(axes.at_rates.size(), 3u);
   EXPECT_LE(axes.at_rates[0].kc_n_per_m, omega.kc_n_per_m);
@@ -137,7 +137,7 @@ TEST(JointFrontTest, SaysWhatTheNextHalvingCostsAndBuys) {
 
 // A voxel that makes the force wrong is felt, and a proved law is marked as such.
 TEST(JointFrontTest, AWrongVoxelIsFelt) {
-  const DeviceModel omega = *ModelOf(QualifyProfiles()[0]);
+  const DeviceModel omega = *ModelOf(ShippedProfiles()[0]);
   JointAxes axes;
   axes.at_rates = {omega};
   for (int32_t nm : {200'000, 50'000})

@@ -12,13 +12,13 @@ namespace {
 
 namespace json = boost::json;
 
-// One device, quick: the profile's own loop and 8 kHz, enamel and caries.
+// One device, quick: as shipped, not calibrated and calibrated, and 8 kHz; enamel and caries.
 const std::vector<FeelCurve>& OmegaCurves() {
   static const std::vector<FeelCurve> curves = [] {
     QualifyOptions options;
     options.quick = true;
     Findings findings;
-    findings.models = {*ModelOf(QualifyProfiles()[0])};
+    findings.models = {*ModelOf(ShippedProfiles()[0])};
     SuiteContext context{options, findings, [](const char*, size_t, size_t) {}};
     RunMapSuite(context);
     EXPECT_EQ(findings.tables.size(), 1u);
@@ -30,7 +30,7 @@ const std::vector<FeelCurve>& OmegaCurves() {
 
 const FeelCurve& CurveOf(const std::string& tissue, const std::string& law, double rate_hz) {
   for (const FeelCurve& c : OmegaCurves()) {
-    if (c.tissue == tissue && c.law == law && c.rate_hz == rate_hz) return c;
+    if (c.calibrated && c.tissue == tissue && c.law == law && c.rate_hz == rate_hz) return c;
   }
   throw std::runtime_error("no curve");
 }
@@ -40,7 +40,7 @@ double Grip(const FeelCurve& c, double share) {
 }
 
 TEST(MapSuiteTest, EveryLoopTissueAndLawHasACurve) {
-  ASSERT_EQ(OmegaCurves().size(), 2u * 2 * 2);
+  ASSERT_EQ(OmegaCurves().size(), 3u * 2 * 2);
   for (const FeelCurve& c : OmegaCurves()) {
     EXPECT_EQ(c.error.size(), std::size(fidelity::kGrips_n_per_m));
     EXPECT_EQ(c.closed_form.size(), c.error.size());

@@ -14,7 +14,7 @@ namespace {
 const std::vector<double> kTable3 = {3.7, 0.8, 1.1};
 
 DeviceModel Paper(size_t i) {
-  auto model = ModelOf(QualifyProfiles().at(i));
+  auto model = ModelOf(ShippedProfiles().at(i));
   EXPECT_TRUE(model.ok());
   return *model;
 }
