@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/unix_time.h"
+#include "common/fidelity/cut_strokes.h"
 #include "common/protocol/refusals.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
@@ -83,6 +84,7 @@ class ScoreJob {
     scoring::ProcessRecorder process(header_.params);
     moments_.emplace(initial_);
     scoring::SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
+    strokes_.emplace(header_.params);
     ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
     return Finish(at_limit_ ? *at_limit_ : core.volume(), process, series);
   }
@@ -148,6 +150,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(
         scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));
     exercise_ = std::move(documents->exercise);
+    profile_ = std::move(documents->profile);
     scene_ = std::move(documents->scene);
     ENAMEL_RETURN_IF_ERROR(LoadRubric());
     return LoadVolume();
@@ -200,16 +203,18 @@ class ScoreJob {
     return Status::Ok();
   }
 
-  // With how far the bur's tip was from the pulp, where the tooth has one.
-  std::string SeriesText(const scoring::SeriesRecorder& series) const {
+  // With how far the bur's tip was from the pulp, where the tooth has one, and how right the device's force was.
+  std::string SeriesText(const scoring::SeriesRecorder& series) {
+    const auto felt_error = fidelity::FeltErrorOf(profile_, header_.params, *strokes_);
     const surface::Mesh pulp = scoring::PulpSurface(initial_);
-    if (pulp.position_m.empty()) return series.ToJson();
+    if (pulp.position_m.empty()) return series.ToJson({}, felt_error);
     const surface::DistanceQuery query(pulp);
-    return series.ToJson([&](const dvec3& tip_m) {
+    const auto pulp_m = [&](const dvec3& tip_m) {
       // Inside it is 0, and not how deep.
       if (initial_.TissueAtPoint(tip_m) == cutting::Tissue::kPulp) return 0.0;
       return query.Distance_m(tip_m, kFarFromPulp_m);
-    });
+    };
+    return series.ToJson(pulp_m, felt_error);
   }
 
   Status Replay(core::Core& core, scoring::ProcessRecorder& process,
@@ -223,6 +228,7 @@ class ScoreJob {
           if (at_limit_) return;
           process.Add(tick, output);
           series.Add(tick, output);
+          strokes_->Add(tick.input, output.witness);
           moments_->Add(core.volume(), core.touched());
           time_ticks_ += 1 + tick.input.gap_ticks;
           if (row_.exam && row_.limit_ticks > 0 && time_ticks_ >= row_.limit_ticks) {
@@ -549,6 +555,8 @@ class ScoreJob {
   trace::Seal seal_;
   scene::Scene scene_;
   scene::Exercise exercise_;
+  scene::DeviceProfile profile_;
+  std::optional<fidelity::CutStrokes> strokes_;
   cutting::Volume initial_;
   // The kindest first, once found; they point at the attempt's volume and surface.
   std::vector<std::unique_ptr<const Acceptable>> acceptable_;

@@ -71,9 +71,14 @@ std::vector<double> SeriesRecorder::Cumulative_mm3(size_t tissue) const {
   return out;
 }
 
-std::string SeriesRecorder::ToJson(const std::function<double(const dvec3&)>& pulp_m) const {
+std::string SeriesRecorder::ToJson(const std::function<double(const dvec3&)>& pulp_m,
+                                   std::optional<double> felt_error) const {
   std::string out = "{\"rate_hz\":" + std::to_string(params_.rate_hz) +
                     ",\"step_ticks\":" + std::to_string(step_ticks_);
+  if (felt_error) {
+    out += ",\"felt_error\":";
+    AppendNumber(out, *felt_error, 1e3);
+  }
   auto column = [&](const char* name, double per_unit, auto value) {
     out += std::string(",\"") + name + "\":";
     AppendList(out, steps_, [&](const Step& s) { AppendNumber(out, value(s), per_unit); });

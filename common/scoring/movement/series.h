@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,16 @@ class SeriesRecorder {
   void Add(const trace::Tick& tick, const core::TickOutput& output);
 
   // The JSON text: times to 0.1 ms, forces to 1 mN, volumes to 1e-6 mm^3, positions to 0.1 um. Tissues that were never cut are left out. Deterministic. `pulp_m`:
-  // how far a point is from the pulp; empty: there is none, and no such column.
-  std::string ToJson(const std::function<double(const dvec3&)>& pulp_m = {}) const;
+  // how far a point is from the pulp; empty: there is none, and no such column. `felt_error`: by how much the force
+  // in the hand was off (fidelity::FeltErrorOf), to 0.1 %; empty: no such member.
+  std::string ToJson(const std::function<double(const dvec3&)>& pulp_m = {},
+                     std::optional<double> felt_error = {}) const;
   uint32_t step_ticks() const { return step_ticks_; }
 
  private:
   struct Step {
     double t_s = 0;    // of its first tick, gaps included
-    dvec3 force_n{0};  // the largest sent
+    dvec3 force_n{0};  // the largest pressed
     double force_sum_n = 0;
     double computed_n = 0;            // largest, before the bounds
     double bound_n = 0;               // at its last tick

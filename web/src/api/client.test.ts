@@ -116,10 +116,13 @@ test("what was read ahead is given out once, for its own attempt, and asked agai
       t_s: [0],
       force_n: [0],
       force_mean_n: [0],
+      computed_n: [0],
+      late_ticks: [0],
       bound_n: [0],
       removed_mm3: [0],
       removed_by_tissue: {},
       anchor_mm: [[0, 0, 0]],
+      force_vector_n: [[0, 0, 0]],
     });
   const { client, calls } = clientThatGets([series(), series(), series(), new Error("lost"), series()]);
   client.readAhead("a");

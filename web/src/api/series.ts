@@ -2,9 +2,8 @@ import { fail, ok, type Result } from "../base/result";
 import type { Series, Ticks } from "./types";
 
 const kMaxSteps = 100_000;
-const kColumns = ["t_s", "force_n", "force_mean_n", "bound_n", "removed_mm3"] as const;
+const kColumns = ["t_s", "force_n", "force_mean_n", "computed_n", "late_ticks", "bound_n", "removed_mm3"] as const;
 const kTickColumns = ["time_ticks", "force_n", "computed_n", "late", "limited"] as const;
-const kLaterColumns = ["computed_n", "late_ticks", "pulp_mm"] as const; // absent in what was scored before they were kept
 
 // A plot walks these arrays side by side: they have one length, hold finite numbers, time grows.
 // The error says what was found.
@@ -17,17 +16,15 @@ export function checkSeries(value: unknown): Result<Series, string> {
     const column: unknown = series[name];
     if (!isNumbers(column, steps)) return fail(`series column ${name} is not ${steps} finite numbers`);
   }
-  for (const name of kLaterColumns) {
-    const column: unknown = series[name];
-    if (column !== undefined && !isNumbers(column, steps))
-      return fail(`series column ${name} is not ${steps} finite numbers`);
-  }
+  if (series.pulp_mm !== undefined && !isNumbers(series.pulp_mm, steps))
+    return fail(`series column pulp_mm is not ${steps} finite numbers`);
+  if (series.felt_error !== undefined && !Number.isFinite(series.felt_error))
+    return fail("the series' felt_error is no finite number");
   for (let i = 1; i < steps; ++i) {
     if (series.t_s[i]! <= series.t_s[i - 1]!) return fail(`series time does not grow at step ${i}`);
   }
   if (!isPoints(series.anchor_mm, steps)) return fail(`series column anchor_mm is not ${steps} points`);
-  if (series.force_vector_n !== undefined && !isPoints(series.force_vector_n, steps))
-    return fail(`series column force_vector_n is not ${steps} vectors`);
+  if (!isPoints(series.force_vector_n, steps)) return fail(`series column force_vector_n is not ${steps} vectors`);
   const tissues: unknown = series.removed_by_tissue;
   if (
     typeof tissues !== "object" ||

@@ -9,6 +9,8 @@ const series: Series = {
   t_s: [0, 0.3, 0.6],
   force_n: [1, 1, 1],
   force_mean_n: [1, 1, 1],
+  computed_n: [1, 1, 1],
+  late_ticks: [0, 0, 0],
   bound_n: [6, 6, 6],
   removed_mm3: [0, 3, 3],
   removed_by_tissue: {},
@@ -16,6 +18,11 @@ const series: Series = {
     [0, 0, 0],
     [0, 0, 0],
     [0, 0, 0],
+  ],
+  force_vector_n: [
+    [0, 0, 1],
+    [0, 0, 1],
+    [0, 0, 1],
   ],
 };
 

@@ -217,6 +217,9 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
         </p>
       )}
       {spans.length > 0 && <SpanLegend spans={spans} />}
+      {series.felt_error !== undefined && (
+        <p class="hint">{say("force.felt_error", { percent: Math.round(100 * series.felt_error) })}</p>
+      )}
       <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>
         {say("force.more")}
       </button>
@@ -252,7 +255,7 @@ function CloseUpPlot({
         dash: [7, 4],
       },
       {
-        label: say("plot.sent_force"),
+        label: say("plot.force"),
         unit: "N",
         values: close.forceN,
         colorVariable: "--plot-force",

@@ -30,7 +30,7 @@ export function secondsOfTick(series: Series, tick: number): number {
 
 const kNearBound = 1.05; // a limit farther from the largest force says nothing about it
 
-// The device's limit as a line, null where it was not known yet: before the first sent force it is
+// The device's limit as a line, null where it was not known yet: before the first force it is
 // 0. Undefined where the force never came near it.
 export function boundLine({
   bound_n: bound,

@@ -70,7 +70,7 @@ const kHeldBackN = 0.02; // newton: less is rounding
 // What the force would have been, where limiter or device held some of it back; undefined where
 // they never did.
 function heldBack({ computed_n: computed, force_n: sent }: Series): readonly number[] | undefined {
-  return computed?.some((force, i) => force > (1 + kHeldBack) * sent[i]! + kHeldBackN) === true ? computed : undefined;
+  return computed.some((force, i) => force > (1 + kHeldBack) * sent[i]! + kHeldBackN) ? computed : undefined;
 }
 
 const kTissueLines: ReadonlyArray<readonly [string, readonly number[]]> = [

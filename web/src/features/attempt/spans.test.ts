@@ -9,6 +9,7 @@ const series = {
   t_s: [0, 0.1, 0.2, 0.3, 0.4],
   force_n: [0, 1, 3, 1, 0],
   force_mean_n: [0, 0.5, 0.5, 0.01, 0.2],
+  late_ticks: [0, 0, 0, 0, 0],
   bound_n: [0, 3, 3, 3, 3],
 } as unknown as Series;
 const deduction = (left: boolean, ...moments: number[]) =>

@@ -11,7 +11,7 @@ export interface Span {
   readonly toS: number;
 }
 
-export const kContactN = 0.05; // mean sent force of a step in which the tool touches
+export const kContactN = 0.05; // mean force of a step in which the tool touches
 const kAtLimit = 0.98; // of the device's limit: series are rounded
 
 // Steps in which `holds`, joined.
@@ -39,7 +39,7 @@ export function spansOf(series: Series, gaps: readonly Gap[], deductions: readon
   return [
     ...stretches(series, "contact", (i) => series.force_mean_n[i]! >= kContactN),
     ...stretches(series, "limit", (i) => series.bound_n[i]! > 0 && series.force_n[i]! >= kAtLimit * series.bound_n[i]!),
-    ...stretches(series, "late", (i) => (series.late_ticks?.[i] ?? 0) > 0),
+    ...stretches(series, "late", (i) => (series.late_ticks[i] ?? 0) > 0),
     ...gaps.map(({ endS, seconds }): Span => ({ kind: "gap", fromS: endS - seconds, toS: endS })),
     ...lost.values(),
   ].sort((a, b) => a.fromS - b.fromS);

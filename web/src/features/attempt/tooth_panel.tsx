@@ -201,7 +201,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const pictured = during ? say("tooth_card.picture_during") : after;
   const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
-  const forceN = cursor === undefined ? undefined : (series?.force_vector_n?.[cursor] as PointMm | undefined);
+  const forceN = cursor === undefined ? undefined : (series?.force_vector_n[cursor] as PointMm | undefined);
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   const points = useMemo(
     () => measured?.map((pointMm, i): ToothPoint => ({ text: nameOfPoint(i), pointMm })),
