@@ -64,6 +64,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.cell = TipCellOf(p);
   c.friction = OwnFrictionOf(p);
   c.spring_on_board = p.spring_on_board;
+  c.watch_swings = true;
   return c;
 }
 
@@ -454,6 +455,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   out.bur_speed_ratio = handpiece_.speed_ratio();
   out.anchor = {coupling_.anchor_m(), orientation_};
   if (reserve_exhausted_) out.flags |= kReserveExhausted;
+  if (coupling_.stiffness_share() < 1) out.flags |= kSwingSeen;
   for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
 
   // Relative to it 32 bits of 100 nm reach 214 m, wherever the scene lies.

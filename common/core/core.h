@@ -83,6 +83,9 @@ enum OutputFlags : uint16_t {
   kSuspended = 1 << 10,  // no force and no cut: the bur has not yet been in free air long enough
   kStepTooLong =
       1 << 11,  // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
+  // Hand and device have swung in this attempt, and the stiffness is lowered to its end: the device
+  // is not what its profile says (haptics/swing_watch.h).
+  kSwingSeen = 1 << 12,
 };
 
 // What the tissue and the hand press each other with, mN: the force computed, and what a bound has left

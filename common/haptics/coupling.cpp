@@ -37,7 +37,8 @@ dvec3 LessFriction(const dvec3& pull, double b, const OwnFriction& own) noexcept
   return out;
 }
 
-Coupling::Coupling(const CouplingParams& params) : params_(params) {
+Coupling::Coupling(const CouplingParams& params)
+    : params_(params), watch_({.tick_s = params.law.tick_s}) {
   const TipCell cell =
       params.cell.Radius() > 0 ? params.cell : CartesianCell(params.law.resolution_m);
   params_.law.play_m = 2 * cell.Radius();
@@ -57,11 +58,13 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   EnSpringReset(&spring_, ToBoard(tip_m));
   stretch_ = 0;
   clear_ = resumed_ = latched_ = false;
+  watch_.Forget();
   law_->Reset(tip_m);
 }
 
 void Coupling::VisitState(StateArchive& archive) {
   archive(anchor_, spring_, stretch_, clear_, resumed_, latched_);
+  watch_.VisitState(archive);
   law_->VisitState(archive);
 }
 
@@ -75,6 +78,7 @@ bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
   const dvec3 e = tip_m - anchor_;
   const double length = std::sqrt(Dot(e, e)), grown = length - stretch_;
   if (grown > params_.max_step_m) return false;
+  watch_.Forget();
   law_->Reset(tip_m);
   if (law_->anchored()) {
     // A board's spring has gone on by itself.
@@ -116,6 +120,8 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     latched_ = true;
     out.flags |= kLatched;
     out.force_computed_n = out.force_sent_n = dvec3(0);
+  } else if (params_.watch_swings && law_->anchored()) {
+    WatchForSwing(out.force_sent_n);
   }
   const dvec3 stretch = tip_m - anchor_;
   stretch_ = std::sqrt(Dot(stretch, stretch));
@@ -143,11 +149,12 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
       return {};
     }
     clear_ = !contact.engaged && contact.clearance_m > 0;
-    Pull pull{e, params_.law.kc_n_per_m};
+    Pull pull{e, params_.law.kc_n_per_m * watch_.share()};
     double along = 0;
     dvec3 step = e;
     if (b.Trace() > 0) {
       pull = law_->PullOn(anchor_, b);
+      pull.stiffness_n_per_m *= watch_.share();
       along = DampingAlong(b, pull.stretch_m);
       const dvec3 felt = BeyondCoulomb(pull, contact);
       const double shift = pull.stiffness_n_per_m * left_s;
@@ -185,7 +192,8 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
 // is left of it is a share of the stiffness.
 void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                                  CouplingOutput& out) noexcept {
-  const double kc = params_.law.kc_n_per_m;
+  // A board's spring has the profile's stiffness.
+  const double kc = params_.spring_on_board ? params_.law.kc_n_per_m : spring_.guard.kc_n_per_m;
   const dvec3 pull_n = LessFriction(resistance.pull_n, resistance.b_n_s_per_m, params_.friction);
   const double magnitude = std::sqrt(Dot(pull_n, pull_n));
   double keep = 1;
@@ -227,6 +235,12 @@ void Coupling::TickTip(const dvec3& tip_m, double bound_n, Material& material,
   if (!(magnitude > bound_n)) return;
   out.flags |= kPeakBounded;
   out.force_sent_n = out.force_computed_n * (bound_n / magnitude);
+}
+
+// The next tick's stiffness. A guard of less than the profile's Kc asks for less damping and friction.
+void Coupling::WatchForSwing(const dvec3& sent_n) noexcept {
+  const double share = watch_.Tick(sent_n);
+  if (share < 1) spring_.guard.kc_n_per_m = params_.law.kc_n_per_m * share;
 }
 
 void Coupling::MoveBur(const dvec3& to_m, Material& material) noexcept {

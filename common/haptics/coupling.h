@@ -7,6 +7,7 @@
 #include "common/board/spring.h"
 #include "common/haptics/force_law.h"
 #include "common/haptics/guard.h"
+#include "common/haptics/swing_watch.h"
 
 // The tick's force chain: finite check -> law -> guard -> magnitude bound -> finite check.
 //
@@ -21,6 +22,8 @@
 //  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
 //    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
 //  * A bound on the force moves r, at a wall too, never the bur.
+//  * A swing of hand and device lowers Kc, in law, spring and guard alike (swing_watch.h): R = B v of the
+//    bur stays true, only softer. The share that is taken away is energy lost, so the proof holds.
 //  * After ticks that were not stepped, Resume lets the spring be no longer than the tank pays for.
 // The tip laws (eq. 1, eq. 17) have no anchor and no such proof: they are there to be compared with.
 namespace enamel::haptics {
@@ -88,6 +91,9 @@ struct CouplingParams {
   // The device's board runs spring and guard (common/board/board.h). The coupling says where the rest
   // point should be, and feels the spring that the board reports.
   bool spring_on_board = false;
+  // Anchored laws: a swing lowers the stiffness until the coupling is destroyed. Off where a law is to be
+  // judged as it is.
+  bool watch_swings = false;
 };
 
 struct CouplingOutput {
@@ -135,6 +141,8 @@ class Coupling {
   // Where the spring is at rest, and what is in the tank: V + E of the proof.
   dvec3 rest_m() const noexcept { return law_->anchored() ? FromBoard(spring_.rest_m) : anchor_; }
   double tank_j() const noexcept { return spring_.tank.energy_j; }
+  // What a swing has left of Kc, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
+  double stiffness_share() const noexcept { return watch_.share(); }
   const CouplingParams& params() const noexcept { return params_; }
 
  private:
@@ -151,11 +159,13 @@ class Coupling {
   void TickTip(const dvec3& tip_m, double bound_n, Material& material,
                CouplingOutput& out) noexcept;
   void MoveBur(const dvec3& to_m, Material& material) noexcept;
+  void WatchForSwing(const dvec3& sent_n) noexcept;
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
   dvec3 anchor_{0};  // the bur
   EnSpring spring_{};
+  SwingWatch watch_;
   double stretch_ = 0;  // |tip - anchor| after the last tick
   bool clear_ = false;  // nothing solid is near the bur
   bool resumed_ = false;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <iterator>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "tests/common/core/params.h"
@@ -838,6 +839,57 @@ TEST(ParamsTest, TheTipsCellIsHalfACountOrWhatTheParametersSay) {
   EXPECT_EQ(TipCellOf(p).ball_m, 7'795 * 1e-9);
   p.cell_half_nm = {250, 251, 252};
   EXPECT_EQ(TipCellOf(p).half_m, dvec3(250, 251, 252) * 1e-9);
+}
+
+// A device with less than half of the damping that Kc asks for and a tick of delay that nobody knows of, in a hand
+// that only pushes.
+struct SwingingDevice {
+  static constexpr double kMass_kg = 0.15, kDamping_n_s_per_m = 1.4, kPush_n = 2;
+  double z_m = 0.2e-3, speed_m_per_s = 0;
+  double sent_n = 0;
+
+  TickInput Reading() const { return At(0, 0, z_m); }
+  void Step(double force_n, bool pushes) {
+    const double felt_n = std::exchange(sent_n, force_n);
+    constexpr int kSteps = 20;
+    for (int i = 0; i < kSteps; ++i) {
+      const double push = pushes ? kPush_n : 0;
+      speed_m_per_s +=
+          (felt_n - push - kDamping_n_s_per_m * speed_m_per_s) / kMass_kg * 1e-3 / kSteps;
+      z_m += speed_m_per_s * 1e-3 / kSteps;
+    }
+  }
+};
+
+TEST(CoreTest, ASwingIsFlaggedAndHeldAndReplaysToTheBit) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3)),
+      replay(Params(), test::Block(50'000, 3e-3, 3e-3));
+  SwingingDevice device;
+  std::vector<TickInput> inputs;
+  bool seen = false;
+  double least_n = 1e9, most_n = 0;
+  for (int tick = 0; tick < 2700; ++tick) {
+    inputs.push_back(device.Reading());
+    const TickOutput out = core.Step(inputs.back());
+    device.Step(out.force_sent_n.z, tick > 600);
+    const bool flagged = (out.witness.flags & kSwingSeen) != 0;
+    EXPECT_TRUE(flagged || !seen) << "it stays, at tick " << tick;
+    seen = flagged;
+    if (tick < 2200) continue;
+    least_n = std::min(least_n, out.force_sent_n.z);
+    most_n = std::max(most_n, out.force_sent_n.z);
+  }
+  EXPECT_TRUE(seen);
+  EXPECT_LT(most_n - least_n, 1.5);
+  EXPECT_GT(least_n, 0.5 * SwingingDevice::kPush_n) << "the hand still feels what it pushes with";
+  for (const TickInput& in : inputs) replay.Step(in);
+  EXPECT_EQ(replay.state_hash(), core.state_hash());
+}
+
+TEST(CoreTest, ACutWithoutASwingIsNotFlagged) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 6000; ++tick)
+    ASSERT_EQ(core.Step(Stroke(tick)).flags & kSwingSeen, 0) << tick;
 }
 
 }  // namespace
