@@ -22,8 +22,9 @@ enum Warning : uint32_t {
   kWarnTime = 1u << 8,         // past the exercise's time limit
   kWarnResumed = 1u << 9,      // resumed after an interruption: no cause for alarm
   kWarnNoRealtime = 1u << 10,  // in place of kWarnLate, where the loop has no real-time rights
+  kWarnSwing = 1u << 11,       // the device swung, and its stiffness is lowered (core::kSwingSeen)
 };
-inline constexpr int kWarningCount = 11;
+inline constexpr int kWarningCount = 12;
 
 // The picture's facts of one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {

@@ -34,9 +34,9 @@ ImVec4 ColourFor(Bearing bearing) {
 
 // In the order of their bits.
 constexpr std::array<const char*, kWarningCount> kWarnings = {
-    "warning.press_less", "warning.uneven",  "warning.force_off",  "warning.held_up",
-    "warning.offline",    "warning.pulp",    "warning.disk",       "warning.silent",
-    "warning.time",       "warning.resumed", "warning.no_realtime"};
+    "warning.press_less", "warning.uneven",  "warning.force_off",   "warning.held_up",
+    "warning.offline",    "warning.pulp",    "warning.disk",        "warning.silent",
+    "warning.time",       "warning.resumed", "warning.no_realtime", "warning.swing"};
 const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 
 // The panel is as wide as its letters need, where the picture has room for that.

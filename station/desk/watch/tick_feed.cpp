@@ -6,6 +6,7 @@ namespace {
 uint32_t WarningsOf(const Snapshot& s) noexcept {
   uint32_t warnings = 0;
   if (s.output_flags & haptics::kPeakBounded) warnings |= render::kWarnForceBounded;
+  if (s.output_flags & core::kSwingSeen) warnings |= render::kWarnSwing;
   if (s.input_flags & core::kLateTick) warnings |= render::kWarnLate;
   if (s.input_flags & core::kFaulted) warnings |= render::kWarnFault;
   if (s.fault == Fault::kStalled || s.fault == Fault::kUnplugged ||

@@ -35,6 +35,7 @@ test("where the tool was and the largest force are those of the rows", () => {
 test("a tick without anything to say has no flag text, one with two has two", () => {
   assert.deepEqual(flagTexts(16 | 32), []);
   assert.equal(flagTexts(2 | 1024).length, 2);
+  assert.equal(flagTexts(4096).length, 1);
 });
 
 test("a strip shows as much time as was seen, at least some seconds and at most those that are kept", () => {

@@ -61,13 +61,14 @@ export function largestForce(rows: readonly LiveRow[]): number {
   return rows.reduce((largest, row) => Math.max(largest, forceSize(row)), 0);
 }
 
-const kFlags: ReadonlyArray<readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault"]> = [
+const kFlags: ReadonlyArray<readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault" | "swing"]> = [
   [1, "guarded"],
   [2, "peak"],
   [256, "reset"],
   [512, "reserve"],
   [1024, "suspended"],
   [2048, "fault"],
+  [4096, "swing"],
 ];
 
 // What of a tick's witness flags (schemas/trace_format.md, column 19) a teacher wants to know.
