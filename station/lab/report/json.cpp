@@ -148,6 +148,22 @@ json::object StrokeJson(const StrokeRow& r) {
           {"removal_s", Number(r.removal_s)}};
 }
 
+json::object WatchJson(const WatchRow& r) {
+  return {{"suite", "watch"},
+          {"device", r.device},
+          {"delay_ticks", r.delay_ticks},
+          {"hand", r.hand},
+          {"profile_error", r.error},
+          {"trials", r.trials},
+          {"swings", r.swings},
+          {"caught", r.caught},
+          {"caught_within_200_ms", r.soon},
+          {"within_s", r.caught > 0 ? Number(r.within_s) : json::value(nullptr)},
+          {"false_alarms", r.false_alarms},
+          {"swing_n", Number(r.swing_n)},
+          {"left_n", Number(r.left_n)}};
+}
+
 void AppendFront(const JointFront& front, json::array& rows) {
   const JointPoint* best = BestWithin(front.points, kNoBudget_us);
   for (const JointPoint& p : front.points) {
@@ -219,6 +235,7 @@ std::string JsonOf(const Findings& f) {
   for (const BudgetRow& r : f.budgets) rows.push_back(BudgetJson(r));
   for (const SecondsRow& r : f.seconds_felt) rows.push_back(SecondsJson(r));
   for (const StrokeRow& r : f.exercise_strokes) rows.push_back(StrokeJson(r));
+  for (const WatchRow& r : f.watch) rows.push_back(WatchJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},

@@ -168,6 +168,18 @@ struct StrokeRow {
   double felt_error() const { return tool_rms_n > 0 ? felt_error_rms_n / tool_rms_n : 0; }
 };
 
+// The watch for swings: the trials of one hand on one device with one error in its profile (laws/swings.h).
+struct WatchRow {
+  std::string device, hand, error;
+  int delay_ticks = 0;  // that the law is told
+  int trials = 0, swings = 0, caught = 0;
+  int soon = 0;          // caught within 0.2 s of the first excursion beyond 1 N
+  int false_alarms = 0;  // of the right profile
+  double within_s = 0;   // mean of those caught
+  double swing_n = 0,
+         left_n = 0;  // largest peak to peak in the last second: without the watch, with it
+};
+
 // One curve of the map of what a hand can feel: an error for each grip of fidelity::kGrips_n_per_m.
 // JSON: schemas/feel.schema.json.
 struct FeelCurve {
@@ -231,6 +243,7 @@ struct Findings {
   std::vector<FeelCurve> feel;
   std::vector<StrokeDevice> strokes;  // of the suite "withdrawal"
   std::vector<StrokeRow> exercise_strokes;
+  std::vector<WatchRow> watch;
   std::vector<ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;    // the simulator's own, worst of the trials asked
   double seconds = 0;

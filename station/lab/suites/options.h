@@ -12,12 +12,12 @@ namespace enamel::station::lab {
 struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of ShippedProfiles, a file, or "all"
   std::vector<std::string> suites = {
-      "all"};  // paper | hand | map | strokes | withdrawal | calibration | laws | front | estimators | extreme | adversary | random | cutting | all
+      "all"};  // paper | hand | map | strokes | withdrawal | calibration | watch | laws | front | estimators | extreme | adversary | random | cutting | all
   bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;  // rows are written here when not empty
   std::string report;     // a page (….html) or a folder, when not empty: report/draw.h
   std::string
-      motion;  // hand: a CSV file of a person's motion, or a folder of them; empty: generated
+      motion;  // hand, watch: a CSV file of a person's motion, or a folder of them; empty: generated
   std::string calibration;  // calibration: a document of `enamel-station calibrate`; empty: none
   int cases = 600;          // random
   int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick

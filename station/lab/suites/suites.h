@@ -28,6 +28,7 @@ void RunHandSuite(SuiteContext& context);
 void RunMapSuite(SuiteContext& context);
 void RunStrokesSuite(SuiteContext& context);
 void RunWithdrawalSuite(SuiteContext& context);
+void RunWatchSuite(SuiteContext& context);
 void RunCalibrationSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
 void RunFrontSuite(SuiteContext& context);
