@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include "common/scene/delay.h"
 #include "station/lab/laws/motions.h"
 #include "station/lab/laws/swings.h"
 #include "station/lab/suites/suites.h"
@@ -34,13 +33,11 @@ const std::vector<haptics::SwingWatchParams>& Settings() {
 std::vector<DeviceModel> Units(const SuiteContext& c) {
   std::vector<DeviceModel> out;
   for (const DeviceModel& m : c.findings.models) {
-    out.push_back(m);
-    const int64_t rate_hz = m.profile.rate_hz.value;
-    const auto ticks = scene::DelayOfAttached(m.profile, nullptr, rate_hz).ticks;
-    if (ticks == m.delay_ticks) continue;
-    const auto profile = scene::WithDelay(m.profile, rate_hz, ticks);
-    if (!profile.ok()) continue;
-    if (auto model = ModelOf(*profile); model.ok()) out.push_back(std::move(*model));
+    for (const bool calibrated : {true, false}) {
+      Result<Unit> unit = UnitOf(m.profile, calibrated);
+      const bool known = !calibrated && unit.ok() && unit->model.delay_ticks == m.delay_ticks;
+      if (unit.ok() && !known) out.push_back(std::move(unit->model));
+    }
   }
   return out;
 }

@@ -15,7 +15,7 @@ const ProfileError& ErrorOf(const char* name) {
                        [&](const ProfileError& e) { return std::strcmp(e.name, name) == 0; });
 }
 
-DeviceModel Model(size_t i) { return *ModelOf(QualifyProfiles()[i]); }
+DeviceModel Model(size_t i) { return *ModelOf(ShippedProfiles()[i]); }
 
 std::vector<dvec3> Sine(double hz, double peak_to_peak_n, double from_s, double seconds) {
   std::vector<dvec3> out;
