@@ -127,7 +127,7 @@ Result<SimulationReport> Simulate(const scene::BuiltScene& built, const scene::E
     report.finished = loop.Tick();
     Sample sample;
     while (ring.Pop(sample)) ++report.ticks;
-    dvec3 f = loop.snapshot().force_sent_n;
+    dvec3 f = loop.snapshot().pressed_n;
     // Only ticks with force: time in the air would lower every quantile.
     if (double n = std::sqrt(Dot(f, f)); n > 0) forces.push_back(n);
   }

@@ -326,7 +326,7 @@ class Desk {
     // The voice gets a share of the peak force, so that it sounds the same on weak and strong
     // devices.
     double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;
-    double force = glm::length(attempt->view().state().force_sent_n);
+    double force = glm::length(attempt->view().state().pressed_n);
     speaker_->Set(attempt->held().speed_krpm(), force / std::max(full, 1e-3));
   }
 

@@ -37,7 +37,7 @@ void LossView::Step() {
   frame.time_s = time_s();
   frame.anchor = out.anchor;
   frame.device = out.anchor;  // of the hand only the bur is shown
-  frame.force_sent_n = out.force_sent_n;
+  frame.pressed_n = out.pressed_n();
   frame.bur_on = (input.flags & core::kBurOn) != 0;
   frame.bur = static_cast<uint8_t>(core.bur());
   view_.Publish(frame);

@@ -366,7 +366,7 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.counters = counters_;
   snapshot.anchor = out.anchor;
   snapshot.device = {core_.TipOf(input.counts), FromQuantised(input.orientation)};
-  snapshot.force_sent_n = out.force_sent_n;
+  snapshot.pressed_n = out.pressed_n();
   snapshot.removed = core_.removed();
   snapshot.input_flags = input.flags;
   snapshot.output_flags = out.flags;

@@ -61,7 +61,7 @@ struct Snapshot {
   LoopCounters counters;
   cutting::Pose anchor;
   cutting::Pose device;
-  dvec3 force_sent_n{0};
+  dvec3 pressed_n{0};  // core::TickOutput::pressed_n: on the hand, the device's friction among it
   cutting::RemovedUnits removed{};  // since the start
   uint8_t input_flags = 0;          // core::InputFlags
   uint16_t output_flags = 0;

@@ -113,7 +113,7 @@ struct Panel {
   }
 
   void Force() const {
-    double force = glm::length(c.state.force_sent_n);
+    double force = glm::length(c.state.pressed_n);
     // The source of 0.6 and 0.9 is not recorded; only this bar's colour depends on them.
     double share = force / std::max(c.force_full_scale_n, 1e-3);
     Bar("panel.force", words.Decimal(force, 2) + " N", share,

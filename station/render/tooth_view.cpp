@@ -113,8 +113,7 @@ PictureState ToothView::PictureNow(float aspect) {
   dvec3 middle = state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] *
                                            (0.5 * options_.burs[picture.bur].height_m());
   picture.arrow_from_mm = glm::vec3(middle * 1000.0);
-  picture.arrow_mm =
-      glm::vec3(state_.force_sent_n / options_.force_full_scale_n) * kArrowFullScale_mm;
+  picture.arrow_mm = glm::vec3(state_.pressed_n / options_.force_full_scale_n) * kArrowFullScale_mm;
   if (state_.bur_on) spin_ += kSpinPerFrame;
   picture.bur_spin = spin_;
   return picture;

@@ -108,7 +108,7 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
   if (snapshot.counters.ticks % live_every_ == 0) {
     const dvec3 origin_m = core.TipOf({});
     live_->Write({snapshot.counters.ticks, Rounded(snapshot.anchor.tip_m - origin_m, kUmPerM),
-                  Rounded(snapshot.force_sent_n, kMnPerN), snapshot.output_flags});
+                  Rounded(snapshot.pressed_n, kMnPerN), snapshot.output_flags});
   }
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }

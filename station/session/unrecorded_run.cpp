@@ -48,7 +48,7 @@ void UnrecordedRun::OnTick(const core::Core& core, const Snapshot& snapshot) noe
   if ((snapshot.input_flags & core::kBurOn) != 0) {
     turning_ticks_.store(turning_ticks_.load(relaxed) + 1, relaxed);
   }
-  const double force_n = glm::length(snapshot.force_sent_n);
+  const double force_n = glm::length(snapshot.pressed_n);
   if (force_n > peak_force_n_.load(relaxed)) peak_force_n_.store(force_n, relaxed);
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }

@@ -47,7 +47,7 @@ void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   frame.time_s = static_cast<double>(s.counters.passed_ticks()) * tick_s_;
   frame.anchor = s.anchor;
   frame.device = s.device;
-  frame.force_sent_n = s.force_sent_n;
+  frame.pressed_n = s.pressed_n;
   frame.bur_on = (s.input_flags & core::kBurOn) != 0;
   frame.bur = s.bur;
   frame.bur_waits = s.bur_waits;

@@ -186,7 +186,7 @@ class FrameBench {
 
   void Show(const dvec3& tip) {
     state_.anchor.tip_m = state_.device.tip_m = tip;
-    state_.force_sent_n = {0.2, 0, 0.8};
+    state_.pressed_n = {0.2, 0, 0.8};
     state_.bur_on = true;
     view_.Publish(state_);
   }

@@ -166,7 +166,7 @@ class Drawing {
     cut(begin + down, along);
     const auto view = See(volume, exercise, true);
     state.device = state.anchor;
-    state.force_sent_n = {0.4, 0, 1.2};
+    state.pressed_n = {0.4, 0, 1.2};
     view->Publish(state);
     return Take(*view, name_ + ".bur");
   }

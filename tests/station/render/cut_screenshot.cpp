@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
   });
   state.time_s = 187;
   state.device.tip_m = state.anchor.tip_m + dvec3(0.3e-3, 0, -0.35e-3);
-  state.force_sent_n = {-0.6, 0.15, 1.1};
+  state.pressed_n = {-0.6, 0.15, 1.1};
   for (size_t t = 0; t < removed.size(); ++t) {
     state.removed_mm3[t] = cutting::RemovedUnitsToM3(removed[t], voxel_nm * 1e-9) * 1e9;
   }

@@ -172,7 +172,7 @@ TEST_F(WindowTest, ShowsToothThenCavityAndBur) {
   EXPECT_GT(cut.Count(IsDentin), whole.Count(IsDentin) + pixels / 500);
   EXPECT_LT(cut.Count(IsArrow), pixels / 5000);
 
-  state.force_sent_n = {0, 0, 2};
+  state.pressed_n = {0, 0, 2};
   window.tooth().Publish(state);
   EXPECT_GT(Screenshot(window).Count(IsArrow), pixels / 2000);
 }
