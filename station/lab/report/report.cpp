@@ -129,9 +129,10 @@ std::vector<Plot> FeelPlots(const std::vector<FeelCurve>& curves, const DeviceMo
              {{grips[0] * 1e-3, share}, {*std::prev(std::end(grips)) * 1e-3, share}},
              true});
     }
-    const std::string name = F(c.rate_hz, "%.0f") + " Hz, " + F(c.kc_n_per_mm, "%.1f") + " N/mm" +
-                             (c.delay_ticks > 0 ? ", " + std::to_string(c.delay_ticks) + " late" : "") +
-                             (c.calibrated ? "" : ", not calibrated");
+    const std::string name =
+        F(c.rate_hz, "%.0f") + " Hz, " + F(c.kc_n_per_mm, "%.1f") + " N/mm" +
+        (c.delay_ticks > 0 ? ", " + std::to_string(c.delay_ticks) + " late" : "") +
+        (c.calibrated ? "" : ", not calibrated");
     const std::string colour = ColourOf(colours.try_emplace(name, colours.size()).first->second);
     const bool chosen = c.law == haptics::FindLaw(haptics::kDefaultLaw)->name;
     Series law{chosen ? name : "", colour, chosen ? Style::kLine : Style::kDots, {}}, closed = law;
