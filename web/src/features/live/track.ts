@@ -61,7 +61,9 @@ export function largestForce(rows: readonly LiveRow[]): number {
   return rows.reduce((largest, row) => Math.max(largest, forceSize(row)), 0);
 }
 
-const kFlags: ReadonlyArray<readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault" | "swing"]> = [
+const kFlags: ReadonlyArray<
+  readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault" | "swing"]
+> = [
   [1, "guarded"],
   [2, "peak"],
   [256, "reset"],
