@@ -28,7 +28,8 @@ dvec3 TipOf(const core::CoreParams& params, const core::TickInput& input) {
 }  // namespace
 
 bool CutStrokes::Block::removes() const {
-  return Dot(resisted_n, moved_m) > 0 && glm::length(moved_m) > kLeastSpeed_m_per_s * kBlock_s &&
+  return turns && Dot(resisted_n, moved_m) > 0 &&
+         glm::length(moved_m) > kLeastSpeed_m_per_s * kBlock_s &&
          glm::length(resisted_n) > kLeastForce_n;
 }
 
@@ -44,8 +45,10 @@ void CutStrokes::Add(const core::TickInput& input, const core::TickWitness& witn
     filled_ = 0;
     bur_m_ = bur;
     sum_n_ = dvec3(0);
+    turns_ = true;
     ticks_ = 0;
   }
+  turns_ &= (input.flags & core::kBurOn) != 0;
   if (ticks_++ % every_ != 0) return;
   way_.push_back(TipOf(params_, input));
   for (int i = 0; i < 3; ++i)
@@ -54,7 +57,8 @@ void CutStrokes::Add(const core::TickInput& input, const core::TickWitness& witn
 }
 
 void CutStrokes::EndBlock(const dvec3& bur) {
-  blocks_.push_back({bur - bur_m_, sum_n_ / static_cast<double>(kBlock)});
+  blocks_.push_back({bur - bur_m_, sum_n_ / static_cast<double>(kBlock), turns_});
+  turns_ = true;
   bur_m_ = bur;
   sum_n_ = dvec3(0);
   filled_ = 0;
@@ -100,6 +104,8 @@ CutStroke CutStrokes::StrokeUnderWay() const {
 
 std::vector<CutStroke> CutStrokes::Spread(int count) {
   Close();
+  filled_ = 0;
+  ticks_ = 0;
   double whole_s = 0;
   for (const CutStroke& s : strokes_) whole_s += s.seconds;
   std::vector<CutStroke> out;
@@ -120,6 +126,10 @@ FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CorePar
   d.mass_kg = static_cast<double>(profile.mass_g.value) * 1e-3;
   d.damping_n_s_per_m = static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3;
   d.friction_n = static_cast<double>(profile.friction_mn.value) * 1e-3;
+  // A unit's own was measured where all of it is left out (scene/own_friction.h); this is its lower end.
+  const haptics::OwnFriction told = core::OwnFrictionOf(params);
+  const double measured = std::max({told.c_n.x, told.c_n.y, told.c_n.z});
+  if (told.half_n_s_per_m == 0 && measured > 0) d.friction_n = measured;
   d.resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
   d.kc_n_per_m = params.kc_mn_per_mm;
   d.peak_force_n = params.peak_force_mn * 1e-3;
@@ -129,7 +139,9 @@ FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CorePar
 
 std::optional<double> FeltErrorOf(const scene::DeviceProfile& profile,
                                   const core::CoreParams& params, CutStrokes& strokes) {
-  if (!scene::HasMotors(profile) || params.spring_on_board) return std::nullopt;
+  // A way has one position a millisecond.
+  if (!scene::HasMotors(profile) || params.spring_on_board || params.rate_hz % 1000 != 0)
+    return std::nullopt;
   const FeltDevice device = FeltDeviceOf(profile, params);
   double error2 = 0, tool2 = 0;
   for (const CutStroke& stroke : strokes.Spread(kStrokes)) {
@@ -141,10 +153,12 @@ std::optional<double> FeltErrorOf(const scene::DeviceProfile& profile,
     trial.friction = core::OwnFrictionOf(params);
     trial.ideal = false;
     const FeltFigures felt = Feel(device, trial, stroke.way_m);
+    // So little force is a touch and no cut.
+    if (!(felt.tool_rms_n > kLeastForce_n)) continue;
     error2 += felt.felt_error_rms_n * felt.felt_error_rms_n;
     tool2 += felt.tool_rms_n * felt.tool_rms_n;
   }
-  if (!(tool2 > 0)) return std::nullopt;
+  if (!(tool2 > 0) || !std::isfinite(error2 / tool2)) return std::nullopt;
   return std::sqrt(error2 / tool2);
 }
 

@@ -22,7 +22,7 @@ struct CutStroke {
 };
 
 // Finds the strokes of one recording. A stroke lasts while tissue is removed, with rests of at most a tenth of
-// a second, for 0.3 to 4 s. Tissue counts as removed where the bur moves, faster than 0.02 mm/s, against more
+// a second, for 0.3 to 4 s. Tissue counts as removed where a turning bur moves, faster than 0.02 mm/s, against more
 // than 0.02 N. Memory: kMostStrokes strokes; where there are more, every second one is left out and its
 // neighbour stands for it.
 class CutStrokes {
@@ -37,11 +37,13 @@ class CutStrokes {
   // stands for the same time; a long one may be there twice. Empty: nothing was removed for 0.3 s.
   // Requires: count > 0.
   std::vector<CutStroke> Spread(int count);
+  size_t kept() const { return strokes_.size(); }
 
  private:
   // A hundredth of a second: a witness says where the bur is to 0.1 um, and a slow bur moves less in a tick.
   struct Block {
     dvec3 moved_m{0}, resisted_n{0};
+    bool turns = false;  // the bur, all the time
     bool removes() const;
   };
 
@@ -58,6 +60,7 @@ class CutStrokes {
   size_t end_ = 0;
   size_t filled_ = 0;  // positions of the block that is being filled
   dvec3 bur_m_{0}, sum_n_{0};
+  bool turns_ = true;
   std::vector<CutStroke> strokes_;
 };
 
@@ -70,7 +73,7 @@ FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CorePar
 
 // By how much the force in a hand of that grip was off, as a share of the tissue's force (felt.h), in up to
 // eight strokes at even shares of the cutting. Nothing where the device has no motors, where its board ran the
-// spring, or where nothing was cut.
+// spring, where nothing was cut, and at rates that are no whole number of kHz.
 std::optional<double> FeltErrorOf(const scene::DeviceProfile& profile,
                                   const core::CoreParams& params, CutStrokes& strokes);
 

@@ -28,11 +28,13 @@ struct Recorded {
   double rate_hz, x_m = 0;
 
   explicit Recorded(const core::CoreParams& p) : strokes(p), rate_hz(p.rate_hz) {}
+  uint8_t flags = core::kBurOn;
   void Cut(double seconds, double speed = kSpeed_m_per_s, uint32_t gap_ticks = 0) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * rate_hz)); ++i) {
       x_m += speed / rate_hz;
       core::TickInput input;
       core::TickWitness witness;
+      input.flags = flags;
       input.gap_ticks = i == 0 ? gap_ticks : 0;
       // The tip leads the bur by the spring.
       input.counts[0] = static_cast<int32_t>(std::lround((x_m + 50e-6) * 1e6));
@@ -83,6 +85,7 @@ TEST(CutStrokesTest, ALongRecordingTakesNoMoreMemory) {
   const auto found = r.strokes.Spread(1000);
   for (const CutStroke& s : found) seconds += s.seconds;
   EXPECT_NEAR(seconds, 200 * 0.4, 0.02 * 80);
+  EXPECT_LE(r.strokes.kept(), CutStrokes::kMostStrokes);
 }
 
 // Without friction and mass in a stiff device hardly anything is off; the friction is, by c over the force.
@@ -108,6 +111,32 @@ TEST(CutStrokesTest, TheErrorIsTheDevicesFriction) {
   EXPECT_LT(without, 0.1);
   EXPECT_NEAR(with, 0.1 / force_n, 0.2 * 0.1 / force_n);
   EXPECT_LT(left_out, 0.5 * with);
+}
+
+// A unit rubs as it was measured, whatever the profile of its kind says.
+TEST(CutStrokesTest, AMeasuredFrictionIsTheUnits) {
+  const auto profile = Profile("omega7");
+  core::CoreParams p = ParamsOf(profile);
+  p.friction_mn = {80, 80, 80};
+  EXPECT_NEAR(FeltDeviceOf(profile, p).friction_n, 0.08, 1e-9);
+  p.friction_half_us = 40'000;
+  EXPECT_NEAR(FeltDeviceOf(profile, p).friction_n, 0.012, 1e-9);
+}
+
+TEST(CutStrokesTest, ABurThatStandsFeelsAndDoesNotCut) {
+  Recorded r(ParamsOf(Profile("omega3")));
+  r.flags = 0;
+  r.Cut(2);
+  EXPECT_TRUE(r.strokes.Spread(8).empty());
+}
+
+TEST(CutStrokesTest, ARateBetweenTwoThousandsHasNoError) {
+  const auto omega = Profile("omega3");
+  for (const uint32_t rate_hz : {500u, 1500u}) {
+    Recorded r(ParamsOf(omega, rate_hz));
+    r.Cut(2);
+    EXPECT_FALSE(FeltErrorOf(omega, ParamsOf(omega, rate_hz), r.strokes)) << rate_hz;
+  }
 }
 
 TEST(CutStrokesTest, WithoutMotorsOrACutThereIsNoError) {
