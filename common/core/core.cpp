@@ -64,7 +64,8 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.cell = TipCellOf(p);
   c.friction = OwnFrictionOf(p);
   c.spring_on_board = p.spring_on_board;
-  c.watch_swings = true;
+  // Where nobody feels anything, nothing swings: a device without motors has no friction to leave out.
+  c.watch_swings = p.friction_mn != std::array<int32_t, 3>{};
   return c;
 }
 

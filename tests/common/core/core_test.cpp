@@ -861,9 +861,17 @@ struct SwingingDevice {
   }
 };
 
+// Motors, so that a hand can swing with them.
+CoreParams WithMotors() {
+  CoreParams p = Params();
+  p.friction_mn = {1, 1, 1};
+  return p;
+}
+
 TEST(CoreTest, ASwingIsFlaggedAndHeldAndReplaysToTheBit) {
-  Core core(Params(), test::Block(50'000, 3e-3, 3e-3)),
-      replay(Params(), test::Block(50'000, 3e-3, 3e-3));
+  Core core(WithMotors(), test::Block(50'000, 3e-3, 3e-3)),
+      replay(WithMotors(), test::Block(50'000, 3e-3, 3e-3)),
+      mouse(Params(), test::Block(50'000, 3e-3, 3e-3));
   SwingingDevice device;
   std::vector<TickInput> inputs;
   bool seen = false;
@@ -882,12 +890,15 @@ TEST(CoreTest, ASwingIsFlaggedAndHeldAndReplaysToTheBit) {
   EXPECT_TRUE(seen);
   EXPECT_LT(most_n - least_n, 1.5);
   EXPECT_GT(least_n, 0.5 * SwingingDevice::kPush_n) << "the hand still feels what it pushes with";
-  for (const TickInput& in : inputs) replay.Step(in);
+  for (const TickInput& in : inputs) {
+    replay.Step(in);
+    ASSERT_EQ(mouse.Step(in).flags & kSwingSeen, 0) << "nobody feels its force";
+  }
   EXPECT_EQ(replay.state_hash(), core.state_hash());
 }
 
 TEST(CoreTest, ACutWithoutASwingIsNotFlagged) {
-  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  Core core(WithMotors(), test::Block(50'000, 3e-3, 3e-3));
   for (int tick = 0; tick < 6000; ++tick)
     ASSERT_EQ(core.Step(Stroke(tick)).flags & kSwingSeen, 0) << tick;
 }
