@@ -115,7 +115,7 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
   } else {
     TickTip(tip_m, bound_n, material, out);
   }
-  if (!Finite(out.force_sent_n)) out.flags |= kNonFiniteInput;
+  if (!Finite(out.force_sent_n) || !Finite(out.force_computed_n)) out.flags |= kNonFiniteInput;
   if (out.flags & kNonFiniteInput) {
     latched_ = true;
     out.flags |= kLatched;
@@ -217,7 +217,7 @@ void Coupling::PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_
                           CouplingOutput& out) noexcept {
   const EnForce force = EnSpringPull(&spring_, ToBoard(tip_m), ToBoard(wish_m), bound_n, 1);
   if (force.flags & kEnGuarded) out.flags |= kGuardEngaged;
-  if (force.flags & kEnBounded) out.flags |= kPeakBounded;
+  if ((force.flags & kEnBounded) || spring_.share < 1) out.flags |= kPeakBounded;
   out.force_computed_n = FromBoard(force.whole_n);
   out.force_sent_n = FromBoard(force.felt_n);
   out.tank_j = spring_.tank.energy_j;

@@ -22,8 +22,8 @@
 //  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
 //    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
 //  * A bound on the force moves r, at a wall too, never the bur.
-//  * A swing of hand and device lowers Kc, in law, spring and guard alike (swing_watch.h): R = B v of the
-//    bur stays true, only softer. The share that is taken away is energy lost, so the proof holds.
+//  * A swing of hand and device lowers Kc, in law, spring and guard alike (swing_watch.h; in the law alone
+//    where a board runs the spring): R = B v of the bur stays true, only softer. The share that is taken away is energy lost, so the proof holds.
 //  * After ticks that were not stepped, Resume lets the spring be no longer than the tank pays for.
 // The tip laws (eq. 1, eq. 17) have no anchor and no such proof: they are there to be compared with.
 namespace enamel::haptics {
