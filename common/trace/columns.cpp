@@ -53,8 +53,8 @@ constexpr Column Scalar(const char* name) {
           [](Tick& t, int64_t v) { return Assign(t.*kGroup.*kField, v); }};
 }
 
-// Computed force as its difference to the sent one, which is in an earlier column. 0 except where a
-// bound or a touch cue has changed the force: a column of zeros.
+// Computed force as its difference to the sent one, which is in an earlier column. 0 in air, and else the
+// friction left out, which is c where the force is more than that: it changes seldom.
 template <size_t kAxis>
 constexpr Column ComputedForce(const char* name) {
   return {name,

@@ -39,7 +39,7 @@ function drawnIn(device) {
   return [
     line(own(plain).error, kGrey),
     line(own(lead).closed_form, kBlue, kDashed),
-    line(own(lead, false).error, kOrange),
+    own(lead, false) === undefined ? "" : line(own(lead, false).error, kOrange),
     line(own(lead).error, kBlue),
   ].join("");
 }

@@ -45,10 +45,10 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                       "draw a page to open in a browser: F.html, with F.json beside it; or a "
                       "folder, report.html and qualification.json in it");
   qualify
-      ->add_option(
-          "--motion", options->motion,
-          "hand, strokes: CSV file of a person's motion (t_s,px_m,py_m,pz_m at 1 kHz), or a folder "
-          "of them, in place of the generated hands")
+      ->add_option("--motion", options->motion,
+                   "hand, strokes, watch: CSV file of a person's motion (t_s,px_m,py_m,pz_m at 1 "
+                   "kHz), or a folder "
+                   "of them, in place of the generated hands")
       ->type_name("PATH");
   qualify->add_option("--calibration", options->calibration,
                       "calibration: what `enamel-station calibrate` wrote of the device");

@@ -24,7 +24,6 @@ dvec3 Across(const dvec3& direction) {
   return glm::normalize(glm::cross(direction, other));
 }
 
-// Running mean over 2 half + 1 samples, in place of each; shorter towards the ends.
 // The first `n` numbers of a line of comma-separated numbers.
 bool Numbers(std::string_view line, double* out, int n) {
   const char* at = line.data();

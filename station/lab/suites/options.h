@@ -17,7 +17,7 @@ struct QualifyOptions {
   std::string json_path;  // rows are written here when not empty
   std::string report;     // a page (….html) or a folder, when not empty: report/draw.h
   std::string
-      motion;  // hand, watch: a CSV file of a person's motion, or a folder of them; empty: generated
+      motion;  // hand, strokes, watch: a CSV file of a person's motion, or a folder of them; empty: generated
   std::string calibration;  // calibration: a document of `enamel-station calibrate`; empty: none
   int cases = 600;          // random
   int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick
