@@ -41,17 +41,25 @@ bool IsAddress(std::string_view word) {
          (text.find(':') != std::string::npos && ::inet_pton(AF_INET6, text.c_str(), &v6) == 1);
 }
 
+// No word is written so: one of 250 keys of 32 characters of base64 is without a digit.
+bool IsOfAKey(std::string_view run) {
+  const auto capitals = std::ranges::count_if(run, [](char c) { return c >= 'A' && c <= 'Z'; });
+  const auto small = std::ranges::count_if(run, [](char c) { return c >= 'a' && c <= 'z'; });
+  const bool digits =
+      std::ranges::any_of(run, [](char c) { return IsDigit(static_cast<unsigned char>(c)); });
+  return digits || (capitals > 1 && small > 1);
+}
+
 // A token, a key, a hash: long, and neither a word nor a path of words.
 bool IsLongRun(std::string_view word) {
-  size_t run = 0, digits = 0, longest = 0, digits_of_longest = 0;
-  for (const char c : word) {
-    const bool of_run =
-        (IsLetter(c) && static_cast<unsigned char>(c) < 0x80) || IsDigit(c) || c == '+' || c == '=';
-    run = of_run ? run + 1 : 0;
-    digits = of_run ? digits + (IsDigit(c) ? 1 : 0) : 0;
-    if (run > longest) longest = run, digits_of_longest = digits;
+  for (size_t begin = 0, i = 0; i <= word.size(); ++i) {
+    const auto c = static_cast<unsigned char>(i < word.size() ? word[i] : ' ');
+    if ((IsLetter(c) && c < 0x80) || IsDigit(c) || c == '+' || c == '=') continue;
+    const std::string_view run = word.substr(begin, i - begin);
+    if (run.size() >= kLongRun && IsOfAKey(run)) return true;
+    begin = i + 1;
   }
-  return longest >= kLongRun && digits_of_longest > 0;
+  return false;
 }
 
 }  // namespace

@@ -35,6 +35,10 @@ TEST(ScrubberTest, AddressesTokensAndKeysAreTakenOutAndNumbersStay) {
   EXPECT_EQ(kScrubber.Scrubbed("write to jo.doe@example.org."), "write to [mail].");
   EXPECT_EQ(kScrubber.Scrubbed("fingerprint 01ab23cd45ef67890123456789abcdef"),
             "fingerprint [secret]");
+  EXPECT_EQ(kScrubber.Scrubbed("key VBTIwFIewbJKVYeXERJfACjIqmHDUdJ, in no digit"),
+            "key [secret], in no digit");
+  EXPECT_EQ(kScrubber.Scrubbed("Informationssicherheitsbeauftragte"),
+            "Informationssicherheitsbeauftragte");
   EXPECT_EQ(kScrubber.Scrubbed("postgresql://enamel:hunter2hunter2hunter2@db/school"), "[mail]");
   EXPECT_EQ(kScrubber.Scrubbed("took 1234 ms at 2026-09-01 08:30:12.123, version 0.1.0"),
             "took 1234 ms at 2026-09-01 08:30:12.123, version 0.1.0");
