@@ -14,7 +14,8 @@ export const accessFlows = [
 
 async function contrastTheme(world) {
   const page = await signedIn(world, "instructor", world.attempt("shown"));
-  await page.locator(".spans .span.contact").first().waitFor();
+  for (const there of [".spans .span.contact", ".plot-cursor", ".header nav a[aria-current]"])
+    await page.locator(there).first().waitFor({ state: "attached" });
   await page.emulateMedia({ forcedColors: "active" });
   const colours = await page.evaluate(() => {
     const of = (selector, property) => getComputedStyle(document.querySelector(selector))[property];
