@@ -136,7 +136,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
               options.operator_name.c_str(), built.scene.name.c_str(), profile.name.c_str(),
               static_cast<unsigned_ll>(report.ticks), static_cast<double>(report.ticks) / rate,
               report.seconds);
-  std::printf("force sent: median %.2f N, 95 %% %.2f N, peak %.2f N; bounded in %llu ticks\n",
+  std::printf("force: median %.2f N, 95 %% %.2f N, peak %.2f N; bounded in %llu ticks\n",
               report.force_p50_n, report.force_p95_n, report.force_max_n,
               static_cast<unsigned_ll>(report.bounded_ticks));
   boost::json::object removed, planes;
