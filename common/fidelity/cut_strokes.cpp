@@ -121,6 +121,17 @@ std::vector<CutStroke> CutStrokes::Spread(int count) {
   return out;
 }
 
+FeltTrial TrialOf(const CutStroke& stroke, double grip_n_per_m, int delay_ticks,
+                  const haptics::OwnFriction& told) {
+  FeltTrial trial;
+  trial.b_n_s_per_m = Sym3::Isotropic(stroke.b_n_s_per_m);
+  trial.hand.stiffness_n_per_m = grip_n_per_m;
+  trial.delay_ticks = delay_ticks;
+  trial.friction = told;
+  trial.ideal = false;
+  return trial;
+}
+
 FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CoreParams& params) {
   FeltDevice d;
   d.mass_kg = static_cast<double>(profile.mass_g.value) * 1e-3;
@@ -145,13 +156,10 @@ std::optional<double> FeltErrorOf(const scene::DeviceProfile& profile,
   const FeltDevice device = FeltDeviceOf(profile, params);
   double error2 = 0, tool2 = 0;
   for (const CutStroke& stroke : strokes.Spread(kStrokes)) {
-    FeltTrial trial;
+    FeltTrial trial =
+        TrialOf(stroke, kAttemptGrip_n_per_m, static_cast<int>(params.bus_delay_ticks),
+                core::OwnFrictionOf(params));
     trial.law = params.law;
-    trial.b_n_s_per_m = Sym3::Isotropic(stroke.b_n_s_per_m);
-    trial.hand.stiffness_n_per_m = kAttemptGrip_n_per_m;
-    trial.delay_ticks = static_cast<int>(params.bus_delay_ticks);
-    trial.friction = core::OwnFrictionOf(params);
-    trial.ideal = false;
     const FeltFigures felt = Feel(device, trial, stroke.way_m);
     // So little force is a touch and no cut.
     if (!(felt.tool_rms_n > kLeastForce_n)) continue;

@@ -23,8 +23,8 @@ struct CutStroke {
 
 // Finds the strokes of one recording. A stroke lasts while tissue is removed, with rests of at most a tenth of
 // a second, for 0.3 to 4 s. Tissue counts as removed where a turning bur moves, faster than 0.02 mm/s, against more
-// than 0.02 N. Memory: kMostStrokes strokes; where there are more, every second one is left out and its
-// neighbour stands for it.
+// than 0.02 N. Memory: at most kMostStrokes strokes, 6 MB. Beyond them the recorder drops every second stroke
+// and counts its time for the one before.
 class CutStrokes {
  public:
   static constexpr size_t kMostStrokes = 64;
@@ -54,7 +54,7 @@ class CutStrokes {
 
   core::CoreParams params_;
   uint32_t every_, ticks_ = 0;  // ticks a position
-  // Of the stroke under way: one position a millisecond, its blocks, and how many of them until the last that removes.
+  // The stroke under way has these positions, one a millisecond, and blocks; end_ is behind the last that removes.
   std::vector<dvec3> way_;
   std::vector<Block> blocks_;
   size_t end_ = 0;
@@ -64,11 +64,15 @@ class CutStrokes {
   std::vector<CutStroke> strokes_;
 };
 
+// The stroke in a hand of this grip, with what the law leaves out; without the damper on the device.
+FeltTrial TrialOf(const CutStroke& stroke, double grip_n_per_m, int delay_ticks,
+                  const haptics::OwnFriction& told);
+
 // The hand that a figure of an attempt is given for: between a loose grip and a firm one.
 inline constexpr double kAttemptGrip_n_per_m = 1000;
 
-// The device that an attempt was made with: the profile's mass, damping and friction, the recording's spring
-// and ceiling.
+// The device that an attempt was made with: the profile's mass and damping, the recording's spring and ceiling. Its
+// friction is the unit's where that was measured, else the profile's.
 FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CoreParams& params);
 
 // By how much the force in a hand of that grip was off, as a share of the tissue's force (felt.h), in up to

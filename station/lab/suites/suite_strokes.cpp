@@ -91,13 +91,7 @@ void AddStrokeTables(SuiteContext& c, const std::vector<Unit>& units) {
 }
 
 fidelity::FeltTrial TrialOf(const Unit& unit, const fidelity::CutStroke& stroke, double grip) {
-  fidelity::FeltTrial trial;
-  trial.b_n_s_per_m = Sym3::Isotropic(stroke.b_n_s_per_m);
-  trial.hand.stiffness_n_per_m = grip * 1e3;
-  trial.delay_ticks = unit.model.delay_ticks;
-  trial.friction = unit.told;
-  trial.ideal = false;
-  return trial;
+  return fidelity::TrialOf(stroke, grip * 1e3, unit.model.delay_ticks, unit.told);
 }
 
 // What makes the error of the calibrated devices, from every kEach-th stroke: a budget takes nine simulations.
