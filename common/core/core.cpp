@@ -64,7 +64,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.cell = TipCellOf(p);
   c.friction = OwnFrictionOf(p);
   c.spring_on_board = p.spring_on_board;
-  // Where nobody feels anything, nothing swings: a device without motors has no friction to leave out.
+  // Nobody swings with a device that has no motors. Its friction is 0 here, and no other device's: c >= Kc S.
   c.watch_swings = p.friction_mn != std::array<int32_t, 3>{};
   return c;
 }

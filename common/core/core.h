@@ -88,7 +88,7 @@ enum OutputFlags : uint16_t {
   kSwingSeen = 1 << 12,
 };
 
-// What the tissue and the hand press each other with, mN: the force computed, and what a bound has left
+// The force that tissue and hand press each other with, mN: the force computed, or what a bound has left
 // of it. Without touch cues, and the same on a device with much friction and with none: the friction
 // that the motors leave out is the hand's to overcome.
 inline const std::array<int32_t, 3>& PressedForce_mn(const TickWitness& witness) noexcept {
@@ -100,7 +100,7 @@ struct TickOutput {
   dvec3 force_sent_n{0};  // to send to the device, scene frame; the touch cue is in it
   dvec3 cue_n{0};         // none in a tick whose force a bound has changed
   dvec3 force_computed_n{0};
-  // As PressedForce_mn.
+  // The same force as PressedForce_mn, not rounded.
   const dvec3& pressed_n() const noexcept {
     return (flags & haptics::kPeakBounded) != 0 ? force_sent_n : force_computed_n;
   }

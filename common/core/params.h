@@ -107,7 +107,7 @@ cutting::Bur BurOf(const CoreParams& params, size_t bur = 0) noexcept;
 std::vector<cutting::Bur> BursOf(const CoreParams& params);
 int32_t RotationalKc_un_m_per_rad(const CoreParams& params, size_t bur) noexcept;
 haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
-// What the law leaves out of the force that it asks for.
+// The friction that the law leaves out of the force that it asks for.
 haptics::OwnFriction OwnFrictionOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that

@@ -91,8 +91,8 @@ struct CouplingParams {
   // The device's board runs spring and guard (common/board/board.h). The coupling says where the rest
   // point should be, and feels the spring that the board reports.
   bool spring_on_board = false;
-  // Anchored laws: a swing lowers the stiffness until the coupling is destroyed. Off where a law is to be
-  // judged as it is.
+  // Anchored laws: a swing lowers the stiffness until the coupling is destroyed. Off where the
+  // lab judges a law alone.
   bool watch_swings = false;
 };
 
@@ -141,7 +141,7 @@ class Coupling {
   // Where the spring is at rest, and what is in the tank: V + E of the proof.
   dvec3 rest_m() const noexcept { return law_->anchored() ? FromBoard(spring_.rest_m) : anchor_; }
   double tank_j() const noexcept { return spring_.tank.energy_j; }
-  // What a swing has left of Kc, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
+  // The share of Kc that a swing has left, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
   double stiffness_share() const noexcept { return watch_.share(); }
   const CouplingParams& params() const noexcept { return params_; }
 

@@ -11,8 +11,8 @@
 //  * Only the part of the force above kBand_hz counts (two high-pass stages of first order).
 //  * A half cycle ends where that part turns against its own farthest point and passes least_n on the other
 //    side. No axis of space is special.
-//  * A half cycle is *kept* if it reaches kKept of the one two before it, which has its sign. The ring
-//    after an impact dies away; a swing grows or stays.
+//  * A half cycle is *kept* if it reaches kKept of the one two before it, on the same side; the first two
+//    always are. The ring after an impact dies away; a swing grows or stays.
 //  * half_cycles of them, each at most kLongest_s after the last, are a swing. One that is not kept
 //    takes two off the count.
 //
