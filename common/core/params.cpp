@@ -152,7 +152,6 @@ Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("cell_ball_nm", p.cell_ball_nm, 0, kMaxCell_nm));
   for (int32_t c : p.friction_mn)
     ENAMEL_RETURN_IF_ERROR(CheckRange("friction_mn", c, 0, kMaxForce_mn));
-  ENAMEL_RETURN_IF_ERROR(CheckRange("friction_half_us", p.friction_half_us, 0, 10'000'000));
   for (int64_t o : p.device_origin_nm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("device_origin_nm", o, -1'000'000'000, 1'000'000'000));
   }
@@ -194,8 +193,7 @@ int32_t RotationalKc_un_m_per_rad(const CoreParams& p, size_t bur) noexcept {
 }
 
 haptics::OwnFriction OwnFrictionOf(const CoreParams& p) noexcept {
-  return {dvec3(p.friction_mn[0], p.friction_mn[1], p.friction_mn[2]) * 1e-3,
-          p.kc_mn_per_mm * (p.friction_half_us * 1e-6)};
+  return {dvec3(p.friction_mn[0], p.friction_mn[1], p.friction_mn[2]) * 1e-3, p.friction_measured};
 }
 
 haptics::TipCell TipCellOf(const CoreParams& p) noexcept {
@@ -258,7 +256,7 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.I32(p.cell_ball_nm);
   out.U8(p.spring_on_board ? 1 : 0);
   for (int32_t c : p.friction_mn) out.I32(c);
-  out.I32(p.friction_half_us);
+  out.U8(p.friction_measured ? 1 : 0);
   out.U8(static_cast<uint8_t>(p.other_burs.size()));
   for (const OtherBur& bur : p.other_burs) WriteBur(bur, out);
 }
@@ -312,7 +310,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   p.cell_ball_nm = in.I32();
   p.spring_on_board = in.U8() != 0;
   for (int32_t& c : p.friction_mn) c = in.I32();
-  p.friction_half_us = in.I32();
+  p.friction_measured = in.U8() != 0;
   const uint8_t other_burs = in.U8();
   if (in.ok() && other_burs >= kMaxBurs) {
     return OutOfRange("other_burs", "0 to " + std::to_string(kMaxBurs - 1), other_burs);

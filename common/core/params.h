@@ -87,11 +87,10 @@ struct CoreParams {
   // point should be, and TickInput says where it is. bus_delay_ticks is then that of the reports: a wish
   // sent in answer to a reading holds in the reading 1 + bus_delay_ticks later.
   bool spring_on_board = false;
-  // The device's Coulomb friction per axis, which the law leaves out of what it asks of the motors. If
-  // nobody measured it: B/Kc of the tissue in which half of it is left out; 0: all of it, in every tissue
-  // (haptics::OwnFriction).
+  // The device's Coulomb friction per axis, which the law takes out of the force in the hand, and whether it was
+  // measured on this unit (haptics::OwnFriction).
   std::array<int32_t, 3> friction_mn{};
-  int32_t friction_half_us = 0;
+  bool friction_measured = false;
   // Burs 1, 2, ... of the attempt; bur 0 is the one above. Each cuts with the same B.
   std::vector<OtherBur> other_burs;
 
@@ -117,7 +116,7 @@ Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
 inline constexpr size_t kOtherBurBytes = 25;
-inline constexpr size_t kLeastParamsBytes = 288;  // with one bur
+inline constexpr size_t kLeastParamsBytes = 285;  // with one bur
 inline constexpr size_t kMostParamsBytes = kLeastParamsBytes + (kMaxBurs - 1) * kOtherBurBytes;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core

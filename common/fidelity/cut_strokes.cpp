@@ -137,10 +137,10 @@ FeltDevice FeltDeviceOf(const scene::DeviceProfile& profile, const core::CorePar
   d.mass_kg = static_cast<double>(profile.mass_g.value) * 1e-3;
   d.damping_n_s_per_m = static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3;
   d.friction_n = static_cast<double>(profile.friction_mn.value) * 1e-3;
-  // A unit's own was measured where all of it is left out (scene/own_friction.h); this is its lower end.
+  // The unit's own, where that was measured: the lower end.
   const haptics::OwnFriction told = core::OwnFrictionOf(params);
   const double measured = std::max({told.c_n.x, told.c_n.y, told.c_n.z});
-  if (told.half_n_s_per_m == 0 && measured > 0) d.friction_n = measured;
+  if (told.measured && measured > 0) d.friction_n = measured;
   d.resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
   d.kc_n_per_m = params.kc_mn_per_mm;
   d.peak_force_n = params.peak_force_mn * 1e-3;

@@ -24,23 +24,19 @@ double DampingAlong(const Sym3& b, const dvec3& way) noexcept {
   return length2 > 0 ? Dot(way, b * way) / length2 : 0;
 }
 
-}  // namespace
-
-dvec3 LessFriction(const dvec3& pull, double b, const OwnFriction& own) noexcept {
-  const double share = own.half_n_s_per_m > 0 ? own.half_n_s_per_m / (own.half_n_s_per_m + b) : 1;
-  dvec3 out = pull;
-  for (int i = 0; i < 3; ++i) {
-    const double c = share * own.c_n[i];
-    if (!(c > 0)) continue;
-    out[i] = pull[i] > c ? pull[i] - c : pull[i] < -c ? pull[i] + c : 0;
-  }
-  return out;
+TipCell CellOf(const CouplingParams& p) noexcept {
+  return p.cell.Radius() > 0 ? p.cell : CartesianCell(p.law.resolution_m);
 }
 
+}  // namespace
+
 Coupling::Coupling(const CouplingParams& params)
-    : params_(params), watch_({.tick_s = params.law.tick_s}) {
-  const TipCell cell =
-      params.cell.Radius() > 0 ? params.cell : CartesianCell(params.law.resolution_m);
+    : params_(params),
+      watch_({.tick_s = params.law.tick_s}),
+      // A spring that rises while forces are under way, or that a board runs, is not in the proof.
+      relief_(params.friction, params.law.kc_n_per_m, params.law.tick_s, CellOf(params).Radius(),
+              params.delay_ticks == 0 && !params.spring_on_board) {
+  const TipCell cell = CellOf(params);
   params_.law.play_m = 2 * cell.Radius();
   const LawEntry* entry = FindLaw(params.law.kind);
   ENAMEL_CHECK(entry != nullptr);
@@ -59,12 +55,15 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   stretch_ = 0;
   clear_ = resumed_ = latched_ = false;
   watch_.Forget();
+  relief_.Reset();
+  SetStiffness();
   law_->Reset(tip_m);
 }
 
 void Coupling::VisitState(StateArchive& archive) {
   archive(anchor_, spring_, stretch_, clear_, resumed_, latched_);
   watch_.VisitState(archive);
+  relief_.VisitState(archive);
   law_->VisitState(archive);
 }
 
@@ -79,6 +78,7 @@ bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
   const double length = std::sqrt(Dot(e, e)), grown = length - stretch_;
   if (grown > params_.max_step_m) return false;
   watch_.Forget();
+  relief_.Forget();
   law_->Reset(tip_m);
   if (law_->anchored()) {
     // A board's spring has gone on by itself.
@@ -120,8 +120,6 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     latched_ = true;
     out.flags |= kLatched;
     out.force_computed_n = out.force_sent_n = dvec3(0);
-  } else if (params_.watch_swings && law_->anchored()) {
-    WatchForSwing(out.force_sent_n);
   }
   const dvec3 stretch = tip_m - anchor_;
   stretch_ = std::sqrt(Dot(stretch, stretch));
@@ -149,12 +147,12 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
       return {};
     }
     clear_ = !contact.engaged && contact.clearance_m > 0;
-    Pull pull{e, params_.law.kc_n_per_m * watch_.share()};
+    Pull pull{e, params_.law.kc_n_per_m * share()};
     double along = 0;
     dvec3 step = e;
     if (b.Trace() > 0) {
       pull = law_->PullOn(anchor_, b);
-      pull.stiffness_n_per_m *= watch_.share();
+      pull.stiffness_n_per_m *= share();
       along = DampingAlong(b, pull.stretch_m);
       const dvec3 felt = BeyondCoulomb(pull, contact);
       const double shift = pull.stiffness_n_per_m * left_s;
@@ -192,9 +190,14 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
 // is left of it is a share of the stiffness.
 void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                                  CouplingOutput& out) noexcept {
+  const double b = resistance.b_n_s_per_m;
+  // Paid for at the tip that was read now: the force of the last tick was of the last stiffness.
+  const dvec3 stretch = tip_m - rest_m();
+  relief_.Soften(b, std::sqrt(Dot(stretch, stretch)), &spring_.tank);
+  SetStiffness();
   // A board's spring has the profile's stiffness.
   const double kc = params_.spring_on_board ? params_.law.kc_n_per_m : spring_.guard.kc_n_per_m;
-  const dvec3 pull_n = LessFriction(resistance.pull_n, resistance.b_n_s_per_m, params_.friction);
+  const dvec3 pull_n = LessFriction(resistance.pull_n, b, params_.law.kc_n_per_m, params_.friction);
   const double magnitude = std::sqrt(Dot(pull_n, pull_n));
   double keep = 1;
   if (magnitude > bound_n) {
@@ -211,6 +214,16 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistanc
     PullSpring(tip_m, out.wish_m, bound_n, out);
   }
   out.force_computed_n -= resistance.pull_n - pull_n;
+  // The watch looks at the spring alone: a push that turns with the hand is no swing.
+  if (params_.watch_swings && Finite(out.force_sent_n)) watch_.Tick(out.force_sent_n);
+  // A swing says that the profile is wrong, and its friction may be.
+  if (!params_.spring_on_board && !watch_.tripped()) {
+    const dvec3 push_n = relief_.Push(resistance.pull_n, b, kc), sent_n = out.force_sent_n + push_n;
+    if (Dot(sent_n, sent_n) <= bound_n * bound_n) {
+      out.force_sent_n = sent_n;
+      out.push_n = push_n;
+    }
+  }
 }
 
 void Coupling::PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,
@@ -237,10 +250,9 @@ void Coupling::TickTip(const dvec3& tip_m, double bound_n, Material& material,
   out.force_sent_n = out.force_computed_n * (bound_n / magnitude);
 }
 
-// The next tick's stiffness. A guard of less than the profile's Kc asks for less damping and friction.
-void Coupling::WatchForSwing(const dvec3& sent_n) noexcept {
-  const double share = watch_.Tick(sent_n);
-  if (share < 1) spring_.guard.kc_n_per_m = params_.law.kc_n_per_m * share;
+// A guard of less than the profile's Kc asks for less damping and friction.
+void Coupling::SetStiffness() noexcept {
+  spring_.guard.kc_n_per_m = params_.law.kc_n_per_m * share();
 }
 
 void Coupling::MoveBur(const dvec3& to_m, Material& material) noexcept {

@@ -6,6 +6,7 @@
 #include "common/base/check.h"
 #include "common/board/spring.h"
 #include "common/haptics/force_law.h"
+#include "common/haptics/friction_relief.h"
 #include "common/haptics/guard.h"
 #include "common/haptics/swing_watch.h"
 
@@ -65,20 +66,6 @@ enum CouplingFlags : uint16_t {
   kLatched = 1 << 6,  // after kNonFiniteInput: force 0 and anchor kept until Reset
 };
 
-// Coulomb friction of the device itself. Friction and motors both resist the hand, so the force asked of the
-// motors is less by the friction (README.md, "What the wish leaves out").
-struct OwnFriction {
-  dvec3 c_n{0};  // per axis; 0: nothing is left out
-  // For a c that nobody measured: in tissue of this B half of c is left out, in harder tissue less. 0: all
-  // of c, in every tissue.
-  double half_n_s_per_m = 0;
-};
-
-// The force asked of the motors for a pull R in tissue of damping b along R. Per axis
-// S_i = sgn(R_i) max(0, |R_i| - share c_i), share = half/(half + b). S is continuous in R: where R changes
-// sign, S is 0 over a width of 2 share c_i and cannot chatter. It reads no speed.
-dvec3 LessFriction(const dvec3& pull_n, double b_n_s_per_m, const OwnFriction& own) noexcept;
-
 struct CouplingParams {
   LawParams law;
   double peak_force_n = 0;    // magnitude never exceeded, N
@@ -101,6 +88,7 @@ struct CouplingOutput {
   // own friction among it. Sent: to the motors, after the bounds, without that friction.
   dvec3 force_computed_n{0};
   dvec3 force_sent_n{0};
+  dvec3 push_n{0};  // of force_sent_n: what pushes along the motion (FrictionRelief)
   dvec3 anchor_m{0};
   uint16_t flags = 0;  // CouplingFlags
   uint16_t substeps = 0;
@@ -143,6 +131,8 @@ class Coupling {
   double tank_j() const noexcept { return spring_.tank.energy_j; }
   // The share of Kc that a swing has left, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
   double stiffness_share() const noexcept { return watch_.share(); }
+  // Stiffness of the spring as it is felt: Kc less the shares that a swing, soft tissue and a bound take.
+  double stiffness_n_per_m() const noexcept { return spring_.guard.kc_n_per_m * spring_.share; }
   const CouplingParams& params() const noexcept { return params_; }
 
  private:
@@ -159,13 +149,17 @@ class Coupling {
   void TickTip(const dvec3& tip_m, double bound_n, Material& material,
                CouplingOutput& out) noexcept;
   void MoveBur(const dvec3& to_m, Material& material) noexcept;
-  void WatchForSwing(const dvec3& sent_n) noexcept;
+  // Both shares of the stiffness.
+  double share() const noexcept { return watch_.share() * relief_.share(); }
+  // Tells the guard.
+  void SetStiffness() noexcept;
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
   dvec3 anchor_{0};  // the bur
   EnSpring spring_{};
   SwingWatch watch_;
+  FrictionRelief relief_;
   double stretch_ = 0;  // |tip - anchor| after the last tick
   bool clear_ = false;  // nothing solid is near the bur
   bool resumed_ = false;

@@ -121,9 +121,8 @@ Status CheckParams(const Scene& scene, const Exercise& exercise, const DevicePro
                    const core::CoreParams& params) {
   ENAMEL_ASSIGN_OR_RETURN(auto plain, CompilePlan(scene, exercise, profile));
   if (plain == params) return Status::Ok();
-  // All of a friction is left out only where it was measured.
   const int32_t friction_mn = params.friction_mn[0];
-  const bool calibrated = params.friction_half_us == 0 && friction_mn > 0;
+  const bool calibrated = params.friction_measured && friction_mn > 0;
   const DeviceProfile unit = calibrated ? WithFriction(profile, friction_mn) : profile;
   if (auto delayed = WithDelay(unit, exercise.rate_hz, params.bus_delay_ticks); delayed.ok()) {
     auto planned = CompilePlan(scene, exercise, *delayed);

@@ -6,15 +6,10 @@
 #include "common/scene/calibration.h"
 #include "common/scene/types.h"
 
-// The device's own Coulomb friction c, as an attempt leaves it out of the force that it asks of the motors
-// (common/haptics/README.md, "What the wish leaves out").
+// The device's own Coulomb friction c, as an attempt takes it out of the force in the hand
+// (haptics/friction_relief.h).
 // Thread safety: functions, any thread. Real-time: not safe.
 namespace enamel::scene {
-
-// Where nobody measured c, half of it is left out in tissue whose B/Kc is this long. Chosen: with a true c of half or
-// twice the profile's, 1 of 4 608 strokes is felt worse by more than a point than with nothing left out. Four times
-// as long makes more of them worse, a tenth gains little: tests/station/lab/laws/friction_test.cpp.
-inline constexpr int32_t kUnmeasuredHalf_us = 40'000;
 
 // A measured c counts if half the width of its 95 % interval is at most this share of it.
 inline constexpr int64_t kMostUncertainty_percent = 15;

@@ -79,7 +79,7 @@ core::CoreParams ParamsFor(uint64_t seed) {
   }
   if (seed % 3 == 0) {
     p.friction_mn = {90, 25, 80};
-    p.friction_half_us = seed % 2 ? 30'000 : 0;
+    p.friction_measured = seed % 2 == 0;
   }
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;

@@ -42,14 +42,14 @@ Result<Unit> UnitOf(const DeviceProfile& shipped, bool calibrated) {
   const int64_t rate_hz = shipped.rate_hz.value;
   const int64_t ticks = calibrated ? shipped.bus_delay_ticks.value
                                    : scene::DelayOfAttached(shipped, nullptr, rate_hz).ticks;
-  ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::WithDelay(shipped, rate_hz, ticks));
+  const int64_t c_mn = shipped.friction_mn.value;
+  const int64_t told_mn = calibrated ? c_mn * (100 - scene::kMostUncertainty_percent) / 100 : c_mn;
+  const auto unit = calibrated ? scene::WithFriction(shipped, told_mn) : shipped;
+  ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::WithDelay(unit, rate_hz, ticks));
   ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(profile));
   Unit out{std::move(model), calibrated, {}};
-  const double low =
-      calibrated ? 1 - 0.01 * static_cast<double>(scene::kMostUncertainty_percent) : 1;
-  out.told.c_n = dvec3(out.model.friction_n * low);
-  if (!calibrated)
-    out.told.half_n_s_per_m = out.model.kc_n_per_m * (scene::kUnmeasuredHalf_us * 1e-6);
+  out.model.friction_n = static_cast<double>(c_mn) * 1e-3;
+  out.told = {dvec3(static_cast<double>(told_mn) * 1e-3), calibrated};
   return out;
 }
 

@@ -182,6 +182,7 @@ std::vector<dvec3> RunSwingTrial(const DeviceModel& m, const SwingTrial& trial,
   params.peak_force_n = m.peak_force_n;
   params.delay_ticks = m.delay_ticks;
   params.cell = fidelity::CellOf(trial.lattice, m.resolution_m);
+  params.friction = trial.told;
   params.watch_swings = watched;
   haptics::Coupling coupling(params);
   SwingingHand hand(trial);
@@ -193,9 +194,9 @@ std::vector<dvec3> RunSwingTrial(const DeviceModel& m, const SwingTrial& trial,
   coupling.Reset(plant.Read());
   std::vector<dvec3> out;
   for (int i = 0, n = static_cast<int>(trial.seconds / m.tick_s()); i < n; ++i) {
-    const dvec3 force = coupling.Tick(plant.Read(), 1, ground).force_sent_n;
-    plant.Step(force);
-    out.push_back(force);
+    const haptics::CouplingOutput tick = coupling.Tick(plant.Read(), 1, ground);
+    plant.Step(tick.force_sent_n);
+    out.push_back(tick.force_sent_n - tick.push_n);
   }
   return out;
 }

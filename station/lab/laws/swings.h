@@ -40,13 +40,14 @@ struct SwingTrial {
   double b_n_s_per_m = 1000;
   bool wall = false;  // land, tap: against what does not give
   fidelity::Lattice lattice;
-  std::vector<dvec3> way_m;  // grip: instead of strokes and tremor, if any
+  haptics::OwnFriction told;  // as the law is told; the device's own may be another
+  std::vector<dvec3> way_m;   // grip: instead of strokes and tremor, if any
   double seconds = 4;
 };
 // One drawn at random. `light`: hands that damp little, as those that swing.
 SwingTrial DrawSwingTrial(SwingHand hand, const DeviceModel& model, bool light, Random& random);
 
-// The force sent, on the operator, a tick each. `watched`: the watch may lower the stiffness.
+// The force sent, on the operator, a tick each, without what pushes along the motion: as the watch sees it. `watched`: the watch may lower the stiffness.
 std::vector<dvec3> RunSwingTrial(const DeviceModel& model, const SwingTrial& trial,
                                  const ProfileError& error, bool watched);
 

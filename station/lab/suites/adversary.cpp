@@ -20,7 +20,7 @@ Game::Game(const DeviceModel& m, const GameRules& rules, const Target& target, d
   // would only help.
   const double ticks = rules.clause_ticks() + 1, clause_kc = kc_ / rules.over_clause;
   b_over_t_ = 0.5 * clause_kc * ticks * ticks;
-  friction_ = clause_kc * scene::CellSupportNm(profile) * 1e-9;
+  friction_ = ClauseFriction(m, rules, target);
   radius_ = CellUnder(m, rules).Radius();
   pipe_.assign(static_cast<size_t>(rules.delay_ticks + rules.untold_ticks) + 1, dvec3(0));
   Start(dvec3(0), dmat3(1.0));
@@ -48,6 +48,7 @@ void Game::Start(const dvec3& tip, const dmat3& frame) {
 
 // The rest point is p less the newest force over Kc.
 double Game::Stored() const {
+  if (const auto stored = subject_->stored_j(x_)) return *stored;
   dvec3 stretch = x_ - p_ + newest_ / kc_;
   return 0.5 * kc_ * Dot(stretch, stretch);
 }

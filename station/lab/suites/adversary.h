@@ -62,9 +62,13 @@ struct Target {
   // None: a bare spring whose rest point the adversary moves with only the guard in between.
   std::optional<haptics::LawKind> law;
   bool core = false;  // with all of common/core: tooth, bur, recorded counts, suspension
+  // The device has half more friction than the cell needs, and the law knows all of it: it pushes with the rest.
+  bool spare = false;
 
   std::string Name() const;
 };
+// The device's friction, N: the clause's least, and half more where it has some to spare. The law gets it as measured.
+double ClauseFriction(const DeviceModel& model, const GameRules& rules, const Target& target);
 // Whether the theorem covers this target under these rules.
 bool Covered(const Target& target, const GameRules& rules);
 
@@ -86,6 +90,8 @@ class Subject {
   virtual dvec3 Step(const SubjectTick& tick) = 0;
   // What is in the tank. None: not known, and the force is off at the start.
   virtual std::optional<double> tank_j() const = 0;
+  // Energy in its spring with the tip at `x_m`. None: the last force says it.
+  virtual std::optional<double> stored_j(const dvec3& /*x_m*/) const { return std::nullopt; }
   // Times the force came on after ticks without one, each with a count of energy of its own.
   virtual int restarts() const = 0;
 };
@@ -94,7 +100,7 @@ class Subject {
 std::unique_ptr<Subject> MakeSubject(const DeviceModel& model, const GameRules& rules,
                                      const Target& target, double energy_j);
 std::unique_ptr<Subject> MakeCoreSubject(const DeviceModel& model, const GameRules& rules,
-                                         haptics::LawKind law);
+                                         const Target& target);
 
 // The adversary's action in one tick.
 struct Turn {

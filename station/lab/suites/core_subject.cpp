@@ -38,17 +38,19 @@ const cutting::Volume& Hollow() {
   return volume;
 }
 
-core::CoreParams ParamsOf(const DeviceModel& m, const GameRules& rules, haptics::LawKind law) {
+core::CoreParams ParamsOf(const DeviceModel& m, const GameRules& rules, const Target& target) {
   const scene::DeviceProfile profile = rules.ProfileOf(m);
   const scene::TipCellNm cell = scene::TipCellOf(profile);
   core::CoreParams p;
   p.rate_hz = static_cast<uint32_t>(rules.rate_hz);
-  p.law = law;
+  p.law = *target.law;
   p.kc_mn_per_mm = static_cast<int32_t>(ClauseStiffness(m, rules));
   p.resolution_nm.fill(scene::CountNm(profile));
   p.cell_half_nm.fill(cell.half_nm);
   p.cell_ball_nm = cell.ball_nm;
-  p.friction_mn.fill(static_cast<int32_t>(std::lround(m.friction_n * 1e3)));
+  // Whole mN, and not more than there is.
+  p.friction_mn.fill(static_cast<int32_t>(1e3 * ClauseFriction(m, rules, target)));
+  p.friction_measured = true;
   p.peak_force_mn = static_cast<int32_t>(std::lround(m.peak_force_n * 1e3));
   p.bus_delay_ticks = static_cast<uint32_t>(rules.clause_ticks());
   // Until every force under way has ended, as half a second of a real attempt does.
@@ -62,9 +64,9 @@ core::CoreParams ParamsOf(const DeviceModel& m, const GameRules& rules, haptics:
 
 class CoreSubject final : public Subject {
  public:
-  CoreSubject(const DeviceModel& m, const GameRules& rules, haptics::LawKind law)
+  CoreSubject(const DeviceModel& m, const GameRules& rules, const Target& target)
       : count_m_(rules.ProfileOf(m).cell->count_nm * 1e-9),
-        core_(ParamsOf(m, rules, law), Hollow()) {}
+        core_(ParamsOf(m, rules, target), Hollow()) {}
   void Start(const dvec3& tip) override { start_ = CountsOf(tip); }
   dvec3 Step(const SubjectTick& tick) override {
     const std::array<int32_t, 3> counts = CountsOf(tick.tip_m);
@@ -101,8 +103,8 @@ class CoreSubject final : public Subject {
 }  // namespace
 
 std::unique_ptr<Subject> MakeCoreSubject(const DeviceModel& m, const GameRules& rules,
-                                         haptics::LawKind law) {
-  return std::make_unique<CoreSubject>(m, rules, law);
+                                         const Target& target) {
+  return std::make_unique<CoreSubject>(m, rules, target);
 }
 
 }  // namespace enamel::station::lab

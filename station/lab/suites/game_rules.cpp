@@ -46,9 +46,14 @@ double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
   return std::floor(rules.over_clause * std::min(at.kc_n_per_m, most));
 }
 
+double ClauseFriction(const DeviceModel& m, const GameRules& rules, const Target& target) {
+  const double clause_kc = ClauseStiffness(m, rules) / rules.over_clause;
+  return clause_kc * scene::CellSupportNm(rules.ProfileOf(m)) * 1e-9 * (target.spare ? 1.5 : 1);
+}
+
 std::string Target::Name() const {
   const std::string name = law ? std::string(haptics::FindLaw(*law)->name) : "guard alone";
-  return core ? name + ", whole core" : name;
+  return name + (core ? ", whole core" : "") + (spare ? ", friction to spare" : "");
 }
 
 bool Covered(const Target& target, const GameRules& rules) {

@@ -41,9 +41,13 @@ class OrderedSubject : public Subject {
 
 class CouplingSubject final : public OrderedSubject {
  public:
-  CouplingSubject(const DeviceModel& m, const GameRules& rules, LawKind law)
-      : OrderedSubject(rules.clause_ticks()), coupling_(Params(m, rules, law)) {}
+  CouplingSubject(const DeviceModel& m, const GameRules& rules, const Target& target)
+      : OrderedSubject(rules.clause_ticks()), coupling_(Params(m, rules, target)) {}
   std::optional<double> tank_j() const override { return coupling_.tank_j(); }
+  std::optional<double> stored_j(const dvec3& x) const override {
+    const dvec3 stretch = x - coupling_.rest_m();
+    return 0.5 * coupling_.stiffness_n_per_m() * Dot(stretch, stretch);
+  }
 
  protected:
   void Reset(const dvec3& tip) override { coupling_.Reset(tip); }
@@ -55,16 +59,16 @@ class CouplingSubject final : public OrderedSubject {
   }
 
  private:
-  static haptics::CouplingParams Params(const DeviceModel& m, const GameRules& rules, LawKind law) {
+  static haptics::CouplingParams Params(const DeviceModel& m, const GameRules& rules,
+                                        const Target& target) {
     haptics::CouplingParams p;
-    p.law.kind = law;
+    p.law.kind = *target.law;
     p.law.kc_n_per_m = ClauseStiffness(m, rules);
     p.law.tick_s = m.tick_s();
     p.peak_force_n = m.peak_force_n;
     p.law.resolution_m = dvec3(m.resolution_m);
     p.cell = CellUnder(m, rules);
-    // All of it, as of a calibrated device: what is asked of the motors is farthest from the law's pull.
-    p.friction.c_n = dvec3(m.friction_n);
+    p.friction = {dvec3(ClauseFriction(m, rules, target)), true};
     // Exactly the delay of the rules, for which it is proved.
     p.delay_ticks = rules.clause_ticks();
     return p;
@@ -150,8 +154,8 @@ class GuardedSpring final : public OrderedSubject {
 std::unique_ptr<Subject> MakeSubject(const DeviceModel& m, const GameRules& rules,
                                      const Target& target, double energy) {
   if (!target.law) return std::make_unique<GuardedSpring>(m, rules, energy);
-  if (target.core) return MakeCoreSubject(m, rules, *target.law);
-  return std::make_unique<CouplingSubject>(m, rules, *target.law);
+  if (target.core) return MakeCoreSubject(m, rules, target);
+  return std::make_unique<CouplingSubject>(m, rules, target);
 }
 
 }  // namespace enamel::station::lab

@@ -41,6 +41,8 @@ std::vector<Field> FieldsOf() {
     (has_proof ? proved : others).push_back({law.kind});
     if (has_proof) cores.push_back({law.kind, true});
   }
+  proved.push_back({haptics::kDefaultLaw, false, true});
+  cores.push_back({haptics::kDefaultLaw, true, true});
   std::vector<GameRules> ordinary, excluded = ExcludedRules();
   // Whether a bound holds back the core's force is not the adversary's to say.
   for (const GameRules& rules : AllRules())

@@ -30,13 +30,12 @@ const std::vector<haptics::SwingWatchParams>& Settings() {
   return kSettings;
 }
 
-std::vector<DeviceModel> Units(const SuiteContext& c) {
-  std::vector<DeviceModel> out;
+std::vector<Unit> Units(const SuiteContext& c) {
+  std::vector<Unit> out;
   for (const DeviceModel& m : c.findings.models) {
     for (const bool calibrated : {true, false}) {
       Result<Unit> unit = UnitOf(m.profile, calibrated);
-      const bool known = !calibrated && unit.ok() && unit->model.delay_ticks == m.delay_ticks;
-      if (unit.ok() && !known) out.push_back(std::move(unit->model));
+      if (unit.ok()) out.push_back(std::move(*unit));
     }
   }
   return out;
@@ -78,14 +77,15 @@ void Run(Job* job) {
   }
 }
 
-std::vector<Job> Jobs(const SuiteContext& c, const std::vector<DeviceModel>& units) {
+std::vector<Job> Jobs(const SuiteContext& c, const std::vector<Unit>& units) {
   std::vector<Job> out;
   const std::vector<ProfileError>& errors = ProfileErrors();
   const auto add = [&](int n, bool right) {
     for (int i = 0; i < n; ++i) {
       Random random(c.options.seed + static_cast<uint64_t>(out.size()) * 7 * Random::kStep);
       const auto k = static_cast<size_t>(i);
-      const DeviceModel& m = units[k % units.size()];
+      const Unit& unit = units[k % units.size()];
+      const DeviceModel& m = unit.model;
       const SwingHand hand = kSwingHands[k / units.size() % std::size(kSwingHands)];
       const ProfileError& error =
           right
@@ -94,6 +94,7 @@ std::vector<Job> Jobs(const SuiteContext& c, const std::vector<DeviceModel>& uni
       // Half of the right profiles in hands that damp as little as those that swing.
       const bool light = !right || random.Uniform() < 0.5;
       out.push_back({&m, &error, DrawSwingTrial(hand, m, light, random), false, {}});
+      out.back().trial.told = unit.told;
     }
   };
   add(c.options.quick ? kQuickRight : kRight, true);
@@ -105,8 +106,10 @@ std::vector<Job> Jobs(const SuiteContext& c, const std::vector<DeviceModel>& uni
   for (const HandMotion& motion : *recorded) {
     for (double speed : kRecordedSpeeds_m_per_s) {
       for (double grip : kRecordedGrips_n_per_m) {
-        for (const DeviceModel& m : units) {
+        for (const Unit& unit : units) {
+          const DeviceModel& m = unit.model;
           Job job{&m, &errors.front(), {}, true, {}};
+          job.trial.told = unit.told;
           job.trial.hand = SwingHand::kGrip;
           job.trial.stiffness_n_per_m = grip;
           job.trial.damping_n_s_per_m = 1.2 * std::sqrt(grip * (job.trial.mass_kg + m.mass_kg));
@@ -235,7 +238,7 @@ void AddByError(const std::vector<Job>& jobs, std::vector<Table>* tables) {
 }  // namespace
 
 void RunWatchSuite(SuiteContext& c) {
-  const std::vector<DeviceModel> units = Units(c);
+  const std::vector<Unit> units = Units(c);
   std::vector<Job> jobs = Jobs(c, units);
   std::atomic<size_t> done{0};
   ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {

@@ -411,6 +411,9 @@ TEST(CoreTest, OneMotionPressesAlikeOnDevicesWithFrictionAndWithout) {
   with.handpiece_stall_un_m = without.handpiece_stall_un_m = 2330;
   with.handpiece_tangential_permille = without.handpiece_tangential_permille = 300;
   with.friction_mn = {90, 60, 120};
+  // Soft tissue, in which half of a guess is left out.
+  with.damping_mn_s_per_mm.fill(100);
+  without.damping_mn_s_per_mm.fill(100);
   Core rough(with, test::Block(50'000, 3e-3, 3e-3)),
       smooth(without, test::Block(50'000, 3e-3, 3e-3));
   int left_to_friction = 0;
@@ -422,9 +425,9 @@ TEST(CoreTest, OneMotionPressesAlikeOnDevicesWithFrictionAndWithout) {
     for (size_t i = 0; i < 3; ++i) {
       ASSERT_NEAR(PressedForce_mn(a.witness)[i], PressedForce_mn(b.witness)[i], 1) << tick;
     }
-    left_to_friction += glm::length(b.force_sent_n - a.force_sent_n) > 0.05;
+    left_to_friction += glm::length(b.force_sent_n - a.force_sent_n) > 0.02;
   }
-  EXPECT_GT(left_to_friction, 500);
+  EXPECT_GT(left_to_friction, 190);
 }
 
 TEST(CoreTest, TouchCuesWithoutForceOrEnergyAreNone) {
@@ -730,7 +733,7 @@ CoreParams FullParams() {
   p.cue_energy_nj = 50'000;
   p.cue_power_nw = 100'000;
   p.friction_mn = {90, 25, 80};
-  p.friction_half_us = 30'000;
+  p.friction_measured = true;
   p.other_burs = {
       {cutting::BurShape::kPear, 600'000, 2'500'000, 350'000, 800'000, 1'000'000, 800'000},
       {cutting::BurShape::kSphere, 800'000, 0, 0, 0, 0, 800'000}};
@@ -772,7 +775,6 @@ TEST(CoreParamsTest, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
   EXPECT_EQ(refused([](CoreParams& p) { p.friction_mn[2] = -1; }), "friction_mn");
-  EXPECT_EQ(refused([](CoreParams& p) { p.friction_half_us = 10'000'001; }), "friction_half_us");
   EXPECT_EQ(refused([](CoreParams& p) { p.other_burs.resize(8, p.other_burs[0]); }), "other_burs");
   EXPECT_EQ(refused([](CoreParams& p) { p.other_burs[1].radius_nm = 1; }), "bur_radius_nm");
   // What a six-axis device lets the hand feel does not depend on the bur.

@@ -99,6 +99,7 @@ TEST(CutStrokesTest, TheErrorIsTheDevicesFriction) {
     profile.friction_mn.value = friction_mn;
     core::CoreParams p = params;
     p.friction_mn = {told_mn, told_mn, told_mn};
+    p.friction_measured = told_mn > 0;
     Recorded r(p);
     for (int i = 0; i < 4; ++i) {
       r.Cut(2);
@@ -118,8 +119,9 @@ TEST(CutStrokesTest, AMeasuredFrictionIsTheUnits) {
   const auto profile = Profile("omega7");
   core::CoreParams p = ParamsOf(profile);
   p.friction_mn = {80, 80, 80};
+  p.friction_measured = true;
   EXPECT_NEAR(FeltDeviceOf(profile, p).friction_n, 0.08, 1e-9);
-  p.friction_half_us = 40'000;
+  p.friction_measured = false;
   EXPECT_NEAR(FeltDeviceOf(profile, p).friction_n, 0.012, 1e-9);
 }
 

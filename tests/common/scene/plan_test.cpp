@@ -42,9 +42,9 @@ TEST_F(PlanTest, PaperDevicesCarryTheExerciseWithThePapersStiffness) {
 
 TEST_F(PlanTest, FrictionIsLeftOutWholeWhereItWasMeasuredAndNotAtAllOfAMouse) {
   EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_mn, (std::array{25, 25, 25}));
-  EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_half_us, kUnmeasuredHalf_us);
+  EXPECT_FALSE(CompilePlan(scene, exercise, profile)->friction_measured);
   profile.friction_measured = true;
-  EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_half_us, 0);
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile)->friction_measured);
   const DeviceProfile mouse = *FindProfile("pointer");
   EXPECT_EQ(CompilePlan(scene, exercise, mouse)->friction_mn, (std::array{0, 0, 0}));
 }

@@ -73,7 +73,7 @@ json::object Describe(const core::CoreParams& p) {
           {"cell_ball_nm", Number(p.cell_ball_nm)},
           {"spring_on_board", p.spring_on_board},
           {"friction_mn", Numbers(p.friction_mn)},
-          {"friction_half_us", Number(p.friction_half_us)},
+          {"friction_measured", p.friction_measured},
           {"other_burs", Describe(p.other_burs)}};
 }
 

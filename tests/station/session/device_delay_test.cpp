@@ -192,15 +192,15 @@ TEST_F(DeviceDelayTest, AllOfAFrictionIsLeftOutOnlyWhereThisUnitsWasMeasured) {
   const core::CoreParams& params = prepared_.header.params;
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(params.friction_mn, (std::array{25, 25, 25}));
-  EXPECT_GT(params.friction_half_us, 0);
+  EXPECT_FALSE(params.friction_measured);
   // Too wide an interval.
   Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 7, 40});
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
-  EXPECT_GT(params.friction_half_us, 0);
+  EXPECT_FALSE(params.friction_measured);
   Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 4, 40});
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(params.friction_mn, (std::array{36, 36, 36}));
-  EXPECT_EQ(params.friction_half_us, 0);
+  EXPECT_TRUE(params.friction_measured);
   EXPECT_TRUE(
       scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile, params).ok());
 }

@@ -1,0 +1,184 @@
+#include "common/haptics/friction_relief.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "common/haptics/coupling.h"
+#include "common/haptics/uniform_material.h"
+
+namespace enamel::haptics {
+namespace {
+
+constexpr double kKc_n_per_m = 10e3, kRadius_m = 5e-6;
+const OwnFriction kMeasured{dvec3(0.09), true}, kGuess{dvec3(0.09), false};
+
+FrictionRelief Relief(const OwnFriction& own, bool soften = true) {
+  return {own, kKc_n_per_m, 1e-3, kRadius_m, soften};
+}
+
+TEST(FrictionReliefTest, FrictionIsLeftOutOfEachAxisAndTurnsNoForceAround) {
+  const dvec3 asked =
+      LessFriction(dvec3(0.5, -0.15, -0.3), 0, kKc_n_per_m, {dvec3(0.1, 0.2, 0), true});
+  EXPECT_NEAR(asked.x, 0.4, 1e-15);
+  EXPECT_EQ(asked.y, 0);
+  EXPECT_EQ(asked.z, -0.3);
+  EXPECT_EQ(LessFriction(dvec3(1, 2, 3), 6500, kKc_n_per_m, OwnFriction{}), dvec3(1, 2, 3));
+}
+
+// No step of R makes a longer step of S, also where R changes sign: nothing there can chatter.
+TEST(FrictionReliefTest, ForceAskedNeverMovesMoreThanThePull) {
+  double before = LessFriction(dvec3(-0.3, 0, 0), 530, kKc_n_per_m, kGuess).x;
+  for (double r = -0.299; r < 0.3; r += 0.001) {
+    const double asked = LessFriction(dvec3(r, 0, 0), 530, kKc_n_per_m, kGuess).x;
+    EXPECT_GE(asked, before);
+    EXPECT_LE(asked - before, 0.001 + 1e-12);
+    EXPECT_GE(asked * r, 0);
+    before = asked;
+  }
+}
+
+TEST(FrictionReliefTest, LessIsLeftOutTheHarderTheTissueAndLeastOfAGuess) {
+  for (const auto& [own, half_s] : {std::pair{kGuess, 0.04}, {kMeasured, 1.0}}) {
+    const auto left_out = [&](double b) {
+      return 1 - LessFriction(dvec3(1, 0, 0), b, kKc_n_per_m, own).x;
+    };
+    const double half = half_s * kKc_n_per_m;
+    EXPECT_NEAR(left_out(0), 0.09, 1e-15);
+    EXPECT_NEAR(left_out(half), 0.045, 1e-15);
+    EXPECT_NEAR(left_out(6500), 0.09 * half / (half + 6500), 1e-15);
+    EXPECT_EQ(left_out(std::numeric_limits<double>::infinity()), 0);
+  }
+}
+
+// What the proof needs of a push, of any pull, in any order: with the cell of the spring it is never more than c.
+TEST(FrictionReliefTest, APushIsNeverMoreThanTheCellLeavesOfTheFriction) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> pull(0, 0.1);
+  std::uniform_real_distribution<double> share(0, 1.5);
+  for (const dvec3& c : {dvec3(0.09), dvec3(0.09, 0.2, 0.05), dvec3(0.09, 0, 0.3)}) {
+    FrictionRelief relief = Relief({c, true});
+    const double least = std::min({c.x, c.y, c.z});
+    for (int i = 0; i < 20'000; ++i) {
+      const double kc = share(random) * kKc_n_per_m, b = i % 7 == 0 ? 0 : 1e4 * share(random);
+      const dvec3 push = relief.Push({pull(random), pull(random), pull(random)}, b, kc);
+      ASSERT_LE(glm::length(push), std::max(0.0, least - kc * kRadius_m) + 1e-15);
+    }
+  }
+}
+
+// Held for long enough, motors and friction together resist as the tissue does: R, as far as friction is spare.
+TEST(FrictionReliefTest, APushMakesUpForTheFrictionThatIsMoreThanTheTissues) {
+  const auto push = [](double r_n, double kc, const OwnFriction& own = kMeasured) {
+    FrictionRelief relief = Relief(own);
+    dvec3 out(0);
+    for (int i = 0; i < 200; ++i) out = relief.Push({r_n, 0, 0}, 100, kc);
+    return out;
+  };
+  const double told = 0.09 / 1.01;  // B/Kc of 10 ms in 1 s
+  EXPECT_NEAR(push(0.05, 1e3).x, told - 0.05, 1e-9);
+  EXPECT_NEAR(push(-0.05, 1e3).x, 0.05 - told, 1e-9);
+  EXPECT_EQ(push(0.05, 1e3).y, 0);
+  EXPECT_EQ(push(0.1, 1e3), dvec3(0)) << "the motors resist";
+  EXPECT_NEAR(push(0.05, 15e3).x, 0.09 - 15e3 * kRadius_m, 1e-12) << "the cell is paid first";
+  EXPECT_EQ(push(0.05, 20e3), dvec3(0));
+  EXPECT_EQ(push(0.05, 1e3, kGuess), dvec3(0)) << "a guess pushes nobody";
+  EXPECT_LT(push(0.001, 1e3).x, 0.3 * told) << "a count's force is no direction";
+}
+
+TEST(FrictionReliefTest, APushForgetsWhereTheTipWent) {
+  FrictionRelief relief = Relief(kMeasured);
+  for (int i = 0; i < 100; ++i) relief.Push({0.05, 0, 0}, 100, 1e3);
+  relief.Forget();
+  EXPECT_EQ(relief.Push(dvec3(0), 100, 1e3), dvec3(0));
+}
+
+// The tank pays for all that a rise may add to a spring, whose tip may be anywhere in its cell.
+TEST(FrictionReliefTest, ARiseCostsTheTankWhatItAddsToTheSpring) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  FrictionRelief relief = Relief(kMeasured);
+  for (int i = 0; i < 20'000; ++i) {
+    EnTank tank{};
+    tank.energy_j = i % 3 == 0 ? 0 : 1e-7 * unit(random);
+    const double before = relief.share(), had_j = tank.energy_j;
+    const double stretch = 1e-4 * unit(random), b = i % 5 == 0 ? 0 : 2e3 * unit(random);
+    const double after = relief.Soften(b, stretch, &tank);
+    ASSERT_GE(tank.energy_j, 0);
+    ASSERT_LE(tank.energy_j, had_j);
+    const double reach = stretch + kRadius_m;
+    const double added_j = 0.5 * (after - before) * kKc_n_per_m * reach * reach;
+    ASSERT_LE(added_j, had_j - tank.energy_j + 1e-18);
+    ASSERT_GE(after, kLeastSoftness);
+    ASSERT_LE(after, 1);
+  }
+}
+
+TEST(FrictionReliefTest, TheSpringIsAsStiffAsTheTissueNeeds) {
+  EnTank full{};
+  full.energy_j = 1;
+  const auto settled = [&](FrictionRelief relief, double b) {
+    for (int i = 0; i < 500; ++i) relief.Soften(b, 1e-5, &full);
+    return relief.share();
+  };
+  EXPECT_NEAR(settled(Relief(kMeasured), 250), 250 / (kSoftest_s * kKc_n_per_m), 1e-9);
+  EXPECT_NEAR(settled(Relief(kMeasured), 1), kLeastSoftness, 1e-9);
+  for (double b : {0.0, 500.0, 1e5, std::numeric_limits<double>::infinity()})
+    EXPECT_NEAR(settled(Relief(kMeasured), b), 1, 1e-9) << b;
+  EXPECT_EQ(settled(Relief(kMeasured, false), 100), 1) << "forces are under way, or a board has it";
+  EXPECT_EQ(settled(Relief(kGuess), 100), 1);
+  FrictionRelief relief = Relief(kMeasured);
+  relief.Soften(100, 0, &full);
+  EXPECT_LT(relief.share(), 1);
+  relief.Reset();
+  EXPECT_EQ(relief.share(), 1);
+}
+
+// A hand that stretches the spring where it is soft and lets go where it is stiff, and every other order of both: the
+// sum of the theorem, over the true motion, with the least b and with c that a law is told.
+double LowestBalance(uint64_t seed) {
+  constexpr double kCell_m = 10e-6, kB_n_s_per_m = 0.5 * kKc_n_per_m * 1e-3;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  CouplingParams p;
+  p.law = {kDefaultLaw, kKc_n_per_m, dvec3(kCell_m), 1e-3};
+  p.peak_force_n = 12;
+  const double radius_m = CartesianCell(dvec3(kCell_m)).Radius(),
+               c_n = 1.3 * kKc_n_per_m * radius_m;
+  p.friction = {dvec3(c_n), true};
+  Coupling coupling(p);
+  UniformMaterial tissue(Sym3::Isotropic(0));
+  dvec3 x(unit(random) * kCell_m, unit(random) * kCell_m, unit(random) * kCell_m), way(0);
+  const auto reading = [&] { return glm::floor(x / kCell_m) * kCell_m + 0.5 * kCell_m; };
+  coupling.Reset(reading());
+  double sum_j = 0.5 * kKc_n_per_m * radius_m * radius_m, least_j = 0;
+  for (int tick = 0, turn = 0; tick < 4000; ++tick) {
+    if (--turn < 0) {
+      turn = 3 + static_cast<int>(20 * (1 + unit(random)));
+      const double kinds[] = {0, 30, 200, 6500, 1e9};
+      tissue = UniformMaterial(Sym3::Isotropic(kinds[random() % 5]));
+      const double step_m = 40e-6 * unit(random) * unit(random);
+      // To and fro in line with the spring, or anywhere.
+      const dvec3 e = x - coupling.rest_m();
+      const dvec3 to = random() % 3 != 0 && glm::length(e) > kCell_m
+                           ? e / glm::length(e)
+                           : dvec3(unit(random), unit(random), unit(random));
+      way = to * step_m;
+    }
+    const dvec3 force_n = coupling.Tick(reading(), 1, tissue).force_sent_n;
+    x += way;
+    sum_j += -Dot(force_n, way) + kB_n_s_per_m / 1e-3 * Dot(way, way) +
+             c_n * (std::fabs(way.x) + std::fabs(way.y) + std::fabs(way.z));
+    least_j = std::min(least_j, sum_j);
+  }
+  return least_j;
+}
+
+TEST(FrictionReliefTest, NobodyDrawsEnergyFromASpringThatSoftensAndStiffens) {
+  for (uint64_t seed = 1; seed <= 300; ++seed) ASSERT_GE(LowestBalance(seed), -1e-15) << seed;
+}
+
+}  // namespace
+}  // namespace enamel::haptics
