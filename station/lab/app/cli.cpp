@@ -32,11 +32,11 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                    "device profile, a profile document (….json), or all")
       ->capture_default_str();
   qualify
-      ->add_option(
-          "--suite", options->suites,
-          "paper, hand, map, strokes, withdrawal, calibration, watch, laws, front, estimators, "
-          "extreme, adversary, "
-          "random, cutting or all")
+      ->add_option("--suite", options->suites,
+                   "paper, hand, map, strokes, pecks, withdrawal, calibration, watch, laws, front, "
+                   "estimators, "
+                   "extreme, adversary, "
+                   "random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");

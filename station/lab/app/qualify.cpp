@@ -25,6 +25,7 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
                              {"hand", &RunHandSuite},
                              {"map", &RunMapSuite},
                              {"strokes", &RunStrokesSuite},
+                             {"pecks", &RunPecksSuite},
                              {"withdrawal", &RunWithdrawalSuite},
                              {"calibration", &RunCalibrationSuite},
                              {"watch", &RunWatchSuite},
@@ -89,14 +90,14 @@ Status CheckSuites(const std::vector<std::string>& names) {
     bool known = name == "all" || std::any_of(std::begin(kSuites), std::end(kSuites),
                                               [&](const Suite& s) { return name == s.name; });
     if (!known)
-      return {
-          Code::kInvalidInput,
-          "unknown suite '" + name +
-              "': expected paper, hand, map, strokes, withdrawal, calibration, watch, laws, front, "
-              "estimators, "
-              "extreme, "
-              "adversary, random, cutting or all",
-          "suite"};
+      return {Code::kInvalidInput,
+              "unknown suite '" + name +
+                  "': expected paper, hand, map, strokes, pecks, withdrawal, calibration, watch, "
+                  "laws, front, "
+                  "estimators, "
+                  "extreme, "
+                  "adversary, random, cutting or all",
+              "suite"};
   }
   return Status::Ok();
 }
@@ -164,7 +165,7 @@ void Print(std::FILE* out, const Findings& f) {
   }
   size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() +
                 f.budgets.size() + f.seconds_felt.size() + f.extremes.size() +
-                f.exercise_strokes.size() + f.watch.size();
+                f.exercise_strokes.size() + f.pecks.size() + f.watch.size();
   for (const JointFront& front : f.fronts) rows += front.points.size();
   if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
   std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);

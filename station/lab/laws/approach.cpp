@@ -4,45 +4,12 @@
 #include <cmath>
 
 #include "common/haptics/coupling.h"
+#include "station/lab/laws/half_space.h"
 
 namespace enamel::station::lab {
 namespace {
 
 constexpr double kFelt_n = 0.1, kBack_m = 3e-3, kCutOn_s = 2, kWithdraw_m_per_s = 30e-3;
-const dvec3 kAlong = glm::normalize(dvec3(1, 2, 3));
-
-// A half-space beyond a plane across kAlong. What the bur has passed is gone.
-class HalfSpace final : public haptics::Material {
- public:
-  HalfSpace(double b, double surface_m) : b_(b), surface_m_(surface_m) {}
-  haptics::Contact ContactAt(const dvec3& anchor, const dvec3& stretch) noexcept override {
-    haptics::Contact c;
-    const double left = surface_m_ - Dot(anchor, kAlong);
-    if (left > 1e-12) {
-      c.clearance_m = left;
-      return c;
-    }
-    c.clearance_m = 1;
-    if (!(Dot(stretch, kAlong) > 0)) return c;
-    c.engaged = true;
-    if (wall) {
-      c.wall_normal = kAlong;
-    } else {
-      c.damping_n_s_per_m = Sym3::Isotropic(b_);
-    }
-    return c;
-  }
-  void AnchorMoved(const dvec3&, const dvec3& to) noexcept override {
-    surface_m_ = std::max(surface_m_, Dot(to, kAlong));
-  }
-  double surface_m() const { return surface_m_; }
-  // The tissue up to there is gone.
-  void Retreat(double to_m) { surface_m_ = std::max(surface_m_, to_m); }
-  bool wall = false;
-
- private:
-  double b_, surface_m_;
-};
 
 }  // namespace
 
@@ -57,7 +24,8 @@ ApproachFigures RunApproach(const DeviceModel& m, const Approach& a) {
   double at = 0;
   // Off the middle of a cell on every axis, differently.
   auto Read = [&] {
-    return fidelity::CellMiddle(kAlong * at + dvec3(3.3e-6, 2.1e-6, 1.1e-6), m.resolution_m);
+    return fidelity::CellMiddle(HalfSpace::kInward * at + dvec3(3.3e-6, 2.1e-6, 1.1e-6),
+                                m.resolution_m);
   };
   auto StepBy = [&](double speed) {
     at += speed * tick_s;
@@ -84,7 +52,7 @@ ApproachFigures RunApproach(const DeviceModel& m, const Approach& a) {
   }
   const double speed = a.goes_on ? a.speed_m_per_s : a.cut_m_per_s;
   for (double t = 0; t < kCutOn_s; t += tick_s) {
-    const double r = -Dot(StepBy(speed).force_sent_n, kAlong);
+    const double r = -Dot(StepBy(speed).force_sent_n, HalfSpace::kInward);
     if (!a.goes_on) {
       out.excess_n = std::max(out.excess_n, r - a.b_n_s_per_m * a.cut_m_per_s);
     } else if (r >= kFelt_n) {

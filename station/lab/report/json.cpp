@@ -148,6 +148,20 @@ json::object StrokeJson(const StrokeRow& r) {
           {"removal_s", Number(r.removal_s)}};
 }
 
+json::object PeckJson(const PeckRow& r) {
+  return {{"suite", "pecks"},
+          {"device", r.device},
+          {"calibrated", r.calibrated},
+          {"rate_hz", Number(r.rate_hz)},
+          {"b_n_s_per_mm", Number(r.peck.b_n_s_per_m * 1e-3)},
+          {"press_n", Number(r.peck.press_n)},
+          {"contact_s", Number(r.peck.contact_s)},
+          {"depth_um", Number(r.figures.depth_m * 1e6)},
+          {"tool_depth_um", Number(r.figures.tool_depth_m * 1e6)},
+          {"depth_share", Number(r.depth_share())},
+          {"felt_error", Number(r.felt_error())}};
+}
+
 json::object WatchJson(const WatchRow& r) {
   return {{"suite", "watch"},
           {"device", r.device},
@@ -235,6 +249,7 @@ std::string JsonOf(const Findings& f) {
   for (const BudgetRow& r : f.budgets) rows.push_back(BudgetJson(r));
   for (const SecondsRow& r : f.seconds_felt) rows.push_back(SecondsJson(r));
   for (const StrokeRow& r : f.exercise_strokes) rows.push_back(StrokeJson(r));
+  for (const PeckRow& r : f.pecks) rows.push_back(PeckJson(r));
   for (const WatchRow& r : f.watch) rows.push_back(WatchJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
   for (const Attack& a : f.attacks) {

@@ -11,6 +11,7 @@
 #include "station/lab/cutting/cutting_error.h"
 #include "station/lab/cutting/order.h"
 #include "station/lab/laws/model.h"
+#include "station/lab/laws/pecks.h"
 #include "station/lab/laws/strokes.h"
 #include "station/lab/suites/joint_front.h"
 
@@ -168,6 +169,18 @@ struct StrokeRow {
   double felt_error() const { return tool_rms_n > 0 ? felt_error_rms_n / tool_rms_n : 0; }
 };
 
+// A short touch on one device (laws/pecks.h).
+struct PeckRow {
+  std::string device;
+  bool calibrated = false;
+  double rate_hz = 0;
+  Peck peck;
+  PeckFigures figures;
+
+  double depth_share() const { return figures.depth_m / figures.tool_depth_m; }
+  double felt_error() const { return figures.felt_error_rms_n / figures.tool_rms_n; }
+};
+
 // The watch for swings: the trials of one hand on one device with one error in its profile (laws/swings.h).
 struct WatchRow {
   std::string device, hand, error;
@@ -243,6 +256,7 @@ struct Findings {
   std::vector<FeelCurve> feel;
   std::vector<StrokeDevice> strokes;  // of the suite "withdrawal"
   std::vector<StrokeRow> exercise_strokes;
+  std::vector<PeckRow> pecks;
   std::vector<WatchRow> watch;
   std::vector<ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;    // the simulator's own, worst of the trials asked

@@ -12,7 +12,7 @@ namespace enamel::station::lab {
 struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of ShippedProfiles, a file, or "all"
   std::vector<std::string> suites = {
-      "all"};  // paper | hand | map | strokes | withdrawal | calibration | watch | laws | front | estimators | extreme | adversary | random | cutting | all
+      "all"};  // paper | hand | map | strokes | pecks | withdrawal | calibration | watch | laws | front | estimators | extreme | adversary | random | cutting | all
   bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;  // rows are written here when not empty
   std::string report;     // a page (….html) or a folder, when not empty: report/draw.h

@@ -27,6 +27,7 @@ void RunRandomSuite(SuiteContext& context);
 void RunHandSuite(SuiteContext& context);
 void RunMapSuite(SuiteContext& context);
 void RunStrokesSuite(SuiteContext& context);
+void RunPecksSuite(SuiteContext& context);
 void RunWithdrawalSuite(SuiteContext& context);
 void RunWatchSuite(SuiteContext& context);
 void RunCalibrationSuite(SuiteContext& context);
