@@ -506,5 +506,24 @@ TEST(GuardTest, WithTheOlderDelayClauseASwingOutAndBackReturnsMoreThanItStored) 
   EXPECT_GT(Play(2), -1);        // and at Kc = 2 b / (4 T)
 }
 
+// README.md, "One tick in numbers", to its digits.
+TEST(GuardTest, TheExampleOfTheReadmeIsWhatTheGuardDoes) {
+  GuardParams omega{.kc_n_per_m = 10e3};
+  omega.cell.ball_m = 8.2e-6;
+  const dvec3 e(106e-6, 0, 0), w(20e-6, 0, 0);
+  Tank tank{.cap_j = 1e-3, .inflow_share = 1};
+  tank.BeginTick();
+  EXPECT_EQ(GuardedStep(omega, e, w, 1, tank), 1);
+  EXPECT_NEAR(tank.energy_j, 17.6e-6, 0.05e-6);
+  tank.energy_j = 25e-6;
+  tank.BeginTick();
+  EXPECT_EQ(GuardedStep(omega, e, -w, 1, tank), 1);
+  EXPECT_NEAR(tank.energy_j, 0.2e-6, 0.05e-6);
+  tank.energy_j = 10e-6;
+  tank.BeginTick();
+  EXPECT_NEAR(GuardedStep(omega, e, -w, 1, tank), 0.42, 0.005);
+  EXPECT_NEAR(tank.energy_j, 0, 1e-12);
+}
+
 }  // namespace
 }  // namespace enamel::haptics
