@@ -19,6 +19,9 @@ dvec3 BeyondCoulomb(const Pull& pull, const Contact& contact) noexcept {
   return pull.stretch_m * (1 - contact.coulomb_n / force);
 }
 
+// All that the spring surely loses may flow into the tank: the work of the tick does not bound it.
+constexpr double kNoBound_j = 1e9;
+
 double DampingAlong(const Sym3& b, const dvec3& way) noexcept {
   const double length2 = Dot(way, way);
   return length2 > 0 ? Dot(way, b * way) / length2 : 0;
@@ -37,6 +40,7 @@ Coupling::Coupling(const CouplingParams& params)
       relief_(params.friction, params.law.kc_n_per_m, params.law.tick_s, CellOf(params).Radius(),
               params.delay_ticks == 0 && !params.spring_on_board) {
   const TipCell cell = CellOf(params);
+  radius_m_ = cell.Radius();
   params_.law.play_m = 2 * cell.Radius();
   const LawEntry* entry = FindLaw(params.law.kind);
   ENAMEL_CHECK(entry != nullptr);
@@ -191,9 +195,9 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
 void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                                  CouplingOutput& out) noexcept {
   const double b = resistance.b_n_s_per_m;
-  // Paid for at the tip that was read now: the force of the last tick was of the last stiffness.
-  const dvec3 stretch = tip_m - rest_m();
-  relief_.Soften(b, std::sqrt(Dot(stretch, stretch)), &spring_.tank);
+  // A tip that is exactly at the bur says nothing about the tissue.
+  const bool resists = Dot(resistance.pull_n, resistance.pull_n) > 0;
+  if (resists || (out.flags & kFreeAir)) FollowTissue(tip_m, b);
   SetStiffness();
   // A board's spring has the profile's stiffness.
   const double kc = params_.spring_on_board ? params_.law.kc_n_per_m : spring_.guard.kc_n_per_m;
@@ -216,14 +220,32 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistanc
   out.force_computed_n -= resistance.pull_n - pull_n;
   // The watch looks at the spring alone: a push that turns with the hand is no swing.
   if (params_.watch_swings && Finite(out.force_sent_n)) watch_.Tick(out.force_sent_n);
-  // A swing says that the profile is wrong, and its friction may be.
-  if (!params_.spring_on_board && !watch_.tripped()) {
+  // A swing says that the profile is wrong, and its friction may be. A bound leaves no room.
+  if (!params_.spring_on_board && !watch_.tripped() && !(out.flags & kPeakBounded)) {
     const dvec3 push_n = relief_.Push(resistance.pull_n, b, kc), sent_n = out.force_sent_n + push_n;
     if (Dot(sent_n, sent_n) <= bound_n * bound_n) {
       out.force_sent_n = sent_n;
       out.push_n = push_n;
     }
   }
+}
+
+// Makes the spring as stiff as the tissue needs, before it pulls: the tank pays at the tip that was read now, since the
+// last tick's force was of the last stiffness. On a rise the rest point follows first, so that the stiffer spring pulls no
+// harder. What the softer one loses by that pays for the rise: (R^2/2) (1/K - 1/K'), but for the cell.
+void Coupling::FollowTissue(const dvec3& tip_m, double b) noexcept {
+  const double next = relief_.NextShare(b);
+  dvec3 stretch = tip_m - rest_m();
+  if (next > relief_.share() && Dot(stretch, stretch) > radius_m_ * radius_m_) {
+    EnGuard felt = spring_.guard;
+    felt.kc_n_per_m *= spring_.share;
+    const dvec3 way = stretch * (1 - relief_.share() / next);
+    const double share =
+        EnGuardedStep(&felt, ToBoard(stretch), ToBoard(way), kNoBound_j, &spring_.tank);
+    spring_.rest_m = ToBoard(rest_m() + way * share);
+    stretch = tip_m - rest_m();
+  }
+  relief_.TakeShare(next, std::sqrt(Dot(stretch, stretch)), &spring_.tank);
 }
 
 void Coupling::PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,

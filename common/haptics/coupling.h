@@ -10,7 +10,7 @@
 #include "common/haptics/guard.h"
 #include "common/haptics/swing_watch.h"
 
-// The tick's force chain: finite check -> law -> guard -> magnitude bound -> finite check.
+// The tick's force chain: finite check -> law -> stiffness -> guard -> magnitude bound -> push -> finite check.
 //
 // Two points: the bur a, which is drawn and cuts, and the rest point r of the spring that makes the
 // force, R = Kc (p - r) while all of the stiffness is felt.
@@ -18,8 +18,10 @@
 //    Where nothing resists it is at the tip in the same tick. No bound and no guard holds it.
 //  * r goes to where the spring gives the law's pull less the device's own friction, by guarded steps
 //    (guard.h). The proof is in README.md, "Why it is passive", and rests on that alone: the operator
-//    never extracts energy, whatever the tissue, the geometry, B(t), the law's parameters, the friction
-//    that the law assumes or the hand do.
+//    never extracts energy, whatever the tissue, the geometry, B(t), the law's parameters, a guessed
+//    friction or the hand do.
+//  * Where the unit's friction was measured, the motors push along the motion with what the cell leaves of it, and
+//    the spring is softer in soft tissue (friction_relief.h). Then the proof rests on the measured c, too.
 //  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
 //    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
 //  * A bound on the force moves r, at a wall too, never the bur.
@@ -151,8 +153,8 @@ class Coupling {
   void MoveBur(const dvec3& to_m, Material& material) noexcept;
   // Both shares of the stiffness.
   double share() const noexcept { return watch_.share() * relief_.share(); }
-  // Tells the guard.
   void SetStiffness() noexcept;
+  void FollowTissue(const dvec3& tip_m, double b_n_s_per_m) noexcept;
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
@@ -160,8 +162,9 @@ class Coupling {
   EnSpring spring_{};
   SwingWatch watch_;
   FrictionRelief relief_;
-  double stretch_ = 0;  // |tip - anchor| after the last tick
-  bool clear_ = false;  // nothing solid is near the bur
+  double radius_m_ = 0;  // of the tip's cell
+  double stretch_ = 0;   // |tip - anchor| after the last tick
+  bool clear_ = false;   // nothing solid is near the bur
   bool resumed_ = false;
   bool latched_ = false;
 };

@@ -61,19 +61,22 @@ dvec3 FrictionRelief::Push(const dvec3& pull, double b, double kc) noexcept {
   return push_n_;
 }
 
-double FrictionRelief::Soften(double b, double stretch_m, EnTank* tank) noexcept {
+double FrictionRelief::NextShare(double b) const noexcept {
   if (!soften_) return 1;
   // Nothing resists: all of the stiffness, for what the bur meets next.
   const double wanted = b > 0 ? Clamped(b / (own_.softest_s * kc_), kLeastSoftness, 1) : 1;
-  double rise = (wanted - share_) * (tick_s_ / (kRelief_s + tick_s_));
+  return share_ + (wanted - share_) * (tick_s_ / (kRelief_s + tick_s_));
+}
+
+void FrictionRelief::TakeShare(double next, double stretch_m, EnTank* tank) noexcept {
+  double rise = next - share_;
   if (rise > 0) {
     const double reach = stretch_m + radius_m_, cost_j = 0.5 * rise * kc_ * reach * reach;
-    const double paid_j = LowerOf(cost_j, tank->energy_j);
-    if (paid_j < cost_j) rise *= HigherOf(0, paid_j) / cost_j;
-    tank->energy_j -= HigherOf(0, paid_j);
+    const double paid_j = HigherOf(0, LowerOf(cost_j, tank->energy_j));
+    if (paid_j < cost_j) rise *= paid_j / cost_j;
+    tank->energy_j -= paid_j;
   }
   share_ += rise;
-  return share_;
 }
 
 }  // namespace enamel::haptics

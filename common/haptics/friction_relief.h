@@ -27,9 +27,11 @@ inline constexpr double kSoftest_s = 0.050;
 // Friction and motors both resist the hand, so the force asked of the motors is less by the friction.
 struct OwnFriction {
   dvec3 c_n{0};  // per axis; 0: nothing is left out
-  // c is the lower end of what was measured on this unit. Else it is a guess, and the motors never push.
+  // c is the lower end of a measurement on this unit, over its axes and postures: pushing with more than there is would
+  // drive the hand. Else c is a guess, and the motors never push.
   bool measured = false;
-  // The constants above; tests/station/lab/laws/friction_test.cpp notices others.
+  // The constants above, chosen when the struct is made; tests/station/lab/laws/friction_test.cpp notices others. half_s 0:
+  // nothing is left out.
   double half_s = measured ? kMeasuredHalf_s : kGuessedHalf_s, softest_s = kSoftest_s;
 };
 
@@ -58,9 +60,11 @@ class FrictionRelief {
   // least friction of the three axes, less the part that pays for the cell of a spring of this stiffness.
   ENAMEL_REALTIME dvec3 Push(const dvec3& pull_n, double b_n_s_per_m, double kc_n_per_m) noexcept;
 
-  // The share of the stiffness from now on, for tissue of this damping. A fall is free; a rise costs the
-  // tank what it may add to a spring of stiffness Kc that is stretched by `stretch_m`, as measured.
-  ENAMEL_REALTIME double Soften(double b_n_s_per_m, double stretch_m, EnTank* tank) noexcept;
+  // Where the share of the stiffness should go in this tick, in tissue of this damping.
+  ENAMEL_REALTIME double NextShare(double b_n_s_per_m) const noexcept;
+  // Takes the share there. A fall is free; a rise costs the tank what it may add to a spring of stiffness Kc that is
+  // stretched by `stretch_m`, as measured, and ends where the tank is empty.
+  ENAMEL_REALTIME void TakeShare(double next, double stretch_m, EnTank* tank) noexcept;
   double share() const noexcept { return share_; }
 
   void VisitState(StateArchive& archive) { archive(push_n_, share_); }

@@ -46,6 +46,7 @@ TEST(AllocationTest, NoTickOrResetOfAnyLawAllocates) {
       p.law.resolution_m = dvec3(10e-6);
       p.law.estimator.kind = estimator.kind;
       p.peak_force_n = 8;
+      p.friction = {dvec3(0.05), true};
       Coupling coupling(p);
       Enamel enamel;
       long before = g_allocations;

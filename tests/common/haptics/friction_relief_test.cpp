@@ -105,7 +105,8 @@ TEST(FrictionReliefTest, ARiseCostsTheTankWhatItAddsToTheSpring) {
     tank.energy_j = i % 3 == 0 ? 0 : 1e-7 * unit(random);
     const double before = relief.share(), had_j = tank.energy_j;
     const double stretch = 1e-4 * unit(random), b = i % 5 == 0 ? 0 : 2e3 * unit(random);
-    const double after = relief.Soften(b, stretch, &tank);
+    relief.TakeShare(relief.NextShare(b), stretch, &tank);
+    const double after = relief.share();
     ASSERT_GE(tank.energy_j, 0);
     ASSERT_LE(tank.energy_j, had_j);
     const double reach = stretch + kRadius_m;
@@ -120,7 +121,7 @@ TEST(FrictionReliefTest, TheSpringIsAsStiffAsTheTissueNeeds) {
   EnTank full{};
   full.energy_j = 1;
   const auto settled = [&](FrictionRelief relief, double b) {
-    for (int i = 0; i < 500; ++i) relief.Soften(b, 1e-5, &full);
+    for (int i = 0; i < 500; ++i) relief.TakeShare(relief.NextShare(b), 1e-5, &full);
     return relief.share();
   };
   EXPECT_NEAR(settled(Relief(kMeasured), 250), 250 / (kSoftest_s * kKc_n_per_m), 1e-9);
@@ -130,7 +131,7 @@ TEST(FrictionReliefTest, TheSpringIsAsStiffAsTheTissueNeeds) {
   EXPECT_EQ(settled(Relief(kMeasured, false), 100), 1) << "forces are under way, or a board has it";
   EXPECT_EQ(settled(Relief(kGuess), 100), 1);
   FrictionRelief relief = Relief(kMeasured);
-  relief.Soften(100, 0, &full);
+  relief.TakeShare(relief.NextShare(100), 0, &full);
   EXPECT_LT(relief.share(), 1);
   relief.Reset();
   EXPECT_EQ(relief.share(), 1);
@@ -178,6 +179,83 @@ double LowestBalance(uint64_t seed) {
 
 TEST(FrictionReliefTest, NobodyDrawsEnergyFromASpringThatSoftensAndStiffens) {
   for (uint64_t seed = 1; seed <= 300; ++seed) ASSERT_GE(LowestBalance(seed), -1e-15) << seed;
+}
+
+// Tick by tick, with the true tip: what the hand draws in a motion leaves the spring and is paid by damping and
+// friction, and within a tick spring and tank together gain nothing. The reading is anywhere in the cell.
+void ExpectNothingGained(uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::normal_distribution<double> normal;
+  const double cell_m = seed % 3 == 0 ? 1e-8 : seed % 3 == 1 ? 9e-6 : 30e-6;
+  CouplingParams p;
+  p.law = {kDefaultLaw, kKc_n_per_m, dvec3(cell_m), 1e-3};
+  p.peak_force_n = seed % 5 == 0 ? 2 : 12;
+  p.watch_swings = seed % 7 == 0;
+  const TipCell cell = CartesianCell(dvec3(cell_m));
+  const double c_n = kKc_n_per_m * cell.Radius() * (seed % 2 == 0 ? 1 : 1.5);
+  p.friction = {dvec3(c_n), true};
+  Coupling coupling(p);
+  UniformMaterial tissue(Sym3::Isotropic(0));
+  dvec3 x(0), force_n(0);
+  const auto reading = [&] {
+    return x + dvec3(unit(random), unit(random), unit(random)) * cell.half_m;
+  };
+  const auto spring_j = [&](double k) {
+    const dvec3 e = x - coupling.rest_m();
+    return 0.5 * k * Dot(e, e);
+  };
+  coupling.Reset(reading());
+  double k = coupling.stiffness_n_per_m(), bound = 1;
+  dvec3 way(0);
+  for (int tick = 0, turn = 0, kind = 0; tick < 2000; ++tick) {
+    if (--turn < 0) {
+      turn = 1 + static_cast<int>(random() % 40);
+      kind = static_cast<int>(random() % 5);
+      const double kinds[] = {0, 5, 30, 100, 200, 400, 2000, 1e4, 1e9};
+      tissue = UniformMaterial(Sym3::Isotropic(kinds[random() % 9]));
+      if (random() % 4 == 0) bound = random() % 2 == 0 ? 1 : std::fabs(unit(random));
+      way = dvec3(normal(random), normal(random), normal(random)) *
+            (5e-6 * std::pow(10, 1.2 * unit(random)));
+    }
+    const dvec3 e = x - coupling.rest_m();
+    const dvec3 moved = kind == 0 ? e * 0.1 : kind == 1 ? e * -0.15 : kind == 2 ? dvec3(0) : way;
+    const double before_j = spring_j(k);
+    x += moved;
+    const double paid_j = 0.5 * kKc_n_per_m * Dot(moved, moved) +
+                          c_n * (std::fabs(moved.x) + std::fabs(moved.y) + std::fabs(moved.z));
+    ASSERT_GE(-Dot(force_n, moved) + paid_j, spring_j(k) - before_j - 1e-15)
+        << seed << ", " << tick;
+    const double had_j = spring_j(k) + coupling.tank_j();
+    const double k_before = k;
+    force_n = coupling.Tick(reading(), bound, tissue).force_sent_n;
+    k = coupling.stiffness_n_per_m();
+    ASSERT_LE(spring_j(k) + coupling.tank_j(), had_j + 1e-15)
+        << seed << ", " << k_before << " to " << k;
+  }
+}
+
+TEST(FrictionReliefTest, NeitherAMotionNorATickGainsEnergy) {
+  for (uint64_t seed = 1; seed <= 100; ++seed) ExpectNothingGained(seed);
+}
+
+// From soft tissue against what does not give, with nothing in the tank: the spring becomes stiff at once.
+TEST(FrictionReliefTest, ASoftSpringThatMeetsAWallBecomesStiff) {
+  CouplingParams p;
+  p.law = {kDefaultLaw, kKc_n_per_m, dvec3(1e-6), 1e-3};
+  p.peak_force_n = 12;
+  p.friction = {dvec3(0.09), true};
+  Coupling coupling(p);
+  UniformMaterial tissue(Sym3::Isotropic(100));
+  coupling.Reset(dvec3(0));
+  double x_m = 0;
+  const auto go = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) coupling.Tick({x_m += 1e-6, 0, 0}, 1, tissue);
+    return coupling.stiffness_n_per_m() / kKc_n_per_m;
+  };
+  EXPECT_NEAR(go(200), 100 / (kSoftest_s * kKc_n_per_m), 0.05);
+  tissue = UniformMaterial(Sym3::Isotropic(1e9));
+  EXPECT_GT(go(100), 0.95);
 }
 
 }  // namespace
