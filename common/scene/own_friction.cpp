@@ -10,7 +10,8 @@ std::optional<int64_t> FrictionOf(const Calibration& calibration) {
   if (!calibration.friction_mn) return std::nullopt;
   const Measured& c = *calibration.friction_mn;
   if (c.uncertainty * 100 > c.value * kMostUncertainty_percent) return std::nullopt;
-  const int64_t low = c.value - c.uncertainty;
+  // Both were rounded.
+  const int64_t low = c.value - c.uncertainty - 1;
   return low > 0 ? std::optional(low) : std::nullopt;
 }
 
@@ -20,7 +21,7 @@ DeviceProfile WithFriction(const DeviceProfile& profile, int64_t friction_mn) {
   if (carried < 1 || (lower && profile.board_spring)) return profile;
   DeviceProfile out = profile;
   out.friction_mn.value = friction_mn;
-  out.friction_measured = true;
+  out.friction_measured = out.friction_of_unit = true;
   if (lower) out.coupling_mn_per_mm.value = carried;
   return out;
 }

@@ -169,7 +169,7 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.spring_on_board = profile.board_spring.has_value();
   if (HasMotors(profile)) {
     p.friction_mn.fill(static_cast<int32_t>(profile.friction_mn.value));
-    p.friction_measured = profile.friction_measured;
+    p.friction_measured = profile.friction_of_unit;
   }
   const PointUm& landmark = scene.landmarks.at(exercise.target.landmark);
   for (size_t i = 0; i < 3; ++i) p.device_origin_nm[i] = int64_t{landmark[i]} * 1000;

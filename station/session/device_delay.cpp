@@ -242,6 +242,20 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const DeviceP
                         ": resume it on the device it was begun on, or close it",
                     "bus_delay_ticks");
     }
+    // Motors that push with more friction than this unit has would drive the hand.
+    const core::CoreParams& begun_with = prepared.header.params;
+    if (begun_with.friction_measured && friction_mn.value_or(0) < begun_with.friction_mn[0]) {
+      return Status(
+          Code::kConflict,
+          name +
+              (friction_mn ? ": it has " + std::to_string(*friction_mn) + " mN of friction"
+                           : ": its friction was not measured") +
+              ", and this attempt was begun on a device with " +
+              std::to_string(begun_with.friction_mn[0]) +
+              " mN, which the motors push against: resume it on the device it was begun "
+              "on, or close it",
+          "friction_mn");
+    }
     // A device that could take more keeps the attempt's settings, which are stable on it.
     prepared.delay = used;
     return Status::Ok();

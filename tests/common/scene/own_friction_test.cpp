@@ -16,7 +16,7 @@ TEST(OwnFrictionTest, CountsAtTheLowerEndOfAnIntervalThatIsNarrowEnough) {
   Calibration unit;
   EXPECT_FALSE(FrictionOf(unit).has_value());
   unit.friction_mn = Measured{100, 15, 40};
-  EXPECT_EQ(FrictionOf(unit), 85);
+  EXPECT_EQ(FrictionOf(unit), 84);
   unit.friction_mn->uncertainty = 16;
   EXPECT_FALSE(FrictionOf(unit).has_value());
   unit.friction_mn = Measured{0, 0, 40};
@@ -30,11 +30,11 @@ TEST(OwnFrictionTest, LowersKcToWhatItCarriesAndNeverRaisesIt) {
   const DeviceProfile slippery = WithFriction(Phantom(), 12);
   EXPECT_EQ(slippery.coupling_mn_per_mm.value, 12 * 1'000'000 / support_nm);
   EXPECT_EQ(slippery.friction_mn.value, 12);
-  EXPECT_TRUE(slippery.friction_measured);
+  EXPECT_TRUE(slippery.friction_of_unit);
   DeviceProfile board = Phantom();
   board.board_spring = BoardSpringSpec{8000, 1, "test"};
-  EXPECT_FALSE(WithFriction(board, 12).friction_measured);
-  EXPECT_TRUE(WithFriction(board, 60).friction_measured);
+  EXPECT_FALSE(WithFriction(board, 12).friction_of_unit);
+  EXPECT_TRUE(WithFriction(board, 60).friction_of_unit);
 }
 
 TEST(OwnFrictionTest, ParametersOfAMeasuredUnitAreTheExercisesWithItsKc) {

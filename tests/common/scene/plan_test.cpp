@@ -40,10 +40,12 @@ TEST_F(PlanTest, PaperDevicesCarryTheExerciseWithThePapersStiffness) {
   }
 }
 
-TEST_F(PlanTest, FrictionIsLeftOutWholeWhereItWasMeasuredAndNotAtAllOfAMouse) {
+TEST_F(PlanTest, FrictionIsKnownOfAMeasuredUnitGuessedOfAKindAndNoneOfAMouse) {
   EXPECT_EQ(CompilePlan(scene, exercise, profile)->friction_mn, (std::array{25, 25, 25}));
   EXPECT_FALSE(CompilePlan(scene, exercise, profile)->friction_measured);
   profile.friction_measured = true;
+  EXPECT_FALSE(CompilePlan(scene, exercise, profile)->friction_measured) << "of another unit";
+  profile.friction_of_unit = true;
   EXPECT_TRUE(CompilePlan(scene, exercise, profile)->friction_measured);
   const DeviceProfile mouse = *FindProfile("pointer");
   EXPECT_EQ(CompilePlan(scene, exercise, mouse)->friction_mn, (std::array{0, 0, 0}));

@@ -188,7 +188,7 @@ TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
   EXPECT_EQ(Kc(), 388);
 }
 
-TEST_F(DeviceDelayTest, AllOfAFrictionIsLeftOutOnlyWhereThisUnitsWasMeasured) {
+TEST_F(DeviceDelayTest, TheMotorsPushOnlyWhereThisUnitsFrictionWasMeasured) {
   const core::CoreParams& params = prepared_.header.params;
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
   EXPECT_EQ(params.friction_mn, (std::array{25, 25, 25}));
@@ -199,10 +199,28 @@ TEST_F(DeviceDelayTest, AllOfAFrictionIsLeftOutOnlyWhereThisUnitsWasMeasured) {
   EXPECT_FALSE(params.friction_measured);
   Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 4, 40});
   ASSERT_TRUE(UseDelay(Attached(true)).ok());
-  EXPECT_EQ(params.friction_mn, (std::array{36, 36, 36}));
+  EXPECT_EQ(params.friction_mn, (std::array{35, 35, 35}));
   EXPECT_TRUE(params.friction_measured);
   EXPECT_TRUE(
       scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile, params).ok());
+}
+
+TEST_F(DeviceDelayTest, AnAttemptThatPushesIsNotResumedOnAUnitWithLessFriction) {
+  Keep("hid:1209:0001:SN7", 0, scene::Measured{40, 4, 40});
+  ASSERT_TRUE(UseDelay(Attached(true)).ok());
+  prepared_.core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume);
+  EXPECT_TRUE(UseDelay(Attached(true)).ok());
+  Keep("hid:1209:0001:SN7", 0, scene::Measured{60, 4, 40});
+  EXPECT_TRUE(UseDelay(Attached(true)).ok()) << "more is safe";
+  for (const auto& less :
+       {std::optional(scene::Measured{34, 2, 40}), std::optional<scene::Measured>()}) {
+    Keep("hid:1209:0001:SN7", 0, less);
+    const Status refused = UseDelay(Attached(true));
+    EXPECT_EQ(refused.code(), Code::kConflict);
+    EXPECT_EQ(refused.field(), "friction_mn");
+    EXPECT_NE(refused.message().find("begun on a device with 35 mN"), std::string::npos)
+        << refused.message();
+  }
 }
 
 TEST_F(DeviceDelayTest, ADeviceThatAnswersLaterThanAnAttemptCanBearIsRefusedByName) {
