@@ -6,7 +6,7 @@
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/motions.h"
 
-// The device's friction left out of what the law asks of the motors, in hands that give.
+// The device's friction taken out of the force, in hands that give.
 namespace enamel::station::lab {
 namespace {
 
@@ -85,6 +85,42 @@ TEST(FrictionTest, HardTissueKeepsFrictionThatHidesASoftSpring) {
   EXPECT_GT(felt("bhhd3", kDentin, 0.1 * haptics::kMeasuredHalf_s), 0.22);
   EXPECT_LT(felt("phantom_desktop", kSlot, haptics::kMeasuredHalf_s), 0.22);
   EXPECT_GT(felt("phantom_desktop", kSlot, 10 * haptics::kMeasuredHalf_s), 0.235);
+}
+
+// The most points by which a stroke is felt worse than with nothing left out, where the true friction is half
+// or twice the profile's.
+double WorstOfGuess(double half_s) {
+  const HandMotion strokes = StrokesMotion(0.43e-3, 1, 6, kOblique);
+  const HandMotion wandering = WanderingMotion(0.2e-3, 6, 1);
+  double worst = -1;
+  for (const char* name : {"omega3", "phantom_desktop", "bhhd3"}) {
+    const DeviceModel m = Named(name);
+    for (const Stroke& stroke : {kSlot, kDentin, kCaries})
+      for (double grip : {300.0, 2000.0})
+        for (double times : {0.5, 2.0})
+          for (const HandMotion* motion : {&strokes, &wandering})
+            worst = std::max(worst, FeltError(m, stroke, grip, times, Guessed(m, half_s), *motion) -
+                                        FeltError(m, stroke, grip, times, {}, *motion));
+  }
+  return 100 * worst;
+}
+
+TEST(FrictionTest, AGuessedFrictionMakesNoStrokeWorseByMoreThanAPoint) {
+  EXPECT_LE(WorstOfGuess(haptics::kGuessedHalf_s), 1);
+  // Four times as much would.
+  EXPECT_GT(WorstOfGuess(4 * haptics::kGuessedHalf_s), 1);
+}
+
+TEST(FrictionTest, AGuessedFrictionStillTakesAThirdOffInCaries) {
+  const DeviceModel m = Named("omega3");
+  const HandMotion motion = WanderingMotion(0.2e-3, 6, 1);
+  const double off = FeltError(m, kCaries, 1000, 1, {}, motion);
+  const auto on = [&](double half_s) {
+    return FeltError(m, kCaries, 1000, 1, Guessed(m, half_s), motion);
+  };
+  EXPECT_LT(on(haptics::kGuessedHalf_s), 0.75 * off);
+  // A tenth of it would not.
+  EXPECT_GT(on(0.1 * haptics::kGuessedHalf_s), 0.75 * off);
 }
 
 // A hand that pushes with c turns R around at rest again and again: nothing chatters.
