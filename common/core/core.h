@@ -89,8 +89,8 @@ enum OutputFlags : uint16_t {
 };
 
 // The force that tissue and hand press each other with, mN: the force computed, or what a bound has left
-// of it. Without touch cues, and the same on a device with much friction and with none: the friction
-// that the motors leave out is the hand's to overcome.
+// of it. Without touch cues, and the same on a device with much friction and with none: the hand overcomes the
+// friction that the motors leave out. Where c was measured, soft tissue meets a softer spring, and the bur lags more.
 inline const std::array<int32_t, 3>& PressedForce_mn(const TickWitness& witness) noexcept {
   return (witness.flags & haptics::kPeakBounded) != 0 ? witness.force_sent_mn
                                                       : witness.force_computed_mn;

@@ -87,8 +87,8 @@ struct CoreParams {
   // point should be, and TickInput says where it is. bus_delay_ticks is then that of the reports: a wish
   // sent in answer to a reading holds in the reading 1 + bus_delay_ticks later.
   bool spring_on_board = false;
-  // The device's Coulomb friction per axis, which the law takes out of the force in the hand, and whether it was
-  // measured on this unit (haptics::OwnFriction).
+  // The device's Coulomb friction per axis, which the law takes out of the force in the hand, and whether it is this
+  // unit's own. A measured one must not be more than the unit has: the motors push with it (haptics::OwnFriction).
   std::array<int32_t, 3> friction_mn{};
   bool friction_measured = false;
   // Burs 1, 2, ... of the attempt; bur 0 is the one above. Each cuts with the same B.
@@ -106,7 +106,7 @@ cutting::Bur BurOf(const CoreParams& params, size_t bur = 0) noexcept;
 std::vector<cutting::Bur> BursOf(const CoreParams& params);
 int32_t RotationalKc_un_m_per_rad(const CoreParams& params, size_t bur) noexcept;
 haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
-// The friction that the law leaves out of the force that it asks for.
+// The device's own friction, as the law knows it.
 haptics::OwnFriction OwnFrictionOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that

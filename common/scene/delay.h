@@ -104,7 +104,7 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, i
 
 // Checks the parameters of a recording: they must be those that CompilePlan gives for the unchanged
 // profile (a simulated device, a mouse), or for WithDelay of it at their delay (an attached
-// device), after WithFriction (own_friction.h) where they leave out all of a friction. Errors: CompilePlan's for the unchanged profile; kConflict (field "params").
+// device), after WithFriction (own_friction.h) where the unit's friction was measured. Errors: CompilePlan's for the unchanged profile; kConflict (field "params").
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params);
 

@@ -54,7 +54,7 @@ constexpr Column Scalar(const char* name) {
 }
 
 // Computed force as its difference to the sent one, which is in an earlier column. 0 in air, and else the
-// friction left out, which is c where the force is more than that: it changes seldom.
+// friction that the motors leave out or push against, mostly all of c: it changes seldom.
 template <size_t kAxis>
 constexpr Column ComputedForce(const char* name) {
   return {name,

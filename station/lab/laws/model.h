@@ -51,7 +51,7 @@ Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
 struct Unit {
   DeviceModel model;
   bool calibrated = false;
-  haptics::OwnFriction told;  // what the law leaves out
+  haptics::OwnFriction told;  // the friction that the law knows
 };
 // Calibrated: with the profile's delay, and the friction at the lower end of the widest interval that counts. Else
 // with the delay that a station assumes of an attached device, and Kc lowered to it. Errors: those of ModelOf;
