@@ -45,7 +45,7 @@ node tests/integration/check_facts.mjs "$work/2.json"
 
 # As a terminal starts it: a process group of its own that heeds Ctrl-C.
 start_run() {
-  env --default-signal=INT,TERM setsid ./run --data "$work/data" --port "$port" >"$work/run.log" 2>&1 &
+  env -u DISPLAY --default-signal=INT,TERM setsid ./run --data "$work/data" --port "$port" >"$work/run.log" 2>&1 &
   runner=$!
   pids+=("$runner")
 }
@@ -109,6 +109,13 @@ left=$("$bin/enamel-station" spool list --data "$work/data/station" | grep '; [1
 
 start_run
 wait_for_line 'Running until Ctrl-C'
+# The command that it prints where there is no screen opens the chair's window.
+if command -v Xvfb >/dev/null; then
+  start_display
+  printf 'page sign-in\nquit\n' >"$work/chair.txt"
+  eval "timeout 300 $(sed -n 's/^At a screen: //p' "$work/run.log") --no-sound --script $work/chair.txt" ||
+    { cat "$work/run.log"; fail "the command that ./run prints opens no window"; }
+fi
 if [ -n "$left" ]; then
   grep -q "sent what an earlier run recorded" "$work/run.log" || { cat "$work/run.log"; fail "./run did not send the recording that was left"; }
   echo "ok: ./run sends what an earlier one could not"
