@@ -36,18 +36,31 @@ std::vector<std::string> NamesIn(const CLI::App& app, bool options) {
   return out;
 }
 
-}  // namespace
-
-std::string Suggestion(const CLI::App& app) {
+// The last command that was recognised.
+const CLI::App& Deepest(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().back();
+  return *command;
+}
+
+}  // namespace
+
+std::string UnknownCommand(const CLI::App& app) {
+  if (NamesIn(Deepest(app), false).empty()) return {};
+  for (const std::string& word : app.remaining(true))
+    if (!word.starts_with("-")) return word;
+  return {};
+}
+
+std::string Suggestion(const CLI::App& app) {
+  const CLI::App& command = Deepest(app);
   for (const std::string& whole : app.remaining(true)) {
     const std::string word = whole.substr(0, whole.find('='));
     // A short word is near to everything.
     const size_t most = word.size() < 3 ? 0 : word.size() < 6 ? 1 : 2;
     size_t least = most + 1;
     std::vector<std::string> nearest;
-    for (const std::string& name : NamesIn(*command, word.starts_with("-"))) {
+    for (const std::string& name : NamesIn(command, word.starts_with("-"))) {
       const size_t distance = Distance(word, name);
       if (distance > least) continue;
       if (distance < least) nearest.clear();
@@ -63,6 +76,11 @@ int EndOfParse(const CLI::App& app, const CLI::ParseError& error, bool json) {
   constexpr int kUsage = 2;
   const bool wrong = error.get_exit_code() != 0;
   const std::string suggestion = wrong ? Suggestion(app) : "";
+  if (const std::string word = wrong ? UnknownCommand(app) : ""; !word.empty()) {
+    SayError("unknown command '" + word + "'" + (suggestion.empty() ? "" : ": " + suggestion) +
+             (json ? "" : "\nRun with --help for the list of commands."));
+    return kUsage;
+  }
   if (wrong && json) {
     SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
     return kUsage;

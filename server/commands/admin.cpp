@@ -388,7 +388,9 @@ void DeclarePeople(CommandGroup admin) {
   // Two commands, one implementation: the captured value tells them apart.
   for (bool disabled : {true, false}) {
     auto [cmd, o] = Declare<Login>(
-        admin, disabled ? "disable" : "enable", "Let a person sign in or not",
+        admin, disabled ? "disable" : "enable",
+        disabled ? "Stop a person from signing in, and end the person's sessions"
+                 : "Let a person sign in again",
         [disabled](const Login& who) { return SetDisabled(who.data, who.login, disabled); });
     AddData(cmd, o.data);
     cmd->add_option("--login", o.login)->required();

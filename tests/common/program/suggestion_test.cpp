@@ -5,7 +5,8 @@
 namespace enamel::program {
 namespace {
 
-std::string AfterParsing(std::vector<std::string> words) {
+std::string AfterParsing(std::vector<std::string> words,
+                         std::string (*say)(const CLI::App&) = Suggestion) {
   CLI::App app("program");
   app.require_subcommand(0, 1);
   for (const char* name : {"run", "spool", "simulate", "scenes"}) {
@@ -17,7 +18,7 @@ std::string AfterParsing(std::vector<std::string> words) {
   try {
     app.parse(words);
   } catch (const CLI::ParseError&) {
-    return Suggestion(app);
+    return say(app);
   }
   return "no error";
 }
@@ -33,6 +34,14 @@ TEST(SuggestionTest, SaysNothingForAWordThatIsNearNothingOrToTwo) {
   EXPECT_EQ(AfterParsing({"dance"}), "");
   EXPECT_EQ(AfterParsing({"xy"}), "");
   EXPECT_EQ(AfterParsing({"run", "--unknown"}), "");
+}
+
+TEST(SuggestionTest, AWordThatIsNoCommandIsNamed) {
+  EXPECT_EQ(AfterParsing({"dance"}, UnknownCommand), "dance");
+  EXPECT_EQ(AfterParsing({"rnu", "--seed", "3"}, UnknownCommand), "rnu");
+  // Below a command that has none of its own, a word too many is no command.
+  EXPECT_EQ(AfterParsing({"run", "dance"}, UnknownCommand), "");
+  EXPECT_EQ(AfterParsing({"run", "--unknown"}, UnknownCommand), "");
 }
 
 }  // namespace
