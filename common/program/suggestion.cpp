@@ -46,10 +46,10 @@ const CLI::App& Deepest(const CLI::App& app) {
 }  // namespace
 
 std::string UnknownCommand(const CLI::App& app) {
-  if (NamesIn(Deepest(app), false).empty()) return {};
-  for (const std::string& word : app.remaining(true))
-    if (!word.starts_with("-")) return word;
-  return {};
+  const std::vector<std::string> words = app.remaining(true);
+  if (words.empty() || NamesIn(Deepest(app), false).empty()) return {};
+  // Behind an option that is none, a word may be its value.
+  return words.front().starts_with("-") ? "" : words.front();
 }
 
 std::string Suggestion(const CLI::App& app) {

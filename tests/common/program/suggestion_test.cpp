@@ -42,6 +42,7 @@ TEST(SuggestionTest, AWordThatIsNoCommandIsNamed) {
   // Below a command that has none of its own, a word too many is no command.
   EXPECT_EQ(AfterParsing({"run", "dance"}, UnknownCommand), "");
   EXPECT_EQ(AfterParsing({"run", "--unknown"}, UnknownCommand), "");
+  EXPECT_EQ(AfterParsing({"--unknown", "value"}, UnknownCommand), "");
 }
 
 }  // namespace
