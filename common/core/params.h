@@ -106,7 +106,7 @@ cutting::Bur BurOf(const CoreParams& params, size_t bur = 0) noexcept;
 std::vector<cutting::Bur> BursOf(const CoreParams& params);
 int32_t RotationalKc_un_m_per_rad(const CoreParams& params, size_t bur) noexcept;
 haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
-// The device's own friction, as the law knows it.
+// The device's own friction, for the law.
 haptics::OwnFriction OwnFrictionOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that

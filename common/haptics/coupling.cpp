@@ -40,7 +40,6 @@ Coupling::Coupling(const CouplingParams& params)
       relief_(params.friction, params.law.kc_n_per_m, params.law.tick_s, CellOf(params).Radius(),
               params.delay_ticks == 0 && !params.spring_on_board) {
   const TipCell cell = CellOf(params);
-  radius_m_ = cell.Radius();
   params_.law.play_m = 2 * cell.Radius();
   const LawEntry* entry = FindLaw(params.law.kind);
   ENAMEL_CHECK(entry != nullptr);
@@ -195,7 +194,7 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
 void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                                  CouplingOutput& out) noexcept {
   const double b = resistance.b_n_s_per_m;
-  // A tip that is exactly at the bur says nothing about the tissue.
+  // Where the tip is exactly at the bur, nobody knows the tissue.
   const bool resists = Dot(resistance.pull_n, resistance.pull_n) > 0;
   if (resists || (out.flags & kFreeAir)) FollowTissue(tip_m, b);
   SetStiffness();
@@ -232,11 +231,12 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const Resistance& resistanc
 
 // Makes the spring as stiff as the tissue needs, before it pulls: the tank pays at the tip that was read now, since the
 // last tick's force was of the last stiffness. On a rise the rest point follows first, so that the stiffer spring pulls no
-// harder. What the softer one loses by that pays for the rise: (R^2/2) (1/K - 1/K'), but for the cell.
+// harder. The energy that the softer one loses by that pays for the rise: (R^2/2) (1/K - 1/K'), but for the cell.
 void Coupling::FollowTissue(const dvec3& tip_m, double b) noexcept {
-  const double next = relief_.NextShare(b);
+  const double next = relief_.NextShare(b), radius_m = 0.5 * params_.law.play_m;
+  if (next == relief_.share()) return;
   dvec3 stretch = tip_m - rest_m();
-  if (next > relief_.share() && Dot(stretch, stretch) > radius_m_ * radius_m_) {
+  if (next > relief_.share() && Dot(stretch, stretch) > radius_m * radius_m) {
     EnGuard felt = spring_.guard;
     felt.kc_n_per_m *= spring_.share;
     const dvec3 way = stretch * (1 - relief_.share() / next);

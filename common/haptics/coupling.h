@@ -133,7 +133,7 @@ class Coupling {
   double tank_j() const noexcept { return spring_.tank.energy_j; }
   // The share of Kc that a swing has left, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
   double stiffness_share() const noexcept { return watch_.share(); }
-  // Stiffness of the spring as it is felt: Kc less the shares that a swing, soft tissue and a bound take.
+  // The stiffness that the hand feels: Kc less the shares that a swing, soft tissue and a bound take.
   double stiffness_n_per_m() const noexcept { return spring_.guard.kc_n_per_m * spring_.share; }
   const CouplingParams& params() const noexcept { return params_; }
 
@@ -162,9 +162,8 @@ class Coupling {
   EnSpring spring_{};
   SwingWatch watch_;
   FrictionRelief relief_;
-  double radius_m_ = 0;  // of the tip's cell
-  double stretch_ = 0;   // |tip - anchor| after the last tick
-  bool clear_ = false;   // nothing solid is near the bur
+  double stretch_ = 0;  // |tip - anchor| after the last tick
+  bool clear_ = false;  // nothing solid is near the bur
   bool resumed_ = false;
   bool latched_ = false;
 };

@@ -53,6 +53,17 @@ Result<Unit> UnitOf(const DeviceProfile& shipped, bool calibrated) {
   return out;
 }
 
+std::vector<Unit> UnitsOf(const std::vector<DeviceModel>& models) {
+  std::vector<Unit> out;
+  for (const DeviceModel& m : models) {
+    for (const bool calibrated : {true, false}) {
+      Result<Unit> unit = UnitOf(m.profile, calibrated);
+      if (unit.ok()) out.push_back(std::move(*unit));
+    }
+  }
+  return out;
+}
+
 Result<DeviceModel> ModelOf(const DeviceProfile& p) {
   if (p.max_stiffness_mn_per_mm.value <= 0)
     return Refuse("max_stiffness_mn_per_mm", "expected a stiffness above 0 mN/mm");

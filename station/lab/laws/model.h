@@ -57,6 +57,8 @@ struct Unit {
 // with the delay that a station assumes of an attached device, and Kc lowered to it. Errors: those of ModelOf;
 // kInvalidInput where the delay leaves no coupling.
 Result<Unit> UnitOf(const scene::DeviceProfile& shipped, bool calibrated);
+// Each device calibrated, then not. A profile whose delay leaves no coupling has no unit.
+std::vector<Unit> UnitsOf(const std::vector<DeviceModel>& models);
 
 // The model at another loop rate: same b, c, mass; Kc kept or, with `scale_kc`, raised or lowered
 // with 2 b / T as far as friction allows.

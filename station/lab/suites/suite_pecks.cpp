@@ -13,15 +13,12 @@ constexpr double kFaster_hz = 4000;
 
 std::vector<Unit> Units(const SuiteContext& c) {
   std::vector<Unit> out;
-  for (const DeviceModel& m : c.findings.models) {
-    for (const bool calibrated : {false, true}) {
-      Result<Unit> unit = UnitOf(m.profile, calibrated);
-      if (unit.ok()) out.push_back(std::move(*unit));
-    }
-    Result<Unit> faster = UnitOf(m.profile, true);
-    if (!faster.ok()) continue;
-    faster->model = AtRate(faster->model, kFaster_hz, true);
-    out.push_back(std::move(*faster));
+  std::vector<Unit> units = UnitsOf(c.findings.models);
+  for (Unit& unit : units) {
+    out.push_back(unit);
+    if (!unit.calibrated) continue;
+    unit.model = AtRate(unit.model, kFaster_hz, true);
+    out.push_back(std::move(unit));
   }
   return out;
 }

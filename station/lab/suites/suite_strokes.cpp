@@ -17,18 +17,6 @@ namespace {
 constexpr double kHeadline_n_per_mm = 1;
 constexpr double kGrips_n_per_mm[] = {kHeadline_n_per_mm, 0.3, 2};
 
-std::vector<Unit> Units(const SuiteContext& c) {
-  std::vector<Unit> out;
-  for (const DeviceModel& m : c.findings.models) {
-    for (const bool calibrated : {false, true}) {
-      Result<Unit> unit = UnitOf(m.profile, calibrated);
-      // A profile whose delay leaves no coupling has no figures.
-      if (unit.ok()) out.push_back(std::move(*unit));
-    }
-  }
-  return out;
-}
-
 struct Felt {
   double error = kNotApplicable;   // RMS error over RMS force, both over the time of removal
   double within = kNotApplicable;  // share of that time in strokes within fidelity::kShares[1]
@@ -176,7 +164,7 @@ std::vector<ExerciseStroke> StrokesAskedFor(SuiteContext& c) {
 
 void RunStrokesSuite(SuiteContext& c) {
   const std::vector<ExerciseStroke> strokes = StrokesAskedFor(c);
-  const std::vector<Unit> units = Units(c);
+  const std::vector<Unit> units = UnitsOf(c.findings.models);
   std::vector<StrokeRow>& rows = c.findings.exercise_strokes;
   struct Job {
     const Unit* unit;

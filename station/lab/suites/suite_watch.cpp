@@ -30,17 +30,6 @@ const std::vector<haptics::SwingWatchParams>& Settings() {
   return kSettings;
 }
 
-std::vector<Unit> Units(const SuiteContext& c) {
-  std::vector<Unit> out;
-  for (const DeviceModel& m : c.findings.models) {
-    for (const bool calibrated : {true, false}) {
-      Result<Unit> unit = UnitOf(m.profile, calibrated);
-      if (unit.ok()) out.push_back(std::move(*unit));
-    }
-  }
-  return out;
-}
-
 struct Outcome {
   std::optional<double> begins_s;
   std::vector<std::optional<double>> seen_s;  // of each setting
@@ -238,7 +227,7 @@ void AddByError(const std::vector<Job>& jobs, std::vector<Table>* tables) {
 }  // namespace
 
 void RunWatchSuite(SuiteContext& c) {
-  const std::vector<Unit> units = Units(c);
+  const std::vector<Unit> units = UnitsOf(c.findings.models);
   std::vector<Job> jobs = Jobs(c, units);
   std::atomic<size_t> done{0};
   ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {
