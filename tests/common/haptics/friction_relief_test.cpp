@@ -42,8 +42,8 @@ TEST(FrictionReliefTest, ForceAskedNeverMovesMoreThanThePull) {
 
 TEST(FrictionReliefTest, LessIsLeftOutTheHarderTheTissueAndLeastOfAGuess) {
   for (const auto& [own, half_s] : {std::pair{kGuess, 0.04}, {kMeasured, 1.0}}) {
-    const auto left_out = [&](double b) {
-      return 1 - LessFriction(dvec3(1, 0, 0), b, kKc_n_per_m, own).x;
+    const auto left_out = [friction = own](double b) {
+      return 1 - LessFriction(dvec3(1, 0, 0), b, kKc_n_per_m, friction).x;
     };
     const double half = half_s * kKc_n_per_m;
     EXPECT_NEAR(left_out(0), 0.09, 1e-15);
