@@ -364,13 +364,14 @@ void DeclarePeople(CommandGroup admin) {
   auto [add, a] = Declare<Adding>(admin, "add-person", "Add a person",
                                   [](const Adding& o) { return AddPerson(o.data, o.person); });
   AddData(add, a.data);
-  add->add_option("--login", a.person.login)->required();
+  add->add_option("--login", a.person.login, "Name to sign in with")->required();
   add->add_option("--name", a.person.display_name, "Name as shown");
   add->add_option("--role", a.person.role, "student, instructor or admin")->required();
   add->add_option("--id", a.person.id,
                   "The old id of a person that a restore has lost; list-awaited shows it");
   add->add_flag("--password-stdin", a.person.password_from_stdin,
                 "Read the password from standard input; without this the server makes one up");
+  AddExample(add, "--login anna --name \"Anna Schmidt\" --role instructor");
 
   struct Login {
     std::filesystem::path data;
@@ -381,9 +382,10 @@ void DeclarePeople(CommandGroup admin) {
       admin, "set-password", "Set a password; ends the person's sessions",
       [](const Login& o) { return SetPassword(o.data, o.login, o.password_from_stdin); });
   AddData(password, p.data);
-  password->add_option("--login", p.login)->required();
+  password->add_option("--login", p.login, kLoginHelp)->required();
   password->add_flag("--password-stdin", p.password_from_stdin,
                      "Read the password from standard input; without this the server makes one up");
+  AddExample(password, "--login anna");
 
   // Two commands, one implementation: the captured value tells them apart.
   for (bool disabled : {true, false}) {
@@ -393,7 +395,8 @@ void DeclarePeople(CommandGroup admin) {
                  : "Let a person sign in again",
         [disabled](const Login& who) { return SetDisabled(who.data, who.login, disabled); });
     AddData(cmd, o.data);
-    cmd->add_option("--login", o.login)->required();
+    cmd->add_option("--login", o.login, kLoginHelp)->required();
+    AddExample(cmd, "--login anna");
   }
 
   struct Membership {
@@ -404,14 +407,16 @@ void DeclarePeople(CommandGroup admin) {
       Declare<Membership>(admin, "add-cohort", "Add a cohort",
                           [](const Membership& o) { return AddCohort(o.data, o.cohort); });
   AddData(cohort, c.data);
-  cohort->add_option("--name", c.cohort)->required();
+  cohort->add_option("--name", c.cohort, "Its name: one that no cohort has")->required();
+  AddExample(cohort, "--name \"Year 3\"");
 
   auto [member, m] = Declare<Membership>(
       admin, "add-to-cohort", "Add a student or instructor to a cohort",
       [](const Membership& o) { return AddToCohort(o.data, o.cohort, o.login); });
   AddData(member, m.data);
-  member->add_option("--cohort", m.cohort)->required();
-  member->add_option("--login", m.login)->required();
+  member->add_option("--cohort", m.cohort, "Its name")->required();
+  member->add_option("--login", m.login, kLoginHelp)->required();
+  AddExample(member, "--cohort \"Year 3\" --login anna");
 }
 
 void DeclareAttempts(CommandGroup admin) {
@@ -432,6 +437,7 @@ void DeclareAttempts(CommandGroup admin) {
   code->add_option("--minutes", e.valid_minutes, "How long it can be used")
       ->check(CLI::Range(1, 7 * 24 * 60))
       ->capture_default_str();
+  AddExample(code, "--names chairs.txt --minutes 10080");
 
   struct Reference {
     std::filesystem::path data;
@@ -444,7 +450,7 @@ void DeclareAttempts(CommandGroup admin) {
                            return MarkReference(o.data, o.attempt, o.dentist, o.consent, o.anyway);
                          });
   AddData(mark, r.data);
-  mark->add_option("--attempt", r.attempt)->required();
+  mark->add_option("--attempt", r.attempt, "Its id, which list-attempts shows")->required();
   mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
   mark->add_flag(
       "--consent", r.consent,
@@ -452,6 +458,7 @@ void DeclareAttempts(CommandGroup admin) {
   mark->add_option("--anyway", r.anyway,
                    "Why it is the reference although it does not meet the exercise's target; "
                    "recorded in the audit trail");
+  AddExample(mark, std::string("--attempt ") + kSomeId + " --dentist \"Dr Weber\" --consent");
 
   struct References {
     std::filesystem::path data;
@@ -462,6 +469,7 @@ void DeclareAttempts(CommandGroup admin) {
                           [](const References& o) { return ListReferences(o.data, o.name); });
   AddData(references, f.data);
   references->add_option("--exercise", f.name, "Its name; without: of every exercise");
+  AddExample(references, "--exercise class-1-molar-46");
   auto [withdraw, w] =
       Declare<References>(admin, "withdraw-reference",
                           "Withdraw a reference: nobody is compared with it any more; scores stay",
@@ -471,6 +479,7 @@ void DeclareAttempts(CommandGroup admin) {
       ->add_option("--reference", w.name,
                    "Its id, which list-references shows, or that of its attempt")
       ->required();
+  AddExample(withdraw, std::string("--reference ") + kSomeId);
 
   struct Release {
     std::filesystem::path data;
@@ -487,6 +496,7 @@ void DeclareAttempts(CommandGroup admin) {
   auto* one = release->add_option("--attempt", l.attempt, "One attempt's");
   release->add_option("--assignment", l.assignment, "Of every scored attempt under it")
       ->excludes(one);
+  AddExample(release, std::string("--assignment ") + kSomeId);
 
   struct Listing {
     std::filesystem::path data;
@@ -495,7 +505,10 @@ void DeclareAttempts(CommandGroup admin) {
   auto [list, n] = Declare<Listing>(admin, "list-attempts", "Newest attempts first",
                                     [](const Listing& o) { return ListAttempts(o.data, o.limit); });
   AddData(list, n.data);
-  list->add_option("--limit", n.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  list->add_option("--limit", n.limit, "The most to show")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  AddExample(list, "--limit 200");
 }
 
 }  // namespace enamel::server::app

@@ -278,17 +278,18 @@ void DeclareRoster(CommandGroup admin) {
       "All or nothing: with a problem in any row nothing is changed, and all problems are listed.\n"
       "People who already exist keep role and password; they take the name in the file and\n"
       "join the cohort. Nobody is removed; with --move, students leave the cohorts they were in.\n"
-      "Importing the same file again changes nothing.\n\n"
-      "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --dry-run\n"
-      "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --passwords "
-      "year3-new.csv");
+      "Importing the same file again changes nothing.");
+  AddExample(roster, "year3.csv --passwords passwords.csv");
 
   auto [people, p] = Declare<PeopleList>(admin, "list-people", "People by login", ListPeople);
   AddData(people, p.data);
   people->add_option("--role", p.role, "Only students, instructors or admins");
   people->add_option("--cohort", p.cohort, "Only of this cohort");
   people->add_option("--text", p.text, "Only with this in login or name");
-  people->add_option("--limit", p.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  people->add_option("--limit", p.limit, "The most to show")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  AddExample(people, "--cohort \"Year 3\" --role student");
 
   struct Folder {
     std::filesystem::path data;
@@ -297,6 +298,7 @@ void DeclareRoster(CommandGroup admin) {
       Declare<Folder>(admin, "list-cohorts", "Cohorts by name, with how many are in them",
                       [](const Folder& o) { return ListCohorts(o.data); });
   AddData(cohorts, c.data);
+  AddExample(cohorts, "");
 }
 
 void DeclareSessions(CommandGroup admin) {
@@ -307,12 +309,14 @@ void DeclareSessions(CommandGroup admin) {
   auto [list, l] = Declare<Login>(admin, "list-sessions", "Where a person is signed in",
                                   [](const Login& o) { return ListSessions(o.data, o.login); });
   AddData(list, l.data);
-  list->add_option("--login", l.login)->required();
+  list->add_option("--login", l.login, kLoginHelp)->required();
+  AddExample(list, "--login anna");
 
   auto [end, e] = Declare<Login>(admin, "end-sessions", "Sign a person out everywhere",
                                  [](const Login& o) { return EndSessions(o.data, o.login); });
   AddData(end, e.data);
-  end->add_option("--login", e.login)->required();
+  end->add_option("--login", e.login, kLoginHelp)->required();
+  AddExample(end, "--login anna");
 }
 
 }  // namespace enamel::server::app

@@ -253,17 +253,20 @@ void DeclareStations(CommandGroup admin) {
       Declare<Folder>(admin, "list-stations", "Stations by name: admitted, seen, software",
                       [](const Folder& o) { return ListStations(o.data); });
   AddData(list, l.data);
+  AddExample(list, "");
 
   auto [awaited, a] = Declare<Folder>(
       admin, "list-awaited", "Recordings that wait at stations for something a restore has lost",
       [](const Folder& o) { return ListAwaited(o.data); });
   AddData(awaited, a.data);
+  AddExample(awaited, "");
 
   auto [revoke, r] =
       Declare<Folder>(admin, "revoke-station", "Revoke a station permanently",
                       [](const Folder& o) { return RevokeStation(o.data, o.station); });
   AddData(revoke, r.data);
   revoke->add_option("--station", r.station, "Its name, or the id list-stations shows")->required();
+  AddExample(revoke, "--station chair-07");
 
   struct Listing {
     std::filesystem::path data;
@@ -277,16 +280,19 @@ void DeclareStations(CommandGroup admin) {
       ->required();
   AddData(put, p.data);
   put->add_option("--title", p.title, "For people: \"chair 3\"")->required();
+  AddExample(put, "omega3:1234 --title \"chair 3\"");
 
   auto [take, t] = Declare<Listing>(admin, "unlist-device", "Take it off that list",
                                     [](const Listing& o) { return UnlistDevice(o.data, o.name); });
   take->add_option("NAME", t.name, "As list-listed-devices shows it")->required();
   AddData(take, t.data);
+  AddExample(take, "omega3:1234");
 
   auto [show, s] = Declare<Listing>(admin, "list-listed-devices",
                                     "Haptic devices that are allowed for graded work",
                                     [](const Listing& o) { return ListListedDevices(o.data); });
   AddData(show, s.data);
+  AddExample(show, "");
 }
 
 void DeclareStationSettings(CommandGroup admin) {
@@ -304,6 +310,7 @@ void DeclareStationSettings(CommandGroup admin) {
   AddData(set, p.data);
   set->add_option("--at", p.row.scope, kScope)->capture_default_str();
   set->add_flag("--fixed", p.row.fixed, "Before the station's own settings file, not behind it");
+  AddExample(set, "language de --at \"lab2-*\"");
 
   auto [unset, u] = Declare<Setting>(
       admin, "unset-stations", "Leave a setting to stations again",
@@ -311,11 +318,13 @@ void DeclareStationSettings(CommandGroup admin) {
   unset->add_option("NAME", u.row.name, "As list-station-settings shows it")->required();
   AddData(unset, u.data);
   unset->add_option("--at", u.row.scope, kScope)->capture_default_str();
+  AddExample(unset, "language --at \"lab2-*\"");
 
   auto [show, s] =
       Declare<Setting>(admin, "list-station-settings", "What stations are set to from here",
                        [](const Setting& o) { return ListStationSettings(o.data); });
   AddData(show, s.data);
+  AddExample(show, "");
 }
 
 void DeclareProfiles(CommandGroup admin) {
@@ -333,6 +342,7 @@ void DeclareProfiles(CommandGroup admin) {
       ->required();
   AddData(put, p.data);
   put->add_flag("--check", p.check_only, "Only show the criteria with their figures");
+  AddExample(put, "omega3.json --check");
 
   auto [report, r] = Declare<Document>(
       admin, "add-report", "Attach a qualification report to a profile",
@@ -342,6 +352,7 @@ void DeclareProfiles(CommandGroup admin) {
       ->check(CLI::ExistingFile);
   AddData(report, r.data);
   report->add_option("--profile", r.profile, "Name of the profile")->required();
+  AddExample(report, "omega3-report.json --profile omega3");
 
   auto [add, a] =
       Declare<Document>(admin, "add-calibration", "Store a device's calibration",
@@ -350,12 +361,14 @@ void DeclareProfiles(CommandGroup admin) {
       ->required()
       ->check(CLI::ExistingFile);
   AddData(add, a.data);
+  AddExample(add, "today.json");
 
   auto [list, l] =
       Declare<Document>(admin, "list-calibrations", "Calibrations of the devices of a profile",
                         [](const Document& o) { return ListCalibrations(o.data, o.profile); });
   AddData(list, l.data);
   list->add_option("--profile", l.profile, "Name of the profile")->required();
+  AddExample(list, "--profile omega3");
 }
 
 }  // namespace enamel::server::app

@@ -147,9 +147,7 @@ void DeclareAgreement(CommandGroup program) {
   cmd->add_option("--blank", o.blank, "Write a file to be filled in, and compare nothing");
   cmd->add_option("--json", o.json, "Write the figures to this file");
   cmd->add_option("--csv", o.csv, "Write the table to this file");
-  cmd->footer(
-      "  enamel-server agreement --data DIR --assignment ID --blank marks.csv\n"
-      "  enamel-server agreement anna.csv ben.csv --data DIR --assignment ID --csv table.csv");
+  AddExample(cmd, std::string("anna.csv ben.csv --csv table.csv --assignment ") + kSomeId);
 }
 
 }  // namespace enamel::server::app

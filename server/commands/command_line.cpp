@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "common/program/example.h"
+
 namespace enamel::server::app {
 
 // The environment is read here and not by the parser, which would let it overrule another command's
@@ -11,6 +13,11 @@ CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data) {
   const char* given = std::getenv("ENAMEL_DATA");
   if (given != nullptr) data = given;
   return option->required(given == nullptr);
+}
+
+void AddExample(CLI::App* cmd, const std::string& arguments) {
+  program::AddExamples(*cmd,
+                       {arguments + (arguments.empty() ? "" : " ") + "--data /var/lib/enamel"});
 }
 
 void AddIdentity(CLI::App* cmd, std::filesystem::path& identity) {

@@ -31,9 +31,18 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
       [&chosen = group.chosen](std::function<Status()> command) { chosen = std::move(command); });
 }
 
+// Of an option that names somebody.
+inline constexpr char kLoginHelp[] = "The person's login, which list-people shows";
+
+// Of an attempt, reference or assignment, in examples.
+inline constexpr char kSomeId[] = "6f1c9a52-3d0e-4b7a-9c41-2f8d5e07a613";
+
 // --data, as every command but `serve` takes it: from the command line or from ENAMEL_DATA, and
 // from one of them.
 CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data);
+
+// An example of a command that takes --data, which is then the packages' folder (example.h).
+void AddExample(CLI::App* cmd, const std::string& arguments);
 
 // --identity, for TakeIdentity (data_folder.h).
 void AddIdentity(CLI::App* cmd, std::filesystem::path& identity);

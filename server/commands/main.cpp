@@ -8,27 +8,14 @@
 #include "common/program/private_memory.h"
 #include "common/program/suggestion.h"
 #include "common/program/version.h"
-#include "server/commands/admin.h"
-#include "server/commands/admin_people.h"
-#include "server/commands/admin_stations.h"
-#include "server/commands/agreement.h"
 #include "server/commands/command_line.h"
-#include "server/commands/init.h"
-#include "server/commands/move.h"
-#include "server/commands/personal_data.h"
-#include "server/commands/prepared.h"
-#include "server/commands/regrade.h"
-#include "server/commands/report.h"
-#include "server/commands/school_commands.h"
-#include "server/commands/serving.h"
-#include "server/commands/standard.h"
-#include "server/commands/teaching.h"
-#include "server/commands/upkeep.h"
-#include "server/commands/verify_result.h"
+#include "server/commands/commands.h"
 
-// enamel-server: which commands there are. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+// enamel-server. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 using namespace enamel;
 using namespace enamel::server;
+
+constexpr char kName[] = "enamel-server";
 
 int main(int argc, char** argv) {
   program::KeepMemoryPrivate();
@@ -40,42 +27,11 @@ int main(int argc, char** argv) {
     program::SayError("libsodium cannot be initialised on this machine");
     return 1;
   }
-  CLI::App root("Enamel server: station link, storage, scoring, API and page");
+  CLI::App root("Enamel server: station link, storage, scoring, API and page", kName);
   root.require_subcommand(1);
-  root.set_version_flag("--version", program::VersionText("enamel-server"));
+  root.set_version_flag("--version", program::VersionText(kName));
   std::function<Status()> command;
-  const app::CommandGroup top{root, command};
-  // Each command declares itself and its action; nothing runs until the whole line has been parsed.
-  app::DeclareServe(top);
-  app::DeclareWork(top);
-  app::DeclareInit(top);
-  app::DeclareDoctor(top);
-  app::DeclareSupportBundle(top);
-  app::DeclareBackup(top);
-  app::DeclareVerifyResult(top);
-  app::DeclareMove(top);
-  app::DeclareRetention(top);
-  app::DeclareSchools(top);
-  app::DeclareSeed(top);
-  app::DeclareReport(top);
-  app::DeclareRescore(top);
-  app::DeclareAgreement(top);
-  app::DeclareStandard(top);
-  auto* admin =
-      root.add_subcommand("admin", "Manage people, cohorts, stations, exercises, references");
-  admin->require_subcommand(1);
-  for (auto declare : {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions,
-                       app::DeclareStations, app::DeclareStationSettings, app::DeclareProfiles,
-                       app::DeclarePersonalData, app::DeclareAttempts, app::DeclareExercises,
-                       app::DeclareTargets, app::DeclareRubrics, app::DeclareAssignments}) {
-    declare({*admin, command});
-  }
-  root.footer(
-      "First steps:\n"
-      "  enamel-server serve --data DIR                 in one terminal; then, in another:\n"
-      "  enamel-server admin add-person --data DIR --login anna --role admin\n"
-      "  enamel-server admin enrol-code --data DIR      for `enamel-station enrol`\n"
-      "Each command has its own --help. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.");
+  app::DeclareCommands({root, command});
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

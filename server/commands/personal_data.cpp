@@ -333,18 +333,20 @@ void DeclarePersonalData(CommandGroup admin) {
       Declare<Asked>(admin, "export-person", "Write all that is kept about a person",
                      [](const Asked& o) { return ExportPerson(o.data, o.login, o.target); });
   AddData(copy, c.data);
-  copy->add_option("--login", c.login)->required();
+  copy->add_option("--login", c.login, kLoginHelp)->required();
   copy->add_option("TARGET", c.target, "Folder to make; absent or empty")->required();
+  AddExample(copy, "/tmp/anna --login anna");
 
   auto [erase, e] = Declare<Asked>(
       admin, "erase-person", "Erase everything that is kept about a person",
       [](const Asked& o) { return ErasePerson(o.data, o.login, o.confirm, o.with_references); });
   AddData(erase, e.data);
-  erase->add_option("--login", e.login)->required();
+  erase->add_option("--login", e.login, kLoginHelp)->required();
   erase->add_option("--confirm", e.confirm, "The login once more: this cannot be undone")
       ->required();
   erase->add_flag("--with-references", e.with_references,
                   "Also when attempts of this person are reference cuts");
+  AddExample(erase, "--login anna --confirm anna");
 }
 
 }  // namespace enamel::server::app

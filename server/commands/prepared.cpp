@@ -164,8 +164,8 @@ void DeclareTargets(CommandGroup admin) {
                      "Why, although the reference does not meet the exercise's target");
   target->footer(
       "Attempts of the new version are compared with that tooth, so it needs no reference. It is "
-      "assigned\nto nobody yet; assignments of earlier versions stay with theirs.\n\n"
-      "  enamel-server admin target-from-reference --data DIR --exercise class-1-molar-46");
+      "assigned\nto nobody yet; assignments of earlier versions stay with theirs.");
+  AddExample(target, "--exercise class-1-molar-46");
 }
 
 }  // namespace enamel::server::app

@@ -219,6 +219,7 @@ void DeclareRubrics(CommandGroup admin) {
   AddData(show, s.data);
   show->add_option("--exercise", s.exercise, "Its name; the newest version is used")->required();
   show->add_option("--out", s.out, "A new file; without: standard output");
+  AddExample(show, "--exercise class-1-molar-46 --out rubric.json");
 
   struct Correcting {
     std::filesystem::path data;
@@ -241,14 +242,9 @@ void DeclareRubrics(CommandGroup admin) {
   correct->add_flag("--preview", c.correction.preview,
                     "Show what it would change for the scored attempts; change nothing");
   correct->footer(
-      "A published exercise and its recordings never change; only how they are judged does.\n\n"
-      "  enamel-server admin show-rubric --data DIR --exercise class-1-molar --out rubric.json\n"
-      "  enamel-server admin publish-rubric --data DIR --exercise class-1-molar --document "
-      "rubric.json --preview\n"
-      "  enamel-server admin publish-rubric --data DIR --exercise class-1-molar --document "
-      "rubric.json \\\n"
-      "      --reason \"the floor counted twice\"\n"
-      "  enamel-server rescore --data DIR --cohort \"Year 2\" --exercise class-1-molar");
+      "A published exercise and its recordings never change; only how they are judged does.\n"
+      "show-rubric writes the document to edit; rescore applies it to attempts that have a score.");
+  AddExample(correct, "--exercise class-1-molar-46 --document rubric.json --preview");
 }
 
 void DeclareRescore(CommandGroup program) {
@@ -268,6 +264,7 @@ void DeclareRescore(CommandGroup program) {
   rescore->footer(
       "Earlier scores are kept. A released score that changes is withdrawn until it is released "
       "again.");
+  AddExample(rescore, "--cohort \"Year 3\" --exercise class-1-molar-46 --preview");
 }
 
 }  // namespace enamel::server::app

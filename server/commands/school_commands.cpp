@@ -183,13 +183,6 @@ void DeclareSchools(CommandGroup root) {
   auto* school =
       root.parent.add_subcommand("school", "Add and manage other schools of an installation");
   school->require_subcommand(1);
-  school->footer(
-      "An installation serves its own school and any others that you add. Each has its\n"
-      "own host name, people, stations and data; nobody in one school sees anything of another.\n\n"
-      "  enamel-server school add north --host north.example.edu --admin anna --data DIR\n"
-      "  enamel-server admin enrol-code --data DIR/schools/north     for its stations\n"
-      "  enamel-server school export north --to BACKUP --data DIR\n"
-      "  enamel-server school suspend north --data DIR");
   const CommandGroup group{*school, root.chosen};
   const auto declare = [&](const std::string& name, const std::string& help, auto run) {
     auto declared = Declare<SchoolCommand>(group, name, help, run);
@@ -207,21 +200,33 @@ void DeclareSchools(CommandGroup root) {
   hosts(add, a);
   add->add_option("--admin", a.admin,
                   "Login of its first admin, who gets a password for one sign-in");
-  declare("list", "Show them", ListSchools);
+  AddExample(add, "north --host north.example.edu --admin anna");
+  AddExample(declare("list", "Show them", ListSchools).cmd, "");
   auto [rename, r] = declare("set-hosts", "Give one other host names", SetSchoolHosts);
   named(rename, r);
   hosts(rename, r);
+  AddExample(rename, "north --host north.example.edu --host nord.example.edu");
   auto [suspend, s] = declare("suspend", "Let nobody in; keep all data", SuspendSchool);
   named(suspend, s);
+  AddExample(suspend, "north");
   auto [resume, u] = declare("resume", "Serve one again", ResumeSchool);
   named(resume, u);
+  AddExample(resume, "north");
   auto [exported, e] = declare("export", "Write a school's data as a backup", ExportSchool);
   named(exported, e);
   exported->add_option("--to", e.target, "Folder for it: absent or empty")->required();
   exported->add_option("--json", e.json, "Write the outcome to this file");
+  AddExample(exported, "north --to /var/backups/enamel/north");
   auto [removed, d] = declare("delete", "Delete one, for good", RemoveSchool);
   named(removed, d);
   removed->add_option("--confirm", d.confirm, "Its name once more");
+  AddExample(removed, "north --confirm north");
+  // After its commands, which would inherit it.
+  school->footer(
+      "An installation serves its own school and any others that you add. Each has its\n"
+      "own host name, people, stations and data; nobody in one school sees anything of another.\n\n"
+      "A school's data folder, for other commands, is schools/NAME in that of the installation:\n"
+      "  enamel-server admin enrol-code --data /var/lib/enamel/schools/north");
 }
 
 }  // namespace enamel::server::app

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "common/program/example.h"
 #include "common/program/findings.h"
 #include "common/program/output.h"
 #include "common/program/settings.h"
@@ -136,11 +137,11 @@ void DeclareServe(CommandGroup root) {
                 "Print the settings in use as such a file, and exit");
   cmd->footer(
       "Every setting can come from the command line, from the environment (--job-threads is\n"
-      "ENAMEL_JOB_THREADS) or from the file; the first of these wins.\n\n"
-      "  enamel-server serve --data ~/enamel                      try it, on this machine only\n"
-      "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
+      "ENAMEL_JOB_THREADS) or from the file; the first of these wins.\n"
       "Watch it with GET /readyz (503 when no recordings are taken) and GET /metrics "
       "(Prometheus).");
+  program::AddExamples(*cmd, {"--data ~/enamel                      # try it, on this machine only",
+                              "--config /etc/enamel/server.toml     # as the unit does"});
   // Not by Declare: the action needs the command itself, for the other sources of settings.
   cmd->callback([options, cmd, &chosen = root.chosen] {
     chosen = [options, cmd]() -> Status {
@@ -215,8 +216,8 @@ void DeclareWork(CommandGroup root) {
   cmd->footer(
       "Run more of these to score a whole class sooner; each job is done by one of them. Start as\n"
       "many as there are spare processors, and stop them at any time: an unfinished job goes back\n"
-      "to the queue, within half a minute if its worker was killed.\n\n"
-      "  enamel-server work --data /var/lib/enamel --threads 4");
+      "to the queue, within half a minute if its worker was killed.");
+  AddExample(cmd, "--threads 4");
 }
 
 void DeclareSeed(CommandGroup root) {
@@ -229,6 +230,7 @@ void DeclareSeed(CommandGroup root) {
       ->check(CLI::Range(20, 500))
       ->capture_default_str();
   cmd->add_option("--json", o.json, "Write the facts to this file");
+  AddExample(cmd, "");
 }
 
 }  // namespace enamel::server::app

@@ -118,10 +118,11 @@ void DeclareStandard(CommandGroup program) {
   cmd->add_option("--json", o.json, "Write the figures to this file");
   cmd->footer(
       "Borderline regression needs ratings of 8 attempts at least and three different ones; below\n"
-      "30 attempts it warns. Angoff's method needs two examiners.\n\n"
-      "  enamel-server agreement --data DIR --assignment ID --blank marks.csv\n"
-      "  enamel-server standard anna.csv ben.csv --data DIR --assignment ID\n\n"
+      "30 attempts it warns. Angoff's method needs two examiners. agreement --blank makes the "
+      "file\n"
+      "that examiners fill in.\n"
       "Exit codes: 0 there is a cut score, 1 there is none, and why.");
+  AddExample(cmd, std::string("anna.csv ben.csv --assignment ") + kSomeId);
 }
 
 }  // namespace enamel::server::app

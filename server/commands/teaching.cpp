@@ -369,6 +369,13 @@ Status ReleaseAssignment(const std::filesystem::path& data, const std::string& i
   return Status::Ok();
 }
 
+namespace {
+
+constexpr char kExerciseHelp[] = "The exercise's, which list-exercises shows";
+constexpr char kAssignmentHelp[] = "Its id, which list-assignments shows";
+
+}  // namespace
+
 void DeclareExercises(CommandGroup admin) {
   struct Publishing {
     std::filesystem::path data;
@@ -405,8 +412,8 @@ void DeclareExercises(CommandGroup admin) {
       "a published version never changes. It is offered for any device, even a\n"
       "simulated hand. For dates, limits, exams and allowed devices: --unassigned, then\n"
       "assign-exercise. Of a scene each graded exercise also comes as practice, named\n"
-      "practice-NAME: students see target, progress and score at once.\n\n"
-      "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
+      "practice-NAME: students see target, progress and score at once.");
+  AddExample(publish, "--scene builtin:molar --name class-1 --cohort \"Year 3\"");
 
   struct Named {
     std::filesystem::path data;
@@ -416,13 +423,15 @@ void DeclareExercises(CommandGroup admin) {
       Declare<Named>(admin, "retire-exercise", "Stop offering it: no version can be assigned",
                      [](const Named& o) { return RetireExercise(o.data, o.name, o.reason); });
   AddData(retire, r.data);
-  retire->add_option("--name", r.name)->required();
+  retire->add_option("--name", r.name, kExerciseHelp)->required();
   retire->add_option("--reason", r.reason, "Why, for the audit trail");
+  AddExample(retire, "--name class-1-molar-46 --reason \"replaced by class-2\"");
   auto [offer, f] =
       Declare<Named>(admin, "offer-exercise", "Offer again what was retired, as it was before",
                      [](const Named& o) { return OfferExercise(o.data, o.name); });
   AddData(offer, f.data);
-  offer->add_option("--name", f.name)->required();
+  offer->add_option("--name", f.name, kExerciseHelp)->required();
+  AddExample(offer, "--name class-1-molar-46");
 
   struct Share {
     std::filesystem::path data;
@@ -441,6 +450,7 @@ void DeclareExercises(CommandGroup admin) {
     if (Status asked = MustChangeSomething(sharing); !asked.ok())
       throw CLI::ValidationError("share-exercise", asked.message());
   });
+  AddExample(share, "--exercise class-1-molar-46 --owner anna --shared");
 
   auto [list, l] =
       Declare<Named>(admin, "list-exercises", "Drafts, published and retired exercises",
@@ -448,6 +458,7 @@ void DeclareExercises(CommandGroup admin) {
   AddData(list, l.data);
   list->add_option("--state", l.state, "Only these")
       ->check(CLI::IsMember({"draft", "published", "retired"}));
+  AddExample(list, "--state published");
 }
 
 void DeclareAssignments(CommandGroup admin) {
@@ -489,10 +500,8 @@ void DeclareAssignments(CommandGroup admin) {
           "list, every haptic device, a mouse too, or any, also a simulated hand")
       ->check(CLI::IsMember({"listed", "haptic", "pointer", "any"}))
       ->capture_default_str();
-  assign->footer(
-      "  enamel-server admin assign-exercise --data DIR --exercise class-1-molar-46 --cohort "
-      "\"Year 2\" \\\n"
-      "      --opens \"2026-12-01 08:00\" --due \"2026-12-01 12:00\" --attempts 1 --exam");
+  AddExample(assign,
+             "--exercise class-1-molar-46 --cohort \"Year 3\" --due \"2026-12-01 12:00\" --exam");
 
   struct Named {
     std::filesystem::path data;
@@ -508,20 +517,23 @@ void DeclareAssignments(CommandGroup admin) {
       admin, "move-assignment", "Move an assignment to another version of its exercise",
       [](const Moving& o) { return MoveAssignment(o.data, o.id, o.version, o.dry_run); });
   AddData(move, m.data);
-  move->add_option("--assignment", m.id)->required();
+  move->add_option("--assignment", m.id, kAssignmentHelp)->required();
   move->add_option("--version", m.version, "Without: the newest")->check(CLI::PositiveNumber);
   move->add_flag("--dry-run", m.dry_run, "Show what would move; change nothing");
+  AddExample(move, std::string("--assignment ") + kSomeId + " --dry-run");
 
   auto [end, e] = Declare<Named>(
       admin, "end-assignment",
       "Remove an assignment; one with attempts is due now instead, and stays for their release",
       [](const Named& o) { return EndAssignment(o.data, o.id); });
   AddData(end, e.data);
-  end->add_option("--assignment", e.id)->required();
+  end->add_option("--assignment", e.id, kAssignmentHelp)->required();
+  AddExample(end, std::string("--assignment ") + kSomeId);
 
   auto [list, l] = Declare<Named>(admin, "list-assignments", "Assignments, by due time",
                                   [](const Named& o) { return ListAssignments(o.data); });
   AddData(list, l.data);
+  AddExample(list, "");
 }
 
 }  // namespace enamel::server::app

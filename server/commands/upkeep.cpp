@@ -13,6 +13,7 @@
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
+#include "common/program/example.h"
 #include "server/app/data_folder.h"
 #include "server/app/school_folder.h"
 #include "server/commands/command_line.h"
@@ -425,10 +426,8 @@ void DeclareBackup(CommandGroup root) {
   backup->footer(
       "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
       "Hard links save space but are lost with the disk: back up to another disk.\n"
-      "It is written to TARGET.part, and gets its name when it is whole.\n\n"
-      "  enamel-server backup /mnt/backup/2026-09-01 --data /var/lib/enamel\n"
-      "  enamel-server verify /mnt/backup/2026-09-01\n"
-      "  enamel-server restore /mnt/backup/2026-09-01 --data /var/lib/enamel-new");
+      "It is written to TARGET.part, and gets its name when it is whole.");
+  AddExample(backup, "/var/backups/enamel/before-update");
 
   auto [restore, r] = Declare<RestoreCommand>(
       root, "restore", "Make a data folder from a backup, and verify it",
@@ -447,6 +446,7 @@ void DeclareBackup(CommandGroup root) {
   restore->add_flag("--accept-damage", r.accept_damage,
                     "Leave out files that are missing or damaged, and list them");
   restore->add_option("--json", r.json, "Write the outcome to this file");
+  program::AddExamples(*restore, {"--newest /var/backups/enamel --data /var/lib/enamel-new"});
 
   struct Asked {
     VerifyCommand verify;
@@ -476,6 +476,7 @@ void DeclareBackup(CommandGroup root) {
   verify->add_option("--json", v.verify.json, "Write everything that was found to this file");
   verify->footer(
       "Changes nothing. Exit code 1 when anything disagrees; all of it is listed first.");
+  program::AddExamples(*verify, {"--newest /var/backups/enamel", "--data /var/lib/enamel"});
 }
 
 void DeclareRetention(CommandGroup root) {
@@ -492,8 +493,8 @@ void DeclareRetention(CommandGroup root) {
       "  unfinished   attempts that were never ended, from their beginning (at least 14 days)\n"
       "  recordings   motion, forces and the cut tooth, from the end; the score stays\n"
       "  attempts     all of an attempt, from the end\n"
-      "Reference cuts are always kept.\n\n"
-      "  enamel-server retention --data /var/lib/enamel --set recordings --days 730");
+      "Reference cuts are always kept.");
+  AddExample(cmd, "--set recordings --days 730");
 }
 
 }  // namespace enamel::server::app

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+// What every command of a program tells in its help.
+namespace enamel::test {
+
+inline std::string WordsOf(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return (parent == nullptr ? "" : WordsOf(*parent) + " ") + command.get_name();
+}
+
+inline std::vector<CLI::App*> SelfAndBelow(CLI::App& app) {
+  std::vector<CLI::App*> out{&app};
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    for (CLI::App* each : SelfAndBelow(*command)) out.push_back(each);
+  }
+  return out;
+}
+
+// The program's command lines in a help's end, without the program's name and what a shell does
+// with them: each in an indented line, continued after a backslash.
+inline std::vector<std::string> ExamplesIn(const std::string& footer, const std::string& program) {
+  std::string joined = footer;
+  for (size_t at = 0; (at = joined.find("\\\n", at)) != std::string::npos;) joined.erase(at, 2);
+  std::vector<std::string> out;
+  std::istringstream lines(joined);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t at = line.rfind(" " + program + " ");
+    if (!line.starts_with("  ") || at == std::string::npos) continue;
+    std::string arguments = line.substr(at + program.size() + 2);
+    for (const char* end : {" #", " |", " >", " &&"}) {
+      arguments = arguments.substr(0, arguments.find(end));
+    }
+    out.push_back(arguments);
+  }
+  return out;
+}
+
+// Parses and runs nothing; files that an example names need not be there.
+inline void Disarm(CLI::App& app) {
+  for (CLI::App* command : SelfAndBelow(app)) {
+    command->final_callback([] {});
+    for (CLI::Option* option : command->get_options()) {
+      try {
+        for (int i = 0;; ++i) {
+          CLI::Validator* check = option->get_validator(i);
+          if (check->get_description() == "FILE") check->active(false);
+        }
+      } catch (const CLI::OptionNotFound&) {
+      }
+    }
+  }
+}
+
+// Fails for a command without an example in its help, for an example that the program refuses, and
+// for an option without a description. `app` is as it is before the parsing.
+inline void ExpectHelpOfEveryCommand(CLI::App& app) {
+  Disarm(app);
+  for (CLI::App* command : SelfAndBelow(app)) {
+    const bool is_group = !command->get_subcommands([](CLI::App*) { return true; }).empty();
+    bool has_example = false;
+    for (const std::string& example : ExamplesIn(command->get_footer(), app.get_name())) {
+      try {
+        app.parse(example);
+      } catch (const CLI::ParseError& error) {
+        ADD_FAILURE() << WordsOf(*command) << " --help: \"" << example << "\": " << error.what();
+        continue;
+      }
+      const CLI::App* parsed = &app;
+      while (!parsed->get_subcommands().empty()) parsed = parsed->get_subcommands().front();
+      has_example = has_example || parsed == command;
+    }
+    EXPECT_TRUE(has_example || is_group) << WordsOf(*command) << " --help has no example of it";
+    for (const CLI::Option* option : command->get_options()) {
+      const bool is_hidden = option->get_group().empty();
+      EXPECT_TRUE(is_hidden || !option->get_description().empty())
+          << WordsOf(*command) << ": " << option->get_name() << " has no description";
+    }
+  }
+}
+
+}  // namespace enamel::test
