@@ -32,7 +32,7 @@ struct SwingWatchParams {
   double tick_s = 0.001;
   // Smaller alternations are not looked at, N. Lower: a strong tremor trips it. Higher: swings that
   // begin small are caught later.
-  double least_n = 0.3;
+  double least_n = 0.25;
   // More of them: later. Fewer: a hard tap trips it.
   int half_cycles = 6;
 };
