@@ -187,7 +187,8 @@ echo "# remove, purge"
 apt-get remove -y -qq enamel-server enamel-station >/dev/null
 [ -f /etc/enamel/server.toml ] || fail "remove took the settings"
 [ -f /var/lib/enamel/enamel.db ] || fail "remove took the data"
-apt-get purge -y -qq enamel-server enamel-station
+apt-get purge -y -qq enamel-server enamel-station | tee /tmp/purged
+grep -q 'rm -r /var/backups/enamel' /tmp/purged || fail "purge does not say that the backups are kept"
 [ ! -e /etc/enamel ] || fail "purge left /etc/enamel"
 [ -f /var/lib/enamel/enamel.db ] || fail "purge took the data"
 apt-get install -y -qq ./enamel-server_*.deb >/dev/null

@@ -196,7 +196,7 @@ result=$work/mine/attempts/$attempt/result.bin
 key=$(enamel-server admin list-stations --data "$data" | sed -nE "s/^key of this server's tickets and results +//p")
 assignment=$(enamel-server admin list-assignments --data "$data" | grep -v practice | cut -d ' ' -f 1)
 export ENAMEL_PASSWORD=$anna
-for guide in for_instructors at_the_chair for_data_protection for_researchers for_students haptic_devices is_it_for_you what_a_hand_feels paper README; do
+for guide in for_instructors at_the_chair for_data_protection for_researchers first_exam first_week haptic_devices is_it_for_you pilot what_a_hand_feels paper README; do
   try "docs/$guide.md"
 done
 mode=counts try docs/several_servers.md

@@ -1,14 +1,17 @@
 // Guides and READMEs do not promise what is not there: guides.mjs BIN. Every link leads to a file, and to a heading in it. Every
 // enamel-… command that is written in them has these subcommands and options, as the program's own --help lists them. What the
-// guides set in italics is shown by the page or the window.
+// guides set in italics is shown by the page or the window. Translations agree with their originals (translations.mjs).
 import { execFileSync } from 'node:child_process';
-import { existsSync, readFileSync, readdirSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import { dirname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { languageOf, shownTexts, translatedGuides, wrongInTranslation } from './translations.mjs';
+import { links, withoutBlocks } from './links.mjs';
 
 const bin = process.argv[2];
 const root = normalize(join(dirname(fileURLToPath(import.meta.url)), '../..'));
-const guides = readdirSync(join(root, 'docs')).filter((name) => name.endsWith('.md')).map((name) => `docs/${name}`);
+const translated = translatedGuides(root);
+const guides = readdirSync(join(root, 'docs')).filter((name) => name.endsWith('.md')).map((name) => `docs/${name}`).concat(translated);
 const files = [...guides, 'README.md', 'CHANGELOG.md', 'CONTRIBUTING.md', 'SECURITY.md', 'server/README.md', 'station/README.md', 'station/lab/README.md'];
 let failed = 0;
 const wrong = (file, text) => {
@@ -16,25 +19,7 @@ const wrong = (file, text) => {
   failed = 1;
 };
 
-// As GitHub makes a heading's anchor.
-const slug = (heading) => heading.replace(/[`*]/g, '').trim().toLowerCase().replace(/[^\p{L}\p{N}\s_-]/gu, '').replace(/\s/g, '-');
-const anchors = new Map();
-function anchorsOf(path) {
-  if (!anchors.has(path)) {
-    const text = readFileSync(path, 'utf8').replace(/^ *```[\s\S]*?^ *```/gm, '');
-    anchors.set(path, new Set([...text.matchAll(/^#+ +(.*)$/gm)].map((m) => slug(m[1]))));
-  }
-  return anchors.get(path);
-}
-function checkLinks(file, text) {
-  for (const [, target] of text.matchAll(/\]\(([^)\s]+)\)/g)) {
-    if (/^[a-z]+:/.test(target)) continue;
-    const [path, anchor] = target.split('#');
-    const full = path ? join(root, dirname(file), path) : join(root, file);
-    if (!existsSync(full)) wrong(file, `a link to ${target}, which is not there`);
-    else if (anchor && full.endsWith('.md') && !anchorsOf(full).has(anchor)) wrong(file, `${path || file} has no heading #${anchor}`);
-  }
-}
+const { slug, brokenLinks } = links(root);
 
 const helps = new Map();
 function helpOf(words) {
@@ -87,31 +72,32 @@ function checkCommand(file, line) {
 }
 
 // What people see, up to where a figure or a name is filled in; "Delete…" is also found as "Delete".
-const shown = ['page', 'window', 'exercise'].flatMap((name) =>
-  Object.values(JSON.parse(readFileSync(join(root, `schemas/words/en/${name}.json`), 'utf8')).messages),
-);
+const shown = shownTexts(root);
 function checkWords(file, text) {
   for (const [, phrase] of text.replace(/^ *\* /gm, '').matchAll(/(?<![*\w])\*(?![ *])([^*]+?)(?<! )\*(?![*\w])/g)) {
     const words = phrase.replace(/\s+/g, ' ');
-    if (!shown.some((message) => message.startsWith(words))) wrong(file, `neither page nor window shows "${words}"`);
+    if (!shown[languageOf(file)].some((message) => message.startsWith(words))) wrong(file, `neither page nor window shows "${words}"`);
   }
 }
 
+for (const file of translated) {
+  for (const text of wrongInTranslation(root, file)) wrong(file, text);
+}
 for (const file of files) {
   const text = readFileSync(join(root, file), 'utf8');
-  checkLinks(file, text.replace(/^ *```[\s\S]*?^ *```/gm, ''));
+  for (const broken of brokenLinks(file)) wrong(file, broken);
   for (const [, block] of text.matchAll(/^ *```\w*\n([\s\S]*?)^ *```/gm)) {
     for (const line of block.replace(/\\\n/g, ' ').split('\n')) checkCommand(file, line);
   }
-  if (/^docs\/(for_|at_)/.test(file)) checkWords(file, text.replace(/^ *```[\s\S]*?^ *```/gm, ''));
-  for (const [, span] of text.replace(/^ *```[\s\S]*?^ *```/gm, '').matchAll(/`([^`]*enamel-(?:server|station|lab) [^`]*)`/g)) {
+  if (/^docs\/(\w\w\/)?(for_|at_|first_)/.test(file)) checkWords(file, withoutBlocks(text));
+  for (const [, span] of withoutBlocks(text).matchAll(/`([^`]*enamel-(?:server|station|lab) [^`]*)`/g)) {
     checkCommand(file, span.replace(/\n/g, ' '));
   }
 }
 // A text of more than 100 lines leads to each of its parts.
 // docs/paper.md is made by enamel-lab.
 for (const file of files.filter((name) => /^(docs|server|station)\//.test(name) && name !== 'docs/paper.md')) {
-  const text = readFileSync(join(root, file), 'utf8').replace(/^ *```[\s\S]*?^ *```/gm, '');
+  const text = withoutBlocks(readFileSync(join(root, file), 'utf8'));
   const heads = [...text.matchAll(/^## +(.*)$/gm)].map((m) => m[1]);
   if (text.split('\n').length <= 100 || heads.length < 3) continue;
   const linked = new Set([...text.matchAll(/\]\(#([^)]+)\)/g)].map((m) => m[1]));
@@ -124,13 +110,13 @@ for (const file of guides) {
 }
 // A release has its section; until then one collects what comes.
 const changelog = readFileSync(join(root, 'CHANGELOG.md'), 'utf8');
-const [, version] = readFileSync(join(root, 'CMakeLists.txt'), 'utf8').match(/^project\(enamel VERSION ([0-9.]+)/m);
+const version = readFileSync(join(root, 'VERSION'), 'utf8').trim();
 const sections = [...changelog.matchAll(/^## (.*)$/gm)].map((m) => m[1]);
 if (!/^(Unreleased \([0-9.]+\)|[0-9.]+ - \d{4}-\d\d-\d\d)$/.test(sections[0] ?? '')) {
   wrong('CHANGELOG.md', `begins with "${sections[0]}", and not with "Unreleased (VERSION)" or "VERSION - DATE"`);
 }
-if (!sections[0]?.startsWith('Unreleased') && !sections[0]?.startsWith(`${version} `)) {
-  wrong('CHANGELOG.md', `does not begin with version ${version}, which CMakeLists.txt names`);
+if (!sections[0]?.startsWith(`Unreleased (${version})`) && !sections[0]?.startsWith(`${version} - `)) {
+  wrong('CHANGELOG.md', `begins with "${sections[0]}", and VERSION says ${version}`);
 }
 if (commands < 50) wrong('guides.mjs', `found only ${commands} commands`);
 console.log(`${files.length} texts, ${commands} commands, ${helps.size} helps read`);

@@ -20,11 +20,16 @@ has() { grep -qxF "$1" "$work/all"; }
 # Paths of ours that units, settings and guides name. Not installed here: what an admin makes, and
 # what packaging/build makes of the programs' help.
 made='/usr/share/doc/enamel-server/all_settings.toml|/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env|falcon\.bin)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
-grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/for_it.md "$root"/docs/at_the_chair.md \
+grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/*.md "$root"/schemas/*.md \
   "$root"/{server,station}/ops/*.{service,timer,toml} | sed 's/[.:]*$//' | sort -u | grep -vE "^($made)" >"$work/named"
 while read -r path; do
   has "$path" || grep -qF "$path/" "$work/all" || wrong "$path is named by a unit, its settings or a guide, and no package has it"
 done <"$work/named"
+
+# Whoever reads the guides there finds what they link to.
+doc=$work/doc/usr/share/doc/enamel
+ln -sfn "$root/LICENSE" "$doc/LICENSE"  # a link to Debian's copy, which a computer need not have
+node "$root/tests/packaging/links.mjs" "$doc" || wrong "the guides have broken links where they are installed"
 
 # Each unit's user and folder are made by its own package, and settings that somebody may have changed survive an upgrade.
 for part in server station; do
@@ -39,6 +44,19 @@ for part in server station; do
     wrong "packaging/$part/conffiles is not what $part has in /etc: $(cat "$work/diff")"
   for script in postinst prerm postrm; do sh -n "$root/packaging/$part/$script" || wrong "$part/$script is no shell script"; done
 done
+
+# Purging names what it leaves, and deletes only what it was asked to.
+sed "s#/var/#$work/var/#g" "$root/packaging/server/postrm" >"$work/postrm"
+mkdir -p "$work"/var/{lib,backups}/enamel
+touch "$work"/var/{lib,backups}/enamel/kept
+purged=$(sh "$work/postrm" purge)
+for folder in lib backups; do
+  [[ $purged = *"rm -r $work/var/$folder/enamel"* ]] || wrong "purge does not say how to delete /var/$folder/enamel"
+done
+[ -e "$work/var/lib/enamel/kept" ] || wrong "purge took the data"
+purged=$(ENAMEL_PURGE_RECORDINGS=yes sh "$work/postrm" purge)
+[ ! -e "$work/var/lib/enamel" ] && [ -e "$work/var/backups/enamel/kept" ] && [[ $purged != *var/lib* ]] ||
+  wrong "purge with ENAMEL_PURGE_RECORDINGS=yes deletes other than the data, or says so"
 
 if command -v apparmor_parser >/dev/null; then
   for part in server station; do
