@@ -39,10 +39,13 @@ Status Refused(const std::string& path, int error) {
   };
   switch (error) {
     case EACCES:
-      return because(path +
-                         " may not be used by you: an admin installs station/ops/60-enamel.rules, "
-                         "with a line for the device where it has none, then plug it in again",
-                     trouble::kPermission);
+      return because(
+          path +
+              " may not be used by you: /usr/lib/udev/rules.d/60-enamel.rules gives the "
+              "devices it lists to the group plugdev and to who sits here; an admin adds "
+              "a line for another in /etc/udev/rules.d/61-enamel.rules. Then plug it in "
+              "again",
+          trouble::kPermission);
     case EPERM:
       return because(path +
                          " is of a kind that the unit of this program does not list: an admin runs "

@@ -14,6 +14,11 @@ namespace {
 
 constexpr int kPriority = 80;  // above audio and network, below the kernel's own threads
 
+// The package installs the file; the units have the limits themselves.
+constexpr char kAllowed[] =
+    "/etc/security/limits.d/60-enamel.conf allows it to the group enamel-station: add the user to "
+    "that group and sign in again; a systemd unit needs ";
+
 void Add(std::string& text, const std::string& sentence) {
   if (!text.empty()) text += "; ";
   text += sentence;
@@ -50,15 +55,13 @@ RealtimeGrant RequestRealtime(const RealtimeRequest& request) {
   grant.fifo = error == 0;
   if (!grant.fifo) {
     Add(grant.refused, std::string("real-time priority refused (") + std::strerror(error) +
-                           "): other programs can make ticks late. Allow it with '@GROUP - rtprio "
-                           "80' in /etc/security/limits.d/enamel.conf and a new login, or "
-                           "LimitRTPRIO=80 in the systemd unit");
+                           "): other programs can make ticks late. " + kAllowed + "LimitRTPRIO=80");
   }
   grant.memory_locked = LockMemory();
   if (!grant.memory_locked) {
     Add(grant.refused, std::string("memory lock refused (") + std::strerror(errno) +
-                           "): a swapped-out page can make a tick late. Allow it with '@GROUP - "
-                           "memlock unlimited' there, or LimitMEMLOCK=infinity in the unit");
+                           "): a swapped-out page can make a tick late. " + kAllowed +
+                           "LimitMEMLOCK=infinity");
   }
   if (request.cpu >= 0) {
     error = Pin(request.cpu);

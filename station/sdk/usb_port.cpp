@@ -67,8 +67,8 @@ Status Refused(const UsbInfo& info, int error) {
     case LIBUSB_ERROR_ACCESS:
       return {Code::kUnavailable,
               name +
-                  " may not be used by you: an admin installs station/ops/60-enamel.rules, then "
-                  "plug it in again",
+                  " may not be used by you: /usr/lib/udev/rules.d/60-enamel.rules gives it to the "
+                  "group plugdev and to who sits here; plug it in again",
               trouble::kPermission};
     case LIBUSB_ERROR_BUSY:
       return {Code::kUnavailable,

@@ -85,7 +85,8 @@ TEST(DeviceRightsTest, WhyADeviceFileCannotBeOpenedIsNamedWithTheRemedy) {
     const char* said;
   };
   for (const Case& c :
-       {Case{Fails<EACCES>, "/dev/hidraw0", trouble::kPermission, "60-enamel.rules"},
+       {Case{Fails<EACCES>, "/dev/hidraw0", trouble::kPermission,
+             "/usr/lib/udev/rules.d/60-enamel.rules"},
         {Fails<EPERM>, "/dev/hidraw0", trouble::kConfined, "'DeviceAllow=char-hidraw rw'"},
         {Fails<EPERM>, "/dev/ttyACM0", trouble::kConfined, "'DeviceAllow=char-ttyACM rw'"},
         {Fails<EPERM>, "/dev/bus/usb/001/002", trouble::kConfined,
