@@ -64,11 +64,30 @@ bool IsLongRun(std::string_view word) {
 
 }  // namespace
 
-Scrubber::Scrubber(std::set<std::string> names) {
+Scrubber::Scrubber(std::set<std::string> names, const std::set<std::string>& hosts) {
   for (const std::string& name : names) {
     if (name.size() > 1) names_.insert(Lower(name));
   }
+  // Name no school, and are words of paths and messages.
+  static const std::set<std::string> kNamesNobody{"", "enamel", "localhost", "server", "www"};
+  for (const std::string& given : hosts) {
+    const std::string host = Lower(given);
+    if (IsAddress(host)) continue;
+    const size_t dot = host.find('.');
+    const std::string label = host.substr(0, dot);
+    if (!kNamesNobody.contains(label)) hosts_.insert(label);
+    if (dot == std::string::npos) continue;
+    const std::string domain = host.substr(dot + 1);
+    domains_.insert(domain.find('.') == std::string::npos ? host : domain);
+  }
   randombytes_buf(salt_.bytes.data(), salt_.bytes.size());
+}
+
+bool Scrubber::IsHost(std::string_view word) const {
+  const std::string host = Lower(word);
+  return hosts_.contains(host) || std::ranges::any_of(domains_, [&](const std::string& domain) {
+           return host == domain || host.ends_with("." + domain);
+         });
 }
 
 std::string Scrubber::OtherId(std::string_view id) const {
@@ -101,7 +120,7 @@ std::string Scrubber::Word(std::string_view word) const {
     for (size_t begin = 0; begin < word.size();) {
       const size_t part = std::min(word.find_first_of("/:_", begin), word.size());
       const std::string_view one = word.substr(begin, part - begin);
-      parts += names_.contains(Lower(one)) ? std::string("[name]") : std::string(one);
+      parts += names_.contains(Lower(one)) ? "[name]" : IsHost(one) ? "[host]" : std::string(one);
       if (part < word.size()) parts += word[part];
       begin = part + 1;
     }

@@ -69,6 +69,21 @@ Result<std::set<std::string>> Names(const ServeOptions& serve) {
   return out;
 }
 
+// What names the computer and, with it, the school.
+std::set<std::string> Hosts(const ServeOptions& serve) {
+  std::set<std::string> out(serve.host_names.begin(), serve.host_names.end());
+  utsname name{};
+  ::uname(&name);
+  out.insert(name.nodename);
+  // Of https://HOST:PORT/PATH.
+  const size_t scheme = serve.page_url.find("://");
+  if (scheme != std::string::npos) {
+    const std::string rest = serve.page_url.substr(scheme + 3);
+    out.insert(rest.substr(0, rest.find_first_of(":/")));
+  }
+  return out;
+}
+
 // A line of the log: text, or one JSON object of which the message is scrubbed.
 json::value Line(const Scrubber& scrubber, const std::string& line) {
   boost::system::error_code error;
@@ -156,7 +171,7 @@ Status Write(const std::filesystem::path& target, const std::string& text) {
 
 Status SupportBundle(const SupportBundleCommand& command) {
   const auto names = Names(command.serve);
-  const Scrubber scrubber(names.ok() ? *names : std::set<std::string>());
+  const Scrubber scrubber(names.ok() ? *names : std::set<std::string>(), Hosts(command.serve));
   json::object out{{"format", 1},
                    {"made_ms", enamel::UnixMs()},
                    {"version", program::VersionText("enamel-server")},

@@ -16,8 +16,8 @@ struct SupportBundleCommand {
 };
 
 // Writes what helps somebody elsewhere to find a fault (schemas/support_bundle.md): one JSON
-// document that its sender can read first. It has no secrets and no personal data: names that the
-// database knows are taken out (scrub.h), and without the database the log is left out. Errors:
+// document that its sender can read first. It has no secrets, no personal data and no name of the computer:
+// hosts, and names that the database knows, are taken out (scrub.h), and without the database the log is left out. Errors:
 // kStorage (the target cannot be written, as where the disk is full; nothing is left of it).
 Status SupportBundle(const SupportBundleCommand& command);
 

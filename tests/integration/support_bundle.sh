@@ -9,14 +9,15 @@ port=$(free_ports)
 "$bin/enamel-server" init --data "$data" >/dev/null
 token=$(head -c 24 /dev/urandom | base64 | tr -d '=+/')
 echo "$token" >"$work/token"
-settings=(--data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" --metrics-token-file "$work/token")
+settings=(--data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" --metrics-token-file "$work/token"
+  --host-name praxis.quellbach.example --host-name 127.0.0.1)
 password="a quite unlikely password 7"
 # person LOGIN NAME ROLE
 person() { "$bin/enamel-server" admin add-person --data "$data" --login "$1" --name "$2" --role "$3" --password-stdin >/dev/null <<<"$password"; }
 person wilhelmine "Wilhelmine Zückermandl" admin
 person jorgeluis "Jorge Luis Quintanilla" student
 "$bin/enamel-server" admin add-cohort --data "$data" --name "Jahrgang Abendroth" >/dev/null
-start_server "$data" "$port" --log-format json --log-level debug --metrics-token-file "$work/token"
+start_server "$data" "$port" --log-format json --log-level debug "${settings[@]:6}"
 "$bin/enamel-station" enrol --data "$work/station" --server "127.0.0.1:$((port + 1))" \
   --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name "Stuhl Nepomuk" >/dev/null
 # The log gets a refusal from an address of its own, a sign-in and its cookie's requests.
@@ -25,13 +26,18 @@ sign_in() { curl -s -o /dev/null -w '%{http_code}' --interface "$1" -c "$work/co
 [ "$(sign_in 127.0.0.78 wilhelmine "$password")" = 200 ] || fail "nobody can sign in"
 cookie=$(awk '/enamel_session/ { print $NF }' "$work/cookies")
 curl -s -o /dev/null -b "enamel_session=$cookie" "http://127.0.0.1:$port/api/v1/people"
+# The computer's own name, where this test may give it one.
+own=() named=()
+if unshare -u true 2>/dev/null; then
+  own=(unshare -u sh -c 'hostname rechner-zwetschge; exec "$@"' _) named=(zwetschge)
+fi
 # A line that no program of ours writes; the server's own file is written on by it.
 cp "$work/server.log" "$work/log"
-echo "something else says: Wilhelmine Zückermandl <w.z@example.org> from 198.51.100.23, key $token, attempt 01a213df-e6ae-700b-b588-6f4b2fe580f4" >>"$work/log"
+echo "something else says: Wilhelmine Zückermandl <w.z@example.org> from 198.51.100.23 to Rechner-Zwetschge and db.quellbach.example, key $token, attempt 01a213df-e6ae-700b-b588-6f4b2fe580f4" >>"$work/log"
 
 "$bin/enamel-server" doctor "${settings[@]}" --json "$work/doctor.json" >"$work/doctor" || { cat "$work/doctor"; fail "doctor finds a fault in a server that is well"; }
 grep -q '^ok    server            it says ok' "$work/doctor" || { cat "$work/doctor"; fail "doctor does not see that the server runs"; }
-"$bin/enamel-server" support-bundle "$work/bundle.json" "${settings[@]}" --log "$work/log"
+"${own[@]}" "$bin/enamel-server" support-bundle "$work/bundle.json" "${settings[@]}" --log "$work/log"
 [ "$(stat -c %a "$work/bundle.json")" = 600 ] || fail "others may read the bundle"
 node -e '
   const bundle = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
@@ -44,7 +50,7 @@ node -e '
   said(bundle.log.some((line) => typeof line === "string" && line.includes("something else says")), "line of text");
 ' "$work/bundle.json"
 secrets=("$password" "guess of somebody" "$token" "$cookie" "$(tail -c 32 "$data/ticket.key" | base64 | cut -c1-30)" "$(sed -n 2p "$data/station.key")")
-for text in wilhelmine jorgeluis Zückermandl Quintanilla Abendroth Nepomuk 127.0.0.77 127.0.0.78 198.51.100.23 w.z@example.org \
+for text in "${named[@]}" quellbach wilhelmine jorgeluis Zückermandl Quintanilla Abendroth Nepomuk 127.0.0.77 127.0.0.78 198.51.100.23 w.z@example.org \
   01a213df-e6ae-700b-b588-6f4b2fe580f4 "${secrets[@]}"; do
   ! grep -qiF -- "$text" "$work/bundle.json" || { grep -oiE ".{60}$text.{20}" "$work/bundle.json" | head -3; fail "the bundle has \"$text\""; }
 done

@@ -46,6 +46,18 @@ TEST(ScrubberTest, AddressesTokensAndKeysAreTakenOutAndNumbersStay) {
             "recordings are unavailable, synchronous_standby_names");
 }
 
+TEST(ScrubberTest, HostsAndAllOthersOfTheirDomainAreTakenOut) {
+  const Scrubber scrubber(
+      {}, {"SRV7.dental.example.edu", "molar", "enamel.school.test", "localhost", ""});
+  EXPECT_EQ(scrubber.Scrubbed("https://srv7.dental.example.edu:8443/x"), "https://[host]:8443/x");
+  EXPECT_EQ(scrubber.Scrubbed("srv7 asks db.dental.example.edu, Molar."),
+            "[host] asks [host], [host].");
+  EXPECT_EQ(scrubber.Scrubbed("www.school.test in /var/lib/enamel"), "[host] in /var/lib/enamel");
+  EXPECT_EQ(scrubber.Scrubbed("localhost, molars.example.org"), "localhost, molars.example.org");
+  EXPECT_EQ(scrubber.Scrubbed("page-url = 'https://molar/'", false),
+            "page-url = 'https://[host]/'");
+}
+
 TEST(ScrubberTest, AnIdStaysTheSameWithinOneBundleAndIsAnotherInTheNext) {
   const std::string id = "01a213df-e6ae-700b-b588-6f4b2fe580f4", line = "attempt " + id + " done";
   const std::string once = kScrubber.Scrubbed(line);
