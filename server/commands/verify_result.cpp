@@ -84,7 +84,8 @@ void DeclareVerifyResult(CommandGroup root) {
       });
   verify->footer(
       "Needs no server and no data folder. `enamel-server admin list-stations` shows the school's\n"
-      "key. schemas/verify_result.py checks the same with Python.\n\n"
+      "key. verify_result.py checks the same with Python, in the package enamel-doc as\n"
+      "/usr/share/doc/enamel/schemas/verify_result.py.\n\n"
       "  tar -xf result.tar && enamel-server verify-result result.bin\n\n"
       "Exit codes: 0 as signed, 1 something was changed or cannot be read.");
 }
