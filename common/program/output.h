@@ -2,6 +2,7 @@
 
 #include <boost/json/fwd.hpp>
 #include <filesystem>
+#include <string>
 
 #include "common/base/result.h"
 
@@ -16,7 +17,10 @@ Status CheckOutputFolder(const std::filesystem::path& folder, const char* option
 // Before a command makes a folder's files: `folder` must not have `file` yet. kConflict: it has, and
 // nothing is overwritten.
 Status CheckNewIn(const std::filesystem::path& folder, const char* file, const char* option);
-// Writes an object as one line of JSON, or nothing where `file` is empty.
+// JSON that people read, too: a number is written as 94.0, where boost::json writes 9.4E1. Reads back
+// as the same value.
+std::string JsonText(const boost::json::value& value);
+// Writes an object as one line of such JSON, or nothing where `file` is empty.
 Status WriteJsonFile(const std::filesystem::path& file, const boost::json::object& object);
 
 }  // namespace enamel::program

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/json.hpp>
 #include <fstream>
 
 #include "tests/support/temp_folder.h"
@@ -17,6 +18,16 @@ TEST(OutputTest, AFolderThatHoldsTheFileAlreadyIsNoNewOne) {
   const Status status = CheckNewIn(folder.path(), "scene.json", "--out");
   EXPECT_EQ(status.code(), Code::kConflict);
   EXPECT_NE(status.message().find("scene.json"), std::string::npos) << status.message();
+}
+
+TEST(OutputTest, NumbersInJsonAreWrittenAsPeopleWriteThem) {
+  const boost::json::value value{{"score", 94.0},       {"mean", 87.25},  {"none", nullptr},
+                                 {"ticks", 120345},     {"zero", 0.0},    {"tiny", 3e-9},
+                                 {"list", {-0.5, 1e6}}, {"a\"b", "9.4E1"}};
+  const std::string text = JsonText(value);
+  EXPECT_EQ(text, R"({"score":94.0,"mean":87.25,"none":null,"ticks":120345,"zero":0.0,)"
+                  R"("tiny":3e-09,"list":[-0.5,1000000.0],"a\"b":"9.4E1"})");
+  EXPECT_EQ(boost::json::parse(text), value);
 }
 
 }  // namespace
