@@ -198,13 +198,30 @@ TEST_F(ServeProcessTest, SettingsComeFromTheFileThatComesWithTheServer) {
                  "--print-settings", "--min-free-mib", "77"});
   std::string said = print.ReadAll();
   EXPECT_EQ(print.ExitCode(), 0) << said;
-  EXPECT_NE(said.find("log-format = 'json'"), std::string::npos) << said;
+  EXPECT_NE(said.find("log-format = 'text'"), std::string::npos) << said;
   EXPECT_NE(said.find("min-free-mib = '77'"), std::string::npos) << said;
   std::string file = (folder_.path() / "printed.toml").string();
   ASSERT_TRUE(WriteFileDurably(file, AsBytes(said)).ok());
   Program again({"serve", "--config", file, "--print-settings"});
   EXPECT_EQ(again.ReadAll(), said);
   EXPECT_EQ(again.ExitCode(), 0);
+}
+
+// Not the settings file, which commands on a terminal read, too.
+TEST_F(ServeProcessTest, EveryUnitAsksForJsonLogs) {
+  int units = 0;
+  for (const auto& file : std::filesystem::directory_iterator(ENAMEL_SOURCE_DIR "/server/ops")) {
+    if (file.path().extension() != ".service") continue;
+    ++units;
+    EXPECT_NE(AsText(*ReadFile(file.path())).find("\nEnvironment=ENAMEL_LOG_FORMAT=json\n"),
+              std::string::npos)
+        << file.path();
+  }
+  EXPECT_EQ(units, 3);
+  ::setenv("ENAMEL_LOG_FORMAT", "json", 1);
+  Program refused({"admin", "list-people", "--data", Data()});
+  EXPECT_TRUE(refused.ReadAll().starts_with("{\"time\":"));
+  ::unsetenv("ENAMEL_LOG_FORMAT");
 }
 
 TEST_F(ServeProcessTest, EnrolCodeIsOneWordWithTheFingerprint) {
