@@ -8,6 +8,15 @@
 
 namespace enamel::program {
 
+void AddLogOptions(CLI::App& app, LogOptions& log) {
+  app.add_option("--log-format", log.format, "Of the log; json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.add_option("--log-level", log.level, "Log this and what is more important")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
+      ->capture_default_str();
+}
+
 CommandSettings::CommandSettings(CLI::App& app, Where where)
     : app_(app), where_(std::move(where)), log_{.name = where_.program} {}
 
@@ -15,11 +24,7 @@ void CommandSettings::Add() {
   app_.add_option("--config", config_,
                   "Settings file (TOML); also " + EnvironmentName("config", where_.prefix) +
                       ", else " + where_.system_file.string() + " if it is there");
-  app_.add_option("--log-format", log_.format, "text, or json: one object a line")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app_.add_option("--log-level", log_.level, "trace, debug, info, warning or error")
-      ->capture_default_str();
+  AddLogOptions(app_, log_);
   std::function<void(CLI::App&)> prepare = [&](CLI::App& parent) {
     for (CLI::App* command : parent.get_subcommands([](CLI::App*) { return true; })) {
       command->fallthrough();

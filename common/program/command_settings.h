@@ -16,6 +16,9 @@ class App;
 
 namespace enamel::program {
 
+// Adds --log-format and --log-level, which `log` has the defaults of.
+void AddLogOptions(CLI::App& app, LogOptions& log);
+
 // Settings and log of a program with commands. Before a command runs, what its command line did not
 // say is taken from the environment, then from a settings file and a policy (settings.h); then the log is
 // set up. A policy's setting that no command has, or that cannot be taken, is ignored with a warning. Another

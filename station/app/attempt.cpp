@@ -10,7 +10,6 @@
 #include <optional>
 #include <thread>
 
-#include "common/base/file.h"
 #include "common/base/utf8.h"
 #include "common/program/output.h"
 #include "common/scene/tooth_number.h"
@@ -192,7 +191,7 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
       {"problem", result.not_uploaded_because}};
   const boost::json::value said = boost::json::parse(protocol::FactsJson(spooled.facts));
   facts.insert(said.as_object().begin(), said.as_object().end());
-  return WriteFileDurably(options.json, AsBytes(boost::json::serialize(facts) + "\n"));
+  return program::WriteJsonFile(options.json, facts);
 }
 
 // The attempt's device, and again as simulated device if it is one.

@@ -44,6 +44,12 @@ std::vector<const char*> WithOpen(int argc, const char* const* argv, const CLI::
 // Adds --cpu, for commands with a haptic loop.
 void AddCpu(CLI::App* cmd, int& cpu);
 
+// Adds --unit, that of a mesh file's coordinates.
+void AddUnit(CLI::App* cmd, std::string& unit);
+
+// Adds --operator, who holds the simulated device.
+void AddOperator(CLI::App* cmd, std::string& name);
+
 // Value of an environment variable; empty if unset.
 std::string Environment(const char* name);
 
@@ -53,6 +59,8 @@ struct OpenCommand {
   std::function<Status()> run;
 };
 OpenCommand DeclareOpen(CommandGroup group);
+// All commands, in the order of the help, and the program's own help.
+OpenCommand DeclareCommands(CommandGroup group);
 void DeclareRun(CommandGroup group);
 void DeclareEnrol(CommandGroup group);
 void DeclareReserve(CommandGroup group);
@@ -61,6 +69,10 @@ void DeclareVerify(CommandGroup group);
 void DeclareImport(CommandGroup group);
 void DeclareTarget(CommandGroup group);
 void DeclareSimulate(CommandGroup group);
+// 'devices', 'calibrate', 'first-hour', 'doctor' and 'loop-test'.
+void DeclareDeviceCommands(CommandGroup group);
+// 'upload', and 'spool' with its commands.
+void DeclareSpool(CommandGroup group);
 // 'scenes' and 'profiles': list what is built in.
 void DeclareLists(CommandGroup group);
 

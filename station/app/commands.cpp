@@ -12,6 +12,7 @@
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
 #include "common/import/scene_folder.h"
+#include "common/program/example.h"
 #include "common/program/input.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
@@ -227,6 +228,8 @@ void DeclareEnrol(CommandGroup group) {
   cmd->add_flag("--again", o.again,
                 "Enrol again as the same station: the server was restored and does not know it; "
                 "what is recorded here stays good");
+  program::AddExamples(
+      *cmd, {"--server enamel.example.edu:8443 --code CODE@FINGERPRINT --name chair-07"});
   cmd->callback([options, cmd, group] {
     options->data = group.place.data;
     // When enrolling again, the name stays unless another is given.
@@ -268,17 +271,9 @@ void DeclareReserve(CommandGroup group) {
       "from using it;\n"
       "six digits do not keep out anybody who can read this station's disk. Exams cannot be "
       "reserved.");
+  program::AddExamples(*cmd, {"--user anna --exercise class-1-molar-46 --profile phantom_desktop",
+                              "--give-back 6f1c9a52-3d0e-4b7a-9c41-2f8d5e07a613"});
 }
-
-namespace {
-
-std::vector<std::string> OperatorNames() {
-  std::vector<std::string> names;
-  for (const OperatorPreset& preset : OperatorPresets()) names.emplace_back(preset.name);
-  return names;
-}
-
-}  // namespace
 
 void DeclareSimulate(CommandGroup group) {
   auto [cmd, o] = Declare<SimulateCommand>(
@@ -288,22 +283,24 @@ void DeclareSimulate(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--profile", o.profile, "Device profile, or its document (FILE.json)")
       ->capture_default_str();
-  cmd->add_option("--operator", o.operator_name, "Who holds the device")
-      ->check(CLI::IsMember(OperatorNames()))
-      ->capture_default_str();
+  AddOperator(cmd, o.operator_name);
   cmd->add_option("--voxel-um", o.voxel_um, "Voxel of a built-in scene")->capture_default_str();
   cmd->add_option("--seed", o.seed, "Of the tremor; 0: the operator's own")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   cmd->add_option("--json", o.json, "Write the facts to this file");
+  program::AddExamples(*cmd, {"--profile phantom_desktop --operator dentist"});
 }
 
 void DeclareLists(CommandGroup group) {
-  group.app.add_subcommand("scenes", "List the built-in scenes and their exercises")->callback([] {
-    PrintScenes();
-  });
-  group.app.add_subcommand("profiles", "List device profiles and where their numbers come from")
-      ->callback([] { PrintProfiles(); });
+  CLI::App* scenes =
+      group.app.add_subcommand("scenes", "List the built-in scenes and their exercises");
+  program::AddExamples(*scenes, {""});
+  scenes->callback(PrintScenes);
+  CLI::App* profiles = group.app.add_subcommand(
+      "profiles", "List device profiles and where their numbers come from");
+  program::AddExamples(*profiles, {""});
+  profiles->callback(PrintProfiles);
 }
 
 }  // namespace enamel::station

@@ -1,8 +1,6 @@
-#include "station/app/device_commands.h"
-
-#include <CLI/CLI.hpp>
-
+#include "common/program/example.h"
 #include "station/app/calibrate.h"
+#include "station/app/command_line.h"
 #include "station/app/devices.h"
 #include "station/app/doctor.h"
 #include "station/app/first_hour/command.h"
@@ -11,26 +9,23 @@
 namespace enamel::station {
 namespace {
 
-using Finisher = std::function<int(const Status&)>;
-
-void AddDevices(CLI::App& app, const std::string& default_data, const Finisher& finish,
-                int* exit_code) {
+void AddDevices(CommandGroup group) {
   auto options = std::make_shared<DevicesCommand>();
-  options->data = default_data;
-  auto* command =
-      app.add_subcommand("devices", "List attached devices, and those that are always available");
+  options->data = group.place.data;
+  auto* command = group.app.add_subcommand(
+      "devices", "List attached devices, and those that are always available");
   command->add_flag("--all", options->all, "Also HID devices that are not known here");
   command->add_option("--json", options->json, "Write the list to this file");
   command->add_option("--data", options->data, "The station's folder, for what was measured here")
       ->capture_default_str();
-  command->callback([=] { *exit_code = finish(ListDevices(*options)); });
+  program::AddExamples(*command, {""});
+  command->callback([=] { group.exit_code = Finish(ListDevices(*options)); });
 }
 
-void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher& finish,
-                  int* exit_code) {
+void AddCalibrate(CommandGroup group) {
   auto options = std::make_shared<CalibrateCommand>();
-  options->data = default_data;
-  auto* command = app.add_subcommand(
+  options->data = group.place.data;
+  auto* command = group.app.add_subcommand(
       "calibrate", "Measure a haptic device with its own motors and propose a profile for it");
   command->footer(
       "An example that needs no device:\n"
@@ -59,12 +54,12 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher
   command->add_option("--data", options->data,
                       "The station's folder, for its name and for what attempts find of it");
   command->add_flag("--yes", options->yes, "It may move at once: nobody is near it");
-  command->callback([=] { *exit_code = finish(CalibrateDevice(*options)); });
+  command->callback([=] { group.exit_code = Finish(CalibrateDevice(*options)); });
 }
 
-void AddFirstHour(CLI::App& app, const Finisher& finish, int* exit_code) {
+void AddFirstHour(CommandGroup group) {
   auto options = std::make_shared<FirstHourCommand>();
-  auto* command = app.add_subcommand(
+  auto* command = group.app.add_subcommand(
       "first-hour",
       "Go through the first hour with a new haptic device, and write down what is found");
   command->footer(
@@ -94,29 +89,29 @@ void AddFirstHour(CLI::App& app, const Finisher& finish, int* exit_code) {
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
   command->add_option("--answers", options->answers, "Take the answers from this file");
-  command->callback([=] { *exit_code = finish(RunFirstHour(*options)); });
+  command->callback([=] { group.exit_code = Finish(RunFirstHour(*options)); });
 }
 
-void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& finish,
-               int* exit_code, const std::set<std::string>& own_settings) {
+void AddDoctor(CommandGroup group) {
   auto options = std::make_shared<DoctorCommand>();
-  options->data = default_data;
-  auto* command = app.add_subcommand(
+  options->data = group.place.data;
+  auto* command = group.app.add_subcommand(
       "doctor", "Check everything that an attempt needs and say what to do about it");
   command->add_option("--data", options->data, "The station's folder")->capture_default_str();
   command->add_option("--server", options->server,
                       "HOST:PORT, if the server has moved since enrolment");
   command->add_flag("!--no-graphics", options->graphics, "For a station without a window");
   command->add_option("--json", options->json, "Write the findings to this file");
-  command->callback([=, &own_settings] {
-    options->own_settings = own_settings;
-    *exit_code = finish(Doctor(*options));
+  program::AddExamples(*command, {"--data /var/lib/enamel-station"});
+  command->callback([=] {
+    options->own_settings = group.settings.own();
+    group.exit_code = Finish(Doctor(*options));
   });
 }
 
-void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
+void AddLoopTest(CommandGroup group) {
   auto options = std::make_shared<LoopTestCommand>();
-  auto* command = app.add_subcommand(
+  auto* command = group.app.add_subcommand(
       "loop-test",
       "Measure what a tick of the haptic loop costs on this computer, and how punctual it is");
   command
@@ -146,19 +141,18 @@ void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
       "the\n"
       "                loop is bad, report it with --json.\n"
       "Late ticks are harmless with a mouse; they are still recorded.");
-  command->callback([=] { *exit_code = finish(TestLoop(*options)); });
+  program::AddExamples(*command, {"--seconds 60"});
+  command->callback([=] { group.exit_code = Finish(TestLoop(*options)); });
 }
 
 }  // namespace
 
-void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finisher finish,
-                            int* exit_code, const std::set<std::string>& own_settings) {
-  // The parser's callbacks choose the command; the exit code outlives them in `main`.
-  AddDevices(app, default_data, finish, exit_code);
-  AddCalibrate(app, default_data, finish, exit_code);
-  AddFirstHour(app, finish, exit_code);
-  AddDoctor(app, default_data, finish, exit_code, own_settings);
-  AddLoopTest(app, finish, exit_code);
+void DeclareDeviceCommands(CommandGroup group) {
+  AddDevices(group);
+  AddCalibrate(group);
+  AddFirstHour(group);
+  AddDoctor(group);
+  AddLoopTest(group);
 }
 
 }  // namespace enamel::station

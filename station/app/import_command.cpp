@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "common/import/scene_folder.h"
@@ -28,6 +27,8 @@ that gape or cross by up to --bridge-um are mended; more is refused with the fig
 A crown has at most 2000000 triangles and 256 MiB; reading takes at most 60 s and 4 GiB.
 The folder gets scene.json, volume.envb and report.txt, which says what was repaired
 and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
+
+const std::vector<std::string> kDirections = {"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
 
 }  // namespace
 
@@ -67,9 +68,9 @@ Status ImportMesh(const ImportCommand& options) {
   return Status::Ok();
 }
 
-CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
-  auto* command =
-      app.add_subcommand("import", "Make a scene of a real tooth's meshes (STL, PLY, OBJ, OFF)");
+void DeclareImport(CommandGroup group) {
+  auto [command, options] = Declare<ImportCommand>(
+      group, "import", "Make a scene of a real tooth's meshes (STL, PLY, OBJ, OFF)", ImportMesh);
   command->footer(kFooter);
   command->add_option("file", options.file, "Mesh of the whole, or the one that has the parts");
   command->add_option("--enamel", options.enamel,
@@ -81,31 +82,22 @@ CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
                    "Its FDI number (ISO 3950), 46 for a lower right first molar: says which side "
                    "is mesial")
       ->required();
-  command->add_option("--unit", options.unit, "Of the coordinates: mm, um, cm, m, inch")
-      ->required();
+  AddUnit(command, options.unit);
   command->add_option("--out", options.out, "Folder for the scene")->required();
   command->add_option("--voxel-um", options.voxel_um, "Edge of a voxel")
       ->check(CLI::Range(10, 500))
       ->capture_default_str();
-  command->add_option("--up", options.up, "Occlusal direction in the file: +x … -z, or auto")
+  command->add_option("--up", options.up, "Occlusal direction in the file")
+      ->check(CLI::IsMember(kDirections))
       ->capture_default_str();
-  command
-      ->add_option("--buccal", options.buccal,
-                   "Buccal (labial) direction in the file: +x … -z, or auto")
+  command->add_option("--buccal", options.buccal, "Buccal (labial) direction in the file")
+      ->check(CLI::IsMember(kDirections))
       ->capture_default_str();
   command
       ->add_option("--bridge-um", options.bridge_um,
                    "Gaps and crossings between tissues that are mended")
       ->check(CLI::Range(0, 500))
       ->capture_default_str();
-  return command;
-}
-
-void DeclareImport(CommandGroup group) {
-  auto options = std::make_shared<ImportCommand>();
-  AddImportCommand(group.app, *options)->callback([options, &exit_code = group.exit_code] {
-    exit_code = Finish(ImportMesh(*options));
-  });
 }
 
 }  // namespace enamel::station

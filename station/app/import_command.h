@@ -5,10 +5,6 @@
 
 #include "common/base/result.h"
 
-namespace CLI {
-class App;
-}
-
 namespace enamel::station {
 
 // 'enamel-station import': makes a scene's folder from mesh files (common/import/import_tooth.h).
@@ -22,8 +18,5 @@ struct ImportCommand {
 };
 // Prints the report to standard output and, on a terminal, progress to standard error.
 Status ImportMesh(const ImportCommand& options);
-
-// Adds the subcommand with its options and help; `options` must outlive the parser.
-CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options);
 
 }  // namespace enamel::station

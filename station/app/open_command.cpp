@@ -1,5 +1,6 @@
 #include <cstdlib>
 
+#include "common/program/example.h"
 #include "common/protocol/station_policy.h"
 #include "station/app/command_line.h"
 #include "station/desk/desk.h"
@@ -78,6 +79,7 @@ OpenCommand DeclareOpen(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--script", o.script,
                   "Play a person's part from this file (station/desk/script.h)");
+  program::AddExamples(*cmd, {"--data /var/lib/enamel-station", "--window 1280x720 --simulated"});
   // Also returned, because `main` runs it if no subcommand was named.
   auto run = [options, cmd, &place = group.place]() -> Status {
     options->desk.workplace = place.Options();

@@ -143,9 +143,7 @@ void DeclareRun(CommandGroup group) {
                   "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
   cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
       ->capture_default_str();
-  cmd->add_option("--operator", run.operator_name,
-                  "Operator of the simulated device ('devices' lists them)")
-      ->capture_default_str();
+  AddOperator(cmd, run.operator_name);
   cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: the operator's own")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
@@ -12,7 +11,9 @@
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
+#include "common/program/example.h"
 #include "common/program/output.h"
+#include "station/app/command_line.h"
 #include "station/session/loop_facts.h"
 #include "station/spool/salvage.h"
 #include "station/spool/spool.h"
@@ -92,7 +93,9 @@ json::object FactsOf(const SpooledAttempt& a) {
   return out;
 }
 
-void PrintJson(const json::object& object) { std::printf("%s\n", json::serialize(object).c_str()); }
+void PrintJson(const json::object& object) {
+  std::printf("%s\n", program::JsonText(object).c_str());
+}
 
 // For reading. Null for a station that has recorded nothing yet.
 Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
@@ -183,7 +186,7 @@ void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
   // From a newer program, or an older one: printed raw to avoid misreading it.
   if (NumberIn(facts, {"version"}) != kLoopFactsVersion) {
     std::printf("run %u, ended %s, in a version that this program does not know: %s\n", run.run,
-                LocalTime(run.ended_unix_ms).c_str(), json::serialize(facts).c_str());
+                LocalTime(run.ended_unix_ms).c_str(), program::JsonText(facts).c_str());
     return;
   }
   std::printf(
@@ -452,53 +455,63 @@ Status CloseInSpool(const SpoolCommand& options) {
   return Status::Ok();
 }
 
-void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& settings,
-                      const std::function<void(const Status&)>& finish) {
+void DeclareSpool(CommandGroup group) {
+  auto options = std::make_shared<SpoolCommand>();
   auto add = [&](CLI::App& to, const char* name, const char* about,
                  Status (*command)(const SpoolCommand&)) {
     CLI::App* added = to.add_subcommand(name, about);
     // The same command is available under `spool` and at the top, where the window's advice names
     // it.
     if (command == UploadSpool) {
-      AddWorkplaceSettings(*added, settings);
-      added->add_option("--again", options.again,
+      AddWorkplaceSettings(*added, group.place);
+      added->add_option("--again", options->again,
                         "Id of a recording that the server refused: it is tried once more");
     } else {
-      AddDataOption(*added, settings);
+      AddDataOption(*added, group.place);
     }
-    added->add_flag("--json", options.json, "The facts as one JSON object");
-    added->callback([&options, &settings, finish, command] {
-      options.workplace = settings.Options();
-      finish(command(options));
+    added->add_flag("--json", options->json, "The facts as one JSON object");
+    added->callback([options, group, command] {
+      options->workplace = group.place.Options();
+      group.exit_code = Finish(command(*options));
     });
     return added;
   };
   constexpr char kUpload[] = "Send recordings that the server does not have, or has lost";
-  add(app, "upload", kUpload, UploadSpool);
-  CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
+  program::AddExamples(*add(group.app, "upload", kUpload, UploadSpool), {""});
+  CLI::App* spool = group.app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
-  add(*spool, "list", "List recordings, their size, and what keeps them from the server",
-      ListSpool);
-  add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool);
-  add(*spool, "upload", kUpload, UploadSpool);
-  add(*spool, "salvage", "Save what can be read of a damaged spool into a new one",
-      SalvageIntoFolder)
-      ->add_option("--out", options.out, "Folder for the new spool; it must not have one yet")
+  program::AddExamples(
+      *add(*spool, "list", "List recordings, their size, and what keeps them from the server",
+           ListSpool),
+      {""});
+  program::AddExamples(
+      *add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool), {""});
+  program::AddExamples(*add(*spool, "upload", kUpload, UploadSpool),
+                       {"", "--again 6f1c9a52-3d0e-4b7a-9c41-2f8d5e07a613"});
+  auto* salvage = add(*spool, "salvage", "Save what can be read of a damaged spool into a new one",
+                      SalvageIntoFolder);
+  salvage->add_option("--out", options->out, "Folder for the new spool; it must not have one yet")
       ->required();
+  program::AddExamples(*salvage, {"--out /var/lib/enamel-station/saved"});
   auto with_attempt = [&](CLI::App* command) {
-    command->add_option("attempt", options.attempt, "Its id, as 'spool list' prints it, or 'last'")
+    command->add_option("attempt", options->attempt, "Its id, as 'spool list' prints it, or 'last'")
         ->required();
     return command;
   };
-  with_attempt(add(*spool, "export", "Write one recording to a file", ExportFromSpool))
-      ->add_option("--out", options.out, "File to write")
-      ->required();
-  with_attempt(add(*spool, "loops",
-                   "Show how punctual the haptic loop of an attempt was, and its faults",
-                   ShowLoops));
-  with_attempt(add(*spool, "close",
-                   "End an attempt that was cut off, so that it is scored as far as it goes",
-                   CloseInSpool));
+  auto* to_file =
+      with_attempt(add(*spool, "export", "Write one recording to a file", ExportFromSpool));
+  to_file->add_option("--out", options->out, "File to write")->required();
+  program::AddExamples(*to_file, {"last --out last.entrace"});
+  program::AddExamples(
+      *with_attempt(add(*spool, "loops",
+                        "Show how punctual the haptic loop of an attempt was, and its faults",
+                        ShowLoops)),
+      {"last"});
+  program::AddExamples(
+      *with_attempt(add(*spool, "close",
+                        "End an attempt that was cut off, so that it is scored as far as it goes",
+                        CloseInSpool)),
+      {"last"});
 }
 
 }  // namespace enamel::station

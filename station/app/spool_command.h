@@ -1,15 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "common/base/result.h"
 #include "station/app/workplace_settings.h"
-
-namespace CLI {
-class App;
-}
 
 // Recordings on this station: 'enamel-station spool list|loops|verify|export|upload|close|salvage'
 // and 'upload'.
@@ -38,10 +33,5 @@ Status UploadSpool(const SpoolCommand& options);
 Status SalvageIntoFolder(const SpoolCommand& options);
 // Seals an interrupted attempt where its recording ends, so that it is uploaded and scored.
 Status CloseInSpool(const SpoolCommand& options);
-
-// Registers the commands. `options` and `settings` must outlive the parser; `finish` receives each
-// command's outcome.
-void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& settings,
-                      const std::function<void(const Status&)>& finish);
 
 }  // namespace enamel::station

@@ -63,27 +63,25 @@ Status MakeTarget(const TargetCommand& o) {
 }  // namespace
 
 void DeclareTarget(CommandGroup group) {
-  auto o = std::make_shared<TargetCommand>();
-  auto* command =
-      group.app.add_subcommand("target", "Make an exercise of a scan of a prepared tooth");
+  auto [command, o] = Declare<TargetCommand>(
+      group, "target", "Make an exercise of a scan of a prepared tooth", MakeTarget);
   command->footer(kFooter);
-  command->add_option("file", o->file, "The scan")->required();
-  command->add_option("--unit", o->unit, "Of its coordinates: mm, um, cm, m, inch")->required();
+  command->add_option("file", o.file, "The scan")->required();
+  AddUnit(command, o.unit);
   command
-      ->add_option("--scene", o->scene, "The tooth: a scene folder, or builtin:molar and the like")
+      ->add_option("--scene", o.scene, "The tooth: a scene folder, or builtin:molar and the like")
       ->required();
-  command->add_option("--out", o->out, "Folder for the exercise")->required();
-  command->add_option("--voxel-um", o->voxel_um, "Voxel size of a built-in scene")
+  command->add_option("--out", o.out, "Folder for the exercise")->required();
+  command->add_option("--voxel-um", o.voxel_um, "Voxel size of a built-in scene")
       ->check(CLI::Range(20, 500))
       ->capture_default_str();
   command
-      ->add_option("--tolerance-um", o->tolerance_um,
+      ->add_option("--tolerance-um", o.tolerance_um,
                    "How far a cut may go beyond the scan's before tissue that must stay begins")
       ->check(CLI::Range(0, 5'000))
       ->capture_default_str();
-  command->add_option("--name", o->name, "Of the exercise; without: prepared-SCENE");
-  command->add_flag("--placed", o->placed, "The scan is nearly in place on the tooth already");
-  command->callback([o, &exit_code = group.exit_code] { exit_code = Finish(MakeTarget(*o)); });
+  command->add_option("--name", o.name, "Of the exercise; without: prepared-SCENE");
+  command->add_flag("--placed", o.placed, "The scan is nearly in place on the tooth already");
 }
 
 }  // namespace enamel::station

@@ -8,6 +8,7 @@ namespace enamel::load {
 
 void AddOptions(CLI::App& app, Arguments& a) {
   LoadOptions& o = a.load;
+  app.footer("Example:\n  enamel-loadgen --stations 40 --minutes 1 --json load.json");
   app.add_option("--stations", o.stations, "Stations that stream")->check(CLI::Range(0, 100'000));
   app.add_option("--minutes", a.minutes, "How long they stream")
       ->check(CLI::Range(0.02, 24 * 60.0))

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/file.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
 #include "common/surface/ply.h"
@@ -207,6 +208,7 @@ void DeclareReplay(CommandGroup group) {
   cmd->add_flag("!--no-keyframes", o.keyframes,
                 "Neither use nor write TRACE.keyframes, the cache beside the trace");
   cmd->add_option("--json", o.json, "Write what was found to this file");
+  program::AddExamples(*cmd, {"last.entrace --surface cut.ply"});
 }
 
 }  // namespace enamel::station

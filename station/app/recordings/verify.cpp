@@ -5,6 +5,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "common/program/example.h"
 #include "common/program/output.h"
 #include "common/trace/replay.h"
 #include "station/app/command_line.h"
@@ -176,6 +177,7 @@ void DeclareVerify(CommandGroup group) {
                   "Public key of the server's tickets, 64 hexadecimal digits or a file");
   cmd->add_option("--volume", o.volume, "The tooth it began with, when it is not in the cache");
   cmd->add_option("--json", o.json, "Write what was found to this file");
+  program::AddExamples(*cmd, {"last.entrace --server-key server.pub"});
 }
 
 }  // namespace enamel::station

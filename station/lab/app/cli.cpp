@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "station/lab/app/explain.h"
 #include "station/lab/app/grades_command.h"
@@ -31,12 +32,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->add_option("--profile", options->profile,
                    "device profile, a profile document (….json), or all")
       ->capture_default_str();
-  qualify
-      ->add_option("--suite", options->suites,
-                   "paper, hand, map, strokes, pecks, withdrawal, calibration, watch, laws, front, "
-                   "estimators, "
-                   "extreme, adversary, "
-                   "random, cutting or all")
+  qualify->add_option("--suite", options->suites, "What to measure, separated by commas")
+      ->check(CLI::IsMember(SuiteNames()))
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
@@ -168,6 +165,7 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
           "checked against it")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", explain->json, "Write the facts to this file");
+  program::AddExamples(*command, {"builtin:molar --exercise class-1 --budget-us 200"});
   // The command prints a refusal itself: unlike a suite it has no caller that could.
   command->callback([explain, exit_code] {
     Status status = ExplainScene(*explain);

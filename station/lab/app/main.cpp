@@ -38,8 +38,7 @@ that is proved passive gave energy.)";
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("enamel-lab: measures force laws, cutting and this computer.");
-  app.footer("'enamel-lab --help' shows which command answers which question.");  // of commands
+  CLI::App app("enamel-lab: measures force laws, cutting and this computer.", kName);
   app.require_subcommand(1);
   app.set_version_flag("--version", program::VersionText(kName));
   // Before parsing, so that a wrong command line is refused in the requested format.
@@ -49,7 +48,7 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   int exit_code = 0;
   station::lab::RegisterLab(app, &exit_code);
-  // After the commands, which inherit the footer set when they are made.
+  // After the commands, which would inherit it.
   app.footer(kFooter);
   program::CommandSettings settings(app, {.program = kName,
                                           .prefix = kPrefix,

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "station/lab/suites/options.h"
 
 // Qualification of device profiles, force laws, estimators and loop rates: error against run time,
@@ -12,5 +15,8 @@ namespace enamel::station::lab {
 // passive was not. Blocks for minutes; uses `threads` threads. Deterministic except for ns_per_tick
 // and pareto.
 int RunQualify(const QualifyOptions& options);
+
+// Of the suites, with "all".
+std::vector<std::string> SuiteNames();
 
 }  // namespace enamel::station::lab

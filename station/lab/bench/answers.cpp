@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/find_profile.h"
 #include "station/lab/bench/bench.h"
@@ -122,6 +123,7 @@ void RegisterAnswers(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   answers->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*answers, {"--seconds 10"});
   answers->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

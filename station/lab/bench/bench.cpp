@@ -77,13 +77,6 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   CLI::App* bench = app.add_subcommand(
       "bench",
       "What the cutting core and a picture cost here: method, figures, the goal beside each");
-  bench->footer(
-      "Figures depend on the machine and on what else it does: the least of several identical\n"
-      "replays is the code's own cost, the raw figures beside it are what a user saw.\n"
-      "Examples:\n"
-      "  enamel-lab bench tick                        # burs x voxel sizes x speeds\n"
-      "  enamel-lab bench tick --quick --json t.json  # the headline case only\n"
-      "Exit codes: 0 measured (goals met or not), 1 failed, 2 wrong command line.");
   bench->require_subcommand(1);
   RegisterTick(*bench, exit_code);
   RegisterMemory(*bench, exit_code);
@@ -98,6 +91,11 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   RegisterIdle(*bench, exit_code);
   RegisterAnswers(*bench, exit_code);
   RegisterStorage(*bench, exit_code);
+  // After its commands, which would inherit it.
+  bench->footer(
+      "Figures depend on the machine and on what else it does: the least of several identical\n"
+      "replays is the code's own cost, the raw figures beside it are what a user saw.\n"
+      "Exit codes: 0 measured (goals met or not), 1 failed, 2 wrong command line.");
 }
 
 }  // namespace enamel::station::lab::bench

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/cutting/cutter.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
@@ -339,6 +340,7 @@ void RegisterFrames(CLI::App& app, int* exit_code) {
   frames->add_flag("--parts", options->parts,
                    "Also turning without the antagonist and with a rubber dam, in turn");
   frames->add_option("--json", options->json, "Write the figures to this file");
+  program::AddExamples(*frames, {"--frames 60 --quality good"});
   frames->callback([options, exit_code] {
     Status status = BenchFrames(*options);
     if (!status.ok()) program::SayError(status.message());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/unix_time.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
@@ -116,6 +117,7 @@ void RegisterIdle(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   idle->add_option("--json", options->json, "Write the figures to this file");
+  program::AddExamples(*idle, {"--seconds 10"});
   idle->callback([options, exit_code] {
     *exit_code = 1;
     if (!CanWrite(options->json)) return;

@@ -15,6 +15,7 @@
 #include "common/base/uuid.h"
 #include "common/import/child_process.h"
 #include "common/import/import_tooth.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "station/lab/bench/bench.h"
 
@@ -231,6 +232,7 @@ void RegisterImport(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(10, 500))
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*command, {"--triangles 200000"});
   command->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/volume_blob.h"
@@ -137,6 +138,7 @@ void RegisterMemory(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(20, 500))
       ->capture_default_str();
   memory->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*memory, {"--scene molar"});
   memory->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -289,6 +290,7 @@ void RegisterRecord(CLI::App& app, int* exit_code) {
       "--folder", options->folder,
       "Folder for the spool, which is removed; else the system's folder for temporary files");
   record->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*record, {"--hours 8"});
   record->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

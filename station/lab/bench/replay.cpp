@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/trace/moment.h"
 #include "station/lab/bench/bench.h"
@@ -202,6 +203,7 @@ void RegisterReplay(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   replay->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*replay, {"--voxel-um 50"});
   replay->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

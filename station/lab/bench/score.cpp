@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
@@ -352,6 +353,7 @@ void RegisterScore(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1, static_cast<int>(scoring::kMaxEnvelopeMembers)))
       ->capture_default_str();
   score->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*score, {"--voxel-um 50"});
   score->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/packed.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
@@ -274,6 +275,7 @@ void RegisterStorage(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   storage->add_flag("--quick", options->quick, "One exercise of each kind");
   storage->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*storage, {"--quick"});
   storage->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/surface/brick_meshes.h"
@@ -135,6 +136,7 @@ void RegisterSurface(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(50, 10'000))
       ->capture_default_str();
   surface->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*surface, {""});
   surface->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/import/prepared_tooth.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/preparation.h"
@@ -185,6 +186,7 @@ void RegisterTarget(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*command, {"--voxel-um 100"});
   command->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/cutting/voxel_limit.h"
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/bench/peers.h"
@@ -221,6 +222,7 @@ void RegisterTick(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(100, 100'000))
       ->capture_default_str();
   tick->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*tick, {"--quick --json tick.json"});
   tick->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

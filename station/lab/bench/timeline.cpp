@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/timeline/player.h"
 #include "common/timeline/recorder.h"
@@ -196,6 +197,7 @@ void RegisterTimeline(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   timeline->add_option("--json", options->json, "Write the rows to this file");
+  program::AddExamples(*timeline, {"--voxel-um 50"});
   timeline->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

@@ -67,6 +67,7 @@ class ProgramTest : public testing::Test {
     ::setenv("ENAMEL_PASSWORD", "secret", 1);
     ::setenv("ENAMEL_PIN", "804217", 1);
     ::unsetenv("DISPLAY");  // nothing here is to be shown
+    ::unsetenv("WAYLAND_DISPLAY");
   }
 
   std::string data() const { return " --data " + (folder_ / "data").string(); }
@@ -209,7 +210,7 @@ TEST_F(ProgramTest, PasswordIsNeverTakenFromTheCommandLine) {
 
 TEST_F(ProgramTest, UnknownOperatorIsAnsweredWithTheKnownOnes) {
   Outcome out = RunProgram(kRun + data() + " --operator nobody");
-  EXPECT_EQ(out.code, 1);
+  EXPECT_EQ(out.code, 2);
   EXPECT_NE(out.text.find("student-deep-mesial"), std::string::npos) << out.text;
 }
 
@@ -354,7 +355,7 @@ TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
         Case{"spool list --config " + settings + data(), "keep-dayz", 2},
         Case{"spool export last --out " + (folder_ / "x").string() + data(),
              "there is no such attempt", 1},
-        Case{"qualify --suite nonsense", "nonsense", 1},
+        Case{"qualify --suite nonsense", "nonsense", 2},
         Case{"fit-damping " + (folder_ / "none.csv").string(), "none.csv", 1},
         Case{"run '--\xff'", "--\xef\xbf\xbd", 2},
         Case{"calibrate --device spacemouse", "only devices with motors", 1}}) {
@@ -372,6 +373,26 @@ TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
     EXPECT_NE(boost::json::parse(last).at("message").as_string().find(c.says), std::string::npos)
         << last;
   }
+}
+
+// Somebody on a terminal reads the same settings file.
+TEST_F(ProgramTest, UnitsAskForJsonLogsAndTheSettingsFileDoesNot) {
+  const fs::path ops = fs::path(ENAMEL_SOURCE_DIR) / "station/ops";
+  const std::string command =
+      "verify nothing" + data() + " --config " + (ops / "station.toml").string();
+  EXPECT_TRUE(RunProgram(command, kErrors).text.starts_with("enamel-station: "));
+  ::setenv("ENAMEL_STATION_LOG_FORMAT", "json", 1);
+  EXPECT_TRUE(RunProgram(command, kErrors).text.starts_with("{\"time\":"));
+  ::unsetenv("ENAMEL_STATION_LOG_FORMAT");
+  int units = 0;
+  for (const auto& file : fs::directory_iterator(ops)) {
+    if (file.path().extension() != ".service") continue;
+    ++units;
+    EXPECT_NE(AsText(*ReadFile(file.path())).find("\nEnvironment=ENAMEL_STATION_LOG_FORMAT=json\n"),
+              std::string::npos)
+        << file.path();
+  }
+  EXPECT_EQ(units, 2);
 }
 
 TEST_F(ProgramTest, WhereTheLogIsJsonNoProgressIsShown) {
@@ -515,6 +536,20 @@ TEST_F(ProgramTest, DoctorSaysWhatIsMissingAndFails) {
   }
   EXPECT_TRUE(fs::exists(json));
   EXPECT_FALSE(fs::exists(folder_ / "data"));  // it changes nothing
+}
+
+// As over ssh.
+TEST_F(ProgramTest, DoctorDoesNotFailAChairForASessionWithoutADisplay) {
+  const Outcome out = RunProgram("doctor" + data());
+  const auto at = out.text.find("warn  graphics");
+  ASSERT_NE(at, std::string::npos) << out.text;
+  for (const char* said : {"not checked", "DISPLAY=:0 enamel-station doctor"}) {
+    EXPECT_NE(out.text.find(said, at), std::string::npos) << out.text;
+  }
+  // A display that was named and does not answer is a failure.
+  ::setenv("DISPLAY", ":17999", 1);
+  EXPECT_NE(RunProgram("doctor" + data()).text.find("fail  graphics"), std::string::npos);
+  ::unsetenv("DISPLAY");
 }
 
 TEST_F(ProgramTest, DoctorFindsAServerThatIsNotThere) {
