@@ -53,18 +53,30 @@ const escaped = (text) => text.replace(/\\/g, '\\e').replace(/-/g, '\\-').replac
 const entries = (list) => list.map(([what, text]) => `.TP\n.B ${escaped(what)}\n${escaped(text) || '\\&'}\n`).join('');
 const verbatim = (text) => (text ? `.PP\n.nf\n${escaped(text)}\n.fi\n` : '');
 
+const namesOf = (what) => what.split(/[ {]/)[0].match(/--?[a-z][a-z0-9-]*/g) ?? [];
+const takesValue = /^\S+ (?!REQUIRED|Needs:|Excludes:)[A-Z]/;
+// What is built in, as the station lists it: names for options that take another's too, or a file.
+const listed = (command) => execFileSync(join(bin, 'enamel-station'), [command], { encoding: 'utf8' });
+const profiles = listed('profiles').match(/^\S+/gm), scenes = listed('scenes').match(/^builtin:\S+/gm);
+const exercises = listed('scenes').match(/(?<=^  )\S+/gm);
+const builtIn = { '--profile': profiles, '--scene': scenes, '--exercise': exercises };
+
 mkdirSync(out, { recursive: true });
 for (const program of Object.keys(files)) {
   const words = new Map();  // "admin put-profile" -> what may follow it
+  const values = [];  // ["admin add-person --role", what may follow it: nothing, if that has no names]
   let commands = '';
   const walk = (path, depth) => {
     const help = readHelp([program, ...path]);
-    words.set(path.join(' '), [...help.subcommands.map(([name]) => name), ...help.options.flatMap(([what]) => what.match(/--?[a-z][a-z0-9-]*/g) ?? [])]);
+    words.set(path.join(' '), [...help.subcommands.map(([name]) => name), ...help.options.flatMap(([what]) => namesOf(what))]);
+    for (const [what] of help.options.filter(([what]) => takesValue.test(what))) {
+      const list = what.match(/\{([^}]*)\}/)?.[1].split(',') ?? builtIn[namesOf(what)[0]] ?? [];
+      for (const name of namesOf(what)) values.push([`${path.join(' ')} ${name}`, list]);
+    }
     if (depth > 0) {
       commands += `.SS ${escaped(path.join(' '))}\n${escaped(help.about)}\n`;
       commands += `.PP\n${escaped(help.usage)}\n${entries(help.positionals)}${entries(help.options.filter(([what]) => !what.startsWith('-h,')))}`;
-      // A command's own footer; the program's is inherited.
-      if (!help.more.startsWith("'enamel-")) commands += verbatim(help.more);
+      commands += verbatim(help.more);
     }
     for (const [name] of help.subcommands) walk([...path, name], depth + 1);
     return help;
@@ -90,6 +102,7 @@ ${files[program].map((file) => `.I ${escaped(file)}\n.br\n`).join('')}.SH SEE AL
 `;
   writeFileSync(join(out, `${program}.1.gz`), gzipSync(page, { level: 9 }));
   const table = [...words].map(([path, next]) => `    '${path}') words='${next.join(' ')}' ;;`).join('\n');
+  const after = values.map(([option, list]) => `    '${option}') words='${list.join(' ')}' ;;`).join('\n');
   const name = `_${program.replace('-', '_')}`;
   writeFileSync(join(out, `${program}.bash`), `# Made of ${program} --help.
 ${name}() {
@@ -105,6 +118,9 @@ ${name}() {
   done
   case \${path//\\// } in
 ${table}
+  esac
+  case "\${path//\\// } \${COMP_WORDS[COMP_CWORD-1]}" in
+${after}
   esac
   COMPREPLY=($(compgen -W "$words" -- "\${COMP_WORDS[COMP_CWORD]}"))
 }

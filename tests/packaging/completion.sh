@@ -37,6 +37,18 @@ offers "upload" enamel-station spool upl
 offers "--again" enamel-station enrol --ag
 offers "qualify" enamel-lab qual
 
+# What may follow an option: its values, those that are built in, or, where it has neither, a file's name.
+offers "admin instructor student" enamel-server admin add-person --role ""
+offers "published" enamel-server admin list-exercises --data /var/lib/enamel --state p
+offers "json text" enamel-station --log-format ""
+offers "de en zh" enamel-station open --language ""
+offers "omega3 omega6 omega7" enamel-station simulate --profile omega
+offers "builtin:premolar" enamel-station simulate --scene builtin:p
+offers "class-5-molar-46-buccal" enamel-server admin assign-exercise --exercise class-5
+offers "strokes" enamel-lab qualify --suite s
+offers "" enamel-server admin add-person --login ""
+offers "" enamel-station run --json ""
+
 # All that a help lists, and nothing else.
 lists() { # lists PROGRAM WORD…: commands and options of its help
   "$bin/$1" "${@:2}" --help | awk '
@@ -44,6 +56,7 @@ lists() { # lists PROGRAM WORD…: commands and options of its help
     on && /^  [^ ]/ {
       sub(/^  /, ""); sub(/  .*/, "")
       if (!/^-/) { print $1; next }
+      sub(/[ {].*/, "")
       while (match($0, /--?[a-z][a-z0-9-]*/)) { print substr($0, RSTART, RLENGTH); $0 = substr($0, RSTART + RLENGTH) }
     }' | sort -u
 }
