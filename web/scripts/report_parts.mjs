@@ -1,20 +1,23 @@
-// What draws a report (scripts/report_page.mjs), built from the page's own sources.
+// Scripts and styles of files that need no server, built from the page's own sources.
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { englishAtOnce, keysIn, readCatalogue } from "./words.mjs";
 
+export const kStyle = "src/app/style.css";
 export const web = fileURLToPath(new URL("..", import.meta.url));
 
-// The words that `entry` and its imports need.
-async function wordsOf(entry) {
+// The keys of the words that `entry` and its imports need.
+export async function keysOf(entry) {
   const { metafile } = await build({
     absWorkingDir: web,
     entryPoints: [entry],
     bundle: true,
     write: false,
     metafile: true,
+    jsx: "automatic",
+    jsxImportSource: "preact",
     logLevel: "silent",
     plugins: [englishAtOnce([])],
   });
@@ -22,11 +25,11 @@ async function wordsOf(entry) {
     .filter((path) => path.startsWith("src/"))
     .map((path) => readFileSync(join(web, path), "utf8"))
     .join("\n");
-  return englishAtOnce(keysIn(text, Object.keys(readCatalogue("en"))));
+  return keysIn(text, Object.keys(readCatalogue("en")));
 }
 
-// `end`: the text that would end the enclosing element, and its replacement.
-async function bundled(entry, end, written) {
+// In one file, for an element of a page. What would end that element is written in another way.
+export async function bundled(entry, options = {}) {
   const result = await build({
     absWorkingDir: web,
     entryPoints: [entry],
@@ -39,15 +42,28 @@ async function bundled(entry, end, written) {
     jsxImportSource: "preact",
     legalComments: "none",
     logLevel: "warning",
-    plugins: [await wordsOf(entry)],
+    ...options,
   });
-  return result.outputFiles[0].text.replaceAll(end, written);
+  return result.outputFiles[0].text.replaceAll(/<\/(?=script|style)/gi, "<\\/");
+}
+
+// What these sources of the page export, for node: `contents` is `export … from "./src/…"`.
+export async function imported(contents) {
+  const result = await build({
+    stdin: { contents, resolveDir: web },
+    bundle: true,
+    format: "esm",
+    target: "node18",
+    write: false,
+    logLevel: "warning",
+    plugins: [englishAtOnce()],
+  });
+  return import(`data:text/javascript;base64,${Buffer.from(result.outputFiles[0].contents).toString("base64")}`);
 }
 
 export async function scriptAndStyle() {
-  const [script, style] = await Promise.all([
-    bundled("src/app/report.tsx", /<\/script/gi, "<\\/script"),
-    bundled("src/app/style.css", /<\/style/gi, "<\\/style"),
-  ]);
+  const kReport = "src/app/report.tsx";
+  const plugins = [englishAtOnce(await keysOf(kReport))];
+  const [script, style] = await Promise.all([bundled(kReport, { plugins }), bundled(kStyle)]);
   return { script, style };
 }
