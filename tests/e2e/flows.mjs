@@ -4,6 +4,7 @@
 import { accessFlows } from "./access_flows.mjs";
 import { adminFlows } from "./admin_flows.mjs";
 import { compareFlows } from "./compare_flows.mjs";
+import { demoFlows } from "./demo_flows.mjs";
 import { generalFlows } from "./general_flows.mjs";
 import { gradingFlows } from "./grading_flows.mjs";
 import { insightFlows } from "./insight_flows.mjs";
@@ -31,4 +32,5 @@ export const flows = [
   ...gradingFlows,
   ...markingFlows,
   ...insightFlows,
+  ...demoFlows,
 ];

@@ -79,6 +79,7 @@ test("only generated API types come from outside src, and only into api/types.ts
 
 // The page's end of the worker, and what both show in the same colours.
 const kOfThePage = [
+  "tooth/canvas_ahead",
   "tooth/link",
   "tooth/start_worker",
   "tooth/deviation_scale",

@@ -37,14 +37,15 @@ const kPollMs = 1500;
 
 interface Props {
   readonly client: Client;
-  readonly person: Person;
+  readonly person: Pick<Person, "id" | "role">;
   readonly id: string;
   readonly onOpen: (path: string) => void;
+  readonly alone?: boolean; // there is no server, and no other page (app/demo.tsx)
 }
 
 // One attempt. While it is recorded or scored, the page polls its state, so that the score appears
 // by itself.
-export function AttemptPage({ client, person, id, onOpen }: Props) {
+export function AttemptPage({ client, person, id, onOpen, alone = false }: Props) {
   useEffect(prepareTooth, []);
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
@@ -122,11 +123,12 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         <Loading what={say("loading.attempt")} />
       </>
     );
+  const title = exerciseTitle(attempt.exercise);
   return (
     <>
       {undo.notice}
       <div class="attempt-top">
-        {place !== undefined ? (
+        {alone ? null : place !== undefined ? (
           <QueueBar client={client} place={place} />
         ) : (
           <nav class="trail" aria-label={say("common.where")}>
@@ -135,7 +137,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         )}
         <KeysHelp keys={keys} />
         <div class="attempt-title">
-          <PageTitle document={exerciseTitle(attempt.exercise)}>{exerciseTitle(attempt.exercise)}</PageTitle>
+          <PageTitle document={alone ? say("demo.document", { title }) : title}>{title}</PageTitle>
           <p class="byline">
             {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)}
             {restoration !== undefined && `, ${say("restoration.named", { material: say(`material.${restoration}`) })}`}{" "}
@@ -175,6 +177,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
             attempt,
             personId: person.id,
             teacher,
+            alone,
             anatomy,
             rescored: rescore.over,
           }}
@@ -230,7 +233,7 @@ function Details({ review }: { readonly review: Review }) {
   const { attempt, scored } = review;
   return (
     <div class="columns">
-      <RecordingPanel attempt={attempt} score={scored} />
+      <RecordingPanel attempt={attempt} score={scored} alone={review.alone} />
       <div class="stack">
         <Contradictions attempt={attempt} />
         <Nearness near={attempt.nearness} />
@@ -299,7 +302,7 @@ function Judgement({ review, onChanged, rescore, soon }: JudgementProps) {
           onPlace={review.removed ? undefined : review.showPlace}
         />
       )}
-      <AppealPanel client={client} attempt={attempt} rescore={rescore} onChanged={onChanged} />
+      {!review.alone && <AppealPanel client={client} attempt={attempt} rescore={rescore} onChanged={onChanged} />}
       {recorded !== undefined &&
         review.remarks.loaded.state === "ready" &&
         (review.annotates || review.marks.length > 0) && <AnnotationsPanel review={review} series={recorded} />}

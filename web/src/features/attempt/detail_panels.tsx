@@ -22,9 +22,11 @@ import { heldBy, recordingFacts, saidFacts } from "./summary";
 export const RecordingPanel = still(function RecordingPanel({
   attempt,
   score,
+  alone = false,
 }: {
   readonly attempt: AttemptDetail;
   readonly score: Score | undefined;
+  readonly alone?: boolean; // there is no server
 }) {
   const facts = recordingFacts(attempt, score);
   return (
@@ -88,7 +90,7 @@ export const RecordingPanel = still(function RecordingPanel({
           </div>
         )}
       </dl>
-      {attempt.result_fingerprint !== null && (
+      {attempt.result_fingerprint !== null && !alone && (
         <p class="no-print">
           <a href={signedResultAddress(attempt.id)} download>
             {say("recording.save_signed")}

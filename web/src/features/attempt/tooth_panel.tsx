@@ -172,7 +172,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
     () => joinedLines(lines, measured === undefined ? undefined : measuredLines(measured)),
     [lines, measured],
   );
-  const reference = comparable(attempt, review.teacher);
+  const reference = review.alone ? undefined : comparable(attempt, review.teacher);
   review.plots.target = () => setChoices({ ...choices, target: !choices.target });
   review.plots.measure = () => setMeasured(measured === undefined ? [] : undefined);
   review.plots.reference = () => {
@@ -252,7 +252,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
             measures={measured !== undefined}
             onMeasures={(on) => setMeasured(on ? [] : undefined)}
           >
-            {series !== undefined && (
+            {series !== undefined && !review.alone && (
               <CompareChoice
                 client={client}
                 attempt={attempt}

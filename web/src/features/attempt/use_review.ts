@@ -24,6 +24,7 @@ export interface Reviewed {
   readonly attempt: AttemptDetail;
   readonly personId: string; // the reviewer
   readonly teacher: boolean;
+  readonly alone: boolean; // there is no server, and no other attempt
   readonly anatomy: Anatomy | undefined; // undefined: not known yet
   readonly rescored: number; // how often since the page was opened
 }
@@ -209,7 +210,6 @@ function useMoment(
     beyondS:
       endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined,
     // The address of this moment, looked at as now
-    link: () =>
-      window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() }),
+    link: () => new URL(momentQuery({ seconds: momentS, look: look.now?.() }), window.location.href).href,
   };
 }

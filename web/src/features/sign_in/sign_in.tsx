@@ -2,10 +2,11 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Session } from "../../api/types";
-import { kLanguages, spokenLanguage, type Language } from "../../base/language";
+import type { Language } from "../../base/language";
 import { say } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { BrandMark } from "../../widgets/brand";
+import { Languages } from "../../widgets/languages";
 
 interface Props {
   readonly client: Client;
@@ -85,20 +86,7 @@ export function SignIn({ client, notice, chosen, onSignedIn, onLanguage }: Props
           {busy ? say("page_sign_in.going") : say("page_sign_in.title")}
         </button>
       </form>
-      <nav class="languages" aria-label={say("page_sign_in.language")}>
-        {kLanguages.map(({ code, name }) => (
-          <button
-            key={code}
-            type="button"
-            class="button quiet small"
-            lang={code}
-            aria-pressed={code === spokenLanguage()}
-            onClick={() => onLanguage(code)}
-          >
-            {name}
-          </button>
-        ))}
-      </nav>
+      <Languages onLanguage={onLanguage} />
     </main>
   );
 }
