@@ -14,6 +14,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "common/base/utf8.h"
+#include "common/language/score_text.h"
 #include "common/scoring/score.h"
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
@@ -32,6 +33,7 @@ using scoring::ScoreResult;
 // The server is another process, with which this one shares the database alone: asking is the only
 // way to hear of a score. Five times a second costs nothing and nobody sees the delay.
 constexpr auto kPoll = std::chrono::milliseconds(200);
+constexpr int kPollsALine = 20;  // 4 s
 constexpr char kDeviationMetric[] = "deviation_rms_mm";
 
 Result<bool> HasOpenJob(JobRows& jobs_rows, const Uuid& attempt) {
@@ -44,10 +46,12 @@ Result<bool> HasOpenJob(JobRows& jobs_rows, const Uuid& attempt) {
   return false;
 }
 
-void ShowProgress(const AttemptRow& row) {
-  // A line that is overwritten is of no use in a file.
-  if (::isatty(STDERR_FILENO) == 0) return;
-  std::cerr << fmt::format("\r{:<11} {:3.0f} %", AttemptStateName(row.state), row.progress * 100)
+// On a screen one line that is overwritten; elsewhere, where every line stays, now and then one.
+void ShowProgress(const AttemptRow& row, int poll) {
+  const bool screen = ::isatty(STDERR_FILENO) != 0;
+  if (!screen && poll % kPollsALine != 0) return;
+  std::cerr << fmt::format("{}{:<11} {:3.0f} %{}", screen ? "\r" : "", AttemptStateName(row.state),
+                           row.progress * 100, screen ? "" : "\n")
             << std::flush;
 }
 
@@ -55,7 +59,7 @@ void ShowProgress(const AttemptRow& row) {
 Result<AttemptRow> WaitForVerdict(AttemptRows& attempts, JobRows& jobs, const Uuid& attempt,
                                   int wait_s) {
   auto until = std::chrono::steady_clock::now() + std::chrono::seconds(wait_s);
-  for (;;) {
+  for (int poll = 1;; ++poll) {
     auto row = attempts.AttemptById(attempt);
     if (!row.ok()) return row;
     ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(jobs, attempt));
@@ -82,7 +86,7 @@ Result<AttemptRow> WaitForVerdict(AttemptRows& attempts, JobRows& jobs, const Uu
                       "data folder? Ask again with a longer --wait",
                       attempt.Text(), AttemptStateName(row->state), wait_s));
     }
-    ShowProgress(*row);
+    ShowProgress(*row, poll);
     std::this_thread::sleep_for(kPoll);
   }
 }
@@ -176,33 +180,61 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score, const Attemp
 
 void Line(const std::string& name, const std::string& value) { Say("  {:<34} {}\n", name, value); }
 
-// "over extended, wall mesial".
-std::string WordsOf(const scoring::Mistake& mistake) {
-  std::string out(scoring::NameOf(mistake.kind));
-  if (!mistake.place.empty()) out += ", " + mistake.place;
-  std::ranges::replace(out, '_', ' ');
+// The dearest are worth a line each: a hand heeds three things at most the next time.
+constexpr size_t kDearest = 3;
+// A loss that one decimal shows, points.
+constexpr double kSeen = 0.05;
+
+struct Loss {
+  double points;
+  std::string what, next;  // both without a full stop, or sentences with it
+};
+
+// What cost a tenth of a point, the dearest first. A figure of the hand tells its remedy in its reason.
+std::vector<Loss> LossesOf(const language::Words& words, const ScoreResult& score) {
+  std::vector<Loss> out;
+  for (const auto& m : score.mistakes)
+    out.push_back({m.points, language::MistakeText(words, m), language::RemedyText(words, m)});
+  for (const auto& c : score.criteria) {
+    if (c.group == scoring::Group::kHand && c.lost > 0) out.push_back({c.lost, c.reason, ""});
+  }
+  std::erase_if(out, [](const Loss& loss) { return loss.points < kSeen; });
+  std::ranges::stable_sort(out, std::greater{}, &Loss::points);
   return out;
 }
 
-void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
-                const ReportOptions& options) {
+void PrintSummary(const AttemptRow& row, const ScoreResult& score, const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
-      score.critical_fail ? " (not acceptable)" : "");
-  for (const auto& error : score.critical) Say("{}\n", error.reason);
+      score.acceptance == scoring::Acceptance::kNotAcceptable ? " (not acceptable)" : "");
+  for (const auto& error : score.critical) Say("  {}\n", error.reason);
   if (row.overridden) {
     Say("What counts instead is a person's score, {:.1f}: {}\n", row.overridden->score,
         Printable(row.overridden->reason));
   }
+  const language::Words words(language::Language::kEnglish);
+  const std::vector<Loss> losses = LossesOf(words, score);
+  if (losses.empty()) Say("  No points were lost.\n");
+  double smaller = 0;
+  for (size_t i = 0; i < losses.size(); ++i) {
+    if (i < kDearest)
+      Say("  -{:<5.1f} {}\n", losses[i].points, losses[i].what);
+    else
+      smaller += losses[i].points;
+  }
+  if (losses.size() > kDearest)
+    Say("  -{:<5.1f} {}\n", smaller, Counted(losses.size() - kDearest, "smaller mistake"));
+  if (!losses.empty() && !losses.front().next.empty()) Say("Next time: {}\n", losses.front().next);
+  if (!options.page_url.empty()) Say("The tooth in 3-D: {}\n", options.page_url);
+  if (!options.all) Say("Every figure: add --all\n");
+}
+
+void PrintAll(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result) {
+  Say("Points lost\n");
   for (const auto& c : score.criteria) {
     const bool has_value = c.judged && !c.unit.empty();
-    Say("  {:<34} {:>9} {:<5} {:>5.1f} lost, {}  {}\n", c.title,
+    Say("  {:<34} {:>9} {:<5} {:>5.1f}, {}\n", c.title,
         has_value ? fmt::format("{:.3f}", c.value) : "", has_value ? c.unit : "", c.lost,
-        scoring::NameOf(c.state), c.reason);
-  }
-  if (!score.mistakes.empty()) Say("Mistakes\n");
-  for (const auto& m : score.mistakes) {
-    Say("  {:<34} {:>9.2f} {:<5} {:>5.1f} lost\n", WordsOf(m), m.size, scoring::UnitOf(m.kind),
-        m.points);
+        scoring::NameOf(c.state));
   }
   Say("Measured\n");
   for (const auto& m : score.metrics) {
@@ -249,7 +281,6 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptRe
     Line("among " + Counted(score.envelope->members.size(), "reference"),
          fmt::format("nearest {}, {:.1f} % overlap", nearest.attempt, 100 * nearest.dice));
   }
-  if (!options.page_url.empty()) Line("page", options.page_url);
 }
 
 }  // namespace
@@ -266,7 +297,8 @@ Status Report(const ReportOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto result, store->results.ResultOf(id));
   ENAMEL_ASSIGN_OR_RETURN(auto text, store->blobs.GetBlob(result.score_json));
   ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
-  PrintTable(row, score, result, options);
+  PrintSummary(row, score, options);
+  if (options.all) PrintAll(row, score, result);
   if (options.json.empty()) return Status::Ok();
   std::string facts = json::serialize(Facts(row, score, result, options.page_url)) + "\n";
   return WriteFileDurably(options.json, AsBytes(facts));
@@ -278,6 +310,7 @@ void DeclareReport(CommandGroup root) {
       Report);
   AddData(cmd, o.data);
   cmd->add_option("--attempt", o.attempt)->required();
+  cmd->add_flag("--all", o.all, "Show every figure of the score and of its recording");
   cmd->add_option("--json", o.json, "Write the same facts to this file");
   cmd->add_option("--wait", o.wait_s, "Seconds to wait for the score")->check(CLI::Range(0, 86400));
   cmd->add_option("--page-url", o.page_url, "Address of the attempt's page, to be printed");

@@ -12,11 +12,12 @@ struct ReportOptions {
   std::string attempt;         // UUID text
   int wait_s = 0;              // for a running server to score it
   std::string page_url;        // printed as it is
+  bool all = false;            // every figure, not the score and its dearest mistakes alone
   std::filesystem::path json;  // the same facts as JSON; empty: none
 };
 
-// Prints a short table about a scored attempt: score and reasons, volumes, forces, trace, lost
-// points. Errors: kNotFound; kUnavailable (not scored in time); kConflict (failed or quarantined,
+// Prints a scored attempt: its points, the three mistakes that cost most and what to do about the
+// dearest. Errors: kNotFound; kUnavailable (not scored in time); kConflict (failed or quarantined,
 // with the reason).
 Status Report(const ReportOptions& options);
 

@@ -111,7 +111,8 @@ const std::map<std::string, Names>& Allowed() {
         {"server/doctor",
          {"server/app", "common/program", "common/net", "common/postgres", "common/s3"}},
         {"server/commands",
-         {"server/app", "server/doctor", "common/program", "server/agreement", "common/scoring"}},
+         {"server/app", "server/doctor", "common/program", "server/agreement", "common/scoring",
+          "common/language"}},
     };
     bool grew = true;
     while (grew) {

@@ -215,7 +215,7 @@ node -e '
 ' "$work/watch.json" || fail "the live view"
 
 echo "== an exam, with a hand that is none"
-server_cli report --data "$data" --attempt "$reference" --wait 1 >"$work/report.txt"
+server_cli report --data "$data" --attempt "$reference" --wait 1 --all >"$work/report.txt"
 grep -q "held by.*a simulated hand (operator dentist)" "$work/report.txt" || { cat "$work/report.txt"; fail "the report does not say who held the tool"; }
 server_cli admin assign-exercise --data "$data" --exercise "$exercise" --cohort "Demo cohort" --attempts 1 --exam |
   tee "$work/exam.txt"

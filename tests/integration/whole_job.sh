@@ -10,7 +10,12 @@ for bad in "$work/none/x.json" "$work/folder"; do
 done
 [ ! -e "$work/data/server" ] || fail "a refused ./run has begun its work"
 
-./run --once --data "$work/data" --port "$port" --json "$work/1.json"
+./run --once --data "$work/data" --port "$port" --json "$work/1.json" | tee "$work/once"
+# What a newcomer reads: the mistake that was made, what to do about it, and nothing else at length.
+sed '1,/^==> score/d' "$work/once" >"$work/score"
+grep -qE -- '-[0-9]+\.[0-9] +Mesial wall: over-extended by 0\.(2[5-9]|3[0-4]) mm' "$work/score" && grep -q '^Next time: ' "$work/score" ||
+  fail "expected the mesial wall and its remedy in the report"
+[ "$(wc -l <"$work/score")" -le 14 ] && ! grep -qE '.{121}' "$work/score" || fail "expected a short report, found $(cat "$work/score")"
 node tests/integration/check_facts.mjs "$work/1.json"
 first=$(node -p "JSON.parse(require('fs').readFileSync('$work/1.json','utf8')).attempt_id")
 # The other attempt of the demo; the student's may have been judged by the exercise's own target.
@@ -76,7 +81,7 @@ press_ctrl_c() {
   grep -qE '\] (stopped|stopping in the middle of a job:.*)$' "$work/data/server.log" || { cat "$work/data/server.log"; fail "the server was not stopped cleanly"; }
   "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
   # Stopped in the middle, the job goes on at the next start.
-  local left='scoring|failed'
+  local left='being scored|failed'
   ! grep -q 'stopping in the middle of a job' "$work/data/server.log" || left='failed'
   ! grep -qE " ($left) " "$work/list" || { cat "$work/list"; fail "a job was left behind"; }
 }
