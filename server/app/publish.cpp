@@ -57,9 +57,9 @@ Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
   return exercises.PublishExercise(row, *cohort, kCommandLine);
 }
 
-Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
-                                                 const SceneRow& row, const std::string& name,
-                                                 const std::optional<Uuid>& cohort) {
+Result<std::vector<ExerciseRow>> PublishBuiltins(
+    StoredBlobs& blobs, ExerciseRows& exercises, const SceneRow& row, const std::string& name,
+    const std::optional<Uuid>& cohort, const std::function<void(const std::string&)>& begin) {
   auto scene = StoredScene(blobs, row);
   if (!scene.ok()) return scene.status();
   std::vector<ExerciseRow> out;
@@ -69,12 +69,13 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRow
     // Names are KIND-SCENE ("class-1-molar-46"), so that a kind with its hyphen is a prefix of just
     // its own.
     if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(blobs, exercises, exercise, cohort));
-    out.push_back(published);
-    if (!exercise.graded) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto practice,
-                            PublishDocument(blobs, exercises, AsPractice(exercise), cohort));
-    out.push_back(practice);
+    std::vector<scene::Exercise> forms{exercise};
+    if (exercise.graded) forms.push_back(AsPractice(exercise));
+    for (const scene::Exercise& form : forms) {
+      begin(form.name);
+      ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(blobs, exercises, form, cohort));
+      out.push_back(published);
+    }
   }
   if (!out.empty()) return out;
   return Status(Code::kNotFound,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,10 +29,11 @@ Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
 
 // The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or
 // those of this name or kind ("class-2"). Each graded one also comes as practice, named
-// "practice-…". Errors also: kNotFound with the names there are.
-Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
-                                                 const SceneRow& scene, const std::string& name,
-                                                 const std::optional<Uuid>& cohort);
+// "practice-…". `begin` hears the name of each before it is published. Errors also: kNotFound with
+// the names there are.
+Result<std::vector<ExerciseRow>> PublishBuiltins(
+    StoredBlobs& blobs, ExerciseRows& exercises, const SceneRow& scene, const std::string& name,
+    const std::optional<Uuid>& cohort, const std::function<void(const std::string&)>& begin);
 // Class I alone.
 Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const SceneRow& scene, const Uuid& cohort);

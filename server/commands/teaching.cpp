@@ -17,6 +17,7 @@
 #include "server/commands/admin.h"
 #include "server/commands/admin_stations.h"
 #include "server/commands/command_line.h"
+#include "server/commands/console_phases.h"
 #include "server/commands/prepared.h"
 #include "server/commands/say.h"
 #include "server/jobs/comparison.h"
@@ -94,17 +95,21 @@ Status TryDocument(Store& store, const std::filesystem::path& path) {
 }
 
 Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
-                                         const std::optional<Uuid>& cohort) {
+                                         const std::optional<Uuid>& cohort, ConsolePhases& phases) {
   if (exercise.document.empty()) {
+    phases.Begin("loading the tooth of " + exercise.scene);
     ENAMEL_ASSIGN_OR_RETURN(auto scene, PublishScene(store.blobs, store.scenes, exercise.scene,
                                                      exercise.voxel_um * 1000));
     if (!exercise.prepared.empty()) {
+      phases.Begin("publishing " + exercise.prepared);
       ENAMEL_ASSIGN_OR_RETURN(auto row, PublishPrepared(store, scene, exercise.prepared, cohort));
       return std::vector<ExerciseRow>{row};
     }
-    return PublishBuiltins(store.blobs, store.exercises, scene, exercise.name, cohort);
+    return PublishBuiltins(store.blobs, store.exercises, scene, exercise.name, cohort,
+                           [&](const std::string& name) { phases.Begin("publishing " + name); });
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto document, ReadDocument(exercise.document));
+  phases.Begin("publishing " + document.name);
   ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, document));
   ENAMEL_ASSIGN_OR_RETURN(auto row,
                           PublishDocument(store.blobs, store.exercises, document, cohort));
@@ -194,15 +199,20 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
                   "scene");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  if (exercise.dry_run) return TryDocument(*store, exercise.document);
+  ConsolePhases phases;
+  if (exercise.dry_run) {
+    phases.Begin("scoring two attempts by its rubric");
+    return TryDocument(*store, exercise.document);
+  }
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(store->cohorts, exercise.cohort));
   // A ticket needs a device profile. On a server that was never seeded this command is the first
   // chance to store them. One that an admin has put stays.
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(*store));
   std::optional<Uuid> assigned_to;
   if (!exercise.unassigned) assigned_to = cohort;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, Publish(*store, exercise, assigned_to));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, Publish(*store, exercise, assigned_to, phases));
   for (const ExerciseRow& row : rows) {
+    phases.Begin("checking " + row.name);
     Say("exercise \"{}\" version {}, id {}\n", row.name, row.version, row.id.Text());
     ENAMEL_RETURN_IF_ERROR(SayWhatFollows(*store, row));
   }
