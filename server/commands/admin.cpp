@@ -63,8 +63,8 @@ void Show(const AttemptRow& row) {
   std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
   std::string flags;
   for (const char* flag : AttemptFlagNames(row.flags)) flags += std::string("  ") + flag;
-  Say("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), AttemptStateName(row.state),
-      score, row.ticks, row.person_name, row.exercise_title, flags,
+  Say("{}  {:<20} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), StateText(row.state), score,
+      row.ticks, row.person_name, row.exercise_title, flags,
       row.problem.empty() ? "" : "  (" + row.problem + ")");
 }
 
@@ -251,11 +251,11 @@ Status EnrolCodes(const std::filesystem::path& data, const std::filesystem::path
   ENAMEL_ASSIGN_OR_RETURN(auto names, StationNames(text));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
-  std::cout << CsvLine({"name", "code"});
+  std::cout << WithPlainLineEnds(CsvLine({"name", "code"}));
   for (const std::string& name : names) {
     ENAMEL_ASSIGN_OR_RETURN(auto code,
                             MakeEnrolCode(store->stations, identity.fingerprint, valid_minutes));
-    std::cout << CsvLine({name, code});
+    std::cout << WithPlainLineEnds(CsvLine({name, code}));
   }
   return Status::Ok();
 }
@@ -366,7 +366,9 @@ void DeclarePeople(CommandGroup admin) {
   AddData(add, a.data);
   add->add_option("--login", a.person.login, "Name to sign in with")->required();
   add->add_option("--name", a.person.display_name, "Name as shown");
-  add->add_option("--role", a.person.role, "student, instructor or admin")->required();
+  add->add_option("--role", a.person.role, "What the person may do")
+      ->check(CLI::IsMember(RoleNames()))
+      ->required();
   add->add_option("--id", a.person.id,
                   "The old id of a person that a restore has lost; list-awaited shows it");
   add->add_flag("--password-stdin", a.person.password_from_stdin,

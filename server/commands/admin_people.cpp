@@ -10,6 +10,7 @@
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
+#include "common/program/output.h"
 #include "server/app/data_folder.h"
 #include "server/commands/admin.h"
 #include "server/commands/command_line.h"
@@ -54,7 +55,7 @@ class PasswordFile {
   PasswordFile& operator=(const PasswordFile&) = delete;
 
   Status Write(const std::vector<roster::NewPassword>& passwords) {
-    const std::string text = roster::PasswordsCsv(passwords);
+    const std::string text = WithPlainLineEnds(roster::PasswordsCsv(passwords));
     if (text == written_) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(path_, AsBytes(text), 0600));
     written_ = text;
@@ -113,7 +114,7 @@ Status WriteOutcome(const std::filesystem::path& file, const roster::ImportResul
   boost::json::object out = roster::ImportJson(result);
   // The API answers with them, over TLS and once. A file of outcomes is kept and passed on.
   out.erase("passwords");
-  return WriteFileDurably(file, AsBytes(boost::json::serialize(out) + "\n"));
+  return program::WriteJsonFile(file, out);
 }
 
 Status Refusal(const roster::ImportResult& result) {
@@ -283,7 +284,7 @@ void DeclareRoster(CommandGroup admin) {
 
   auto [people, p] = Declare<PeopleList>(admin, "list-people", "People by login", ListPeople);
   AddData(people, p.data);
-  people->add_option("--role", p.role, "Only students, instructors or admins");
+  people->add_option("--role", p.role, "Only these")->check(CLI::IsMember(RoleNames()));
   people->add_option("--cohort", p.cohort, "Only of this cohort");
   people->add_option("--text", p.text, "Only with this in login or name");
   people->add_option("--limit", p.limit, "The most to show")

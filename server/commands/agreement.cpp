@@ -32,7 +32,7 @@ Status WriteBlank(const std::filesystem::path& file, const std::vector<ScoredWor
     }
     text += CsvLine({a.attempt.Text(), std::string(kTotalCriterion), "100", "", ""});
   }
-  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(text)));
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(WithPlainLineEnds(text))));
   Say("{}: {}. Each person fills in `marker` and `mark` in a copy of their own.\n", file.string(),
       Counted(attempts.size(), "attempt"));
   return Status::Ok();
@@ -133,7 +133,7 @@ Status CompareAgreement(const AgreementOptions& options) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));
   }
   if (options.csv.empty()) return Status::Ok();
-  return WriteFileDurably(options.csv, AsBytes(AgreementCsv(criteria)));
+  return WriteFileDurably(options.csv, AsBytes(WithPlainLineEnds(AgreementCsv(criteria))));
 }
 
 void DeclareAgreement(CommandGroup program) {

@@ -3,8 +3,16 @@
 #include <cstdlib>
 
 #include "common/program/example.h"
+#include "server/training/types.h"
 
 namespace enamel::server::app {
+
+std::vector<std::string> RoleNames() {
+  std::vector<std::string> out;
+  for (Role role : {Role::kStudent, Role::kInstructor, Role::kAdmin})
+    out.emplace_back(RoleName(role));
+  return out;
+}
 
 // The environment is read here and not by the parser, which would let it overrule another command's
 // option that has the same place.

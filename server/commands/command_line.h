@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/program/declare.h"
@@ -30,6 +31,9 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
       group.parent, name, help, std::move(run),
       [&chosen = group.chosen](std::function<Status()> command) { chosen = std::move(command); });
 }
+
+// The roles there are, for an option's check.
+std::vector<std::string> RoleNames();
 
 // Of an option that names somebody.
 inline constexpr char kLoginHelp[] = "The person's login, which list-people shows";

@@ -3,7 +3,7 @@
 #include <boost/json.hpp>
 
 #include "common/base/counted.h"
-#include "common/base/file.h"
+#include "common/program/output.h"
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
 #include "server/commands/console_progress.h"
@@ -76,8 +76,7 @@ Status Move(const MoveCommand& command) {
   for (const Sha256& hash : report->missing) Say("missing or damaged: blob {}\n", hash.Hex());
   Say("start the server with --data {}; nothing was deleted in {}, which no server starts on now\n",
       command.to.string(), command.data.string());
-  if (command.json.empty()) return Status::Ok();
-  return WriteFileDurably(command.json, AsBytes(json::serialize(JsonOf(*report)) + "\n"));
+  return program::WriteJsonFile(command.json, JsonOf(*report));
 }
 
 void DeclareMove(CommandGroup root) {

@@ -4,6 +4,7 @@
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
+#include "common/program/output.h"
 #include "server/app/data_folder.h"
 #include "server/commands/admin.h"
 #include "server/commands/command_line.h"
@@ -45,7 +46,7 @@ class Exporter {
     ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAudit(person, root));
-    return Write("export.json", AsBytes(json::serialize(root) + "\n"));
+    return Write("export.json", AsBytes(program::JsonText(root) + "\n"));
   }
   size_t attempts() const { return attempts_; }
   uint64_t bytes() const { return bytes_; }

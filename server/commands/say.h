@@ -36,6 +36,12 @@ void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
   std::cout << fmt::format(format, ShownAs(values)...);
 }
 
+// A table (CsvLine) for a file or a pipe on this system: its lines end with LF.
+std::string WithPlainLineEnds(std::string csv);
+
+// What has become of an attempt, in the page's words: "waiting to be scored".
+const char* StateText(AttemptState state);
+
 // "2026-09-01 08:30", UTC; "-" for 0.
 std::string UtcText(UnixMs ms);
 

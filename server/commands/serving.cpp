@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "common/program/command_settings.h"
 #include "common/program/example.h"
 #include "common/program/findings.h"
 #include "common/program/output.h"
@@ -73,10 +74,7 @@ void AddOperations(CLI::App* cmd, ServeSettings& o) {
                   "File with the token that GET /metrics requires; without it, only this machine\n"
                   "may read them")
       ->check(CLI::ExistingFile);
-  cmd->add_option("--log-format", o.log.format, "text, or json: one object a line")
-      ->capture_default_str();
-  cmd->add_option("--log-level", o.log.level, "trace, debug, info, warning or error")
-      ->capture_default_str();
+  program::AddLogOptions(*cmd, o.log);
 }
 
 // In a section of their own of the settings file.

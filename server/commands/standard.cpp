@@ -24,7 +24,7 @@ Status WriteBorderlineForm(const std::filesystem::path& file, const ScoredWork& 
     text += CsvLine(
         {std::string(kBorderlineWork), group.title, fmt::format("{:g}", group.most), "", ""});
   }
-  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(text)));
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(WithPlainLineEnds(text))));
   Say("{}: each examiner fills in `marker` and, as `mark`, the points that a student would earn "
       "who "
       "is just good enough.\n",

@@ -10,10 +10,10 @@
 #include <chrono>
 
 #include "common/base/counted.h"
-#include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
 #include "common/program/example.h"
+#include "common/program/output.h"
 #include "server/app/data_folder.h"
 #include "server/app/school_folder.h"
 #include "server/commands/command_line.h"
@@ -34,11 +34,6 @@ constexpr size_t kShownFindings = 50;
 
 std::string Mib(uint64_t bytes) {
   return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20));
-}
-
-Status WriteJson(const std::filesystem::path& file, const json::object& facts) {
-  if (file.empty()) return Status::Ok();
-  return WriteFileDurably(file, AsBytes(json::serialize(facts) + "\n"));
 }
 
 json::object JsonOf(const VerifyReport& report) {
@@ -190,14 +185,14 @@ Status Backup(const BackupCommand& command) {
   for (const Sha256& hash : report->missing) missing.emplace_back(hash.Hex());
   size_t lost = missing.size();
   for (const Sha256& hash : report->missing) Say("missing or damaged: blob {}\n", hash.Hex());
-  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, {{"created_ms", report->created_ms},
-                                                  {"files", report->files},
-                                                  {"bytes", report->bytes},
-                                                  {"linked", report->linked},
-                                                  {"people", report->people},
-                                                  {"attempts", report->attempts},
-                                                  {"ticks", report->ticks},
-                                                  {"missing", std::move(missing)}}));
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(command.json, {{"created_ms", report->created_ms},
+                                                               {"files", report->files},
+                                                               {"bytes", report->bytes},
+                                                               {"linked", report->linked},
+                                                               {"people", report->people},
+                                                               {"attempts", report->attempts},
+                                                               {"ticks", report->ticks},
+                                                               {"missing", std::move(missing)}}));
   if (lost == 0) return Status::Ok();
   return Status(
       Code::kStorage,
@@ -332,12 +327,13 @@ Status RestoreBackup(const RestoreCommand& asked) {
     left_out.emplace_back(file);
   }
   Print(report->verified);
-  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, {{"created_ms", report->created_ms},
-                                                  {"files", report->files},
-                                                  {"bytes", report->bytes},
-                                                  {"erased_again", report->erased_again},
-                                                  {"left_out", std::move(left_out)},
-                                                  {"verified", JsonOf(report->verified)}}));
+  ENAMEL_RETURN_IF_ERROR(
+      program::WriteJsonFile(command.json, {{"created_ms", report->created_ms},
+                                            {"files", report->files},
+                                            {"bytes", report->bytes},
+                                            {"erased_again", report->erased_again},
+                                            {"left_out", std::move(left_out)},
+                                            {"verified", JsonOf(report->verified)}}));
   return Verdict(report->verified);
 }
 
@@ -352,7 +348,7 @@ Status VerifyFolder(const VerifyCommand& asked) {
   if (!report.ok()) return report.status();
   Print(*report);
   // Before the verdict: the file is wanted most when something disagrees.
-  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, JsonOf(*report)));
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(command.json, JsonOf(*report)));
   return Verdict(*report);
 }
 

@@ -18,6 +18,7 @@
 #include "server/commands/admin_stations.h"
 #include "server/commands/init.h"
 #include "server/commands/report.h"
+#include "server/commands/say.h"
 #include "server/commands/teaching.h"
 #include "server/commands/upkeep.h"
 #include "server/training/ticket_rules.h"
@@ -37,6 +38,19 @@ class CommandsTest : public ::testing::Test {
 
   TempFolder folder_;
 };
+
+TEST(StateTextTest, StatesAreCalledAsOnThePage) {
+  const auto words =
+      boost::json::parse(AsText(*ReadFile(ENAMEL_SOURCE_DIR "/schemas/words/en/page.json")));
+  const auto& messages = words.at("messages").as_object();
+  for (int i = 1; i <= static_cast<int>(AttemptState::kQuarantined); ++i) {
+    const auto state = static_cast<AttemptState>(i);
+    std::string text(
+        messages.at(std::string("attempt_state.") + AttemptStateName(state)).as_string());
+    text[0] = static_cast<char>(std::tolower(text[0]));
+    EXPECT_EQ(StateText(state), text);
+  }
+}
 
 TEST_F(CommandsTest, AFolderThatIsNoneIsNotMade) {
   const std::filesystem::path typo = folder_.path() / "dta";
@@ -498,8 +512,20 @@ TEST_F(CommandsTest, RosterWhosePasswordsCannotBeWrittenAddsNobody) {
   EXPECT_TRUE(OpenData()->people.People()->empty());
   roster.passwords = folder_.path() / "passwords.csv";
   ASSERT_TRUE(ImportRoster(roster).ok());
-  EXPECT_NE(std::string(AsText(*ReadFile(roster.passwords))).find("\nada,Ada,,"),
-            std::string::npos);
+  const std::string passwords(AsText(*ReadFile(roster.passwords)));
+  EXPECT_NE(passwords.find("\nada,Ada,,"), std::string::npos);
+  EXPECT_EQ(passwords.find('\r'), std::string::npos) << "a shell reads it line by line";
+}
+
+TEST_F(CommandsTest, PublishingSaysOnStandardErrorWhatItDoes) {
+  NewExercise exercise;
+  exercise.scene = "builtin:block";
+  exercise.name = "cross";
+  exercise.voxel_um = 500;
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "loading the tooth of builtin:block\npublishing cross-block\nchecking cross-block\n");
 }
 
 TEST_F(CommandsTest, RetentionWithoutDaysTakesNoRuleAway) {
