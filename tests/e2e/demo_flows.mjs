@@ -66,7 +66,7 @@ async function oneFile(world) {
       await page.getByLabel("Section", { exact: true }).selectOption("y");
       await toothPixelsBecome(page, "dentin in the section", isDentin, isMuch);
       assert.deepEqual(
-        await page.locator('a:not([href^="#"]), .notice.bad').allInnerTexts(),
+        await page.locator('main a:not([href^="#"]), .notice.bad').allInnerTexts(),
         [],
         "what needs a server",
       );
