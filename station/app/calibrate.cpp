@@ -48,7 +48,6 @@ Result<MeasuredDevice> OpenSimulated(const CalibrateCommand& options) {
   PlantParams plant = PlantOf(*truth, params);
   // Nobody holds it, as with a real device.
   plant.hand_mass_kg = 0;
-  plant.noise_m = options.simulated_noise_um * 1e-6;
   plant.delay_ticks =
       static_cast<int>(std::min<int64_t>(truth->bus_delay_ticks.value, SimulatedDevice::kMaxDelay));
   out.count_m.fill(plant.count_m);

@@ -17,10 +17,9 @@ struct CalibrateCommand {
   std::string device = "simulated:phantom_desktop";
   std::string profile;  // for comparison; empty: the device's own
   int rate_hz = 1000;
-  double max_force_n = 2;         // the most it may use
-  double simulated_noise_um = 0;  // of a simulated device\'s sensor
-  std::string name;               // of the proposed profile; empty: the profile's with "-measured"
-  std::filesystem::path out;      // the proposed profile
+  double max_force_n = 2;     // the most it may use
+  std::string name;           // of the proposed profile; empty: the profile's with "-measured"
+  std::filesystem::path out;  // the proposed profile
   std::filesystem::path calibration;  // the measurement
   bool yes = false;                   // do not wait for the person's go-ahead
 };

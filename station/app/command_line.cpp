@@ -29,8 +29,7 @@ To work for hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
   ENAMEL_PIN=... enamel-station reserve --give-back ID
-Laws, cutting and this computer are measured by enamel-lab; 'enamel-lab --help' shows how. The
-older names qualify, fit-damping, explain and frame-bench still start it from here.
+Laws, cutting and this computer are measured by enamel-lab; 'enamel-lab --help' shows how.
 Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
 ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,

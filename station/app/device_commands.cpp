@@ -46,8 +46,6 @@ void AddCalibrate(CommandGroup group) {
   command->add_option("--max-force", options->max_force_n, "N it may use")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
-  command->add_option("--sim-noise-um", options->simulated_noise_um,
-                      "Standard deviation of a simulated device's sensor");
   command->add_option("--name", options->name, "Name of the proposed profile");
   command->add_option("--out", options->out, "Write the proposed profile to this file");
   command->add_option("--calibration", options->calibration, "Write the measurement to this file");

@@ -8,7 +8,6 @@
 #include "common/program/suggestion.h"
 #include "common/program/version.h"
 #include "station/app/command_line.h"
-#include "station/app/lab_command.h"
 #include "station/uplink/policy_file.h"
 
 // enamel-station: its commands.
@@ -41,8 +40,6 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
-  // Before parsing, which does not know the lab's options.
-  if (IsLabCommand(argc, argv)) return Finish(RunLabCommand(argc, argv));
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.",
                kName);
   app.require_subcommand(0, 1);

@@ -12,7 +12,7 @@ namespace enamel::station::render {
 namespace {
 
 // A change sends its whole group again, and each group is a call to the driver: larger groups cost
-// more of the first, smaller ones more of the second. 'enamel-station frame-bench' measures both
+// more of the first, smaller ones more of the second. 'enamel-lab bench frames' measures both
 // together.
 constexpr int kGroupSide = 4;
 // Error of uncut surface in the picture: a third of a pixel, seen near.

@@ -40,8 +40,6 @@ function helpOf(words) {
   return helps.get(key);
 }
 const programs = new Set(['enamel-server', 'enamel-station', 'enamel-lab']);
-// The lab's older names, which the station still starts.
-const lent = new Set(['qualify', 'fit-damping', 'explain', 'frame-bench']);
 let commands = 0;
 function checkCommand(file, line) {
   const words = line.replace(/\s#.*$/, '').replace(/[[\]"]/g, ' ').split(/\s+/).filter(Boolean);
@@ -56,7 +54,6 @@ function checkCommand(file, line) {
     const known = helpOf(at[0]).subcommands;
     const named = own[0].split('|');
     if (known.size === 0) break;
-    if (words[start] === 'enamel-station' && lent.has(named[0])) return;
     for (const name of named) {
       if (!known.has(name)) return wrong(file, `"${line.trim()}": ${at[0].join(' ')} has no command ${name}`);
     }
