@@ -41,7 +41,8 @@ json::object Shown(const std::string& picture) {
 
 class ReadmePicturesTest : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Scores, ReadmePicturesTest,
-                         testing::Values("attempt.png", "station_score.png"),
+                         testing::Values("attempt.png", "exam_attempt.webp", "exam_grades.webp",
+                                         "exam_grading.webp", "station_score.png"),
                          [](const auto& picture) {
                            return std::filesystem::path(picture.param).stem().string();
                          });
