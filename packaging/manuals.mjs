@@ -54,6 +54,7 @@ const entries = (list) => list.map(([what, text]) => `.TP\n.B ${escaped(what)}\n
 const verbatim = (text) => (text ? `.PP\n.nf\n${escaped(text)}\n.fi\n` : '');
 
 const namesOf = (what) => what.split(/[ {]/)[0].match(/--?[a-z][a-z0-9-]*/g) ?? [];
+const choicesOf = (what) => what.match(/\{([^}]*)\}/)?.[1].split(',');
 const takesValue = /^\S+ (?!REQUIRED|Needs:|Excludes:)[A-Z]/;
 // What is built in, as the station lists it: names for options that take another's too, or a file.
 const listed = (command) => execFileSync(join(bin, 'enamel-station'), [command], { encoding: 'utf8' });
@@ -68,9 +69,9 @@ for (const program of Object.keys(files)) {
   let commands = '';
   const walk = (path, depth) => {
     const help = readHelp([program, ...path]);
-    words.set(path.join(' '), [...help.subcommands.map(([name]) => name), ...help.options.flatMap(([what]) => namesOf(what))]);
+    words.set(path.join(' '), [...help.subcommands.map(([name]) => name), ...help.options.flatMap(([what]) => namesOf(what)), ...help.positionals.flatMap(([what]) => choicesOf(what) ?? [])]);
     for (const [what] of help.options.filter(([what]) => takesValue.test(what))) {
-      const list = what.match(/\{([^}]*)\}/)?.[1].split(',') ?? builtIn[namesOf(what)[0]] ?? [];
+      const list = choicesOf(what) ?? builtIn[namesOf(what)[0]] ?? [];
       for (const name of namesOf(what)) values.push([`${path.join(' ')} ${name}`, list]);
     }
     if (depth > 0) {

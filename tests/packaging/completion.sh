@@ -46,6 +46,7 @@ offers "omega3 omega6 omega7" enamel-station simulate --profile omega
 offers "builtin:premolar" enamel-station simulate --scene builtin:p
 offers "class-5-molar-46-buccal" enamel-server admin assign-exercise --exercise class-5
 offers "strokes" enamel-lab qualify --suite s
+offers "molar-buccal molar-caries molar-class-2" enamel-lab pictures molar-
 offers "" enamel-server admin add-person --login ""
 offers "" enamel-station run --json ""
 
