@@ -3,10 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <boost/json/parse.hpp>
 
 #include "common/base/counted.h"
 #include "common/base/csv.h"
 #include "common/base/file.h"
+#include "common/program/output.h"
 #include "common/scoring/score.h"
 #include "server/agreement/standard.h"
 #include "server/app/data_folder.h"
@@ -129,9 +131,8 @@ Status CompareAgreement(const AgreementOptions& options) {
         "compared\nwith people apart.\n");
   }
   for (const CriterionAgreement& c : criteria) Show(c, said);
-  if (!options.json.empty()) {
-    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));
-  }
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
+      options.json, boost::json::parse(AgreementJson(criteria)).as_object()));
   if (options.csv.empty()) return Status::Ok();
   return WriteFileDurably(options.csv, AsBytes(WithPlainLineEnds(AgreementCsv(criteria))));
 }

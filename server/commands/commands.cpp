@@ -40,6 +40,7 @@ void DeclareCommands(CommandGroup root) {
         DeclareRubrics, DeclareAssignments}) {
     declare({*admin, root.chosen});
   }
+  AddExample(admin, "list-people");
   root.parent.footer(
       "First steps:\n"
       "  enamel-server serve --data /var/lib/enamel            # in one terminal; then, in "

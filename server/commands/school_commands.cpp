@@ -224,9 +224,10 @@ void DeclareSchools(CommandGroup root) {
   // After its commands, which would inherit it.
   school->footer(
       "An installation serves its own school and any others that you add. Each has its\n"
-      "own host name, people, stations and data; nobody in one school sees anything of another.\n\n"
+      "own host name, people, stations and data; nobody in one school sees anything of another.\n"
       "A school's data folder, for other commands, is schools/NAME in that of the installation:\n"
       "  enamel-server admin enrol-code --data /var/lib/enamel/schools/north");
+  AddExample(school, "add north --host north.example.edu");
 }
 
 }  // namespace enamel::server::app

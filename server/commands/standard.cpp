@@ -2,8 +2,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <boost/json/parse.hpp>
+
 #include "common/base/csv.h"
 #include "common/base/file.h"
+#include "common/program/output.h"
 #include "server/agreement/standard.h"
 #include "server/app/data_folder.h"
 #include "server/commands/agreement.h"
@@ -99,9 +102,8 @@ Status FindStandard(const StandardOptions& options) {
   for (Mark& mark : ComputedMarks(attempts)) marks.push_back(std::move(mark));
   ENAMEL_ASSIGN_OR_RETURN(const auto standard, SetStandard(marks, options.cut));
   Show(standard);
-  if (!options.json.empty()) {
-    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(StandardJson(standard))));
-  }
+  ENAMEL_RETURN_IF_ERROR(
+      program::WriteJsonFile(options.json, boost::json::parse(StandardJson(standard)).as_object()));
   if (standard.cut) return Status::Ok();
   return Status(Code::kConflict, "these marks give no cut score: see the reasons above");
 }

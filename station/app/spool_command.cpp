@@ -512,6 +512,7 @@ void DeclareSpool(CommandGroup group) {
                         "End an attempt that was cut off, so that it is scored as far as it goes",
                         CloseInSpool)),
       {"last"});
+  program::AddExamples(*spool, {"list"});
 }
 
 }  // namespace enamel::station

@@ -20,6 +20,25 @@ namespace enamel::station::lab {
 
 namespace {
 
+constexpr char kFooter[] = R"(Which question is answered by which command:
+  does a force law hold on this device?           enamel-lab qualify --profile omega3 --quick
+  ... in numbers and pictures                     enamel-lab qualify --profile omega3 --report omega3.html
+  what became of the paper this began with?       enamel-lab paper
+  what does more accuracy cost?                   enamel-lab error --quick
+  is this computer fast enough for a tick?        enamel-lab bench tick --quick
+  ... for a picture                               enamel-lab bench frames --frames 60
+  did a change alter how a tooth looks?           enamel-lab pictures --compare tests/golden/pictures
+  what of a scene is carried, and within budget?  enamel-lab explain builtin:molar --budget-us 200
+  does a grade find what was done wrong?          enamel-lab grades --quick
+  what does a grade say of each fault?            enamel-lab reasons --sheet reasons.html
+  does a grade tell skill?                        enamel-lab operators --quick
+  how hard is a tissue to cut, from a recording?  enamel-lab fit-damping cut.csv --material cut.json
+Every command has its own --help. Most write their rows with --json FILE.
+Settings: as those of enamel-station (schemas/station_settings.md); keys of its file that are not
+the lab's are passed over.
+Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line, or a force law
+that is proved passive gave energy.)";
+
 void RegisterQualify(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
   options->out = stdout;
@@ -220,6 +239,8 @@ void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterOperators(app, exit_code);
   RegisterHandSigns(app, exit_code);
   RegisterPictures(app, exit_code);
+  // After the commands, which would inherit it.
+  app.footer(kFooter);
 }
 
 }  // namespace enamel::station::lab

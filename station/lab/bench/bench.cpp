@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/program/example.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
 
@@ -96,6 +97,7 @@ void RegisterBench(CLI::App& app, int* exit_code) {
       "Figures depend on the machine and on what else it does: the least of several identical\n"
       "replays is the code's own cost, the raw figures beside it are what a user saw.\n"
       "Exit codes: 0 measured (goals met or not), 1 failed, 2 wrong command line.");
+  program::AddExamples(*bench, {"tick --quick"});
 }
 
 }  // namespace enamel::station::lab::bench

@@ -13,7 +13,11 @@ struct Program {
   CLI::App* group = app.add_subcommand("school");
   CLI::App* add = group->add_subcommand("add");
   std::string host;
-  Program() { add->add_option("--host", host, "Its name")->required(); }
+  Program() {
+    add->add_option("--host", host, "Its name")->required();
+    for (CLI::App* each : {&app, group})
+      AddExamples(*each, {each == group ? "add --host a" : "school add --host a"});
+  }
 };
 
 TEST(ExampleTest, ExamplesStandAtTheEndOfTheHelpWithTheCommandsWords) {
