@@ -108,6 +108,20 @@ test("what is asked ahead is given out once, and not to whoever signs in next", 
   assert.equal(calls.length, 6, "the attempt was asked for again");
 });
 
+test("what was not there yet when it was asked ahead is asked again", async () => {
+  const { client, calls, send } = clientThatGets([
+    Response.json({ person: {}, csrf: "a" }),
+    Response.json({ id: "x" }),
+    new Response("ENTT", { status: 206 }),
+    Response.json({ error: { code: "conflict", message: "this one is scoring" } }, { status: 409 }),
+    Response.json({ score: 94, criteria: [] }),
+  ]);
+  askFirst(client.http.ahead, send, "x");
+  const score = await client.score("x");
+  assert.equal(score.ok && score.value.score, 94);
+  assert.equal(calls.length, 5);
+});
+
 test("what was read ahead is given out once, for its own attempt, and asked again where it failed", async () => {
   const series = () =>
     Response.json({

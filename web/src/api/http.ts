@@ -137,8 +137,11 @@ export class Http {
     confirmed = false,
   ): Promise<ApiResult<Response>> {
     try {
-      const response = await ((method === "GET" ? this.ahead.take(path, options) : undefined) ??
-        this.send(apiAddress(path), requestInit(method, options, this.csrf)));
+      const send = () => this.send(apiAddress(path), requestInit(method, options, this.csrf));
+      const early = method === "GET" ? this.ahead.take(path, options) : undefined;
+      let response = await (early ?? send());
+      // What was not there yet when it was asked for ahead, as the score of an attempt in the queue, may be there now.
+      if (early !== undefined && (response.status === 404 || response.status === 409)) response = await send();
       if (response.ok) return ok(response);
       if (response.status === 401 && options.signingIn !== true) this.sessionLost();
       const error = await refusal(response, method);
