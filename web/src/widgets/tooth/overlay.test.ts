@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { PerspectiveCamera, Vector3 } from "three";
 import type { Anatomy } from "../../api/tooth_number";
 import type { PointMm } from "../../tooth/messages";
-import { axisEnds, pxPerMm } from "./overlay";
+import { axisEnds, clearOf, pxPerMm } from "./overlay";
 
 test("the scale is what a camera makes of a millimetre across the picture, also aside of its middle", () => {
   const camera = new PerspectiveCamera(28, 1.5, 0.1, 500);
@@ -32,4 +32,14 @@ test("the axes in the corner point as the tooth lies", () => {
     [0, -1],
     [0, 0],
   ]);
+});
+
+test("the name of a side moves off the buttons that would hide it, towards the middle", () => {
+  const views = { left: 8, right: 66, top: 8, bottom: 200 };
+  const choices = { left: 360, right: 510, top: 8, bottom: 200 };
+  const clear = (left: number, top: number) => clearOf([views, choices], left, top, 518);
+  assert.equal(clear(40, 120), 66 + 38);
+  assert.equal(clear(500, 120), 360 - 38);
+  assert.equal(clear(40, 300), 40, "below them");
+  assert.equal(clear(250, 120), 250, "between them");
 });

@@ -17,8 +17,6 @@ export const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
 const kLabelMarginPx = [38, 18] as const; // half a label and a little air
 const kAxesPx = { right: 170, top: 56 }; // from the left and the bottom of the picture
 const kPinPx = 30; // with the outline of a chosen one
-const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
-const kWidePx = 560;
 const kBesideTooth = 1.05; // of the radius of the ball around it
 const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
 const kAxisMm = 0.5; // short, so that perspective does not bend the axes
@@ -44,11 +42,38 @@ export function place(
     return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height, z / w];
   };
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  placeLabels(labels, [width, height], anatomy, project, extent.centreMm, extent.radiusMm);
+  placeLabels(labels, [width, height], toolsOver(element), anatomy, project, extent.centreMm, extent.radiusMm);
   placePins(element, [width, height], project);
   placeAxes(element, anatomy, project, extent.centreMm);
   placeScale(element, pxPerMm(projection, middle, width));
   element.dataset["tooth"] = detail;
+}
+
+type Box = Pick<DOMRect, "left" | "right" | "top" | "bottom">;
+
+// The buttons that lie over the picture, in its pixels.
+function toolsOver(element: HTMLElement): Box[] {
+  const tools = element.closest(".tooth")?.querySelectorAll(".tooth-tools :is(.button, select, .segmented)") ?? [];
+  const frame = element.getBoundingClientRect();
+  return [...tools]
+    .map((tool) => tool.getBoundingClientRect())
+    .filter((box) => box.top < frame.bottom && box.bottom > frame.top)
+    .map(({ left, right, top, bottom }) => ({
+      left: left - frame.left,
+      right: right - frame.left,
+      top: top - frame.top,
+      bottom: bottom - frame.top,
+    }));
+}
+
+// From the left, where a label is hidden by none of the boxes: moved towards the middle of the picture.
+export function clearOf(boxes: readonly Box[], left: number, top: number, width: number): number {
+  const [across, down] = kLabelMarginPx;
+  return boxes.reduce((at, box) => {
+    if (Math.abs(top - (box.top + box.bottom) / 2) > (box.bottom - box.top) / 2 + down) return at;
+    if (at + across < box.left || at - across > box.right) return at;
+    return box.left + box.right < width ? Math.max(at, box.right + across) : Math.min(at, box.left - across);
+  }, left);
 }
 
 // Names of the sides at the edge of the picture, in the direction in which they lie; hidden where
@@ -56,6 +81,7 @@ export function place(
 function placeLabels(
   labels: readonly HTMLElement[],
   [width, height]: readonly [number, number],
+  tools: readonly Box[],
   anatomy: Anatomy | undefined,
   project: (point: PointMm) => PointMm,
   centre: PointMm,
@@ -72,7 +98,7 @@ function placeLabels(
     // At the edge of the picture, or beside the tooth where that is nearer.
     const toEdge = Math.min(
       kBesideTooth,
-      (half[0] - kLabelMarginPx[0] - (width > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
+      (half[0] - kLabelMarginPx[0]) / Math.abs(dx),
       (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
     );
     const visible = Math.hypot(dx, dy) > kLabelMinShare * height && Number.isFinite(toEdge);
@@ -81,7 +107,8 @@ function placeLabels(
     const [left, top] = [half[0] + dx * toEdge, half[1] + dy * toEdge];
     const aboveAxes = height - kAxesPx.top - kLabelMarginPx[1];
     const shown = left < kAxesPx.right + kLabelMarginPx[0] ? Math.min(top, aboveAxes) : top;
-    label.style.transform = `translate(-50%, -50%) translate(${left}px, ${shown}px)`;
+    const clear = clearOf(tools, left, shown, width);
+    label.style.transform = `translate(-50%, -50%) translate(${clear}px, ${shown}px)`;
   });
 }
 
