@@ -9,10 +9,10 @@
 namespace enamel::program {
 
 void AddLogOptions(CLI::App& app, LogOptions& log) {
-  app.add_option("--log-format", log.format, "Of the log; json: one object a line")
+  app.add_option("--log-format", log.format, "Format of the log; json: one object a line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  app.add_option("--log-level", log.level, "Log this and what is more important")
+  app.add_option("--log-level", log.level, "Least level that is logged")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
       ->capture_default_str();
 }

@@ -409,14 +409,14 @@ void DeclarePeople(CommandGroup admin) {
       Declare<Membership>(admin, "add-cohort", "Add a cohort",
                           [](const Membership& o) { return AddCohort(o.data, o.cohort); });
   AddData(cohort, c.data);
-  cohort->add_option("--name", c.cohort, "Its name: one that no cohort has")->required();
+  cohort->add_option("--name", c.cohort, "Name of the new cohort")->required();
   AddExample(cohort, "--name \"Year 3\"");
 
   auto [member, m] = Declare<Membership>(
       admin, "add-to-cohort", "Add a student or instructor to a cohort",
       [](const Membership& o) { return AddToCohort(o.data, o.cohort, o.login); });
   AddData(member, m.data);
-  member->add_option("--cohort", m.cohort, "Its name")->required();
+  member->add_option("--cohort", m.cohort, "Name of the cohort (list-cohorts)")->required();
   member->add_option("--login", m.login, kLoginHelp)->required();
   AddExample(member, "--cohort \"Year 3\" --login anna");
 }
@@ -452,7 +452,7 @@ void DeclareAttempts(CommandGroup admin) {
                            return MarkReference(o.data, o.attempt, o.dentist, o.consent, o.anyway);
                          });
   AddData(mark, r.data);
-  mark->add_option("--attempt", r.attempt, "Its id, which list-attempts shows")->required();
+  mark->add_option("--attempt", r.attempt, "Id of the attempt (list-attempts)")->required();
   mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
   mark->add_flag(
       "--consent", r.consent,
@@ -507,7 +507,7 @@ void DeclareAttempts(CommandGroup admin) {
   auto [list, n] = Declare<Listing>(admin, "list-attempts", "Newest attempts first",
                                     [](const Listing& o) { return ListAttempts(o.data, o.limit); });
   AddData(list, n.data);
-  list->add_option("--limit", n.limit, "The most to show")
+  list->add_option("--limit", n.limit, "Most rows to show")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   AddExample(list, "--limit 200");

@@ -284,10 +284,11 @@ void DeclareRoster(CommandGroup admin) {
 
   auto [people, p] = Declare<PeopleList>(admin, "list-people", "People by login", ListPeople);
   AddData(people, p.data);
-  people->add_option("--role", p.role, "Only these")->check(CLI::IsMember(RoleNames()));
+  people->add_option("--role", p.role, "Only people of this role")
+      ->check(CLI::IsMember(RoleNames()));
   people->add_option("--cohort", p.cohort, "Only of this cohort");
   people->add_option("--text", p.text, "Only with this in login or name");
-  people->add_option("--limit", p.limit, "The most to show")
+  people->add_option("--limit", p.limit, "Most rows to show")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   AddExample(people, "--cohort \"Year 3\" --role student");

@@ -32,13 +32,13 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
       [&chosen = group.chosen](std::function<Status()> command) { chosen = std::move(command); });
 }
 
-// The roles there are, for an option's check.
+// All roles, for an option's check.
 std::vector<std::string> RoleNames();
 
-// Of an option that names somebody.
-inline constexpr char kLoginHelp[] = "The person's login, which list-people shows";
+// Describes an option that names a person.
+inline constexpr char kLoginHelp[] = "Login of the person (list-people)";
 
-// Of an attempt, reference or assignment, in examples.
+// The id in examples: of an attempt, a reference or an assignment.
 inline constexpr char kSomeId[] = "6f1c9a52-3d0e-4b7a-9c41-2f8d5e07a613";
 
 // --data, as every command but `serve` takes it: from the command line or from ENAMEL_DATA, and

@@ -29,7 +29,7 @@ void DeclareCommands(CommandGroup root) {
     declare(root);
   }
   CLI::App* report = root.parent.get_subcommand("report");
-  report->get_option("--attempt")->description("Its id, which admin list-attempts shows");
+  report->get_option("--attempt")->description("Id of the attempt (admin list-attempts)");
   AddExample(report, std::string("--wait 60 --attempt ") + kSomeId);
   auto* admin = root.parent.add_subcommand(
       "admin", "Manage people, cohorts, stations, exercises, references");

@@ -36,10 +36,10 @@ void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
   std::cout << fmt::format(format, ShownAs(values)...);
 }
 
-// A table (CsvLine) for a file or a pipe on this system: its lines end with LF.
+// Ends the lines of a table (CsvLine) with LF, as other text files on this system do.
 std::string WithPlainLineEnds(std::string csv);
 
-// What has become of an attempt, in the page's words: "waiting to be scored".
+// An attempt's state in the page's words: "waiting to be scored".
 const char* StateText(AttemptState state);
 
 // "2026-09-01 08:30", UTC; "-" for 0.

@@ -381,8 +381,8 @@ Status ReleaseAssignment(const std::filesystem::path& data, const std::string& i
 
 namespace {
 
-constexpr char kExerciseHelp[] = "The exercise's, which list-exercises shows";
-constexpr char kAssignmentHelp[] = "Its id, which list-assignments shows";
+constexpr char kExerciseHelp[] = "Name of the exercise (list-exercises)";
+constexpr char kAssignmentHelp[] = "Id of the assignment (list-assignments)";
 
 }  // namespace
 

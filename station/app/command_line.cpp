@@ -67,7 +67,7 @@ void AddCpu(CLI::App* cmd, int& cpu) {
 }
 
 void AddUnit(CLI::App* cmd, std::string& unit) {
-  cmd->add_option("--unit", unit, "Of the coordinates")
+  cmd->add_option("--unit", unit, "Unit of the coordinates")
       ->check(CLI::IsMember({"mm", "um", "cm", "m", "inch"}))
       ->required();
 }
@@ -75,7 +75,7 @@ void AddUnit(CLI::App* cmd, std::string& unit) {
 void AddOperator(CLI::App* cmd, std::string& name) {
   std::vector<std::string> names;
   for (const OperatorPreset& preset : OperatorPresets()) names.emplace_back(preset.name);
-  cmd->add_option("--operator", name, "Who holds the simulated device")
+  cmd->add_option("--operator", name, "Simulated person who holds the device")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
 }

@@ -44,10 +44,10 @@ std::vector<const char*> WithOpen(int argc, const char* const* argv, const CLI::
 // Adds --cpu, for commands with a haptic loop.
 void AddCpu(CLI::App* cmd, int& cpu);
 
-// Adds --unit, that of a mesh file's coordinates.
+// Adds --unit: the unit of the coordinates in a mesh file.
 void AddUnit(CLI::App* cmd, std::string& unit);
 
-// Adds --operator, who holds the simulated device.
+// Adds --operator: the simulated person who holds the device.
 void AddOperator(CLI::App* cmd, std::string& name);
 
 // Value of an environment variable; empty if unset.

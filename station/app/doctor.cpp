@@ -244,7 +244,7 @@ bool IsSet(const char* variable) {
 }
 
 Finding Graphics() {
-  // As over ssh: it says nothing of the chair's own screen.
+  // Such as an ssh session: whether the chair's own screen works stays unknown.
   if (!IsSet("DISPLAY") && !IsSet("WAYLAND_DISPLAY")) {
     return {"graphics", Verdict::kWarn, "not checked, as this session has no display",
             "while the station's window is open, its user checks it with 'DISPLAY=:0 "

@@ -42,7 +42,7 @@ Status Refused(const std::string& path, int error) {
       return because(
           path +
               " may not be used by you: /usr/lib/udev/rules.d/60-enamel.rules gives the "
-              "devices it lists to the group plugdev and to who sits here; an admin adds "
+              "devices it lists to the group plugdev and to whoever sits here; an admin adds "
               "a line for another in /etc/udev/rules.d/61-enamel.rules. Then plug it in "
               "again",
           trouble::kPermission);

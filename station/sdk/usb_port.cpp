@@ -68,7 +68,7 @@ Status Refused(const UsbInfo& info, int error) {
       return {Code::kUnavailable,
               name +
                   " may not be used by you: /usr/lib/udev/rules.d/60-enamel.rules gives it to the "
-                  "group plugdev and to who sits here; plug it in again",
+                  "group plugdev and to whoever sits here; plug it in again",
               trouble::kPermission};
     case LIBUSB_ERROR_BUSY:
       return {Code::kUnavailable,

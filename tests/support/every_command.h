@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// What every command of a program tells in its help.
+// Checks what the help of each command of a program shows.
 namespace enamel::test {
 
 inline std::string WordsOf(const CLI::App& command) {
@@ -62,7 +62,7 @@ inline void Disarm(CLI::App& app) {
 }
 
 // Fails for a command without an example in its help, for an example that the program refuses, and
-// for an option without a description. `app` is as it is before the parsing.
+// for an option without a description. Call it before anything is parsed.
 inline void ExpectHelpOfEveryCommand(CLI::App& app) {
   Disarm(app);
   for (CLI::App* command : SelfAndBelow(app)) {
@@ -75,7 +75,7 @@ inline void ExpectHelpOfEveryCommand(CLI::App& app) {
         ADD_FAILURE() << WordsOf(*command) << " --help: \"" << example << "\": " << error.what();
         continue;
       }
-      // Of the command itself, or of one in its group.
+      // The example is of the command itself, or of one in its group.
       const CLI::App* parsed = &app;
       while (parsed != command && !parsed->get_subcommands().empty()) {
         parsed = parsed->get_subcommands().front();

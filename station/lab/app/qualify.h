@@ -16,7 +16,7 @@ namespace enamel::station::lab {
 // and pareto.
 int RunQualify(const QualifyOptions& options);
 
-// Of the suites, with "all".
+// The names of the suites, and "all".
 std::vector<std::string> SuiteNames();
 
 }  // namespace enamel::station::lab
