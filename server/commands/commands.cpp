@@ -28,9 +28,6 @@ void DeclareCommands(CommandGroup root) {
         DeclareReport, DeclareRescore, DeclareAgreement, DeclareStandard}) {
     declare(root);
   }
-  CLI::App* report = root.parent.get_subcommand("report");
-  report->get_option("--attempt")->description("Id of the attempt (admin list-attempts)");
-  AddExample(report, std::string("--wait 60 --attempt ") + kSomeId);
   auto* admin = root.parent.add_subcommand(
       "admin", "Manage people, cohorts, stations, exercises, references");
   admin->require_subcommand(1);

@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <boost/json/array.hpp>
 #include <boost/json/object.hpp>
-#include <boost/json/serialize.hpp>
 #include <chrono>
 #include <iostream>
 #include <thread>
 
 #include "common/base/counted.h"
-#include "common/base/file.h"
 #include "common/base/hex.h"
 #include "common/base/utf8.h"
 #include "common/language/score_text.h"
+#include "common/program/output.h"
 #include "common/scoring/score.h"
 #include "server/app/data_folder.h"
 #include "server/commands/command_line.h"
@@ -50,7 +49,7 @@ Result<bool> HasOpenJob(JobRows& jobs_rows, const Uuid& attempt) {
 void ShowProgress(const AttemptRow& row, int poll) {
   const bool screen = ::isatty(STDERR_FILENO) != 0;
   if (!screen && poll % kPollsALine != 0) return;
-  std::cerr << fmt::format("{}{:<11} {:3.0f} %{}", screen ? "\r" : "", AttemptStateName(row.state),
+  std::cerr << fmt::format("{}{:<20} {:3.0f} %{}", screen ? "\r" : "", StateText(row.state),
                            row.progress * 100, screen ? "" : "\n")
             << std::flush;
 }
@@ -78,13 +77,13 @@ Result<AttemptRow> WaitForVerdict(AttemptRows& attempts, JobRows& jobs, const Uu
         return Status(Code::kUnavailable,
                       fmt::format("the score of attempt {} is being computed (it is {}); ask again "
                                   "with --wait SECONDS",
-                                  attempt.Text(), AttemptStateName(row->state)));
+                                  attempt.Text(), StateText(row->state)));
       }
       return Status(
           Code::kUnavailable,
           fmt::format("attempt {} is {} after {} s, not scored; is enamel-server running on this "
                       "data folder? Ask again with a longer --wait",
-                      attempt.Text(), AttemptStateName(row->state), wait_s));
+                      attempt.Text(), StateText(row->state), wait_s));
     }
     ShowProgress(*row, poll);
     std::this_thread::sleep_for(kPoll);
@@ -292,16 +291,14 @@ Status Report(const ReportOptions& options) {
                           WaitForVerdict(store->attempts, store->jobs, id, options.wait_s));
   if (row.state != AttemptState::kScored) {
     return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id.Text(),
-                                               AttemptStateName(row.state), row.problem));
+                                               StateText(row.state), row.problem));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto result, store->results.ResultOf(id));
   ENAMEL_ASSIGN_OR_RETURN(auto text, store->blobs.GetBlob(result.score_json));
   ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
   PrintSummary(row, score, options);
   if (options.all) PrintAll(row, score, result);
-  if (options.json.empty()) return Status::Ok();
-  std::string facts = json::serialize(Facts(row, score, result, options.page_url)) + "\n";
-  return WriteFileDurably(options.json, AsBytes(facts));
+  return program::WriteJsonFile(options.json, Facts(row, score, result, options.page_url));
 }
 
 void DeclareReport(CommandGroup root) {
@@ -309,11 +306,12 @@ void DeclareReport(CommandGroup root) {
       root, "report", "Show an attempt's score with its reasons, and facts of its recording",
       Report);
   AddData(cmd, o.data);
-  cmd->add_option("--attempt", o.attempt)->required();
+  cmd->add_option("--attempt", o.attempt, "Id of the attempt (admin list-attempts)")->required();
   cmd->add_flag("--all", o.all, "Show every figure of the score and of its recording");
   cmd->add_option("--json", o.json, "Write the same facts to this file");
   cmd->add_option("--wait", o.wait_s, "Seconds to wait for the score")->check(CLI::Range(0, 86400));
   cmd->add_option("--page-url", o.page_url, "Address of the attempt's page, to be printed");
+  AddExample(cmd, std::string("--wait 60 --attempt ") + kSomeId);
 }
 
 }  // namespace enamel::server::app

@@ -16,9 +16,9 @@ using JobProgress = std::function<bool(double progress)>;
 //  1. header, chunks and seal: signatures, chain and counts must agree;
 //  2. scene, exercise and profile: they must give the header's parameters (CheckParams in
 //     scene/delay.h). The newest correction of the exercise's rubric replaces its own;
-//  3. the references of the exercise (ReferenceRows::Counting). An exercise without one scores
-//     only attempts that were recorded as a reference, against themselves; another waits: it fails
-//     with "no reference yet" and is queued again by ReferenceRows::AddReference;
+//  3. the references of the exercise (ReferenceRows::Counting), and its own target: the kindest counts. An attempt that
+//     was recorded as a reference is compared with itself. Where there was no reference, ReferenceRows::AddReference
+//     queues the attempts again;
 //  4. the core re-run on the recorded inputs: every witness and every state hash must agree. A
 //     mismatch fails the attempt with the tick and chunk where it broke; nothing is scored. An exam
 //     with a time limit is judged by its state when its time, gaps included, was up; later ticks
