@@ -404,7 +404,6 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   }
   bool faulted = no_bur || (input.flags & kFaulted) != 0;
   bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
-  engagement().LookAhead(volume_, {tip, device});
   CutRest();
   if (!bur_on_) FinishCut();
 

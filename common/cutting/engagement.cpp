@@ -103,7 +103,7 @@ dvec3 EngagementReader::InBur(const dvec3& scene) const noexcept {
   return {Dot(axes_[0], scene), Dot(axes_[1], scene), Dot(axes_[2], scene)};
 }
 
-void EngagementReader::Sample(Volume& volume, const Pose& pose) noexcept {
+void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
   axes_ = pose.orientation.Matrix();
   tip_ = (pose.tip_m - volume.spec().origin_m()) / voxel_m_;
   // Most points are far from solid, and stay so for a while: cutting only makes distances larger.
@@ -122,7 +122,6 @@ void EngagementReader::Sample(Volume& volume, const Pose& pose) noexcept {
     float& clear = clear_[candidate.point];
     if (clear < kLongAgo) {
       const dvec3 at = tip_ + InScene(points_[candidate.point].position);
-      volume.UnpackAround(at);
       clear = static_cast<float>(volume.ClearanceAtSample(at) - kRounding);
     }
     candidates_[count_] = candidate;
@@ -130,27 +129,12 @@ void EngagementReader::Sample(Volume& volume, const Pose& pose) noexcept {
   }
 }
 
-void EngagementReader::LookAhead(Volume& volume, const Pose& pose) noexcept {
-  if (!volume.HoldsPacked()) return;
-  // All in 13 ticks, in which a hand at 20 mm/s goes two thirds of a brick of 0.05 mm voxels. PackedToothTest
-  // notices where they are too few.
-  constexpr size_t kPoints = (kMaxPoints + kMaxShankPoints) / 13;
-  const dmat3 axes = pose.orientation.Matrix();
-  const dvec3 tip = (pose.tip_m - volume.spec().origin_m()) / voxel_m_;
-  for (size_t i = 0; i < kPoints; ++i) {
-    ahead_ = ahead_ + 1 < points_.size() ? ahead_ + 1 : 0;
-    const dvec3 p = points_[ahead_].position + points_[ahead_].normal * double{kBrickSide};
-    volume.UnpackLater(tip + axes[0] * p.x + axes[1] * p.y + axes[2] * p.z);
-  }
-}
-
-void EngagementReader::Look(Volume& volume, size_t candidate) noexcept {
+void EngagementReader::Look(const Volume& volume, size_t candidate) noexcept {
   Candidate& who = candidates_[candidate];
   Contact& c = contacts_[candidate];
   who.seen = true;
   const Point& p = points_[who.point];
   const dvec3 at = tip_ + InScene(p.position);
-  volume.UnpackAround(at);
   dvec3 slope;
   const double distance = volume.DistanceAndSlope(at, kReach, slope);
   clear_[who.point] = static_cast<float>(distance - kRounding);
@@ -176,7 +160,7 @@ void EngagementReader::Look(Volume& volume, size_t candidate) noexcept {
 }
 
 // Its area, by how far that direction brings it into solid, m^2.
-double EngagementReader::AreaAhead(Volume& volume, const dvec3& direction, double own,
+double EngagementReader::AreaAhead(const Volume& volume, const dvec3& direction, double own,
                                    size_t candidate) noexcept {
   const Contact& c = See(volume, candidate);
   if (!(c.area_m2 > 0) || !(own > c.grazing)) return 0;
@@ -186,13 +170,13 @@ double EngagementReader::AreaAhead(Volume& volume, const dvec3& direction, doubl
   return c.area_m2 * (weight < 1 ? weight : 1);
 }
 
-bool EngagementReader::Touches(Volume& volume) noexcept {
+bool EngagementReader::Touches(const Volume& volume) noexcept {
   for (size_t i = 0; i < count_; ++i)
     if (See(volume, i).area_m2 > 0) return true;
   return false;
 }
 
-Engagement EngagementReader::Read(Volume& volume, const dvec3& travel) noexcept {
+Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noexcept {
   Engagement out;
   const dvec3 direction = Unit(travel), in_bur = InBur(direction);
   dvec3 cutting(0), shank(0);
@@ -224,7 +208,8 @@ Engagement EngagementReader::Read(Volume& volume, const dvec3& travel) noexcept 
   return out;
 }
 
-RotationalEngagement EngagementReader::ReadRotational(Volume& volume, const dvec3& turn) noexcept {
+RotationalEngagement EngagementReader::ReadRotational(const Volume& volume,
+                                                      const dvec3& turn) noexcept {
   RotationalEngagement out;
   for (size_t i = 0; i < count_; ++i) {
     const dvec3 arm_m = InScene(points_[candidates_[i].point].position) * voxel_m_;

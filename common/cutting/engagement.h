@@ -89,20 +89,18 @@ class EngagementReader {
   // Requires, here and below: the same volume as in the last call, with nothing added to it since; else Forget
   // first.
   // Work of a call, here and below: at most kMaxPoints + kMaxShankPoints reads of 27 samples; none twice.
-  ENAMEL_REALTIME void Sample(Volume& volume, const Pose& pose) noexcept;
+  ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
-  ENAMEL_REALTIME Engagement Read(Volume& volume, const dvec3& travel) noexcept;
+  ENAMEL_REALTIME Engagement Read(const Volume& volume, const dvec3& travel) noexcept;
   // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x u)(r x
   // u)^T, for a turn about `turn` (any length).
-  ENAMEL_REALTIME RotationalEngagement ReadRotational(Volume& volume, const dvec3& turn) noexcept;
+  ENAMEL_REALTIME RotationalEngagement ReadRotational(const Volume& volume,
+                                                      const dvec3& turn) noexcept;
   // False only where nothing is in contact, whatever the travel.
   bool MayTouch() const noexcept { return count_ != 0; }
-  ENAMEL_REALTIME bool Touches(Volume& volume) noexcept;
+  ENAMEL_REALTIME bool Touches(const Volume& volume) noexcept;
   // Reads every point next time.
   void Forget() noexcept;
-  // Asks a packed volume for what lies a brick ahead of a thirteenth of the points, other ones each time, so that a
-  // bur that comes to a tooth finds it unpacked. Changes nothing that is read.
-  ENAMEL_REALTIME void LookAhead(Volume& volume, const Pose& pose) noexcept;
   // Saves or restores the last Sample. Not real-time.
   void VisitState(StateArchive& archive) {
     archive(candidates_, contacts_, count_, clear_, last_, tip_, axes_);
@@ -143,13 +141,14 @@ class EngagementReader {
   }
   dvec3 InBur(const dvec3& scene) const noexcept;
   // What is at a candidate, read once.
-  const Contact& See(Volume& volume, size_t candidate) noexcept {
+  const Contact& See(const Volume& volume, size_t candidate) noexcept {
     if (!candidates_[candidate].seen) Look(volume, candidate);
     return contacts_[candidate];
   }
-  void Look(Volume& volume, size_t candidate) noexcept;
+  void Look(const Volume& volume, size_t candidate) noexcept;
   // `own`: the direction's share along the point's own normal. Requires: own > 0.
-  double AreaAhead(Volume& volume, const dvec3& direction, double own, size_t candidate) noexcept;
+  double AreaAhead(const Volume& volume, const dvec3& direction, double own,
+                   size_t candidate) noexcept;
 
   std::vector<Point> points_;
   TissueDamping per_area_;
@@ -157,7 +156,6 @@ class EngagementReader {
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
   std::vector<Facing> facing_;
-  size_t ahead_ = 0;  // the next point of LookAhead
   size_t count_ = 0;
   // Of each point: a distance that it surely had at the last Sample, voxels; far below 0: nothing is known.
   std::vector<float> clear_;

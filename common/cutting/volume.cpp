@@ -54,13 +54,9 @@ void Volume::SetUniform(int brick, Tissue tissue) {
 }
 
 void Volume::Reserve() {
-  size_t more = 0, labels = 0;
-  for (int32_t s : slot_) {
-    more += s < -1;
-    labels += s <= kPackedFrom && packed_->has_labels(PackedIndex(s));
-  }
+  size_t more = 0;
+  for (int32_t s : slot_) more += s < -1;
   phi_.Reserve(phi_.size() + more);
-  labels_.Reserve(labels_.size() + labels);
   phi_.Warm(kWarmBricks, SIZE_MAX);
   labels_.Warm(kWarmLabels, SIZE_MAX);
   uniform_.reserve(uniform_.size() + more);
@@ -70,137 +66,27 @@ void Volume::Reserve() {
 size_t Volume::MemoryBytes() const noexcept {
   // 5: a tissue and a label slot for each stored brick.
   return slot_.size() * sizeof(int32_t) + phi_.size() * (sizeof(BrickPhi) + 5) +
-         labels_.size() * sizeof(BrickLabels) + around_.size() +
-         (packed_ != nullptr ? packed_->MemoryBytes() : 0);
-}
-
-Volume Volume::Packed() const {
-  auto packed = std::make_shared<PackedBricks>();
-  Volume out(spec_);
-  BrickPhi phi;
-  BrickLabels labels;
-  for (int b = 0; b < spec_.brick_count(); ++b) {
-    int32_t& slot = out.slot_[static_cast<size_t>(b)];
-    slot = slot_[static_cast<size_t>(b)];
-    if (!IsStored(b)) continue;
-    const bool labelled = HasLabels(b);
-    if (IsPacked(b)) {
-      packed_->Unpack(PackedIndex(slot), phi, &labels);
-    } else {
-      phi = Phi(b);
-      if (labelled) labels = Labels(b);
-    }
-    slot = kPackedFrom - static_cast<int32_t>(packed->size());
-    packed->Append(phi, labelled ? &labels : nullptr, UniformTissue(b));
-  }
-  packed->ShrinkToFit();
-  out.packed_ = std::move(packed);
-  out.around_.resize(slot_.size());
-  out.asked_.resize(kMostAsked);
-  return out;
-}
-
-Volume Volume::Unpacked() const {
-  Volume out = *this;
-  out.Reserve();
-  for (int b = 0; b < spec_.brick_count(); ++b)
-    if (out.IsPacked(b)) ENAMEL_CHECK(out.Unpack(b));
-  out.packed_ = nullptr;
-  out.around_ = {};
-  out.asked_ = {};
-  out.asked_count_ = 0;
-  return out;
+         labels_.size() * sizeof(BrickLabels);
 }
 
 int16_t Volume::Lowest(int brick) const noexcept {
-  if (IsPacked(brick)) return packed_->lowest(PackedIndex(slot_[static_cast<size_t>(brick)]));
   const int16_t* phi = Samples(brick);
   return IsStored(brick) ? *std::min_element(phi, phi + kBrickVoxels) : *phi;
-}
-
-// Four rows grow together; none may allocate in a tick.
-bool Volume::HasRoom(bool labels) const noexcept {
-  return phi_.size() < phi_.capacity() && uniform_.size() < uniform_.capacity() &&
-         label_slot_.size() < label_slot_.capacity() &&
-         (!labels || labels_.size() < labels_.capacity());
 }
 
 bool Volume::Materialise(int brick) noexcept {
   auto& slot = slot_[static_cast<size_t>(brick)];
   if (slot >= 0) return true;
-  if (slot <= kPackedFrom) return Unpack(brick);
-  if (slot == -1 || !HasRoom(false)) return false;
+  // Three rows grow together; none may allocate in a tick.
+  if (slot == -1 || phi_.size() >= phi_.capacity() || uniform_.size() >= uniform_.capacity() ||
+      label_slot_.size() >= label_slot_.capacity()) {
+    return false;
+  }
   uniform_.push_back(static_cast<Tissue>(-1 - slot));
   label_slot_.push_back(-1);
   phi_.Append().phi.fill(-kPhiLimit);
   slot = static_cast<int32_t>(phi_.size() - 1);
   return true;
-}
-
-bool Volume::Unpack(int brick) noexcept {
-  auto& slot = slot_[static_cast<size_t>(brick)];
-  const size_t packed = PackedIndex(slot);
-  const bool labelled = packed_->has_labels(packed);
-  if (!HasRoom(labelled)) return false;
-  uniform_.push_back(packed_->tissue(packed));
-  label_slot_.push_back(labelled ? static_cast<int32_t>(labels_.size()) : -1);
-  packed_->Unpack(packed, phi_.Append(), labelled ? &labels_.Append() : nullptr);
-  slot = static_cast<int32_t>(phi_.size() - 1);
-  return true;
-}
-
-// Null where nothing is read that near.
-Volume::Around* Volume::AskFor(const dvec3& g) noexcept {
-  // Written so that what is not a number is farther out.
-  const ivec3 n = spec_.voxels();
-  constexpr double kOut = kReadAround;
-  if (!(g.x > -kOut && g.y > -kOut && g.z > -kOut && g.x < n.x + kOut && g.y < n.y + kOut &&
-        g.z < n.z + kOut)) {
-    return nullptr;
-  }
-  const int32_t middle = spec_.BrickIndex({BrickAt(0, g.x), BrickAt(1, g.y), BrickAt(2, g.z)});
-  Around& around = around_[static_cast<size_t>(middle)];
-  if (around == Around::kPacked && asked_count_ < kMostAsked) {
-    asked_[(asked_first_ + asked_count_++) % kMostAsked] = middle;
-    around = Around::kAsked;
-  }
-  return &around;
-}
-
-void Volume::UnpackNear(const dvec3& g) noexcept {
-  const Around* around = AskFor(g);
-  if (around == nullptr || *around == Around::kUnpacked) return;
-  ivec3 lo, hi;
-  for (int i = 0; i < 3; ++i) {
-    lo[i] = BrickAt(i, g[i] - kReadAround);
-    hi[i] = BrickAt(i, g[i] + kReadAround);
-  }
-  for (int z = lo.z; z <= hi.z; ++z)
-    for (int y = lo.y; y <= hi.y; ++y)
-      for (int x = lo.x; x <= hi.x; ++x) {
-        const int brick = spec_.BrickIndex({x, y, z});
-        // Reserve has made room for every one.
-        if (IsPacked(brick)) ENAMEL_CHECK(Unpack(brick));
-      }
-}
-
-void Volume::UnpackAsked() noexcept {
-  for (int left = kUnpackedAhead; asked_count_ > 0;) {
-    const int32_t middle = asked_[asked_first_];
-    const ivec3 b(middle % spec_.bricks.x, middle / spec_.bricks.x % spec_.bricks.y,
-                  middle / (spec_.bricks.x * spec_.bricks.y));
-    for (; asked_done_ < 27; ++asked_done_) {
-      const ivec3 beside =
-          b + ivec3(asked_done_ % 3 - 1, asked_done_ / 3 % 3 - 1, asked_done_ / 9 - 1);
-      if (!spec_.Contains(beside) || !IsPacked(spec_.BrickIndex(beside))) continue;
-      if (left-- == 0) return;
-      ENAMEL_CHECK(Unpack(spec_.BrickIndex(beside)));
-    }
-    around_[static_cast<size_t>(middle)] = Around::kUnpacked;
-    asked_done_ = 0;
-    asked_first_ = (asked_first_ + 1) % kMostAsked;
-    --asked_count_;
-  }
 }
 
 int Volume::PhiAt(const ivec3& v) const noexcept {
@@ -442,8 +328,6 @@ Tissue Volume::TissueAtSample(const dvec3& g) const noexcept {
 
 bool Volume::operator==(const Volume& other) const {
   if (!(spec_ == other.spec_)) return false;
-  if (packed_ != nullptr) return Unpacked() == other;
-  if (other.packed_ != nullptr) return *this == other.Unpacked();
   for (int b = 0; b < spec_.brick_count(); ++b) {
     if (IsStored(b) != other.IsStored(b)) return false;
     if (!IsStored(b)) {

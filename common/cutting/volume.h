@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,7 +9,6 @@
 #include "common/base/result.h"
 #include "common/cutting/brick.h"
 #include "common/cutting/brick_store.h"
-#include "common/cutting/packed_bricks.h"
 #include "common/cutting/tissue.h"
 #include "common/math/vec.h"
 
@@ -51,10 +49,6 @@ extern const UniformPhi kUniformPhi;
 
 // Sparse volume. Bricks without a surface are one word: air, or deep inside one tissue. A label is
 // kept when its voxel turns to air, so that removal can be reported per tissue.
-//
-// A volume may hold its bricks packed (Packed), a seventh as large: what a bur comes near is unpacked first
-// (UnpackAround) and stays so. It is the same tooth: a cut cannot tell the two apart. To read all of a
-// volume that may be packed, take Unpacked().
 // Thread safety: const methods from any thread while nobody writes. Real-time: all methods below
 // "real-time" are safe once Reserve was called; the rest allocate.
 class Volume {
@@ -70,45 +64,30 @@ class Volume {
   void SetBrick(int brick, std::span<const int16_t, kBrickVoxels> phi,
                 std::span<const uint8_t> labels, Tissue tissue);
   void SetUniform(int brick, Tissue tissue);  // kAir, or solid and deep.
-  // Room for every uniform solid or packed brick to become stored, so that cutting never allocates; the first
+  // Room for every uniform solid brick to become stored, so that cutting never allocates; the first
   // kWarmBricks of it are resident.
   void Reserve();
   static constexpr size_t kWarmBricks = 2048;
   size_t MemoryBytes() const noexcept;
-  // The same tooth with all of its bricks packed, or none. Copies of a packed volume share what is packed.
-  Volume Packed() const;
-  Volume Unpacked() const;
-  // The lowest sample of a brick, packed or not.
+  // The lowest sample of a brick.
   int16_t Lowest(int brick) const noexcept;
 
   // --- real-time ---
-  // Packed or not.
-  bool IsStored(int brick) const noexcept {
-    const int32_t s = slot_[static_cast<size_t>(brick)];
-    return s >= 0 || s <= kPackedFrom;
-  }
-  bool HoldsPacked() const noexcept { return packed_ != nullptr; }
-  bool IsPacked(int brick) const noexcept {
-    return slot_[static_cast<size_t>(brick)] <= kPackedFrom;
-  }
+  bool IsStored(int brick) const noexcept { return slot_[static_cast<size_t>(brick)] >= 0; }
   // Tissue of a uniform brick (kAir for air), or the label shared by all voxels of a stored one;
   // meaningless where HasLabels.
   Tissue UniformTissue(int brick) const noexcept {
     int32_t s = slot_[static_cast<size_t>(brick)];
-    if (s <= kPackedFrom) return packed_->tissue(PackedIndex(s));
     return s >= 0 ? uniform_[static_cast<size_t>(s)] : static_cast<Tissue>(-1 - s);
   }
   bool HasLabels(int brick) const noexcept {
     int32_t s = slot_[static_cast<size_t>(brick)];
-    if (s <= kPackedFrom) return packed_->has_labels(PackedIndex(s));
     return s >= 0 && label_slot_[static_cast<size_t>(s)] >= 0;
   }
-  // Requires, below: not IsPacked, here and where a distance or a tissue is read (UnpackAround).
   // A brick's samples, x fastest, also of a uniform one.
   const int16_t* Samples(int brick) const noexcept {
     const int32_t s = slot_[static_cast<size_t>(brick)];
     if (s >= 0) return phi_[static_cast<size_t>(s)].phi.data();
-    ENAMEL_CHECK(s > kPackedFrom);
     return s == -1 ? kUniformPhi.air.data() : kUniformPhi.solid.data();
   }
   // Requires: IsStored.
@@ -118,28 +97,15 @@ class Volume {
   const BrickLabels& Labels(int brick) const noexcept {
     return labels_[static_cast<size_t>(label_slot_[Slot(brick)])];
   }
-  // Turns a uniform solid brick into a stored one (all -kPhiLimit), and unpacks a packed one. False when the
-  // reserve is used up or the brick is air. No effect on another stored brick.
+  // Turns a uniform solid brick into a stored one (all -kPhiLimit). False when the reserve is used up or the brick is
+  // air. No effect on a stored brick.
   bool Materialise(int brick) noexcept;
-  // Unpacks what a read within kReadAround voxels of that point may ask for, and asks for the bricks around it, which
-  // Warm brings in: a bur that comes to a tooth along its whole length would need a hundred at once.
-  void UnpackAround(const dvec3& sample) noexcept {
-    if (packed_ != nullptr) UnpackNear(sample);
-  }
-  static constexpr double kReadAround = 3;
-  // Only asks for the brick at that point and those around it.
-  void UnpackLater(const dvec3& sample) noexcept {
-    if (packed_ != nullptr) AskFor(sample);
-  }
   // Once a tick. Makes one more page of the room resident if less than kWarmBricks are, so that no tick meets many
-  // page faults; and unpacks at most kUnpackedAhead of the bricks that UnpackAround asked for.
+  // page faults.
   void Warm() noexcept {
     phi_.Warm(kWarmBricks, 1);
     labels_.Warm(kWarmLabels, 1);
-    if (asked_count_ > 0) UnpackAsked();
   }
-  // 5 us each: a sixteenth of a tick at 1 kHz, half of one at 8. PackedToothTest notices where they are too few.
-  static constexpr int kUnpackedAhead = 12;
 
   // Distance at a voxel in fixed point; +kPhiLimit outside the grid.
   int PhiAt(const ivec3& voxel) const noexcept;
@@ -168,47 +134,20 @@ class Volume {
 
  private:
   static constexpr size_t kWarmLabels = 256;
-  // Below what a tissue's word is.
-  static constexpr int32_t kPackedFrom = -256;
-  static size_t PackedIndex(int32_t slot) noexcept {
-    return static_cast<size_t>(kPackedFrom - slot);
-  }
-
-  enum class Around : uint8_t { kPacked, kAsked, kUnpacked };
-
   size_t Slot(int brick) const noexcept {
     const int32_t s = slot_[static_cast<size_t>(brick)];
     ENAMEL_CHECK(s >= 0);
     return static_cast<size_t>(s);
   }
   int SampleIn(int brick, int in_brick) const noexcept { return Samples(brick)[in_brick]; }
-  // Along an axis; of the grid's nearest where the sample lies outside.
-  int BrickAt(int axis, double sample) const noexcept {
-    const int brick = static_cast<int>(sample) / kBrickSide;
-    return brick < 0 ? 0 : brick < spec_.bricks[axis] ? brick : spec_.bricks[axis] - 1;
-  }
-  bool HasRoom(bool labels) const noexcept;
-  bool Unpack(int brick) noexcept;
-  Around* AskFor(const dvec3& sample) noexcept;
-  void UnpackNear(const dvec3& sample) noexcept;
-  void UnpackAsked() noexcept;
 
   GridSpec spec_;
-  // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t; kPackedFrom - i packed, number i.
+  // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t.
   std::vector<int32_t> slot_;
   BrickStore<BrickPhi> phi_;
-  std::vector<Tissue> uniform_;      // per stored brick that is not packed
+  std::vector<Tissue> uniform_;      // per stored brick
   std::vector<int32_t> label_slot_;  // the same: index into labels_, or -1
   BrickStore<BrickLabels> labels_;
-  // Null where nothing was packed.
-  std::shared_ptr<const PackedBricks> packed_;
-  // Per brick, where there is a packed_.
-  std::vector<Around> around_;
-  // A ring of bricks: each with its 26 neighbours is to be unpacked. And how many of the first's 27 are.
-  static constexpr size_t kMostAsked = 4096;
-  std::vector<int32_t> asked_;
-  size_t asked_first_ = 0, asked_count_ = 0;
-  int asked_done_ = 0;
 };
 
 // Refuses what cannot be a tooth's grid here: voxel outside 5 um .. 1 mm, empty, or more than

@@ -107,8 +107,6 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
       {PartId::kUniform, "uniform bricks", false,
        "air and the deep inside of a tissue are one word"},
       Neighbour(scene),
-      {PartId::kBeyondReach, "beyond reach", false,
-       "packed until a bur comes within a brick of it: a hand may go anywhere"},
       {PartId::kTurning, "turning", true, "a bur must not cut by turning, felt or not"},
       Torque(use),
       TouchCues(exercise),

@@ -11,20 +11,19 @@
 namespace enamel::scene {
 
 enum class PartId {
-  kLabels,       // a tissue per voxel
-  kUniform,      // bricks without a surface, stored
-  kNeighbour,    // bricks of adjacent teeth
-  kBeyondReach,  // bricks that no bur has come near, unpacked
-  kTurning,      // resistance to turning the bur
-  kTorque,       // torque for the device
-  kTouchCues,    // knock on contact, chatter of the bur
-  kOtherBurs,    // tables of burs the exercise does not use
-  kSurface,      // triangles for the window
-  kMouth,        // gingiva and neighbours that are only drawn
-  kRubberDam,    // in place of the gingiva
-  kAntagonist,   // the opposite teeth, only drawn
-  kMirror,       // the scene once more, in a mirror
-  kBusWrite,     // force to the device
+  kLabels,      // a tissue per voxel
+  kUniform,     // bricks without a surface, stored
+  kNeighbour,   // bricks of adjacent teeth
+  kTurning,     // resistance to turning the bur
+  kTorque,      // torque for the device
+  kTouchCues,   // knock on contact, chatter of the bur
+  kOtherBurs,   // tables of burs the exercise does not use
+  kSurface,     // triangles for the window
+  kMouth,       // gingiva and neighbours that are only drawn
+  kRubberDam,   // in place of the gingiva
+  kAntagonist,  // the opposite teeth, only drawn
+  kMirror,      // the scene once more, in a mirror
+  kBusWrite,    // force to the device
   kForceBounds,
   kStateHash,
 };

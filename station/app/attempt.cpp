@@ -86,7 +86,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.time_limit_s = job.exercise.time_limit_s;
   w.uncut = &job.volume;
   // Resumed: the tooth as already cut.
-  return render::Window::Create(w, job.core ? job.core->volume().Unpacked() : job.volume);
+  return render::Window::Create(w, job.core ? job.core->volume() : job.volume);
 }
 
 double Sum(const std::array<double, cutting::kTissueCount>& v) {

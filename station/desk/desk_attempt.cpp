@@ -77,8 +77,8 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
     device = attempt->attached_.get();
   } else if (offer.operator_name.empty()) {
     PointerSettings settings;
-    settings.start_m = p.core ? StartOf(params, p.core->volume().Unpacked(), kCavity_m)
-                              : StartOf(params, p.volume, 0);
+    settings.start_m =
+        p.core ? StartOf(params, p.core->volume(), kCavity_m) : StartOf(params, p.volume, 0);
     attempt->mapping_.emplace(settings);
     attempt->pointer_ = std::make_unique<PointerDevice>(params.resolution_nm[0] * 1e-9,
                                                         1.0 / params.rate_hz, settings.start_m);
@@ -97,11 +97,11 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   attempt->nearness_ = std::make_unique<NearnessWatch>(core::BursOf(params), p.volume);
   attempt->gauge_.emplace(p.scene, p.exercise.target, core::BursOf(params), p.volume);
-  std::optional<cutting::Volume> cut;  // of a resumed attempt
-  if (p.core) cut = p.core->volume().Unpacked();
+  // Of a resumed attempt the tooth as it was cut.
+  const cutting::Volume& cut = p.core ? p.core->volume() : p.volume;
   try {
     attempt->view_ = std::make_unique<render::ToothView>(
-        ViewOf(p), cut ? *cut : p.volume,
+        ViewOf(p), cut,
         [zones = attempt->zones_.get(), reach = attempt->reach_.get(),
          nearness = attempt->nearness_.get()](const cutting::Volume& now) {
           nearness->Look();
@@ -181,7 +181,7 @@ void DeskAttempt::Rehearse(int cpu) {
   } else if (run_ != nullptr) {
     core = run_->TakeCore();
   } else {
-    core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume.Packed());
+    core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume);
   }
   wanted_bur_ = core->bur();
   // To the one before, the gap that this begins with would be a recording that stalled.

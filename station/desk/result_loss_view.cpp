@@ -22,7 +22,7 @@ LossView::LossView(const PreparedAttempt& prepared, Stretch stretch,
     : stretch_(std::move(stretch)),
       tick_s_(1.0 / prepared.header.params.rate_hz),
       place_mm_(place.position_m * 1000.0),
-      view_(ViewOf(prepared), stretch_.core->volume().Unpacked()),
+      view_(ViewOf(prepared), stretch_.core->volume()),
       passed_ticks_(stretch_.passed_ticks) {
   view_.camera().LookAt(place_mm_, SeenFrom(place.facing), kRadius_mm);
 }

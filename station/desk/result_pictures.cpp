@@ -24,7 +24,7 @@ Result<ResultSurfaces> SurfacesOf(LookBack& recording,
   out.camera = render::StillCamera(ViewOf(prepared), prepared.volume);
   const surface::Mesh before = surface::ExtractSurface(prepared.volume);
   render::Append(before, render::ToothLooks(prepared.volume), out.before);
-  const cutting::Volume after = end.core->volume().Unpacked();
+  const cutting::Volume& after = end.core->volume();
   out.after_surface = surface::ExtractSurface(after, &out.after_cells);
   render::Append(out.after_surface, render::ToothLooks(after, &prepared.volume), out.after);
   return out;

@@ -20,9 +20,8 @@ Result<Stretch> LookBack::Take(uint64_t from, uint64_t to,
   const core::CoreParams& params = prepared_.header.params;
   ENAMEL_ASSIGN_OR_RETURN(
       auto moment,
-      trace::ReplayToMoment(
-          [&] { return std::make_unique<core::Core>(params, prepared_.volume.Packed()); },
-          prepared_.header, file_.chunks, how, keyframes_, keep_going));
+      trace::ReplayToMoment([&] { return std::make_unique<core::Core>(params, prepared_.volume); },
+                            prepared_.header, file_.chunks, how, keyframes_, keep_going));
   if (!moment.report.witness_ok) {
     return Status(Code::kConflict, "the recording does not compute to what was recorded (tick " +
                                        std::to_string(moment.report.first_bad_tick) + ")");

@@ -72,9 +72,8 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       observer_(options.observer),
       rate_hz_(prepared.header.params.rate_hz),
       live_every_(std::max(1u, rate_hz_ / kLivePerSecond)),
-      core_(prepared.core
-                ? std::move(prepared.core)
-                : std::make_unique<core::Core>(prepared.header.params, prepared.volume.Packed())),
+      core_(prepared.core ? std::move(prepared.core)
+                          : std::make_unique<core::Core>(prepared.header.params, prepared.volume)),
       ring_(kRingTicks),
       recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key,
                 Recorder::TicksPerChunk(rate_hz_)),

@@ -113,7 +113,7 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   }
   if (!prepared.ok()) return prepared.status();
   prepared->sign_off = stored.sign_off;
-  prepared->core = std::make_unique<core::Core>(header.params, prepared->volume.Packed());
+  prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
   // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
   // and the spool needs no room for it.
   trace::ReplayRun run(*prepared->core, prepared->header);

@@ -21,13 +21,11 @@ using scene::PartId;
 class Appraiser {
  public:
   explicit Appraiser(const Explained& subject)
-      : s_(subject),
-        packed_(s_.built.volume.Packed()),
-        way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
+      : s_(subject), way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
     ShowProgress("the tick as planned");
-    base_ = MeasureSteps(s_.params, packed_, way_, kReplays);
+    base_ = MeasureSteps(s_.params, s_.built.volume, way_, kReplays);
     // Twice: what the same thing differs by from itself is printed, so that nobody mistakes noise for a cost.
-    for (int i = 0; i < 2; ++i) Timed(s_.params, packed_);
+    for (int i = 0; i < 2; ++i) Timed(s_.params, s_.built.volume);
   }
 
   Appraisal Measure(std::vector<Part> parts) {
@@ -84,8 +82,6 @@ class Appraiser {
         return Instead(scene::Unpruned(s_.built.volume), "all of air and inside stored");
       case PartId::kNeighbour:
         return Neighbour(part.kept);
-      case PartId::kBeyondReach:
-        return BeyondReach();
       case PartId::kTurning:
         return Turning();
       case PartId::kTorque:
@@ -136,15 +132,11 @@ class Appraiser {
     return 1e-6 * static_cast<double>(m.uordblks + m.hblkhd);
   }
   static double Mb(const cutting::Volume& v) { return static_cast<double>(v.MemoryBytes()) * 1e-6; }
-  // Of the tooth with nothing packed. What other parts add or save is the difference from it, since a packed brick's
-  // size depends on its content.
-  double unpacked_mb() const { return Mb(s_.built.volume); }
-
   // The same with `other` for the volume; its hash must be equal.
   Worth Instead(cutting::Volume other, const char* what) {
-    Worth w{{}, Mb(other) - unpacked_mb(), what};
+    Worth w{{}, Mb(other) - base_.volume_mb, what};
     // Leaving out must not change a hash. This measurement also checks it.
-    if (Timed(s_.params, other.Packed()) != base_.state_hash)
+    if (Timed(s_.params, other) != base_.state_hash)
       w.note += "; THE HASH DIFFERS: do not trust this plan";
     Ask(1);
     return w;
@@ -185,23 +177,15 @@ class Appraiser {
   Worth Neighbour(bool kept) {
     if (!kept) return {{}, 0.0, "there is none"};
     cutting::Volume without = scene::Without(s_.built.volume, cutting::Tissue::kNeighbour);
-    const double mb = unpacked_mb() - Mb(without);
-    Timed(s_.params, without.Packed());
+    const double mb = base_.volume_mb - Mb(without);
+    Timed(s_.params, without);
     Ask(-1);  // this one leaves out a part that the plan keeps
     return {{}, mb, "against the tooth alone"};
   }
 
-  Worth BeyondReach() {
-    Worth w{{}, unpacked_mb() - base_.volume_mb, "all unpacked; the hash stays the same"};
-    if (Timed(s_.params, s_.built.volume) != base_.state_hash)
-      w.note = "THE HASH DIFFERS: do not trust this plan";
-    Ask(1);
-    return w;
-  }
-
   // Against the same plan with other parameters of the core.
   Worth Against(const core::CoreParams& without, const char* what) {
-    Timed(without, packed_);
+    Timed(without, s_.built.volume);
     Ask(-1);
     return {{}, 0.0, what};
   }
@@ -242,7 +226,7 @@ class Appraiser {
       with.other_burs[0].radius_nm = s_.params.bur_radius_nm;
       with.other_burs[0].rotational_kc_un_m_per_rad = s_.params.rotational_kc_un_m_per_rad;
     }
-    Timed(kept ? alone : with, packed_);
+    Timed(kept ? alone : with, s_.built.volume);
     Ask(kept ? -1 : 1);
     return {{},
             CoreMb(with) - CoreMb(alone),
@@ -295,7 +279,6 @@ class Appraiser {
   }
 
   const Explained& s_;
-  const cutting::Volume packed_;  // as a station holds it
   CutWay way_;
   StepCost base_;
   std::vector<TimedCase> cases_;  // the plan twice, then what is compared with it

@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -33,8 +32,6 @@ double Resident_mb() {
 
 struct Figures {
   double mb = 0, resident_mb = 0, blob_mb = 0;
-  // Packed, as a station holds it; to unpack a brick, mean.
-  double packed_mb = 0, unpack_us = 0;
   size_t bricks = 0, stored = 0, labelled = 0;
 };
 
@@ -60,12 +57,6 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
     f.stored += volume.IsStored(b);
     f.labelled += volume.HasLabels(b);
   }
-  const cutting::Volume packed = volume.Packed();
-  f.packed_mb = static_cast<double>(packed.MemoryBytes()) * 1e-6;
-  const auto from = std::chrono::steady_clock::now();
-  (void)packed.Unpacked();
-  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - from;
-  f.unpack_us = took.count() / static_cast<double>(f.stored);
   return f;
 }
 
@@ -75,12 +66,9 @@ int Run(Options& options) {
   std::string method =
       "the volume as a station loads it from its blob; mb: what its arrays hold, 10^6 bytes; "
       "resident: growth of "
-      "the process over the loading; packed: the same tooth before its first cut at a station; us: "
-      "to unpack a "
-      "brick of it";
-  std::printf("Method: %s.\n\n%-12s %7s %9s %9s %9s %9s %6s %9s %10s %10s\n", method.c_str(),
-              "scene", "voxel", "mb", "resident", "blob", "packed", "us", "bricks", "stored",
-              "labelled");
+      "the process over the loading";
+  std::printf("Method: %s.\n\n%-12s %7s %9s %9s %9s %9s %10s %10s\n", method.c_str(), "scene",
+              "voxel", "mb", "resident", "blob", "bricks", "stored", "labelled");
   Rows rows("memory", method);
   std::string goals;
   size_t done = 0;
@@ -100,9 +88,8 @@ int Run(Options& options) {
         program::SayError(f.status().message());
         return 1;
       }
-      std::printf("%-12s %7.3f %9.1f %9.1f %9.1f %9.1f %6.1f %9zu %10zu %10zu", name.c_str(),
-                  voxel_um * 1e-3, f->mb, f->resident_mb, f->blob_mb, f->packed_mb, f->unpack_us,
-                  f->bricks, f->stored, f->labelled);
+      std::printf("%-12s %7.3f %9.1f %9.1f %9.1f %9zu %10zu %10zu", name.c_str(), voxel_um * 1e-3,
+                  f->mb, f->resident_mb, f->blob_mb, f->bricks, f->stored, f->labelled);
       if (coarser > 0) std::printf("  x%.1f", f->mb / coarser);
       std::printf("\n");
       // By the sum of the arrays: the process's growth includes the allocator's behaviour.
@@ -112,8 +99,6 @@ int Run(Options& options) {
                               {"mb", f->mb},
                               {"resident_mb", f->resident_mb},
                               {"blob_mb", f->blob_mb},
-                              {"packed_mb", f->packed_mb},
-                              {"unpack_us", f->unpack_us},
                               {"stored_bricks", f->stored},
                               {"labelled_bricks", f->labelled}};
       if (coarser > 0) row["growth_per_halving"] = f->mb / coarser;

@@ -29,7 +29,7 @@ TEST(RealtimeTest, NoTickAllocates) {
     p.cue_energy_nj = 100'000;
     p.other_burs = {{cutting::BurShape::kSphere, 500'000}};
     p.other_burs[0].rotational_kc_un_m_per_rad = p.rotational_kc_un_m_per_rad;
-    Core core(p, test::Block(50'000, 3e-3, 3e-3).Packed());
+    Core core(p, test::Block(50'000, 3e-3, 3e-3));
     testing_support::AllocationGuard guard;
     for (int tick = 0; tick < 4000; ++tick) {
       TickInput in = test::Stroke(tick);
@@ -91,7 +91,7 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
 // pose.
 TEST(RealtimeTest, OrdinaryCuttingIsFarFromTheBounds) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
-  Core core(p, test::Block(50'000, 3e-3, 3e-3).Packed());
+  Core core(p, test::Block(50'000, 3e-3, 3e-3));
   int cuts = 0, samples = 0;
   for (int tick = 0; tick < 6000; ++tick) {
     core.Step(test::Stroke(tick));

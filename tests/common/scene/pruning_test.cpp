@@ -81,76 +81,9 @@ TEST_P(PruningTest, NeverChangesTheHashOfAnyExercise) {
     EXPECT_GT(all, 0) << e.name << ": nothing was cut, nothing was compared";
     EXPECT_EQ(Replayed(*params, full, inputs), as_built) << e.name;
     EXPECT_EQ(Replayed(*params, pruned, inputs), as_built) << e.name;
-    EXPECT_EQ(Replayed(*params, built->volume.Packed(), inputs), as_built) << e.name;
     Volume reached = Pruned(built->volume, ReachOf(built->scene, e));
     EXPECT_EQ(Replayed(*params, reached, inputs), as_built) << e.name;
   }
-}
-
-// Where a hand has no business: at any angle from any side through the scene. What is packed must be unpacked before
-// it is read, by the bur's sides, its end and its shank.
-TEST_P(PruningTest, APackedToothIsTheSameToAHandThatGoesAnywhere) {
-  auto built = BuildBuiltinScene(GetParam(), kVoxel_nm);
-  ASSERT_TRUE(built.ok());
-  const Exercise e = BuiltinExercises(built->scene, {}).front();
-  auto params = CompilePlan(built->scene, e, BuiltinProfiles()[1]);
-  ASSERT_TRUE(params.ok()) << params.status().message();
-  params->soft_start_ticks = 20;
-  const cutting::GridSpec& grid = built->volume.spec();
-  const dvec3 size = dvec3(grid.voxels()) * grid.voxel_m(), middle = grid.origin_m() + 0.5 * size;
-  std::mt19937 random(17);
-  std::uniform_real_distribution<double> any(-1, 1);
-  auto somewhere = [&] { return dvec3(any(random), any(random), any(random)); };
-  core::Core plain(*params, built->volume), packed(*params, built->volume.Packed());
-  const dvec3 origin = plain.TipOf({0, 0, 0});
-  for (int stroke = 0; stroke < 60; ++stroke) {
-    const dvec3 from = middle + glm::length(size) * glm::normalize(somewhere());
-    const dvec3 to = middle + 0.5 * size * somewhere();
-    const Quat held = Quat{any(random), any(random), any(random), any(random)}.Normalised();
-    constexpr int kAtRest = 30, kTicks = 300;
-    for (int i = -kAtRest; i < kTicks; ++i) {
-      const dvec3 at = from + (to - from) * (std::max(i, 0) * 1.0 / kTicks) - origin;
-      core::TickInput in;
-      for (size_t axis = 0; axis < 3; ++axis) {
-        in.counts[axis] = static_cast<int32_t>(
-            std::lround(at[static_cast<int>(axis)] / (params->resolution_nm[axis] * 1e-9)));
-      }
-      in.orientation = ToQuantised(held);
-      in.flags = core::kBurOn | (i == -kAtRest ? core::kSoftRestart : 0);
-      plain.Step(in);
-      packed.Step(in);
-      ASSERT_EQ(packed.state_hash(), plain.state_hash()) << stroke << ", " << i;
-    }
-  }
-  int64_t removed = 0;
-  for (int64_t r : plain.removed()) removed += r;
-  EXPECT_GT(removed, 0);
-  EXPECT_TRUE(packed.volume() == plain.volume());
-}
-
-// A bur with its shank, brought down on a block lengthwise at 20 mm/s: without looking ahead, its first contact would
-// wait for 60 bricks and more, a third of a tick.
-TEST(PackedToothTest, NoTickOfABurThatComesNearWaitsForManyBricks) {
-  auto built = BuildBuiltinScene("block", 50'000);
-  ASSERT_TRUE(built.ok());
-  auto params =
-      CompilePlan(built->scene, BuiltinExercises(built->scene, {}).front(), BuiltinProfiles()[1]);
-  ASSERT_TRUE(params.ok()) << params.status().message();
-  core::Core core(*params, built->volume.Packed());
-  const size_t packed = core.volume().MemoryBytes();
-  size_t most = 0;
-  for (int i = 0; i < 1000; ++i) {
-    core::TickInput in;
-    in.counts[2] =
-        static_cast<int32_t>(-20e-6 * std::max(0, i - 600) / (params->resolution_nm[2] * 1e-9));
-    in.orientation = ToQuantised(Quat{0.05, 1, 0, 1}.Normalised());
-    const size_t before = core.volume().MemoryBytes();
-    core.Step(in);
-    most = std::max(most, (core.volume().MemoryBytes() - before) / sizeof(cutting::BrickPhi));
-  }
-  EXPECT_GT(core.volume().MemoryBytes(), packed + 50 * sizeof(cutting::BrickPhi))
-      << "it came near nothing";
-  EXPECT_LE(most, 24u);
 }
 
 TEST_P(PruningTest, LeavesNoSurfaceInsideTheReachOut) {
@@ -176,8 +109,6 @@ TEST(PruningMemoryTest, UnprunedCostsMoreThanBuiltAndTheReachLess) {
   EXPECT_GT(Unpruned(built->volume).MemoryBytes(), plain + plain / 4);
   EXPECT_LT(Pruned(built->volume, ReachOf(built->scene, e)).MemoryBytes(), plain / 2);
   EXPECT_LT(Without(built->volume, Tissue::kNeighbour).MemoryBytes(), plain);
-  // At a voxel this coarse half of all bricks hold both sides of the band.
-  EXPECT_LT(built->volume.Packed().MemoryBytes(), plain / 2);
 }
 
 TEST(PruningTightTest, UnprunedThenPrunedIsTheBuiltVolumeAgain) {

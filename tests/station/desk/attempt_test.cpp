@@ -246,7 +246,7 @@ TEST_F(DeskAttemptTest, EitherHandTiltsTheBurByKeysOfItsOwn) {
 TEST_F(DeskAttemptTest, AResumedCutIsMeasuredBeforeItsFirstPicture) {
   auto prepared = BlockForAMouse();
   ASSERT_TRUE(prepared.ok());
-  prepared->core = std::make_unique<core::Core>(prepared->header.params, prepared->volume.Packed());
+  prepared->core = std::make_unique<core::Core>(prepared->header.params, prepared->volume);
   // Half a second in the air, then down to a millimetre under the top, and a millimetre to the side.
   constexpr int64_t kTop_um = 5000;
   const core::CoreParams& params = prepared->header.params;

@@ -188,7 +188,7 @@ TEST_F(WindowTest, AnotherProgramThatTakesTheKeyboardStopsTheBurAndMovesNothing)
   ASSERT_TRUE(file.ok());
   const auto header = trace::DecodeHeader(file->header);
   ASSERT_TRUE(header.ok());
-  core::Core core(header->params, scene::BuildBuiltinScene("block", 200'000)->volume.Packed());
+  core::Core core(header->params, scene::BuildBuiltinScene("block", 200'000)->volume);
   int starts = 0, stops = 0;
   int64_t cut = 0, cut_afterwards = 0;
   int32_t moved = 0;
