@@ -273,6 +273,7 @@ class ScoreJob {
       return WaitsForAPerson(law);
 
     AttemptResult result;
+    result.shook = process.shook();
     result.score = score.score;
     result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
@@ -475,7 +476,8 @@ class ScoreJob {
     document.metric_set = static_cast<uint32_t>(score.scoring_version);
     document.core_version = score.core_version;
     document.rubric_version = static_cast<uint32_t>(score.rubric_version);
-    document.flags = row_.flags & kSignedFlags;
+    document.flags = row_.flags & kSignedFlags & ~static_cast<uint32_t>(kShook);
+    if (result.shook) document.flags |= kShook;
     if (!result.motion.IsZero()) {
       document.flags &= ~static_cast<uint32_t>(kNearAnother);
       if (result.near && result.near->worth_a_look) document.flags |= kNearAnother;

@@ -27,7 +27,8 @@ constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kReadmitted, "readmitted"},
                                    {kReturned, "returned"},
                                    {kContradicted, "contradicted"},
-                                   {kNearAnother, "near_another"}};
+                                   {kNearAnother, "near_another"},
+                                   {kShook, "shook"}};
 
 }  // namespace
 

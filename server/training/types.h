@@ -121,6 +121,7 @@ struct ListedDevice {
   std::string name;   // ListedAs: its unit, "hid:1209:0001:A7", or its model
   std::string title;  // for people: "chair 3"
   UnixMs added_ms = 0;
+  UnixMs shook_ms = 0;  // ticket of the newest attempt on it that has kShook; 0: none
 };
 
 // What stations are set to from here (schemas/station_settings.md, "Policy").
@@ -243,6 +244,7 @@ enum AttemptFlag : uint32_t {
   kReturned = 128,      // its ticket was handed back unused: it counts for nothing
   kOtherHand = 512,     // held by what its assignment does not allow
   kNearAnother = 1024,  // its motion lies near an earlier attempt's; who reviews it alone is told
+  kShook = 2048,  // hand and device swung (core::kSwingSeen): the unit is not as its profile says
 };
 // Flags that only reviewers of the attempt see: they point at other people.
 inline constexpr uint32_t kReviewFlags = kNearAnother;

@@ -97,6 +97,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   const bool was_faulted = std::exchange(is_faulted_, (input.flags & core::kFaulted) != 0);
   outages_ += (unfelt_gap || is_faulted_) && !was_faulted;
   bounded_ticks_ += (witness.flags & haptics::kPeakBounded) != 0;
+  shook_ = shook_ || (witness.flags & core::kSwingSeen) != 0;
 
   dvec3 force = ToVec(core::PressedForce_mn(witness), kForceUnit_n);
   double magnitude = Length(force);

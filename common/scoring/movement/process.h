@@ -51,6 +51,7 @@ class ProcessRecorder {
   uint64_t late_ticks() const { return late_ticks_; }
   // Times the device or the station took the force away: gaps without force, and faults.
   uint64_t outages() const { return outages_; }
+  bool shook() const { return shook_; }  // the core saw hand and device swing
   // At most 50 Hz.
   const std::vector<PathSample>& samples() const { return samples_; }
   double impulse_n_s() const { return impulse_n_s_; }
@@ -93,7 +94,7 @@ class ProcessRecorder {
   uint64_t cutting_time_ticks_ = 0;
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
   uint64_t outages_ = 0;
-  bool is_faulted_ = false;
+  bool is_faulted_ = false, shook_ = false;
   uint64_t force_ticks_ = 0;
   double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;
   dvec3 last_anchor_{0};

@@ -162,7 +162,10 @@ Response ListListedDevices(const Call&, DeviceRows& devices_rows) {
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array devices;
   for (const ListedDevice& row : *rows) {
-    devices.push_back({{"name", row.name}, {"title", row.title}, {"added_ms", row.added_ms}});
+    devices.push_back({{"name", row.name},
+                       {"title", row.title},
+                       {"added_ms", row.added_ms},
+                       {"shook_ms", row.shook_ms}});
   }
   return JsonResponse({{"devices", std::move(devices)}});
 }

@@ -27,6 +27,12 @@ Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& 
                     JsonOf({{"flags", names}, {"reason", reason}}));
 }
 
+Status PutFlag(Db& db, const Uuid& attempt, AttemptFlag flag, bool found) {
+  Query q(db,
+          "UPDATE attempts SET flags = (flags - (flags & ?3)) | ?4 WHERE tenant = ?1 AND id = ?2");
+  return q.Bind(attempt).Bind(int64_t{flag}).Bind(found ? int64_t{flag} : 0).Run();
+}
+
 // The revision rises: an override that was begun before the release was seen is refused.
 Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));

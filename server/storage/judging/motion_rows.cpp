@@ -30,11 +30,7 @@ Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result) {
   q.Bind(int64_t{hand.tremor_nm}).Bind(int64_t{hand.still_ppm});
   q.Bind(int64_t{hand.late_ppm}).Bind(int64_t{hand.gap_ppm});
   ENAMEL_RETURN_IF_ERROR(q.Run());
-  Query flag(db,
-             "UPDATE attempts SET flags = (flags - (flags & ?3)) | ?4 WHERE tenant = ?1 AND id = "
-             "?2");
-  flag.Bind(attempt).Bind(int64_t{kNearAnother});
-  return flag.Bind(near.worth_a_look ? static_cast<int64_t>(kNearAnother) : 0).Run();
+  return PutFlag(db, attempt, kNearAnother, near.worth_a_look);
 }
 
 Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {

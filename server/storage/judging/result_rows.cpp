@@ -210,6 +210,7 @@ Status ResultRows::FinishAttempt(const Uuid& attempt, const AttemptResult& resul
     ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, lease));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(PutFlag(db, attempt, kShook, result.shook));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume,
                                             result.deviation, result.series, result.motion}));

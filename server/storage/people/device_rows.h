@@ -16,7 +16,7 @@ class DeviceRows {
  public:
   explicit DeviceRows(Transactions& rows) : rows_(rows) {}
 
-  // By name. HandsAllowed::kListed admits these.
+  // By name. HandsAllowed::kListed admits these. Of the swings only those of the school's newest thousand attempts.
   Result<std::vector<ListedDevice>> ListedDevices();
   // A listed device gets the new title. Errors: kInvalidInput (name or title).
   Status ListDevice(const std::string& name, const std::string& title, const Actor& by);

@@ -102,6 +102,18 @@ TEST(ProcessRecorderTest, CountsLateAndBoundedTicks) {
   EXPECT_EQ(recorder.bounded_ticks(), 2u);
 }
 
+TEST(ProcessRecorderTest, RemembersThatHandAndDeviceSwung) {
+  ProcessRecorder recorder(SomeParams());
+  trace::Tick tick = TickAt(0, 1);
+  recorder.AddRecorded(tick);
+  EXPECT_FALSE(recorder.shook());
+  tick.witness.flags = core::kSwingSeen;
+  recorder.AddRecorded(tick);
+  tick.witness.flags = 0;
+  recorder.AddRecorded(tick);
+  EXPECT_TRUE(recorder.shook());
+}
+
 // A late tick's gap, over which the force was held, is none; a fault that begins with a gap is one.
 TEST(ProcessRecorderTest, CountsHowOftenTheForceWasTakenAway) {
   ProcessRecorder recorder(SomeParams());

@@ -63,6 +63,39 @@ TEST_P(MotionStoreTest, WhatWasSealedBeforeIsFoundNewestFirst) {
   EXPECT_EQ(Before(without), (std::vector{second, first}));
 }
 
+TEST_P(MotionStoreTest, ASwingFlagsTheAttemptAndIsShownAtItsListedDevice) {
+  const Uuid attempt = Moved(), other = Moved();
+  ASSERT_TRUE(store_->engine->rows
+                  .Write([&](sql::Db& db) {
+                    return Query(db,
+                                 "UPDATE attempts SET hand_unit = 'hid:1', hand_device = 'omega3' "
+                                 "WHERE tenant = ?1 AND id = ?2")
+                        .Bind(attempt)
+                        .Run();
+                  })
+                  .ok());
+  for (const char* name : {"hid:1", "omega3"})
+    ASSERT_TRUE(store_->devices.ListDevice(name, name, kSystem).ok());
+  const auto ran = [&](bool shook) {
+    auto result = *store_->results.ResultOf(attempt);
+    result.shook = shook;
+    EXPECT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
+    return (store_->attempts.AttemptById(attempt)->flags & kShook) != 0;
+  };
+  const auto shown = [&] {
+    std::vector<UnixMs> out;
+    for (const ListedDevice& device : *store_->devices.ListedDevices())
+      out.push_back(device.shook_ms);
+    return out;
+  };
+  EXPECT_EQ(shown(), (std::vector<UnixMs>{0, 0}));
+  EXPECT_TRUE(ran(true));
+  EXPECT_EQ(shown(), (std::vector<UnixMs>{store_->attempts.AttemptById(attempt)->ticketed_ms, 0}));
+  EXPECT_EQ(store_->attempts.AttemptById(other)->flags & kShook, 0u);
+  EXPECT_FALSE(ran(false)) << "it was scored again";
+  EXPECT_EQ(shown(), (std::vector<UnixMs>{0, 0}));
+}
+
 TEST_P(MotionStoreTest, WhatLiesNearestIsKeptAndFlagsTheAttempt) {
   const Uuid first = Moved(), copy = Moved(Near(first, true)), other = Moved(Near(first, false));
   EXPECT_FALSE(*store_->motions.NearestTo(first)) << "there was none before it";

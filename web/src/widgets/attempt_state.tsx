@@ -129,6 +129,12 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
     },
     tone: "bad",
   },
+  shook: {
+    get title() {
+      return say("attempt_flag.shook");
+    },
+    tone: "warning",
+  },
   near_another: {
     get title() {
       return say("attempt_flag.near_another");

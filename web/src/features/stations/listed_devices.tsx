@@ -5,7 +5,7 @@ import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say, sayWith } from "../../base/words";
-import { Brief, Card, Empty, ErrorNotice, Loading } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, ErrorNotice, Loading } from "../../widgets/basics";
 import { needed } from "../../widgets/button";
 import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
@@ -44,7 +44,17 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
             rowKey={(device) => device.name}
             dense
             columns={[
-              { title: say("common.device"), cell: (device) => device.title },
+              {
+                title: say("common.device"),
+                cell: ({ title, shook_ms }) => (
+                  <>
+                    {title}{" "}
+                    {shook_ms > 0 && (
+                      <Badge tone="warning">{say("listed.shook", { date: formatDateTime(shook_ms) })}</Badge>
+                    )}
+                  </>
+                ),
+              },
               { title: say("listed.known_by"), cell: (device) => <code>{device.name}</code> },
               { title: say("listed.since"), cell: (device) => formatDateTime(device.added_ms) },
               ...(admin
