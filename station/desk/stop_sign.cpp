@@ -2,7 +2,9 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <numbers>
 
@@ -188,7 +190,11 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts,
   const float widths = 1 + (1 + kStopApart) * static_cast<float>(count);
   const float side = std::min(kStopSign * h, 0.9f * (free.to - free.from) / widths),
               apart = kStopApart * side, drawn = widths * side;
+  const std::string lines = render::InEvenLines(held, 0.8f * (free.to - free.from), *fonts.far);
+  const ImVec2 below = fonts.far->CalcTextSizeA(fonts.far->FontSize, FLT_MAX, 0, lines.c_str());
   ImGui::SetNextWindowPos({free.middle(), kStopTop * h}, ImGuiCond_Always, {0.5f, 0});
+  render::FitNextWindow(std::max(drawn, below.x),
+                        held.empty() ? side : side + ImGui::GetStyle().ItemSpacing.y + below.y);
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::ColorConvertU32ToFloat4(kStopBehind));
   ImGui::Begin("stop", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
@@ -207,8 +213,7 @@ void DrawStop(Stop stop, const std::string& held, const render::Fonts& fonts,
   }
   if (!held.empty()) {
     ImGui::PushFont(fonts.far);
-    ImGui::TextUnformatted(
-        render::InEvenLines(held, 0.8f * (free.to - free.from), *fonts.far).c_str());
+    ImGui::TextUnformatted(lines.c_str());
     ImGui::PopFont();
   }
   ImGui::End();

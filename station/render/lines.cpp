@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "common/base/utf8.h"
@@ -112,6 +113,11 @@ std::string InEvenLines(std::string_view text, float width,
 
 std::string InEvenLines(std::string_view text, float width, const ImFont& font) {
   return InEvenLines(text, width, AdvanceOf(font));
+}
+
+void FitNextWindow(float width, float height) {
+  // In whole pixels, as ImGui counts the content.
+  ImGui::SetNextWindowContentSize({std::ceil(width), std::ceil(height)});
 }
 
 }  // namespace enamel::station::render

@@ -21,4 +21,8 @@ std::string InEvenLines(std::string_view text, float width,
                         const std::function<float(uint32_t code)>& advance);
 std::string InEvenLines(std::string_view text, float width, const ImFont& font);
 
+// Tells the window that begins next, which resizes itself, the size of its content, pixels. Otherwise it has the size
+// of the frame before, and cuts off words that have just become longer.
+void FitNextWindow(float width, float height);
+
 }  // namespace enamel::station::render

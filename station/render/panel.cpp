@@ -254,15 +254,17 @@ float DrawWarnings(const PanelContent& content, const Words& words, const Fonts&
   // Several at a time in smaller letters: the tooth is below them.
   const ImVec2 large = SizeOf(*fonts.far, lines_of(*fonts.far));
   ImFont* font = large.y > kWarningsHeight * height ? fonts.text : fonts.far;
+  const std::string lines = lines_of(*font);
   ImGui::PushFont(font);
   ImGui::SetNextWindowPos({free.middle(), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {free.to - free.from - kMargin_px * px, 1e6f});
+  const ImVec2 size = SizeOf(*font, lines);
+  FitNextWindow(size.x, size.y);
   // These are no cause for alarm: nothing is lost, and cutting continues.
   constexpr uint32_t kNoAlarm = kWarnResumed | kWarnOffline;
   const bool calm = content.fault.empty() && (content.state.warnings & ~kNoAlarm) == 0;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
-  ImGui::TextUnformatted(lines_of(*font).c_str());
+  ImGui::TextUnformatted(lines.c_str());
   const float end = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
   ImGui::PopStyleColor();

@@ -71,8 +71,8 @@ class LayoutTest : public testing::TestWithParam<Size> {
     return (static_cast<int>(language) + GetParam().width_px / 2) % 2 != 0;
   }
   template <typename Page>
-  void Expect(const std::string& what, Page&& page) {
-    for (int i = 0; i < kFrames; ++i) {
+  void Expect(const std::string& what, Page&& page, int frames = kFrames) {
+    for (int i = 0; i < frames; ++i) {
       (void)screen_->Begin();
       page();
       ImGui::Render();
@@ -563,6 +563,8 @@ void LayoutTest::ExpectPanel() {
         const std::string said = FaultSentence(words, fault, Status::Ok(), lacks_realtime);
         if (said == content.fault) continue;
         content.fault = said;
+        // Also in the frame in which it is said.
+        Expect("first " + std::string(FaultKey(fault)) + ", " + name, panel, 1);
         Expect(std::string(FaultKey(fault)) + ", " + name, panel);
       }
     }
