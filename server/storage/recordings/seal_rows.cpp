@@ -107,7 +107,14 @@ Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
                       " chunks of it once more, found " + std::to_string(end->next),
                   "seq");
   }
-  ENAMEL_ASSIGN_OR_RETURN(const TraceBlobs blobs, MoveTraceToBlobs(seal));
+  const Result<TraceBlobs> moved = MoveTraceToBlobs(seal);
+  if (!moved.ok()) {
+    // Another server has its blobs and took the rows away meanwhile: they were not lost, nor did they come again.
+    ENAMEL_ASSIGN_OR_RETURN(const auto left,
+                            rows_.Read([&](Db& db) { return EndOfRows(db, seal.attempt); }));
+    return left.next == 0 ? Status::Ok() : moved.status();
+  }
+  const TraceBlobs& blobs = *moved;
   recordings_.NoteWritten(seal.attempt);
   const Status status = rows_.WriteRow([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const auto ingest, FindIngest(db, seal.attempt, Look::kToDecide));
