@@ -213,15 +213,16 @@ void PrintSummary(const AttemptRow& row, const ScoreResult& score, const ReportO
   const language::Words words(language::Language::kEnglish);
   const std::vector<Loss> losses = LossesOf(words, score);
   if (losses.empty()) Say("  No points were lost.\n");
+  const size_t told = options.all ? losses.size() : std::min(losses.size(), kDearest);
   double smaller = 0;
   for (size_t i = 0; i < losses.size(); ++i) {
-    if (i < kDearest)
+    if (i < told)
       Say("  -{:<5.1f} {}\n", losses[i].points, losses[i].what);
     else
       smaller += losses[i].points;
   }
-  if (losses.size() > kDearest)
-    Say("  -{:<5.1f} {}\n", smaller, Counted(losses.size() - kDearest, "smaller mistake"));
+  if (losses.size() > told)
+    Say("  -{:<5.1f} {}\n", smaller, Counted(losses.size() - told, "smaller mistake"));
   if (!losses.empty() && !losses.front().next.empty()) Say("Next time: {}\n", losses.front().next);
   if (!options.page_url.empty()) Say("The tooth in 3-D: {}\n", options.page_url);
   if (!options.all) Say("Every figure: add --all\n");
