@@ -142,7 +142,7 @@ class Volume {
   int SampleIn(int brick, int in_brick) const noexcept { return Samples(brick)[in_brick]; }
 
   GridSpec spec_;
-  // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t.
+  // Per brick: an index into phi_ from 0 on, -1 for air, and -1 - t deep inside tissue t.
   std::vector<int32_t> slot_;
   BrickStore<BrickPhi> phi_;
   std::vector<Tissue> uniform_;      // per stored brick

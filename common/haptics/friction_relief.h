@@ -30,8 +30,8 @@ struct OwnFriction {
   // c is the lower end of a measurement on this unit, over its axes and postures: pushing with more than there is would
   // drive the hand. Else c is a guess, and the motors never push.
   bool measured = false;
-  // The constants above, chosen when the struct is made; tests/station/lab/laws/friction_test.cpp notices others. half_s 0:
-  // nothing is left out.
+  // The constants above; tests/station/lab/laws/friction_test.cpp notices other values. With half_s 0 the law leaves
+  // nothing out.
   double half_s = measured ? kMeasuredHalf_s : kGuessedHalf_s, softest_s = kSoftest_s;
 };
 

@@ -20,7 +20,7 @@ Status CheckNewIn(const std::filesystem::path& folder, const char* file, const c
 // JSON that people read, too: a number is written as 94.0, where boost::json writes 9.4E1. Reads back
 // as the same value.
 std::string JsonText(const boost::json::value& value);
-// Writes an object as one line of such JSON, or nothing where `file` is empty.
+// Writes an object as one line of such JSON. An empty `file` means: write nothing.
 Status WriteJsonFile(const std::filesystem::path& file, const boost::json::object& object);
 
 }  // namespace enamel::program

@@ -198,7 +198,7 @@ struct DeviceProfile {
   Sourced bus_delay_ticks;
   bool delay_measured = false;     // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
   bool friction_measured = false;  // friction_mn was, on a unit of this kind
-  // friction_mn is this unit's own (WithFriction). No document says so: a profile is for every unit of its kind.
+  // friction_mn is this unit's own (WithFriction). No document holds this: a profile is for every unit of its kind.
   bool friction_of_unit = false;
   Sourced workspace_radius_um;
   // None: cells along the axes, recorded as they are counted, without noise.
