@@ -19,7 +19,7 @@ has() { grep -qxF "$1" "$work/all"; }
 
 # Paths of ours that units, settings and guides name. Not installed here: what an admin makes, and
 # what packaging/build makes of the programs' help.
-made='/usr/share/doc/enamel-server/all_settings.toml|/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env|falcon\.bin)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
+made='/usr/share/doc/enamel-server/all_settings.toml|/usr/share/doc/enamel/html/index.html|/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env|falcon\.bin)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
 grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/*.md "$root"/schemas/*.md \
   "$root"/{server,station}/ops/*.{service,timer,toml} | sed 's/[.:]*$//' | sort -u | grep -vE "^($made)" >"$work/named"
 while read -r path; do
@@ -30,6 +30,7 @@ done <"$work/named"
 doc=$work/doc/usr/share/doc/enamel
 ln -sfn "$root/LICENSE" "$doc/LICENSE"  # a link to Debian's copy, which a computer need not have
 node "$root/tests/packaging/links.mjs" "$doc" || wrong "the guides have broken links where they are installed"
+node "$root/tests/packaging/site.mjs" "$doc" || wrong "the site made of the guides is not whole where they are installed"
 
 # Each unit's user and folder are made by its own package, and settings that somebody may have changed survive an upgrade.
 for part in server station; do

@@ -3,10 +3,9 @@
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { slug } from '../../packaging/site/markdown.mjs';
 
 export const withoutBlocks = (text) => text.replace(/^ *```[\s\S]*?^ *```/gm, '');
-// As GitHub makes a heading's anchor.
-const slug = (heading) => heading.replace(/[`*]/g, '').trim().toLowerCase().replace(/[^\p{L}\p{N}\s_-]/gu, '').replace(/\s/g, '-');
 
 export function links(root) {
   const anchors = new Map();
