@@ -1,8 +1,9 @@
-// Guides in German and Chinese. A translation has the headings, steps, tables, pictures, links and code of the English guide, and
+// Guides in German and Chinese. A translation has the headings, steps, tables, pictures, links, blocks and code of the English guide, and
 // names the checksum of the English text that it was made of: who changes a guide looks at its translations.
 import { createHash } from 'node:crypto';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
+import { withoutBlocks } from './links.mjs';
 
 const kLanguages = ['de', 'zh'];
 const kInAnyOrder = new Set(['links', 'code']); // a sentence names things in the order of its language
@@ -33,7 +34,8 @@ function shapeOf(file, text) {
     'rows of tables': all(/^\|.*$/gm, (m) => `${m[0].split('|').length - 2} cells`),
     pictures: all(/!\[[^\]]*\]\(([^)]+)\)/g, (m) => target(m[1])),
     links: all(/(?<!!)\[[^\]]*\]\(([^)\s]+)\)/g, (m) => (m[1].startsWith('#') ? '#' : target(m[1]))),
-    code: all(/`[^`]+`/g, (m) => m[0]),
+    blocks: all(/^ *```[\s\S]*?^ *```/gm, (m) => m[0]),
+    code: [...withoutBlocks(text).matchAll(/`[^`]+`/g)].map((m) => m[0]),
   };
 }
 
