@@ -3,12 +3,13 @@
 // where the command is deterministic. --write puts today's there: look at the difference, and commit it.
 //
 // A figure that takes minutes is not computed here. The same text must stand at each of its places, so that nobody
-// renews one and forgets another.
+// renews one and forgets another. Figures outside the marks are in listed.txt (prose.mjs), which --write brings up to date.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { checkProse } from './prose.mjs';
 
 const [bin, how] = process.argv.slice(2);
 const root = normalize(join(dirname(fileURLToPath(import.meta.url)), '../..'));
@@ -94,4 +95,9 @@ for (const [name, places] of seen) {
 }
 console.log(`${seen.size} figures, ${Object.keys(kPrinted).length} of them computed anew; computed by hand:`);
 for (const [name, [command, date]] of Object.entries(kDated)) console.log(`  ${name}: ${command}, ${date}`);
+const prose = checkProse(root, join(root, 'tests/figures/listed.txt'), how === '--write');
+for (const text of prose.wrong) wrong(text);
+const { limit, source, command } = prose.count;
+console.log(`Paragraphs and rows with a figure outside the marks: ${command} name the command that printed it, the oldest on ${prose.oldest};`);
+console.log(`${source} name a source; ${limit} are limits that programs keep to, or instructions.`);
 process.exit(failed);
