@@ -263,7 +263,7 @@ function EditTerms({
         )}
       />
       <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
-      <div>
+      <div class="button-row">
         <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
         </Button>
