@@ -238,11 +238,13 @@ test("whatever the server writes into the audit trail is told in words", () => {
   const written = serverSources("../server");
   const found = (pattern: RegExp) =>
     new Set(written.flatMap((text) => [...text.matchAll(pattern)].map(([, name = ""]) => name)));
-  const actions = found(/(?:WriteAudit|NoteAudit)\([^;]*?"([a-z_]+\.[a-z_]+)"/g);
+  const actions = found(/(?:WriteAudit|WriteAuditAbout|NoteAudit)\([^;]*?"([a-z_]+\.[a-z_]+)"/g);
   assert.ok(actions.size > 40, `${actions.size} actions`);
   const actors = found(/Actor\{\{\}, "([a-z' ]+[a-z])"/g);
   assert.ok(actors.size > 3, `${actors.size} actors`);
   const members = found(/JsonOf\(\{\{\s*"([a-z_]+)",/g);
+  // As text: R"({"address":")"
+  for (const name of found(/[{,]"([a-z_]+)":"\)"/g)) members.add(name);
   assert.ok(members.size > 10, `${members.size} first members`);
   const untold = [
     ...[...actions].map((action) => `audit_action.${action.replace(".", "_")}`),

@@ -50,6 +50,18 @@ test("why an attempt has no score is told in words where the server names the re
   );
 });
 
+test("a refused request names who asked once, and the reason in words", () => {
+  assert.equal(thingOf(entry("request.refused", id(3))), undefined);
+  assert.deepEqual(
+    detailsOf({ before: "{}", after: '{"count":"10","reason":"one-time","request":"GET /api/v1/people"}' }),
+    [
+      { name: "Times", before: "", after: "10" },
+      { name: "Reason", before: "", after: "one-time password" },
+      { name: "Request", before: "", after: "GET /api/v1/people" },
+    ],
+  );
+});
+
 test("where somebody was is told in words, and not where it was the page", () => {
   assert.equal(whereText(`${id(3)} (page)`, id(3)), "");
   assert.equal(whereText(`${id(3)} (station Chair 1)`, id(3)), " (station Chair 1)");

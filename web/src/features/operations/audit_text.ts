@@ -31,7 +31,7 @@ export interface Thing {
 // What it was done to; undefined where the sentence needs none.
 export function thingOf({ action, object }: Pick<AuditEntry, "action" | "object">): Thing | undefined {
   const [area = ""] = action.split(".");
-  if (object === "" || action === "session.begin") return undefined;
+  if (object === "" || action === "session.begin" || action === "request.refused") return undefined;
   if (kOnAttempts.includes(area))
     return { kind: "attempt", id: object, text: say("audit.attempt", { id: shortId(object) }) };
   if (area === "person" || area === "session") return { kind: "person", id: object, text: shortId(object) };
@@ -121,12 +121,17 @@ const kCodes: Readonly<Record<string, readonly string[]>> = {
   state: ["attempt_state", "appeal", "exercise_state"],
 };
 
+function codeText(key: string, value: string): string | undefined {
+  // Of a refusal it is a code; what people typed is none.
+  if (key === "reason") return sayIf(`refused_because.${value.replaceAll("-", "_")}`);
+  return kCodes[key]?.map((area) => sayIf(`${area}.${value}`)).find(Boolean);
+}
+
 function valueText(key: string, value: unknown, nameOf: (id: string) => string): string {
   if (value === undefined || value === null || value === "" || (key.endsWith("_ms") && Number(value) === 0)) return "";
   if (key.endsWith("_ms") && Number.isFinite(Number(value))) return formatDateTime(Number(value));
   if (value === "yes" || value === "no") return say(`common.${value}`);
-  const code =
-    typeof value === "string" ? kCodes[key]?.map((area) => sayIf(`${area}.${value}`)).find(Boolean) : undefined;
+  const code = typeof value === "string" ? codeText(key, value) : undefined;
   if (code !== undefined) return code;
   if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
   if (typeof value === "string" && /^-?\d+\.\d+$/.test(value)) return formatNumber(Number(value), 3);
