@@ -43,3 +43,10 @@ test("the name of a side moves off the buttons that would hide it, towards the m
   assert.equal(clear(40, 300), 40, "below them");
   assert.equal(clear(250, 120), 250, "between them");
 });
+
+test("it moves off a name in the middle to the nearer side", () => {
+  const name = { left: 134, right: 213, top: 8, bottom: 30 };
+  const clear = (left: number) => clearOf([name], left, 18, 346);
+  assert.equal(clear(230), 213 + 38);
+  assert.equal(clear(150), 134 - 38);
+});

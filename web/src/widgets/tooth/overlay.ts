@@ -51,9 +51,10 @@ export function place(
 
 type Box = Pick<DOMRect, "left" | "right" | "top" | "bottom">;
 
-// The buttons that lie over the picture, in its pixels.
+// The buttons and the name that lie over the picture, in its pixels.
 function toolsOver(element: HTMLElement): Box[] {
-  const tools = element.closest(".tooth")?.querySelectorAll(".tooth-tools :is(.button, select, .segmented)") ?? [];
+  const tools =
+    element.closest(".tooth")?.querySelectorAll(".tooth-tools :is(.button, select, .segmented), .tooth-name") ?? [];
   const frame = element.getBoundingClientRect();
   return [...tools]
     .map((tool) => tool.getBoundingClientRect())
@@ -66,13 +67,16 @@ function toolsOver(element: HTMLElement): Box[] {
     }));
 }
 
-// From the left, where a label is hidden by none of the boxes: moved towards the middle of the picture.
+// From the left, where a label is hidden by none of the boxes: moved towards the middle of the picture, from a box that
+// is there to the nearer side.
 export function clearOf(boxes: readonly Box[], left: number, top: number, width: number): number {
   const [across, down] = kLabelMarginPx;
   return boxes.reduce((at, box) => {
     if (Math.abs(top - (box.top + box.bottom) / 2) > (box.bottom - box.top) / 2 + down) return at;
     if (at + across < box.left || at - across > box.right) return at;
-    return box.left + box.right < width ? Math.max(at, box.right + across) : Math.min(at, box.left - across);
+    const isInMiddle = box.left < width / 2 && box.right > width / 2;
+    const goesRight = isInMiddle ? 2 * at > box.left + box.right : box.left + box.right < width;
+    return goesRight ? Math.max(at, box.right + across) : Math.min(at, box.left - across);
   }, left);
 }
 
