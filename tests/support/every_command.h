@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -87,6 +89,58 @@ inline void ExpectHelpOfEveryCommand(CLI::App& app) {
       const bool is_hidden = option->get_group().empty();
       EXPECT_TRUE(is_hidden || !option->get_description().empty())
           << WordsOf(*command) << ": " << option->get_name() << " has no description";
+    }
+  }
+}
+
+// The guides and the rooms' own texts; the changelog lists what came, not how to use it.
+inline std::string AllMarkdown(const std::filesystem::path& root) {
+  std::ostringstream out;
+  const auto take = [&](const std::filesystem::path& file) {
+    if (file.extension() == ".md" && file.filename() != "CHANGELOG.md") {
+      out << std::ifstream(file).rdbuf() << '\n';
+    }
+  };
+  for (const auto& each : std::filesystem::directory_iterator(root)) take(each.path());
+  for (const char* folder : {"common", "docs", "schemas", "server", "station", "tests"}) {
+    for (const auto& each : std::filesystem::recursive_directory_iterator(root / folder)) {
+      take(each.path());
+    }
+  }
+  return out.str();
+}
+
+// On a command line (--keep-days), as a setting (keep-days = 30), or in a table of settings
+// (| `keep-days` |; a key of the section [budgets] has no "budgets-" and may have "_").
+inline bool Names(const std::string& markdown, std::string option) {
+  const auto is_part = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '-';
+  };
+  for (size_t at = 0; (at = markdown.find(option, at)) != std::string::npos; ++at) {
+    if (!is_part(markdown[at + option.size()]) && (at == 0 || !is_part(markdown[at - 1])))
+      return true;
+  }
+  std::string key = option.substr(2);
+  if (markdown.find("\n" + key + " = ") != std::string::npos ||
+      markdown.find("`" + key + " = ") != std::string::npos) {
+    return true;
+  }
+  if (key.starts_with("budgets-")) {
+    key = key.substr(8);
+    std::replace(key.begin(), key.end(), '-', '_');
+  }
+  return markdown.find("| `" + key + "`") != std::string::npos;
+}
+
+// Fails for an option that no Markdown of the repository names.
+inline void ExpectEveryOptionIsNamed(CLI::App& app, const std::string& markdown) {
+  for (CLI::App* command : SelfAndBelow(app)) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) {
+        EXPECT_TRUE(option->get_group().empty() || Names(markdown, "--" + name))
+            << WordsOf(*command) << " --" << name
+            << ": no Markdown names it. Name it where a user needs it, or delete it";
+      }
     }
   }
 }

@@ -20,12 +20,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  int width_px = 1920, height_px = 1080, exercises = 24;
+  int width_px = 1920, height_px = 1080;
   double seconds = 10;
   std::string json;
 };
 
 constexpr double kGoal_percent = 3;
+constexpr int kExercises = 24;  // a list that has to be scrolled
 
 // A class with some of all that a card can show.
 std::vector<Catalogue::Exercise> Exercises(int count) {
@@ -52,7 +53,7 @@ Status BenchIdle(const Options& options, Rows& rows) {
     render::Screen screen(window);
     desk::Ui ui(screen);
     const language::Words words(language::Language::kEnglish);
-    const auto exercises = Exercises(options.exercises);
+    const auto exercises = Exercises(kExercises);
     const auto frame = [&] {
       (void)screen.Begin();
       std::vector<desk::Card> cards;
@@ -87,10 +88,10 @@ Status BenchIdle(const Options& options, Rows& rows) {
         "method     list of %d exercises, %d x %d, untouched for %.0f s; processor time of all "
         "threads by wall time\n\n"
         "processor  %s %% of a core; %d frames, %llu of them drawn\n",
-        screen.renderer().c_str(), options.exercises, screen.width(), screen.height(), wall_s,
+        screen.renderer().c_str(), kExercises, screen.width(), screen.height(), wall_s,
         AgainstGoal(percent, kGoal_percent).c_str(), frames,
         static_cast<unsigned long long>(screen.drawn() - drawn));
-    rows.Add({{"exercises", options.exercises},
+    rows.Add({{"exercises", kExercises},
               {"width_px", screen.width()},
               {"height_px", screen.height()},
               {"cpu_percent", percent},
@@ -110,9 +111,6 @@ void RegisterIdle(CLI::App& app, int* exit_code) {
       "idle", "The processor's share of the list of exercises while nobody touches it");
   idle->add_option("--width", options->width_px, "Of the window, pixels")->capture_default_str();
   idle->add_option("--height", options->height_px, "Of the window, pixels")->capture_default_str();
-  idle->add_option("--exercises", options->exercises, "In the list")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
   idle->add_option("--seconds", options->seconds, "How long it is watched")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

@@ -27,11 +27,11 @@ using mesh::Triangles;
 
 struct Options {
   std::string json, tooth, unit = "mm";
-  int triangles = 150'000;
   std::vector<int> voxels_um = {100, 50};
 };
 
-constexpr double kGoal_s = 5;  // 150 000 triangles to 0.05 mm
+constexpr size_t kLeastTriangles = 150'000;
+constexpr double kGoal_s = 5;  // of them, to 0.05 mm
 
 double Seconds(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
@@ -170,15 +170,14 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
 
 int Run(const Options& options) {
   if (!CanWrite(options.json)) return 1;
-  const auto least = static_cast<size_t>(options.triangles);
   Triangles mesh;
   if (options.tooth.empty()) {
-    mesh = CrownLike(least);
+    mesh = CrownLike(kLeastTriangles);
   } else {
     auto read = import::ReadMeshInChild(options.tooth);
     if (!read.ok()) return Fail(read.status().message());
     // Scans have any number of triangles; figures are compared at the same number.
-    mesh = Subdivided(read->mesh.mesh, least);
+    mesh = Subdivided(read->mesh.mesh, kLeastTriangles);
   }
   const TempStl stl;
   if (Status written = WriteFileDurably(stl.path, BinaryStl(mesh)); !written.ok())
@@ -224,15 +223,12 @@ void RegisterImport(CLI::App& app, int* exit_code) {
   command->add_option("--tooth", options->tooth,
                       "A real crown (STL, PLY, OBJ); a block with four cusps, unless named");
   command->add_option("--unit", options->unit, "Of its coordinates")->capture_default_str();
-  command->add_option("--triangles", options->triangles, "At least so many")
-      ->check(CLI::Range(100, 2'000'000))
-      ->capture_default_str();
   command->add_option("--voxel-um", options->voxels_um, "Voxel sizes")
       ->delimiter(',')
       ->check(CLI::Range(10, 500))
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
-  program::AddExamples(*command, {"--triangles 200000"});
+  program::AddExamples(*command, {"--voxel-um 50"});
   command->callback([options, exit_code] { *exit_code = Run(*options); });
 }
 

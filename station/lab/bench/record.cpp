@@ -30,11 +30,11 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kRate_hz = 1000;
+constexpr double kNoise_counts = 0.3;  // of the encoder, one sigma
 constexpr double kGoalBytesPerTick = 12, kGoalMbPer8h = 350;
 
 struct Options {
   double hours = 8;
-  double noise_counts = 0.3;
   int voxel_um = 50;
   std::string profile = "phantom_desktop";
   std::string operator_name = "student";
@@ -142,7 +142,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   ENAMEL_ASSIGN_OR_RETURN(
       auto device, MakeSimulatedDevice(*preset, w.built.scene, w.exercise, w.profile, w.params,
                                        w.built.volume, seed));
-  NoisyDevice noisy(*device, options.noise_counts, seed);
+  NoisyDevice noisy(*device, kNoise_counts, seed);
   trace::Header header;
   // Each attempt is separate in the spool, as on a station.
   header.ticket.attempt = Uuid::New();
@@ -244,8 +244,7 @@ int Run(Options& options) {
       "each attempt the hand waits in the air while more than a third of the ticks have cut. "
       "Chunks as a "
       "station makes and stores them",
-      options.operator_name.c_str(), options.profile.c_str(), options.voxel_um,
-      options.noise_counts);
+      options.operator_name.c_str(), options.profile.c_str(), options.voxel_um, kNoise_counts);
   std::printf("Method: %s.\n\n", method);
   Rows rows("record", method);
   Status status = Measure(options, name, rows);
@@ -273,9 +272,6 @@ void RegisterRecord(CLI::App& app, int* exit_code) {
       app.add_subcommand("record", "Bytes and memory of a working day's recording, accelerated");
   record->add_option("--hours", options->hours, "Of recorded time")
       ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
-  record->add_option("--noise", options->noise_counts, "Of the encoder, in counts (one sigma)")
-      ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   record->add_option("--voxel-um", options->voxel_um, "Voxel")
       ->check(CLI::Range(5, 500))

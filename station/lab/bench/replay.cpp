@@ -21,7 +21,6 @@ struct Options {
   std::vector<int> voxels_um = {100, 50, 25};
   uint64_t ticks = 600'000;
   int replays = 3;
-  double pause_strokes = AttemptOptions().pause_strokes;
 };
 
 constexpr double kFactorGoal = 75, kReachGoal_s = 1;
@@ -130,7 +129,6 @@ int Run(const Options& options) {
     AttemptOptions how;
     how.voxel_nm = voxel_um * 1000;
     how.ticks = options.ticks;
-    how.pause_strokes = options.pause_strokes;
     Progress progress;
     auto attempt = RecordAttempt(how, [&](double ratio) {
       progress.Show("recording at " + std::to_string(voxel_um) + " um", ratio);
@@ -193,11 +191,6 @@ void RegisterReplay(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   replay->add_option("--ticks", options->ticks, "Length of the attempt at 1 kHz")
       ->check(CLI::Range(20'000, 3'600'000))
-      ->capture_default_str();
-  replay
-      ->add_option("--pause", options->pause_strokes,
-                   "Looking after each stroke, in strokes: decides the share of ticks that cut")
-      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   replay->add_option("--replays", options->replays, "Identical replays")
       ->check(CLI::Range(1, 100))

@@ -33,9 +33,9 @@ struct Options {
   std::vector<int> voxels_um = {50};
   uint64_t ticks = 600'000;
   int repeats = 3;
-  int references = 3;
 };
 
+constexpr int kReferences = 3;
 constexpr double kTotalGoal_s = 3, kProvenanceGoal_percent = 10, kVoxelGoal_bytes = 2;
 // The attempt's faults, so that the score has work to do.
 constexpr double kMesialExtra_m = 0.3e-3, kFloorExtra_m = 0.2e-3;
@@ -236,7 +236,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   References references;
   std::vector<scoring::MetricSet> among;
   Least unused;
-  for (int i = 0; i < options.references; ++i) {
+  for (int i = 0; i < kReferences; ++i) {
     how.mesial_extra_m = how.floor_extra_m = i * kBetweenReferences_m;
     ENAMEL_ASSIGN_OR_RETURN(auto recorded, RecordAttempt(how, [&](double ratio) {
                               progress.Show("reference" + at, ratio);
@@ -305,7 +305,7 @@ int Run(const Options& options) {
                 f->BytesPerVoxel());
     if (voxel_um == 50) {
       goals = "  verified and scored at 0.05 mm, s: " + AgainstGoal(f->Total_s(), kTotalGoal_s) +
-              "\n  the same with " + std::to_string(options.references) +
+              "\n  the same with " + std::to_string(kReferences) +
               " references, s: " + AgainstGoal(f->WithReferences_s(), kTotalGoal_s) +
               "\n  provenance, % of the replay: " +
               AgainstGoal(f->ProvenanceShare_percent(), kProvenanceGoal_percent) +
@@ -320,7 +320,7 @@ int Run(const Options& options) {
               {"provenance_share_percent", f->ProvenanceShare_percent()},
               {"measure_s", f->measure.s()},
               {"measure_all_s", f->measure_all.s()},
-              {"references", options.references},
+              {"references", kReferences},
               {"references_s", f->judge.s()},
               {"deductions_s", f->deductions.s()},
               {"pack_s", f->encode.s()},
@@ -348,9 +348,6 @@ void RegisterScore(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   score->add_option("--repeats", options->repeats, "Identical runs")
       ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  score->add_option("--references", options->references, "Cuts that judge it")
-      ->check(CLI::Range(1, static_cast<int>(scoring::kMaxEnvelopeMembers)))
       ->capture_default_str();
   score->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*score, {"--voxel-um 50"});

@@ -20,10 +20,12 @@ namespace {
 
 struct Options {
   std::string json, scene = "molar";
-  std::vector<std::string> exercises = {"class-1", "crown"};
-  std::vector<int> noise_um = {0, 20, 50}, voxels_um = {200, 100, 50};
-  int turns = 3;
+  std::vector<int> voxels_um = {200, 100, 50};
 };
+
+constexpr const char* kExercises[] = {"class-1", "crown"};
+constexpr int kNoises_um[] = {0, 20, 50};  // of each vertex, along each axis
+constexpr int kTurns = 3;                  // different ones, for each row
 
 // For the scan, so that it shares no sample with the tooth it is aligned to.
 constexpr int32_t kScanVoxel_nm = 60'000;
@@ -98,10 +100,10 @@ Result<Error> Measure(const scene::BuiltScene& tooth, const scene::Preparation& 
 
 // The worst of several turns; the time is the mean.
 Result<Error> Worst(const scene::BuiltScene& tooth, const std::string& exercise,
-                    const mesh::Triangles& scan, int noise_um, int turns) {
+                    const mesh::Triangles& scan, int noise_um) {
   ENAMEL_ASSIGN_OR_RETURN(const auto shape, ShapeOf(tooth, exercise));
   Error out;
-  for (int i = 0; i < turns; ++i) {
+  for (int i = 0; i < kTurns; ++i) {
     std::mt19937 random(static_cast<unsigned>(1 + i));
     const mesh::Rigid moved = Somewhere(random);
     ENAMEL_ASSIGN_OR_RETURN(
@@ -111,7 +113,7 @@ Result<Error> Worst(const scene::BuiltScene& tooth, const std::string& exercise,
     out.turn_deg = std::max(out.turn_deg, error.turn_deg);
     out.differs_mm3 = std::max(out.differs_mm3, error.differs_mm3);
     out.target_mm3 = error.target_mm3;
-    out.run_s += error.run_s / turns;
+    out.run_s += error.run_s / kTurns;
   }
   return out;
 }
@@ -120,19 +122,19 @@ Status MeasureAll(const Options& options, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(const auto fine, scene::BuildBuiltinScene(options.scene, kScanVoxel_nm));
   std::printf("%-10s %8s %9s %10s %10s %22s %8s\n", "exercise", "voxel um", "noise um", "off um",
               "turned deg", "differs of target mm3", "s");
-  for (const std::string& exercise : options.exercises) {
+  for (const std::string exercise : kExercises) {
     ENAMEL_ASSIGN_OR_RETURN(const auto shape, ShapeOf(fine, exercise));
     const mesh::Triangles scan = import::ToothSurface_mm(scene::Prepared(fine.volume, shape));
     auto row = [&](int voxel_um, int noise_um) -> Status {
       ENAMEL_ASSIGN_OR_RETURN(const auto tooth,
                               scene::BuildBuiltinScene(options.scene, voxel_um * 1000));
-      ENAMEL_ASSIGN_OR_RETURN(const Error e, Worst(tooth, exercise, scan, noise_um, options.turns));
+      ENAMEL_ASSIGN_OR_RETURN(const Error e, Worst(tooth, exercise, scan, noise_um));
       std::printf("%-10s %8d %9d %10.2f %10.4f %10.3f of %8.2f %8.2f\n", exercise.c_str(), voxel_um,
                   noise_um, e.off_um, e.turn_deg, e.differs_mm3, e.target_mm3, e.run_s);
       rows.Add({{"exercise", exercise},
                 {"voxel_um", voxel_um},
                 {"noise_um", noise_um},
-                {"turns", options.turns},
+                {"turns", kTurns},
                 {"off_um", e.off_um},
                 {"turned_deg", e.turn_deg},
                 {"differs_mm3", e.differs_mm3},
@@ -140,7 +142,7 @@ Status MeasureAll(const Options& options, Rows& rows) {
                 {"wall_s", e.run_s}});
       return Status::Ok();
     };
-    for (int noise_um : options.noise_um) ENAMEL_RETURN_IF_ERROR(row(kUsualVoxel_um, noise_um));
+    for (int noise_um : kNoises_um) ENAMEL_RETURN_IF_ERROR(row(kUsualVoxel_um, noise_um));
     for (int voxel_um : options.voxels_um) {
       if (voxel_um != kUsualVoxel_um) ENAMEL_RETURN_IF_ERROR(row(voxel_um, kUsualNoise_um));
     }
@@ -171,19 +173,9 @@ void RegisterTarget(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "target", "How far a scan of a known preparation is laid beside where it belongs");
   command->add_option("--scene", options->scene, "A built-in tooth")->capture_default_str();
-  command->add_option("--exercises", options->exercises, "Their kinds")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--noise-um", options->noise_um, "Of each vertex, along each axis")
-      ->delimiter(',')
-      ->check(CLI::Range(0, 200))
-      ->capture_default_str();
   command->add_option("--voxel-um", options->voxels_um, "Of the tooth")
       ->delimiter(',')
       ->check(CLI::Range(25, 500))
-      ->capture_default_str();
-  command->add_option("--turns", options->turns, "Different ones, for each row")
-      ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*command, {"--voxel-um 100"});

@@ -23,7 +23,7 @@ struct Options {
   std::string json;
   std::vector<int> voxels_um = {100, 50};
   uint64_t ticks = 600'000;
-  uint32_t frame_ticks = 100, change_frames = timeline::RecorderOptions().change_frames;
+  uint32_t change_frames = timeline::RecorderOptions().change_frames;
 };
 
 constexpr double kStartGoal_mb = 0.8, kTimelineGoal_mb = 15, kScrubGoal_ms = 100;
@@ -107,7 +107,6 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   timeline::RecorderOptions recording;
   recording.ticks = options.ticks;
   recording.burs = core::BursOf(attempt.header.params);
-  recording.frame_ticks = options.frame_ticks;
   recording.change_frames = options.change_frames;
   timeline::Recorder recorder(attempt.built.volume, HashSha256(start), recording);
   ENAMEL_RETURN_IF_ERROR(ReplayInto(attempt, &recorder, file, out.replay_with_timeline_s));
@@ -187,9 +186,6 @@ void RegisterTimeline(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   timeline->add_option("--ticks", options->ticks, "Length of the attempt at 1 kHz")
       ->check(CLI::Range(20'000, 3'600'000))
-      ->capture_default_str();
-  timeline->add_option("--frame-ticks", options->frame_ticks, "Ticks in a frame")
-      ->check(CLI::Range(10, 1000))
       ->capture_default_str();
   timeline
       ->add_option("--change-frames", options->change_frames,

@@ -40,5 +40,16 @@ TEST(ExampleTest, AHelpThatShowsNoCommandLineIsFound) {
   EXPECT_NONFATAL_FAILURE(test::ExpectHelpOfEveryCommand(quiet.app), "--again has no description");
 }
 
+TEST(ExampleTest, AnOptionThatNoMarkdownNamesIsFound) {
+  Program p;
+  for (const char* names : {"`--host a`", "a sentence.\nhost = \"a\"\n", "| `host` | text |"}) {
+    test::ExpectEveryOptionIsNamed(p.app, std::string(names) + " --help");
+  }
+  for (const char* other : {"--hosts", "--host-name", "---host", "host", "the host = a"}) {
+    EXPECT_NONFATAL_FAILURE(test::ExpectEveryOptionIsNamed(p.app, std::string(other) + " --help"),
+                            "school add --host: no Markdown names it");
+  }
+}
+
 }  // namespace
 }  // namespace enamel::program

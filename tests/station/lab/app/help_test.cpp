@@ -11,5 +11,12 @@ TEST(HelpTest, EveryCommandHasAnExampleThatItTakesAndDescribesItsOptions) {
   test::ExpectHelpOfEveryCommand(app);
 }
 
+TEST(HelpTest, AGuideNamesEveryOption) {
+  CLI::App app("", "enamel-lab");
+  int exit_code = 0;
+  RegisterLab(app, &exit_code);
+  test::ExpectEveryOptionIsNamed(app, test::AllMarkdown(ENAMEL_SOURCE_DIR));
+}
+
 }  // namespace
 }  // namespace enamel::station::lab
