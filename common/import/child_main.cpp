@@ -1,7 +1,7 @@
 // enamel-import-child KIND: reads one mesh file of that kind ("stl") from standard input and writes
-// its triangles to standard output (triangles.h, EncodeMesh). A mesh library is a large attack
-// surface: it runs here, with limits, without files, network or children, and never inside the
-// station or the server. Exit: 0 and a triangle list; 1 and one line on standard error, also where
+// its triangles to standard output (triangles.h, EncodeMesh). Files come from
+// strangers: they are parsed here, with limits, without files, network or children, and never inside
+// the station or the server. Exit: 0 and a triangle list; 1 and one line on standard error, also where
 // the kernel cannot confine it.
 #include <unistd.h>
 

@@ -18,6 +18,7 @@
 #include "common/base/fd.h"
 #include "common/base/file.h"
 #include "common/base/utf8.h"
+#include "common/import/mesh_kind.h"
 
 namespace enamel::import {
 namespace {
@@ -27,8 +28,8 @@ using Clock = std::chrono::steady_clock;
 // More than the child's 60 s of processor: on a machine that is busy those take longer.
 constexpr auto kDeadline = std::chrono::seconds(90);
 // A part takes at most 520: two numbers, and two texts of a byte's length (triangles.h).
-constexpr size_t kMaxOutput =
-    64 + 12 * (mesh::kMaxVertices + mesh::kMaxTriangles) + mesh::kMaxParts * 520;
+constexpr size_t kMaxOutput = 64 + 24 * mesh::kMaxVertices + 12 * mesh::kMaxTriangles +
+                              mesh::kMaxParts * 520 + mesh::kMaxNotes * 256;
 constexpr size_t kMaxMessage = 2'000;
 
 // A pipe whose ends close themselves.
@@ -146,11 +147,9 @@ Status CheckFile(const std::filesystem::path& file) {
                       " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
                       "triangles)");
   }
-  for (const char* known : {"stl", "ply", "obj", "off"}) {
-    if (KindOf(file) == known) return Status::Ok();
-  }
-  return Status(Code::kInvalidInput, "expected a file named .stl, .ply, .obj or .off, found " +
-                                         file.filename().string());
+  const Status kind = CheckMeshKind(KindOf(file));
+  if (kind.ok()) return kind;
+  return Status(kind.code(), file.filename().string() + ": " + kind.message());
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ bool ForbidSystem() {
     program.push_back(SkipUnlessEqual(call));
     program.push_back(Return(SECCOMP_RET_ALLOW));
   }
-  // An error and no kill: the library may look for a file that it can do without.
+  // An error and no kill: the C library may ask for what it can do without.
   program.push_back(Return(SECCOMP_RET_ERRNO | EACCES));
   sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   // Without privileges the kernel takes a filter from a process only once it has given up gaining

@@ -54,12 +54,6 @@ void Append(const mesh::Triangles& from, mesh::Triangles& to) {
     to.indices.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
 
-mesh::Triangles Scaled(const mesh::Triangles& mesh, double factor) {
-  mesh::Triangles out = mesh;
-  for (dvec3& v : out.vertices) v *= factor;
-  return out;
-}
-
 scene::PointUm ToUm(const dvec3& p_mm) {
   return {static_cast<int32_t>(std::lround(p_mm.x * 1e3)),
           static_cast<int32_t>(std::lround(p_mm.y * 1e3)),
@@ -156,7 +150,7 @@ Status CheckOptions(const ImportOptions& options) {
         "expected gaps of 0 to 0.5 mm to bridge, found " + mesh::Fixed(options.bridge_mm),
         "bridge_um");
   }
-  return mesh::UnitInMm(options.unit).status();
+  return mesh::ScaleInMm(options.scale).status();
 }
 
 double FinestPiece_mm(const ImportOptions& options) {
@@ -268,9 +262,7 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
                                       const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
   if (mesh.indices.empty()) return Invalid("the mesh holds no triangles");
-  const double unit = *mesh::UnitInMm(options.unit);
-  const mesh::Triangles mesh_mm = Scaled(mesh, unit);
-  ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(mesh_mm, options.unit, unit));
+  ENAMEL_ASSIGN_OR_RETURN(const mesh::Triangles mesh_mm, mesh::InMm(mesh, options.scale));
   Enter(options, "repairing");
   mesh::RepairOptions repair;
   repair.finest_mm = FinestPiece_mm(options);
@@ -308,15 +300,15 @@ Result<ImportedScene> ImportLayers(
     const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces, const std::string& source,
     const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  const double unit = *mesh::UnitInMm(options.unit);
-  std::array<std::optional<mesh::Triangles>, kLayers> surfaces_mm;
+  const double scale_mm = *mesh::ScaleInMm(options.scale);
+  auto surfaces_mm = surfaces;
   mesh::Triangles all;
-  for (size_t i = 0; i < kLayers; ++i) {
-    if (!surfaces[i]) continue;
-    surfaces_mm[i] = Scaled(*surfaces[i], unit);
-    Append(*surfaces_mm[i], all);
+  for (auto& surface : surfaces_mm) {
+    if (!surface) continue;
+    Append(*surface, all);
+    for (dvec3& v : surface->vertices) v *= scale_mm;
   }
-  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(all, options.unit, unit));
+  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(all, options.scale));
   const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
   Enter(options, "repairing");
   Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
@@ -363,7 +355,8 @@ Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOpti
   if (!read.ok()) return read.status();
   ImportOptions named = options;
   if (named.name.empty()) named.name = read->name;
-  const std::string source = "imported from " + read->provenance + ", unit " + options.unit;
+  const std::string source =
+      "imported from " + read->provenance + ", " + mesh::Words(options.scale);
   Result<ImportedScene> out = read->whole ? ImportTriangles(*read->whole, source, named)
                                           : ImportLayers(read->surfaces, source, named);
   if (!out.ok()) {

@@ -12,6 +12,7 @@
 #include "common/cutting/volume.h"
 #include "common/import/layers.h"
 #include "common/mesh/triangles.h"
+#include "common/mesh/units.h"
 #include "common/scene/types.h"
 
 // Real teeth: mesh files become a scene. Not real-time; runs on the station, by hand, and in the
@@ -21,7 +22,7 @@ namespace enamel::import {
 
 struct ImportOptions {
   int tooth = 0;              // its FDI number (common/scene/tooth_number.h); needed
-  std::string unit = "mm";    // of the files' coordinates: mm, um, cm, m, inch
+  mesh::FileScale scale = {};  // of the files' coordinates
   int32_t voxel_nm = 50'000;  // 10'000 to 500'000
   // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (place.h).
   std::string up = "auto", buccal = "auto";

@@ -46,11 +46,8 @@ struct Scan {
 
 Result<Scan> Close(const mesh::Triangles& mesh, const PreparedOptions& options,
                    std::vector<std::string>& report) {
-  ENAMEL_ASSIGN_OR_RETURN(const double unit, mesh::UnitInMm(options.unit));
   if (mesh.indices.empty()) return Invalid("the scan holds no triangles");
-  mesh::Triangles mesh_mm = mesh;
-  for (dvec3& v : mesh_mm.vertices) v *= unit;
-  ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(mesh_mm, options.unit, unit));
+  ENAMEL_ASSIGN_OR_RETURN(const mesh::Triangles mesh_mm, mesh::InMm(mesh, options.scale));
   ENAMEL_ASSIGN_OR_RETURN(auto solid, mesh::MakeSolid(mesh_mm));
   report = Describe(solid.report);
   Scan out;
@@ -400,9 +397,13 @@ Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Vol
                                    const std::filesystem::path& child) {
   ENAMEL_ASSIGN_OR_RETURN(auto read, ReadMeshInChild(file, child));
   const std::string source = "scanned as " + Printable(file.filename().string()) + " (SHA-256 " +
-                             read.sha256.Hex() + ", unit " + options.unit + ")";
+                             read.sha256.Hex() + ", " + mesh::Words(options.scale) + ")";
   auto out = TakePrepared(scene, tooth, read.mesh.mesh, source, options);
-  if (out.ok()) return out;
+  if (out.ok()) {
+    std::vector<std::string>& report = out->prepared.report;
+    report.insert(report.begin(), read.mesh.notes.begin(), read.mesh.notes.end());
+    return out;
+  }
   const Status& why = out.status();
   return Status(why.code(), Printable(file.filename().string()) + ": " + why.message(),
                 why.field());

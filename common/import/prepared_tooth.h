@@ -12,7 +12,7 @@
 namespace enamel::import {
 
 struct PreparedOptions {
-  std::string unit = "mm";  // of the scan's coordinates
+  mesh::FileScale scale = {};  // of the scan's coordinates
   // The scan is already placed within 0.5 mm and 5 degrees: for blocks and other shapes that fit
   // themselves in several ways.
   bool placed = false;

@@ -92,6 +92,7 @@ class Reader {
     if (out_.name.empty()) out_.name = file.stem().string();
     out_.provenance += (out_.provenance.empty() ? "" : ", ") + Printable(file.filename().string()) +
                        " (SHA-256 " + read.sha256.Hex() + ")";
+    out_.report.insert(out_.report.end(), read.mesh.notes.begin(), read.mesh.notes.end());
     return &files_.emplace(file, std::move(read.mesh)).first->second;
   }
 

@@ -22,9 +22,9 @@ Bytes EncodeMesh(const NamedMesh& named) {
   out.U32(static_cast<uint32_t>(mesh.vertices.size()));
   out.U32(static_cast<uint32_t>(mesh.indices.size()));
   out.U32(static_cast<uint32_t>(named.parts.size()));
+  out.U32(static_cast<uint32_t>(named.notes.size()));
   for (const dvec3& v : mesh.vertices) {
-    // The mesh library holds floats: nothing is lost by sending them.
-    for (int i = 0; i < 3; ++i) out.U32(std::bit_cast<uint32_t>(static_cast<float>(v[i])));
+    for (int i = 0; i < 3; ++i) out.U64(std::bit_cast<uint64_t>(v[i]));
   }
   for (const auto& t : mesh.indices) {
     for (uint32_t i : t) out.U32(i);
@@ -37,24 +37,29 @@ Bytes EncodeMesh(const NamedMesh& named) {
       out.Raw(AsBytes(*text));
     }
   }
+  for (const std::string& note : named.notes) {
+    out.U8(static_cast<uint8_t>(note.size()));
+    out.Raw(AsBytes(note));
+  }
   return out.Take();
 }
 
 Result<NamedMesh> DecodeMesh(ByteView bytes) {
   ByteReader in(bytes);
   ByteView magic = in.Raw(kMagic.size());
-  const size_t n_vertices = in.U32(), n_triangles = in.U32(), n_parts = in.U32();
+  const size_t n_vertices = in.U32(), n_triangles = in.U32(), n_parts = in.U32(),
+               n_notes = in.U32();
   if (!in.ok() || AsText(magic) != kMagic) return Malformed("does not begin as one");
   // Before any memory of that size is taken: the child may have been taken over by its file.
   if (n_vertices > kMaxVertices || n_triangles > kMaxTriangles || n_parts > kMaxParts ||
-      in.remaining() < 12 * (n_vertices + n_triangles)) {
+      n_notes > kMaxNotes || in.remaining() < 24 * n_vertices + 12 * n_triangles) {
     return Malformed("its size does not match its header");
   }
   NamedMesh out;
   out.mesh.vertices.resize(n_vertices);
   out.mesh.indices.resize(n_triangles);
   for (dvec3& v : out.mesh.vertices) {
-    for (int i = 0; i < 3; ++i) v[i] = std::bit_cast<float>(in.U32());
+    for (int i = 0; i < 3; ++i) v[i] = std::bit_cast<double>(in.U64());
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
       return Malformed("a coordinate is not a finite number");
     }
@@ -76,6 +81,8 @@ Result<NamedMesh> DecodeMesh(ByteView bytes) {
       return Malformed("a part is not within it");
     out.parts.push_back(std::move(part));
   }
+  for (size_t k = 0; k < n_notes; ++k) out.notes.emplace_back(AsText(in.Raw(in.U8())));
+  if (!in.ok()) return Malformed("is cut short");
   if (in.remaining() != 0) return Malformed("more follows its end");
   return out;
 }

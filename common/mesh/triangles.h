@@ -26,6 +26,7 @@ struct MeshPart {
 struct NamedMesh {
   Triangles mesh;
   std::vector<MeshPart> parts;  // in order; together all triangles, or the first kMaxParts of them
+  std::vector<std::string> notes;  // for people: what the reader left out
 };
 
 inline constexpr size_t kMaxTriangles = 2'000'000;
@@ -33,10 +34,12 @@ inline constexpr size_t kMaxVertices = 3 * kMaxTriangles;
 inline constexpr size_t kMaxMeshFile = size_t{256} << 20;
 
 inline constexpr size_t kMaxParts = 1000, kMaxPartName = 100;
+inline constexpr size_t kMaxNotes = 8, kMaxNote = 200;
 
 // The format in which the import child writes a mesh: "ENTR", u32 vertices, u32 triangles, u32
-// parts, f32 x 3 per vertex, u32 x 3 per triangle; per part u32 first, u32 count, and twice u8
-// length and text. Little-endian. Lives only on a pipe between two programs of one build.
+// parts, u32 notes, f64 x 3 per vertex, u32 x 3 per triangle; per part u32 first, u32 count, and
+// twice u8 length and text; per note u8 length and text. Little-endian. Lives only on a pipe between
+// two programs of one build.
 Bytes EncodeMesh(const NamedMesh& mesh);
 // Bounded; refuses indices out of range and coordinates that are not finite.
 Result<NamedMesh> DecodeMesh(ByteView bytes);

@@ -12,6 +12,7 @@ constexpr double kSmallest_mm = 3, kLargest_mm = 40;
 // A file's rounding must not make 40.0000 mm too large.
 constexpr double kRounding = 1e-5;  // of coordinates in a file
 constexpr double kCoarsest_mm = 5e-3;
+constexpr double kSmallestFactor = 1e-6;
 
 struct Unit {
   const char* name;
@@ -28,15 +29,24 @@ bool IsToothSize(double extent_mm) {
   return extent_mm >= kSmallest_mm * (1 - kRounding) && extent_mm <= kLargest_mm * (1 + kRounding);
 }
 
-Status CheckFineness(const Box& box, double unit_mm) {
+// The coarsest step between coordinates of a mesh: what a float far from 0 cannot tell apart. A
+// file that holds doubles is finer, wherever it lies.
+double Step(const Triangles& mesh, double farthest) {
+  for (const dvec3& v : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) {
+      if (static_cast<double>(static_cast<float>(v[k])) != v[k]) return farthest * 0x1p-52;
+    }
+  }
+  return farthest * 0x1p-23;
+}
+
+Status CheckFineness(const Triangles& mesh, const Box& box, double scale_mm) {
   double farthest = 0;
   for (int k = 0; k < 3; ++k)
     farthest = std::max({farthest, std::abs(box.lo[k]), std::abs(box.hi[k])});
-  // A float's 24 bits.
-  const double step_mm = farthest / (1 << 23);
+  const double step_mm = scale_mm * Step(mesh, farthest);
   if (step_mm <= kCoarsest_mm) return Status::Ok();
-  return Invalid("expected a tooth near its file's origin, found one " +
-                     Fixed(farthest / unit_mm, 0) +
+  return Invalid("expected a tooth near its file's origin, found one " + Fixed(farthest, 0) +
                      " units away, where coordinates come in steps of " + Fixed(1e3 * step_mm, 1) +
                      " um: move it to the origin in a mesh program",
                  "unit");
@@ -63,20 +73,49 @@ Result<double> UnitInMm(const std::string& name) {
   return Invalid("expected the unit mm, um, cm, m or inch, found '" + name + "'", "unit");
 }
 
-Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_mm) {
-  const Box box = BoxOf(mesh_mm);
-  const double extent = box.extent();
-  if (IsToothSize(extent)) return CheckFineness(box, unit_mm);
+std::string Words(const FileScale& scale) {
+  char text[64];
+  std::snprintf(text, sizeof text, ", scale %.9g", scale.factor);
+  return "unit " + scale.unit + (scale.factor == 1 ? "" : text);
+}
+
+Result<double> ScaleInMm(const FileScale& scale) {
+  ENAMEL_ASSIGN_OR_RETURN(const double unit_mm, UnitInMm(scale.unit));
+  if (std::isfinite(scale.factor) && scale.factor >= kSmallestFactor &&
+      scale.factor <= 1 / kSmallestFactor)
+    return unit_mm * scale.factor;
+  return Invalid("expected a scale of 0.000001 to 1000000, found " + Fixed(scale.factor, 6),
+                 "scale");
+}
+
+Status CheckSize(const Triangles& mesh, const FileScale& scale) {
+  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(scale));
+  const Box box = BoxOf(mesh);
+  const double extent = box.extent(), extent_mm = extent * scale_mm;
+  if (IsToothSize(extent_mm)) return CheckFineness(mesh, box, scale_mm);
   std::string fits;
   for (const Unit& u : kUnits) {
-    if (IsToothSize(extent / unit_mm * u.mm))
+    if (IsToothSize(extent * u.mm * scale.factor))
       fits += (fits.empty() ? "" : " or ") + std::string(u.name);
   }
   return Invalid(
-      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent, extent < 1 ? 4 : 2) +
-          " mm with the unit '" + unit + "': " +
-          (fits.empty() ? "no known unit makes it a tooth" : "its numbers look like " + fits),
+      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent_mm, extent_mm < 1 ? 4 : 2) +
+          " mm with the unit '" + scale.unit + "'" +
+          (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) + ": " +
+          (fits.empty()
+               ? "no known unit makes it a tooth; where you know how long the tooth is, set the "
+                 "scale to its longest side in mm divided by " +
+                     Fixed(extent * scale_mm / scale.factor, extent_mm < 1 ? 6 : 2)
+               : "its numbers look like " + fits),
       "unit");
+}
+
+Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale) {
+  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh, scale));
+  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(scale));
+  Triangles out = mesh;
+  for (dvec3& v : out.vertices) v *= scale_mm;
+  return out;
 }
 
 }  // namespace enamel::mesh

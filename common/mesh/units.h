@@ -17,10 +17,20 @@ Box BoxOf(const Triangles& mesh);
 // Millimetres in one mm, um, cm, m, inch. Errors: kInvalidInput, field "unit".
 Result<double> UnitInMm(const std::string& name);
 
-// Is this a tooth, of 3 to 40 mm, whose coordinates a mesh file carries finely enough? Files keep
-// 24 bits (float), so a tooth far from the origin is coarse: steps over 5 um are refused. Errors:
-// kInvalidInput, field "unit"; the message names the units that would fit.
-Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_mm);
+// The size of a file's coordinates: a unit, and how many of it 1 is.
+struct FileScale {
+  std::string unit = "mm";
+  double factor = 1;
+};
+std::string Words(const FileScale& scale);
+// Errors: kInvalidInput, field "unit" or "scale".
+Result<double> ScaleInMm(const FileScale& scale);
+
+// A tooth of 3 to 40 mm, in millimetres, of a mesh in a file's coordinates. Coordinates that are all
+// floats carry 24 bits, so a tooth far from the origin is coarse: steps over 5 um are refused.
+// Errors: kInvalidInput, field "unit" or "scale"; the message names the units that would fit.
+Status CheckSize(const Triangles& mesh, const FileScale& scale);
+Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale);
 
 // "12.35": a number for people.
 std::string Fixed(double value, int digits = 2);

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "common/base/file.h"
 #include "common/import/import_tooth.h"
+#include "common/import/mesh_kind.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/tooth_number.h"
@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kKinds = {"stl", "ply", "obj", "off"};
 constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
 
 Status Invalid(const std::string& message, const char* field) {
@@ -28,12 +27,9 @@ Status Invalid(const std::string& message, const char* field) {
 }
 
 Status CheckWanted(const ToothImport::Wanted& wanted) {
-  if (std::ranges::find(kKinds, wanted.kind) == kKinds.end()) {
-    return Invalid("expected a file named .stl, .ply, .obj or .off, found ." + wanted.kind +
-                       "; export the mesh as one of these",
-                   "file_name");
-  }
-  ENAMEL_RETURN_IF_ERROR(mesh::UnitInMm(wanted.unit).status());
+  if (const Status kind = import::CheckMeshKind(wanted.kind); !kind.ok())
+    return Invalid(kind.message(), "file_name");
+  ENAMEL_RETURN_IF_ERROR(mesh::ScaleInMm({wanted.unit, wanted.scale}).status());
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
   if (!scene::IsToothNumber(wanted.tooth)) {
     return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
@@ -222,7 +218,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   const std::string plain = PlainName(title, wanted.tooth);
   import::ImportOptions options;
   options.tooth = wanted.tooth;
-  options.unit = wanted.unit;
+  options.scale = {wanted.unit, wanted.scale};
   options.voxel_nm = kVoxelNm;
   options.name = plain;
   options.threads = 1;  // stations that stream want the other processors

@@ -32,6 +32,7 @@ class ToothImport {
     std::string kind;  // "stl", "ply", "obj", "off"
     uint64_t bytes = 0;
     std::string unit;  // of the coordinates: mm, um, cm, m, inch
+    double scale = 1;  // how many of that unit a coordinate of 1 is
     std::string title;
     int tooth = 0;  // FDI number (common/scene/tooth_number.h)
   };

@@ -66,10 +66,13 @@ void AddCpu(CLI::App* cmd, int& cpu) {
       ->check(CLI::Range(0, 1023));
 }
 
-void AddUnit(CLI::App* cmd, std::string& unit) {
-  cmd->add_option("--unit", unit, "Unit of the coordinates")
+void AddScale(CLI::App* cmd, mesh::FileScale& scale) {
+  cmd->add_option("--unit", scale.unit, "Unit of the coordinates")
       ->check(CLI::IsMember({"mm", "um", "cm", "m", "inch"}))
       ->required();
+  cmd->add_option("--scale", scale.factor,
+                  "How many of this unit a coordinate of 1 is, for files on another scale")
+      ->capture_default_str();
 }
 
 void AddOperator(CLI::App* cmd, std::string& name) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/mesh/units.h"
 #include "common/program/command_settings.h"
 #include "common/program/declare.h"
 #include "station/app/workplace_settings.h"
@@ -44,8 +45,8 @@ std::vector<const char*> WithOpen(int argc, const char* const* argv, const CLI::
 // Adds --cpu, for commands with a haptic loop.
 void AddCpu(CLI::App* cmd, int& cpu);
 
-// Adds --unit: the unit of the coordinates in a mesh file.
-void AddUnit(CLI::App* cmd, std::string& unit);
+// Adds --unit and --scale: the size of the coordinates in a mesh file.
+void AddScale(CLI::App* cmd, mesh::FileScale& scale);
 
 // Adds --operator: the simulated person who holds the device.
 void AddOperator(CLI::App* cmd, std::string& name);

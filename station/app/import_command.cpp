@@ -37,7 +37,7 @@ Status ImportMesh(const ImportCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(options.out, "--out"));
   ENAMEL_RETURN_IF_ERROR(program::CheckNewIn(options.out, "scene.json", "--out"));
   import::ImportOptions import_options;
-  import_options.unit = options.unit;
+  import_options.scale = options.scale;
   import_options.tooth = options.tooth;
   import_options.up = options.up;
   import_options.buccal = options.buccal;
@@ -82,7 +82,7 @@ void DeclareImport(CommandGroup group) {
                    "Its FDI number (ISO 3950), 46 for a lower right first molar: says which side "
                    "is mesial")
       ->required();
-  AddUnit(command, options.unit);
+  AddScale(command, options.scale);
   command->add_option("--out", options.out, "Folder for the scene")->required();
   command->add_option("--voxel-um", options.voxel_um, "Edge of a voxel")
       ->check(CLI::Range(10, 500))

@@ -12,7 +12,8 @@ struct ImportCommand {
   std::filesystem::path file, out;   // `file` may be empty when tissues name files
   std::string enamel, dentin, pulp;  // FILE, FILE#PART or a PART of `file`; may be empty
   int tooth = 0;                     // FDI number
-  std::string unit = "mm", up = "auto", buccal = "auto";
+  mesh::FileScale scale;
+  std::string up = "auto", buccal = "auto";
   int voxel_um = 50;
   int bridge_um = 100;
 };

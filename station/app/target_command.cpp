@@ -30,7 +30,8 @@ the text, the bur and the rubric in exercise.json may be changed before it is pu
 
 struct TargetCommand {
   std::filesystem::path file, out;
-  std::string scene, unit = "mm", name;
+  std::string scene, name;
+  mesh::FileScale scale;
   int voxel_um = 50, tolerance_um = 250;
   bool placed = false;
 };
@@ -39,7 +40,7 @@ Status MakeTarget(const TargetCommand& o) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(o.out, "--out"));
   ENAMEL_ASSIGN_OR_RETURN(const auto tooth, import::LoadScene(o.scene, o.voxel_um * 1000));
   import::PreparedOptions options;
-  options.unit = o.unit;
+  options.scale = o.scale;
   options.placed = o.placed;
   ENAMEL_ASSIGN_OR_RETURN(auto taken,
                           import::TakePrepared(tooth.scene, tooth.volume, o.file, options));
@@ -67,7 +68,7 @@ void DeclareTarget(CommandGroup group) {
       group, "target", "Make an exercise of a scan of a prepared tooth", MakeTarget);
   command->footer(kFooter);
   command->add_option("file", o.file, "The scan")->required();
-  AddUnit(command, o.unit);
+  AddScale(command, o.scale);
   command
       ->add_option("--scene", o.scene, "The tooth: a scene folder, or builtin:molar and the like")
       ->required();

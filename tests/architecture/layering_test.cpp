@@ -219,7 +219,6 @@ TEST(LayeringTest, LibrariesStayInTheirRooms) {
       {"OpenGL", R"re(^<(epoxy|GL|GLFW)/)re", {"station/render"}},
       {"hidapi", R"re(^<hidapi)re", {"station/hid"}},
       {"libusb", R"re(^<libusb)re", {"station/sdk"}},
-      {"assimp", R"re(^<assimp/)re", {"common/import"}},
       {"libsodium",
        R"re(^<sodium)re",
        {"common/base", "common/s3", "common/trace", "server/auth", "server/storage", "server/app",

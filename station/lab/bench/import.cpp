@@ -153,7 +153,7 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
   };
   import::ImportOptions import_options;
   import_options.tooth = 46;  // whichever: the work is the same
-  import_options.unit = options.unit;
+  import_options.scale.unit = options.unit;
   import_options.voxel_nm = voxel_um * 1000;
   import_options.phase = [&](std::string_view name) {
     close();

@@ -174,7 +174,7 @@ TEST(PreparedToothTest, AWrongUnitIsRefusedWithTheOneThatFits) {
     for (dvec3& v : in_unit.vertices) v /= mm;
     PreparedOptions options;
     EXPECT_NE(WhyNot(in_unit, options).find(unit), std::string::npos);
-    options.unit = unit;
+    options.scale.unit = unit;
     EXPECT_NE(WhyNot(scan, options).find("mm"), std::string::npos);
   }
 }
