@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/import/stance.h"
+#include "common/import/tooth_size.h"
 #include "common/mesh/orient.h"
 #include "common/mesh/units.h"
 
@@ -29,10 +31,9 @@ std::string AxisName(const dvec3& up) {
 std::string Explain(const mesh::Stance& stance, const std::string& up, const std::string& how) {
   const std::string axis = "occlusal direction " + AxisName(stance.up);
   if (up != "auto") return axis + " (as given)";
-  const std::string margin = "margin " + mesh::Fixed(stance.margin);
   if (stance.certain)
-    return axis + " (found by " + how + ", " + margin + "; if it is wrong, give another with --up)";
-  return axis + " (a guess, " + margin +
+    return axis + " (found by " + how + "; if it is wrong, give another with --up)";
+  return axis + " (a guess" + (how.empty() ? "" : " by " + how) +
          ": look at the tooth, and give the direction with --up, for example --up=-y)";
 }
 
@@ -57,7 +58,6 @@ std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double exten
   if (size < kLeastRise * extent) return std::nullopt;
   mesh::Stance stance;
   stance.up = rise / size;
-  stance.margin = size / extent;
   const auto k = static_cast<int>(LongestAxis(rise));
   // A cap's middle leans to where it is thicker, so the way to it is no better than this: near a
   // file's axis the axis is taken.
@@ -69,23 +69,14 @@ std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double exten
   return stance;
 }
 
-// Whether a mean tooth of this number is wider from mesial to distal than from buccal to lingual:
-// Nelson & Ash, "Wheeler's Dental Anatomy, Physiology and Occlusion", 10th ed. 2015, the tables of
-// measurements in the chapters on each tooth.
-bool IsWiderMesiodistally(int tooth) {
-  const int quadrant = tooth / 10, place = tooth % 10;
-  const bool upper = quadrant % 4 == 1 || quadrant % 4 == 2;
-  if (quadrant > 4) return !upper || place <= 2;
-  return upper ? place <= 2 : place >= 6;
-}
-
 struct Turned {
   dmat3 turn{1};
   std::string words;
 };
 Result<Turned> TurnOf(const mesh::Triangles& crown, const dvec3& up, const Facing& facing) {
   if (facing.buccal == "auto") {
-    return Turned{mesh::SceneFromFile(crown, up, IsWiderMesiodistally(facing.tooth)),
+    const ToothSize& mean = MeanSize(facing.tooth);
+    return Turned{mesh::SceneFromFile(crown, up, mean.mesiodistal_mm > mean.buccolingual_mm),
                   "buccal is taken to be at +y: a mesh does not say it (give its direction in the "
                   "file with --buccal)"};
   }
@@ -105,8 +96,11 @@ Result<Turned> TurnOf(const mesh::Triangles& crown, const dvec3& up, const Facin
 
 Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
   mesh::Stance stance;
+  std::string how;
   if (facing.up == "auto") {
-    stance = mesh::FindStance(solid.mesh);
+    FoundStance found = FindStance(solid, facing.tooth);
+    stance = found.stance;
+    how = std::move(found.by);
   } else {
     Result<dvec3> axis = mesh::ParseAxis(facing.up);
     if (!axis.ok()) return axis.status();
@@ -115,7 +109,7 @@ Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
   ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(solid.mesh, stance.up, facing));
   Move(solid, turned.turn, MiddleOf(solid.mesh, turned.turn));
   PlacedSolid placed{
-      std::move(solid), std::nullopt, {Explain(stance, facing.up, "its hollows"), turned.words}};
+      std::move(solid), std::nullopt, {Explain(stance, facing.up, how), turned.words}};
   if (stance.gum) placed.gum = turned.turn * *stance.gum;
   return placed;
 }
@@ -123,7 +117,8 @@ Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
 Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing) {
   const auto& enamel = layers.solids[static_cast<size_t>(Layer::kEnamel)];
   const auto& dentin = layers.solids[static_cast<size_t>(Layer::kDentin)];
-  const mesh::Triangles crown = enamel ? enamel->mesh : dentin->mesh;
+  const mesh::Solid& outer = enamel ? *enamel : *dentin;
+  const mesh::Triangles crown = outer.mesh;
   mesh::Stance stance;
   std::string how = "the enamel's place on the dentin";
   if (facing.up != "auto") {
@@ -133,8 +128,9 @@ Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing) {
   } else if (auto by_rise = StanceByRise(layers, mesh::BoxOf(crown).extent())) {
     stance = *by_rise;
   } else {
-    stance = mesh::FindStance(crown);
-    how = "its hollows";
+    FoundStance found = FindStance(outer, facing.tooth);
+    stance = found.stance;
+    how = std::move(found.by);
   }
   ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(crown, stance.up, facing));
   const dvec3 middle = MiddleOf(crown, turned.turn);

@@ -24,14 +24,14 @@ struct PlacedLayers {
 // Which tooth it is, and its orientation in the file: "+x" ... "-z", or "auto".
 struct Facing {
   int tooth = 0;       // FDI number
-  std::string up;      // occlusal; auto: found by the hollows of the shape
+  std::string up;      // occlusal; auto: stance.h
   std::string buccal;  // auto: along the tooth's width or across it, as such teeth are; either end
 };
 
 // Errors: kInvalidInput, field "up" or "buccal".
 Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing);
 // The same for surfaces per tissue. "auto" for `up` goes from the middle of the dentin to that of
-// the enamel (to the file's axis where one is within 30 degrees), or by hollows where these middles
+// the enamel (to the file's axis where one is within 30 degrees), or by stance.h where these middles
 // coincide. The crown is the enamel, or everything where there is none.
 Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing);
 

@@ -18,14 +18,6 @@ constexpr double kMeanCosine = 0.9;
 constexpr double kElsewhereCosine = 0.5;  // another patch: 60 degrees away or more
 constexpr double kClearly = 1.4;
 constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer
-constexpr double kShallow_mm = 0.01;    // mean depth at which hollows count by half
-constexpr double kWeak = 0.1;
-constexpr double kFavourY = 0.3;
-// Six of the seven real crowns come out at 0.40 or more; the canine, a guess, at 0.17. The same
-// crowns hold the other numbers here (RealCrownTest: all within 10 degrees).
-constexpr double kCertainMargin = 0.2;
-constexpr double kAcross = 0.85;
-constexpr double kAskew = 0.88;  // 28 degrees from the nearest axis
 
 struct Facet {
   dvec3 normal{0};
@@ -102,26 +94,10 @@ Patch BestPatch(const std::vector<Facet>& facets, const dvec3& toward, double co
   return best;
 }
 
-Patch BestPatchElsewhere(const std::vector<Facet>& facets, const dvec3& from) {
-  Patch best;
-  for (int i = 0; i < kDirections; ++i) {
-    dvec3 d = Direction(i);
-    if (Dot(d, from) > kElsewhereCosine) continue;
-    Patch p = PatchAlong(facets, d, kPatchCosine);
-    if (p.score() > best.score()) best = p;
-  }
-  return best;
-}
+}  // namespace
 
-// How far the surface lies within its convex hull, and which way those hollows face. The occlusal
-// side of every crown has fossae, an anterior crown's lingual side is hollow; the gum patch and the
-// labial face bulge.
-struct Hollows {
-  dvec3 facing{0};   // sum of area * depth * normal over the sum of area * depth
-  double depth = 0;  // mean over the surface
-};
-
-Hollows HollowsOf(const Triangles& mesh, const std::vector<Facet>& facets) {
+Hollows HollowsOf(const Triangles& mesh) {
+  const auto facets = FacetsOf(mesh);
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const auto& t : mesh.indices) {
     for (uint32_t v : t) used[v] = true;
@@ -150,37 +126,26 @@ Hollows HollowsOf(const Triangles& mesh, const std::vector<Facet>& facets) {
   return out;
 }
 
-struct Axis {
-  dvec3 direction{0, 1, 0};
-  double margin = 0;  // over the next best
-};
-
-// Each file axis by the hollows that face it, and the y axis favoured.
-Axis AxisByHollows(const Hollows& hollows, double y_sign) {
-  const double trust = hollows.depth / (hollows.depth + kShallow_mm);
-  Axis best;
-  double first = -1e300, second = -1e300;
-  for (int k = 0; k < 3; ++k) {
-    const double along = trust * hollows.facing[k];
-    double sign = along >= 0 ? 1 : -1;
-    if (k == 1 && std::abs(along) < kWeak) sign = y_sign;
-    const double score = sign * along + (k == 1 ? kFavourY : 0);
-    // The opposite direction is a rival too: only the hollows tell the two ends of an axis apart.
-    const double rival = -sign * along + (k == 1 ? kFavourY : 0);
-    if (score > first) {
-      second = std::max(first, rival);
-      first = score;
-      best.direction = dvec3(0);
-      best.direction[k] = sign;
-    } else {
-      second = std::max(second, score);
+dvec3 DriftOf(const Triangles& mesh) {
+  // Integrals over the solid as such over its surface, by cones from a point within: dV is a third
+  // of y n dA at the surface, and a moment of order k gains a factor 3 / (k + 3).
+  const dvec3 from = mesh.vertices[mesh.indices[0][0]];
+  auto sum = [&](const dvec3& origin, auto moment) {
+    dvec3 out(0);
+    for (const auto& t : mesh.indices) {
+      const dvec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
+                  c = mesh.vertices[t[2]] - origin;
+      const dvec3 middle = (a + b + c) / 3.0;
+      out += 0.5 * Dot(middle, glm::cross(b - a, c - a)) * moment(middle);
     }
-  }
-  best.margin = first - second;
-  return best;
+    return out;
+  };
+  const double volume = sum(from, [](const dvec3&) { return dvec3(1); }).x / 3;
+  const dvec3 middle = from + sum(from, [](const dvec3& y) { return y; }) / (4 * volume);
+  const dvec3 spread = sum(middle, [](const dvec3& y) { return y * y; }) / (5 * volume);
+  const dvec3 third = sum(middle, [](const dvec3& y) { return Dot(y, y) * y; }) / (6 * volume);
+  return third / std::pow(spread.x + spread.y + spread.z, 1.5);
 }
-
-}  // namespace
 
 Result<dvec3> ParseAxis(std::string_view text) {
   if (text.size() == 2 && (text[0] == '+' || text[0] == '-') && text[1] >= 'x' && text[1] <= 'z') {
@@ -194,34 +159,12 @@ Result<dvec3> ParseAxis(std::string_view text) {
                 "up");
 }
 
-Stance FindStance(const Triangles& mesh) {
-  const auto facets = FacetsOf(mesh);
-  const Hollows hollows = HollowsOf(mesh, facets);
-  const Patch above = PatchAlong(facets, {0, 1, 0}, 0.7),
-              below = PatchAlong(facets, {0, -1, 0}, 0.7);
-  const Axis axis = AxisByHollows(hollows, above.roughness > below.roughness ? 1 : -1);
-  // A crown that stands askew in its file: a smooth patch right across from the hollows.
-  const Patch gum = BestPatch(facets, {0, 0, 1}, -2);
-  const Patch rival = BestPatchElsewhere(facets, gum.direction);
-  const dvec3 mean = MeanNormal(facets, gum.direction);
-  const double size = std::sqrt(Dot(hollows.facing, hollows.facing));
-  const bool across = hollows.depth > kShallow_mm && Dot(-mean, hollows.facing) > kAcross * size;
-  const double off_axis = std::max({std::abs(mean.x), std::abs(mean.y), std::abs(mean.z)});
-  if (across && size > 0.5 && gum.score() > kClearly * rival.score() && off_axis < kAskew)
-    return {-mean, mean, true, size};
-  Stance stance = StanceWithUp(mesh, axis.direction);
-  stance.margin = axis.margin;
-  stance.certain = axis.margin >= kCertainMargin;
-  return stance;
-}
-
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
   const auto facets = FacetsOf(mesh);
   Patch gum = BestPatch(facets, -up, 0.75);
   Patch opposite = PatchAlong(facets, up, 0.7);
   bool clear = opposite.roughness > kClearly * gum.roughness && gum.area > 0;
-  return {up, clear ? std::optional<dvec3>(MeanNormal(facets, gum.direction)) : std::nullopt, true,
-          1};
+  return {up, clear ? std::optional<dvec3>(MeanNormal(facets, gum.direction)) : std::nullopt, true};
 }
 
 dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up, bool longer_along_x) {

@@ -15,21 +15,22 @@ struct Stance {
   // crowns cut from a scan are closed there by a smooth patch.
   std::optional<dvec3> gum;
   bool certain = true;
-  double margin = 1;  // by how much `up` beats the next direction, 0 to about 1
 };
 
 // "+x", "-x", ... as typed by a person. Errors: kInvalidInput.
 Result<dvec3> ParseAxis(std::string_view text);
 
-// Finds the occlusal direction. The evidence is hollows: how deep the surface is within its convex
-// hull, and which way those places face. Fossae face occlusally, a front tooth's lingual hollow
-// about half-way. Smoothness alone does not suffice: the gum patch and the labial face of a front
-// tooth are equally smooth. `up` is a file axis, since a gum line's plane leans up to 40 degrees
-// against the long axis; y is favoured by 0.3 of the whole evidence. The patch's own direction is
-// taken only where a smooth patch is right across from the hollows and more than 28 degrees from
-// every axis: the crown is then askew in its file. Without hollows (spheres) the rougher end of y
-// is up. `certain` from a margin of 0.2. Requires: a closed mesh oriented outward, millimetres.
-Stance FindStance(const Triangles& mesh);
+// How far the surface lies within its convex hull, and which way those hollows face: fossae face
+// occlusally, a front tooth's lingual hollow about half-way.
+struct Hollows {
+  dvec3 facing{0};   // area- and depth-weighted mean of normals; its length is how much they agree
+  double depth = 0;  // mean over the surface, mm
+};
+Hollows HollowsOf(const Triangles& mesh);
+// Where a solid tapers off to: its third moment about its middle, over its extent's third power. A
+// front tooth's drifts to its edge or cusp. Requires: a closed mesh oriented outward.
+dvec3 DriftOf(const Triangles& mesh);
+
 // With the up axis given: searches for the gum patch only.
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up);
 

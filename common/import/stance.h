@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "common/mesh/mesh_repair.h"
+#include "common/mesh/orient.h"
+
+namespace enamel::import {
+
+// Which way a crown of a known number stands in its file, by kinds of evidence that know nothing of
+// each other:
+// - likeness to our own tooth of that number (likeness.h);
+// - its form: the hollows of a back tooth's occlusal side, the taper of a front tooth to its edge;
+// - its hole, where a scanner saw no surface: that is the gum's side.
+// It is certain where two kinds agree and none contradicts. No axis of the file is favoured; one
+// within 30 degrees is taken, because whoever turned a tooth upright in a program did so.
+struct FoundStance {
+  mesh::Stance stance;
+  std::string by;  // the kinds that agree, for people: "its likeness to our tooth 46 and its hole"
+  bool alike = true;  // false: it looks like no tooth of that number
+};
+FoundStance FindStance(const mesh::Solid& solid, int tooth);
+
+}  // namespace enamel::import
