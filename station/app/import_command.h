@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "common/mesh/units.h"
 
 namespace enamel::station {
 
