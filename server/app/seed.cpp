@@ -59,11 +59,12 @@ Result<Uuid> EnsureCohort(CohortRows& cohorts_rows) {
 }
 
 // Building takes seconds, so an existing molar is used unchanged.
-Result<SceneRow> EnsureMolar(StoredBlobs& blobs, SceneRows& scenes_rows, int32_t voxel_nm) {
+Result<SceneRow> EnsureMolar(StoredBlobs& blobs, SceneRows& scenes_rows, int32_t voxel_nm,
+                             const std::function<void(const std::string&)>& begin) {
   ENAMEL_ASSIGN_OR_RETURN(auto scenes, scenes_rows.Scenes());
   auto found = std::ranges::find(scenes, kMolarName, &SceneRow::name);
   if (found != scenes.end()) return *found;
-  std::cout << "building the molar (once)" << std::endl;
+  begin("building the molar (once)");
   return PublishScene(blobs, scenes_rows, kMolarSource, voxel_nm);
 }
 
@@ -110,7 +111,7 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people) {
   return out;
 }
 
-Status SeedDemo(const SeedOptions& options) {
+Status SeedDemo(const SeedOptions& options, const std::function<void(const std::string&)>& begin) {
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenOrMake(options.data));
   Store& store = *opened;
   // Now and not with the first `serve`: a script that seeds asks for an enrolment code next.
@@ -123,12 +124,14 @@ Status SeedDemo(const SeedOptions& options) {
       ENAMEL_RETURN_IF_ERROR(store.cohorts.AddToCohort(cohort, person, kCommandLine));
   }
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(store));
-  auto scene = EnsureMolar(store.blobs, store.scenes, options.voxel_um * 1000);
+  auto scene = EnsureMolar(store.blobs, store.scenes, options.voxel_um * 1000, begin);
   if (!scene.ok()) return scene.status();
+  begin("publishing the exercise of " + scene->name);
   auto exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);
   // The last one published is the one that is reported: what the caller brought, where there is
   // one.
   if (exercise.ok() && !options.scene.empty()) {
+    begin("publishing the exercise of " + options.scene);
     scene = PublishScene(store.blobs, store.scenes, options.scene, options.voxel_um * 1000);
     if (!scene.ok()) return scene.status();
     exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,8 @@ struct SeedOptions {
 // Creates people admin, instructor, student1, student2 with the public passwords
 // enamel-demo-<login>; a cohort of the last three; the three device profiles; the built-in molar;
 // its class I exercise for the cohort. Idempotent: existing data stays (also changed passwords).
-// Only for servers on loopback.
-Status SeedDemo(const SeedOptions& options);
+// Only for servers on loopback. `begin` is called with the name of each part that takes seconds.
+Status SeedDemo(const SeedOptions& options, const std::function<void(const std::string&)>& begin);
 
 // Those of them that may sign in with their public password. Blocks: one argon2id each.
 Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people);

@@ -11,6 +11,7 @@
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/commands/command_line.h"
+#include "server/commands/console_phases.h"
 #include "server/commands/say.h"
 #include "server/jobs/reference_check.h"
 #include "server/jobs/stored_tooth.h"
@@ -110,6 +111,8 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
         store->audit.NoteAudit(kCommandLine, "exercise.target", row.id.Text(),
                                boost::json::serialize(boost::json::object{{"anyway", why}})));
   }
+  ConsolePhases phases;
+  phases.Begin("loading the tooth and what the reference left of it");
   ENAMEL_ASSIGN_OR_RETURN(const auto text, store->blobs.GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->blobs.GetBlob(exercise.scene));
@@ -123,6 +126,7 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
   ENAMEL_ASSIGN_OR_RETURN(const Sha256 content,
                           store->blobs.PutBlob(AsBytes(scene::ToJson(prepared))));
   const scene::CavityTarget before = exercise.target;
+  phases.Begin("making the target");
   ENAMEL_ASSIGN_OR_RETURN(exercise.target,
                           scene::TargetFromPrepared(scene, tooth, std::move(cut), content,
                                                     wanted.tolerance_um.value_or(0)));
@@ -133,6 +137,7 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
   }
   ENAMEL_RETURN_IF_ERROR(
       store->scenes.PutScene({prepared.name, prepared.title, content, volume}, kCommandLine));
+  phases.Begin("publishing " + exercise.name);
   ENAMEL_ASSIGN_OR_RETURN(const auto published,
                           PublishDocument(store->blobs, store->exercises, exercise, std::nullopt));
   Say("exercise \"{}\" version {}, id {}: its target is what version {}'s reference left\n",

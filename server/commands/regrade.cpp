@@ -14,6 +14,7 @@
 #include "server/app/data_folder.h"
 #include "server/commands/admin.h"
 #include "server/commands/command_line.h"
+#include "server/commands/console_phases.h"
 #include "server/commands/say.h"
 #include "server/jobs/regrade.h"
 
@@ -149,6 +150,8 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
     AttemptFilter which;
     which.exercise = row.id;
     ENAMEL_ASSIGN_OR_RETURN(const auto counting, store->references.Counting(row.id));
+    ConsolePhases phases;
+    phases.Begin("computing the points of each scored attempt at " + row.name);
     ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, counting));
     ShowPreview(preview);
     return Status::Ok();
@@ -174,6 +177,7 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
   ENAMEL_ASSIGN_OR_RETURN(
       auto exercises, ByExercise(store->attempts, store->exercises, cohort, regrading.exercise));
   std::vector<Uuid> all;
+  ConsolePhases phases;
   for (const auto& [exercise, attempts] : exercises) {
     all.insert(all.end(), attempts.begin(), attempts.end());
     if (!regrading.preview) continue;
@@ -183,6 +187,8 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
     which.cohort = cohort;
     which.exercise = exercise;
     ENAMEL_ASSIGN_OR_RETURN(const auto counting, store->references.Counting(exercise));
+    phases.Begin("computing the points of " + Counted(attempts.size(), "attempt") + " at " +
+                 row.name);
     ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, counting));
     Say("{} version {}, rubric version {}:\n\n", row.name, row.version, rubric.version);
     ShowPreview(preview);

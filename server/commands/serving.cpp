@@ -13,6 +13,7 @@
 #include "server/app/seed.h"
 #include "server/app/work.h"
 #include "server/commands/command_line.h"
+#include "server/commands/console_phases.h"
 #include "server/doctor/doctor.h"
 #include "server/doctor/support_bundle.h"
 
@@ -221,7 +222,10 @@ void DeclareWork(CommandGroup root) {
 void DeclareSeed(CommandGroup root) {
   auto [cmd, o] = Declare<SeedOptions>(
       root, "seed-demo", "Add demo people, profiles, molar and exercise; changes nothing twice",
-      SeedDemo);
+      [](const SeedOptions& wanted) {
+        ConsolePhases phases;
+        return SeedDemo(wanted, [&](const std::string& part) { phases.Begin(part); });
+      });
   AddData(cmd, o.data);
   cmd->add_option("--scene", o.scene, "Folder of an imported scene to offer as well");
   cmd->add_option("--voxel-um", o.voxel_um, "Voxel size of the built-in molar")

@@ -12,5 +12,12 @@ TEST(HelpTest, EveryCommandHasAnExampleThatItTakesAndDescribesItsOptions) {
   test::ExpectHelpOfEveryCommand(root);
 }
 
+TEST(HelpTest, AGuideNamesEveryOption) {
+  CLI::App root("", "enamel-server");
+  std::function<Status()> chosen;
+  DeclareCommands({root, chosen});
+  test::ExpectEveryOptionIsNamed(root, test::AllMarkdown(ENAMEL_SOURCE_DIR));
+}
+
 }  // namespace
 }  // namespace enamel::server::app
