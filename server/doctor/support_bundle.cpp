@@ -17,6 +17,7 @@
 #include "common/net/frame_client.h"
 #include "common/net/web_question.h"
 #include "common/program/findings.h"
+#include "common/program/output.h"
 #include "common/program/version.h"
 #include "server/app/data_folder.h"
 #include "server/doctor/doctor.h"
@@ -195,7 +196,7 @@ Status SupportBundle(const SupportBundleCommand& command) {
     }
     out["log"] = Lines(scrubber, in);
   }
-  return Write(command.target, json::serialize(out) + "\n");
+  return Write(command.target, program::JsonText(out) + "\n");
 }
 
 }  // namespace enamel::server::app

@@ -49,6 +49,7 @@ node -e '
   said(bundle.log.some((line) => line.level && line.time && line.message), "line of the log");
   said(bundle.log.some((line) => typeof line === "string" && line.includes("something else says")), "line of text");
 ' "$work/bundle.json"
+! grep -oE '[:,[]-?[0-9.]+E-?[0-9]+' "$work/bundle.json" || fail "the bundle has numbers that people do not read"
 secrets=("$password" "guess of somebody" "$token" "$cookie" "$(tail -c 32 "$data/ticket.key" | base64 | cut -c1-30)" "$(sed -n 2p "$data/station.key")")
 for text in "${named[@]}" quellbach wilhelmine jorgeluis Zückermandl Quintanilla Abendroth Nepomuk 127.0.0.77 127.0.0.78 198.51.100.23 w.z@example.org \
   01a213df-e6ae-700b-b588-6f4b2fe580f4 "${secrets[@]}"; do

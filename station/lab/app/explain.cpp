@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "common/base/file.h"
 #include "common/cutting/voxel_limit.h"
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
@@ -100,11 +99,6 @@ Status CheckVoxel(const Explained& s, json::object& out) {
   return Status::Ok();
 }
 
-Status WriteJson(const std::filesystem::path& file, const json::object& object) {
-  if (file.empty()) return Status::Ok();
-  return WriteFileDurably(file, AsBytes(json::serialize(object) + "\n"));
-}
-
 }  // namespace
 
 void ShowProgress(const std::string& what) {
@@ -161,7 +155,7 @@ Status ExplainScene(const ExplainCommand& options) {
   Status decided;
   if (options.budget_us) decided = DecideBudget(options, subject, base, out);
   // Before the verdict: the figures matter most if nothing fits.
-  ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, out));
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, out));
   return decided.ok() ? fine : decided;
 }
 

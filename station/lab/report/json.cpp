@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 #include <cmath>
 
+#include "common/program/output.h"
 #include "station/lab/report/cutting_report.h"
 #include "station/lab/report/report.h"
 
@@ -282,7 +283,7 @@ std::string JsonOf(const Findings& f) {
   if (!fronts.empty()) out["fronts"] = std::move(fronts);
   if (!f.feel.empty()) out["feel"] = FeelJson(f.feel);
   out["report"] = ReportOf(f);
-  std::string text = json::serialize(out);
+  std::string text = program::JsonText(out);
   if (!f.strokes.empty()) {
     // Appended as text: the strokes have their own writer, with fewer digits than a library's.
     text.pop_back();

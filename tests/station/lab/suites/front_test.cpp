@@ -117,7 +117,9 @@ TEST(FrontTest, MetricsOfAnotherSuiteJoinWhenItsRowsCarryThem) {
     });
     EXPECT_TRUE(drawn) << metric.id;
   }
-  EXPECT_NE(JsonOf(findings).find("\"felt_error\":1.3"), std::string::npos);
+  const std::string text = JsonOf(findings);
+  EXPECT_NE(text.find("\"felt_error\":1.3"), std::string::npos);
+  EXPECT_EQ(text.find("E0"), std::string::npos) << "not as people write numbers";
 }
 
 }  // namespace
