@@ -548,6 +548,21 @@ CREATE TABLE station_settings (
   PRIMARY KEY (tenant, name, scope)
 ) STRICT, WITHOUT ROWID;
 
+-- What somebody says again and again in remarks, kept for that person.
+CREATE TABLE saved_texts (
+  tenant   INTEGER NOT NULL,
+  id       BLOB NOT NULL CHECK (length(id) = 16),
+  owner    BLOB NOT NULL,
+  text     TEXT NOT NULL,
+  shared   INTEGER NOT NULL CHECK (shared IN (0, 1)),  -- others who teach may use it
+  saved_ms INTEGER NOT NULL,
+  revision INTEGER NOT NULL DEFAULT 1,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, owner) REFERENCES people (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX saved_texts_by_owner ON saved_texts (tenant, owner);
+CREATE INDEX saved_texts_shared ON saved_texts (tenant) WHERE shared = 1;
+
 CREATE TABLE exercise_owners (
   tenant INTEGER NOT NULL REFERENCES tenants (tenant),
   name   TEXT NOT NULL,
@@ -827,6 +842,9 @@ INSERT INTO sqlite_stat1 (tbl, idx, stat) VALUES
   ('rewrite_due', NULL, '1'),
   ('rubrics', 'rubrics', '40 40 1 1'),
   ('running_servers', 'running_servers', '2 2 1'),
+  ('saved_texts', 'saved_texts', '1000 1000 1'),
+  ('saved_texts', 'saved_texts_by_owner', '1000 1000 20'),
+  ('saved_texts', 'saved_texts_shared', '100 100'),
   ('scenes', 'scenes', '1 1 1'),
   ('schools', 'schools', '10 10 1'),
   ('server_identity', 'server_identity', '3 3 1'),

@@ -44,6 +44,7 @@ class Exporter {
     // export.json last: if it exists, so do the files it names.
     ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));
+    ENAMEL_RETURN_IF_ERROR(AddSavedTexts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAudit(person, root));
     return Write("export.json", AsBytes(program::JsonText(root) + "\n"));
@@ -84,6 +85,17 @@ class Exporter {
                           {"last_used_ms", row.last_used_ms}});
     }
     root["sessions"] = std::move(sessions);
+    return Status::Ok();
+  }
+
+  Status AddSavedTexts(const Person& person, json::object& root) {
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.saved_texts.SavedTexts(person.id));
+    json::array texts;
+    for (const SavedText& row : rows) {
+      if (row.owner != person.id) continue;
+      texts.push_back({{"text", row.text}, {"shared", row.shared}, {"saved_ms", row.saved_ms}});
+    }
+    root["saved_texts"] = std::move(texts);
     return Status::Ok();
   }
 

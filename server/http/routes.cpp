@@ -16,10 +16,11 @@ Rows& In(Store& s) {
   if constexpr (std::is_same_v<Rows, Store>) {
     return s;
   } else {
-    return std::get<Rows&>(std::tie(
-        s.people, s.roster, s.sessions, s.cohorts, s.stations, s.devices, s.settings, s.profiles,
-        s.scenes, s.exercises, s.rubrics, s.assignments, s.blobs, s.attempts, s.results, s.remarks,
-        s.references, s.jobs, s.batches, s.timelines, s.audit, s.erasures, s.retention, s.health));
+    return std::get<Rows&>(std::tie(s.people, s.roster, s.sessions, s.cohorts, s.stations,
+                                    s.devices, s.settings, s.saved_texts, s.profiles, s.scenes,
+                                    s.exercises, s.rubrics, s.assignments, s.blobs, s.attempts,
+                                    s.results, s.remarks, s.references, s.jobs, s.batches,
+                                    s.timelines, s.audit, s.erasures, s.retention, s.health));
   }
 }
 
@@ -187,6 +188,11 @@ const std::array kRoutes = {
     Route{Method::kPut, "/api/v1/annotations/{id}", Need::kInstructor, Given<&ReplaceAnnotation>()},
     Route{Method::kDelete, "/api/v1/annotations/{id}", Need::kInstructor,
           Given<&DeleteAnnotation>()},
+    Route{Method::kGet, "/api/v1/saved-texts", Need::kInstructor, Given<&ListSavedTexts>()},
+    Route{Method::kPost, "/api/v1/saved-texts", Need::kInstructor, Given<&AddSavedText>()},
+    Route{Method::kPut, "/api/v1/saved-texts/{id}", Need::kInstructor, Given<&ReplaceSavedText>()},
+    Route{Method::kDelete, "/api/v1/saved-texts/{id}", Need::kInstructor,
+          Given<&DeleteSavedText>()},
     Route{Method::kPost, "/api/v1/attempts/{id}/appeal", Need::kPerson, Given<&FileAppeal>()},
     Route{Method::kPost, "/api/v1/attempts/{id}/appeal/answer", Need::kInstructor,
           Given<&AnswerAppeal>()},

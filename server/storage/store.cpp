@@ -17,6 +17,7 @@ Store::Store(std::unique_ptr<StoreEngine> on)
       stations(engine->rows),
       devices(engine->rows),
       settings(engine->rows),
+      saved_texts(engine->rows),
       schools(engine->rows),
       profiles(engine->rows, *engine->blobs),
       scenes(engine->rows, *engine->blobs),

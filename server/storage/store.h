@@ -21,6 +21,7 @@
 #include "server/storage/people/device_rows.h"
 #include "server/storage/people/people_rows.h"
 #include "server/storage/people/roster_rows.h"
+#include "server/storage/people/saved_text_rows.h"
 #include "server/storage/people/school_list.h"
 #include "server/storage/people/session_rows.h"
 #include "server/storage/people/setting_rows.h"
@@ -73,6 +74,7 @@ struct Store {
   StationRows stations;
   DeviceRows devices;
   SettingRows settings;
+  SavedTextRows saved_texts;
   SchoolRows schools;
 
   ProfileRows profiles;

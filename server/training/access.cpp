@@ -52,6 +52,14 @@ bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bo
   return can_review && !viewer.disabled && viewer.id == annotation.author;
 }
 
+bool CanUseSavedText(const Person& viewer, const SavedText& text) {
+  return CanChangeSavedText(viewer, text) || (Is(viewer, Role::kInstructor) && text.shared);
+}
+
+bool CanChangeSavedText(const Person& viewer, const SavedText& text) {
+  return Is(viewer, Role::kAdmin) || (Is(viewer, Role::kInstructor) && viewer.id == text.owner);
+}
+
 bool CanAppeal(const Person& viewer, const AttemptRow& attempt) {
   return Owns(viewer, attempt) && attempt.released && attempt.state == AttemptState::kScored;
 }

@@ -22,6 +22,9 @@ bool CanSignOff(const Person& signer, const AttemptRow& attempt, bool teaches);
 bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool teaches);
 // Own remarks only; who wrote one and may no longer review cannot.
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review);
+// Others who teach may use a shared text; its owner and admins may change it.
+bool CanUseSavedText(const Person& viewer, const SavedText& text);
+bool CanChangeSavedText(const Person& viewer, const SavedText& text);
 // The attempt's person, once the score is released.
 bool CanAppeal(const Person& viewer, const AttemptRow& attempt);
 // Making an attempt the exercise's reference, and withdrawing it.

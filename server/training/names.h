@@ -13,6 +13,7 @@ namespace enamel::server {
 inline constexpr size_t kMaxLoginBytes = 64;
 inline constexpr size_t kMaxNameBytes = 200;
 inline constexpr size_t kMaxReasonBytes = 1000;
+inline constexpr size_t kMaxRemarkBytes = 4000;
 
 // A login in the form that is stored: lower case. 1 to 64 ASCII letters, digits or . - _ @, the
 // first a letter or digit. Field "login".

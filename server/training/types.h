@@ -352,6 +352,17 @@ struct AnnotationRow {
   int32_t revision = 1;
 };
 
+// What somebody says again and again in remarks.
+struct SavedText {
+  Uuid id;
+  Uuid owner;
+  std::string owner_name;  // joined
+  std::string text;
+  bool shared = false;  // others who teach may use it
+  UnixMs saved_ms = 0;
+  int32_t revision = 1;
+};
+
 // How far a remark to the chair has come.
 enum class RemarkState { kWaiting, kSent, kShown };
 

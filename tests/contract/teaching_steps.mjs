@@ -322,6 +322,28 @@ export const attempts = [
       w.annotationTag = headers.get("etag");
     },
   },
+  {
+    of: "addSavedText",
+    by: "ben",
+    body: () => ({ text: "Too deep.", shared: true }),
+    after: (w, { json, headers }) => {
+      w.text = json.id;
+      w.textTag = headers.get("etag");
+    },
+  },
+  { of: "listSavedTexts", by: "ben" },
+  {
+    of: "replaceSavedText",
+    by: "ben",
+    mine: ["ben"],
+    at: (w) => w.text,
+    tag: (w) => w.textTag,
+    body: () => ({ text: "Much too deep." }),
+    after: (w, { headers }) => {
+      w.textTag = headers.get("etag");
+    },
+  },
+  { of: "deleteSavedText", by: "ben", mine: ["ben"], at: (w) => w.text, tag: (w) => w.textTag },
   read("releaseAttempt"),
   read("listAnnotations"),
   { of: "deleteAnnotation", by: "ben", mine: ["ben"], at: (w) => w.annotation, tag: (w) => w.annotationTag },

@@ -17,6 +17,7 @@ export const teachingFlows = [
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
   { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
   { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
+  { name: "a saved text is there in another browser, is shared, and comes back when it was removed", run: savedTexts },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a score that two people set at once shows both, and one of them counts", run: overrideConflict },
   { name: "a rescored attempt shows that it waits, and then that it is done", run: rescoreToItsEnd },
@@ -255,6 +256,55 @@ async function remarks(world) {
     .getByRole("button", { name: "Remark 2" })
     .click();
   await eventually(async () => assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500"));
+}
+
+async function savedTexts(world) {
+  const path = world.attempt("shown");
+  const at = async (role) => {
+    const page = await signedIn(world, role, path);
+    await page.getByLabel(/New remark/).waitFor();
+    return page;
+  };
+  const first = await at("instructor");
+  await first.getByLabel(/New remark/).fill("The floor is too dep.");
+  await first.getByRole("button", { name: "Save this text" }).click();
+  await first.getByText("Saved texts (1)").waitFor();
+
+  const page = await at("instructor");
+  await page.getByText("Saved texts (1)").click();
+  await page.getByRole("button", { name: "Edit “The floor is too dep.”" }).click();
+  await page.getByLabel("Saved text", { exact: true }).fill("The floor is too deep.");
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  await page.getByRole("button", { name: "Share with all instructors: “The floor is too deep.”" }).click();
+  await page.getByText("shared", { exact: true }).waitFor();
+  await accessible(page, "saved texts");
+  await world.picture(page, "saved_texts", { fullPage: true });
+
+  const admin = await at("admin");
+  await admin.getByText("Saved texts (1)").click();
+  await admin.getByRole("button", { name: "The floor is too deep.", exact: true }).click();
+  await eventually(async () =>
+    assert.equal(await admin.getByLabel(/New remark/).inputValue(), "The floor is too deep."),
+  );
+  await admin.getByRole("button", { name: "Stop sharing “The floor is too deep.”" }).click();
+  await admin.getByText("No longer shared: “The floor is too deep.”").waitFor();
+  await admin.getByText("Saved texts (1)").waitFor({ state: "detached" });
+  await admin.getByRole("button", { name: "Undo" }).click();
+  await admin.getByText("Saved texts (1)").waitFor();
+
+  // Changed by somebody else meanwhile: refused with the reason, then done.
+  await page.getByRole("button", { name: "Remove “The floor is too deep.”" }).click();
+  await page.getByRole("alert").waitFor();
+  await page.getByRole("button", { name: "Remove “The floor is too deep.”" }).click();
+  await page.getByText("Removed: “The floor is too deep.”").waitFor();
+  await page.getByText("Saved texts (1)").waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText("Saved texts (1)").waitFor();
+  const { texts } = await (await world.as("instructor")).get("/saved-texts");
+  assert.deepEqual(
+    texts.map(({ text, shared }) => ({ text, shared })),
+    [{ text: "The floor is too deep.", shared: true }],
+  );
 }
 
 async function oneMoment(world) {

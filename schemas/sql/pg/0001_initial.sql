@@ -538,6 +538,20 @@ CREATE TABLE station_settings (
   PRIMARY KEY (tenant, name, scope)
 );
 
+CREATE TABLE saved_texts (
+  tenant   BIGINT NOT NULL,
+  id       BYTEA NOT NULL CHECK (length(id) = 16),
+  owner    BYTEA NOT NULL,
+  text     TEXT COLLATE "C" NOT NULL,
+  shared   BIGINT NOT NULL CHECK (shared IN (0, 1)),
+  saved_ms BIGINT NOT NULL,
+  revision BIGINT NOT NULL DEFAULT 1,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, owner) REFERENCES people (tenant, id)
+);
+CREATE INDEX saved_texts_by_owner ON saved_texts (tenant, owner);
+CREATE INDEX saved_texts_shared ON saved_texts (tenant) WHERE shared = 1;
+
 CREATE TABLE exercise_owners (
   tenant BIGINT NOT NULL REFERENCES tenants (tenant),
   name   TEXT COLLATE "C" NOT NULL,

@@ -130,6 +130,10 @@ Response ListAnnotations(const Call& call, Store& store);
 Response AddAnnotation(const Call& call, Store& store);
 Response ReplaceAnnotation(const Call& call, Store& store);
 Response DeleteAnnotation(const Call& call, Store& store);
+Response ListSavedTexts(const Call& call, SavedTextRows& texts);
+Response AddSavedText(const Call& call, SavedTextRows& texts);
+Response ReplaceSavedText(const Call& call, SavedTextRows& texts);
+Response DeleteSavedText(const Call& call, SavedTextRows& texts);
 Response FileAppeal(const Call& call, Store& store);
 Response AnswerAppeal(const Call& call, Store& store);
 

@@ -17,7 +17,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr size_t kMaxRemark = 4000;
 // Thirty years at 1 kHz, and exact in the doubles of a browser.
 constexpr int64_t kMaxTick = int64_t{1} << 40;
 constexpr int64_t kMaxRun = 1'000'000'000;
@@ -60,7 +59,7 @@ Result<AnnotationRow> RemarkIn(const Call& call) {
   AnnotationRow row;
   row.tick = static_cast<uint64_t>(body.Integer("tick", 0, kMaxTick));
   row.point_um = body.MaybePoint("point_um");
-  row.text = body.Text("text", 1, kMaxRemark);
+  row.text = body.Text("text", 1, kMaxRemarkBytes);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   return row;
 }
@@ -278,7 +277,7 @@ Response FileAppeal(const Call& call, Store& store) {
         {Code::kConflict, "the score is not released yet, so there is nothing to appeal against"});
   }
   BodyReader body(call.request);
-  std::string text = body.Text("text", 1, kMaxRemark);
+  std::string text = body.Text("text", 1, kMaxRemarkBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Status done = store.appeals.FileAppeal(call.id, text, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
@@ -293,7 +292,7 @@ Response AnswerAppeal(const Call& call, Store& store) {
   if (!seen.ok()) return ErrorResponse(seen.status());
   BodyReader body(call.request);
   std::string outcome = body.Text("outcome", 1, 16);
-  std::string answer = body.Text("answer", 1, kMaxRemark);
+  std::string answer = body.Text("answer", 1, kMaxRemarkBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   if (outcome != "regrade" && outcome != "reject") {
     return ErrorResponse(

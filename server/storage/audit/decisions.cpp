@@ -94,6 +94,11 @@ const std::vector<SubjectKind>& Kinds() {
        {{"",
          "SELECT attempt, author, tick, x_um, y_um, z_um, text, created_ms, edited_ms, revision, "
          "to_chair, remark_id FROM annotations WHERE tenant = ?1 AND id = ?2"}}},
+      {"saved_text",
+       Key::kId,
+       "SELECT id, owner FROM saved_texts WHERE tenant = ?1",
+       {{"",
+         "SELECT owner, text, shared, saved_ms FROM saved_texts WHERE tenant = ?1 AND id = ?2"}}},
       {"exercise",
        Key::kId,
        "SELECT id FROM exercises WHERE tenant = ?1",

@@ -84,6 +84,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
   ENAMEL_RETURN_IF_ERROR(GiveNamesToSchool(db, person, by));
   for (const char* sql : {"DELETE FROM sessions WHERE tenant = ?1 AND person = ?2",
                           "DELETE FROM cohort_members WHERE tenant = ?1 AND person = ?2",
+                          "DELETE FROM saved_texts WHERE tenant = ?1 AND owner = ?2",
                           "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }

@@ -17,6 +17,7 @@ struct Typed {
 };
 constexpr Typed kTyped[] = {
     {"attempt", true, "SELECT attempt, text FROM annotations WHERE tenant = ?1"},
+    {"saved_text", false, "SELECT id, text FROM saved_texts WHERE tenant = ?1"},
     {"attempt", true, "SELECT attempt, text, answer FROM appeals WHERE tenant = ?1"},
     {"attempt", true,
      "SELECT w.attempt, m.criteria FROM marks m JOIN marking_works w ON w.tenant = m.tenant AND "

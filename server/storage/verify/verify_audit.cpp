@@ -304,13 +304,13 @@ class AuditCheck {
     return Status::Ok();
   }
 
-  // A person is erased, an attempt goes with its person, its remarks and blind marks with the
+  // A person is erased, an attempt and a saved text go with their person, its remarks and blind marks with the
   // attempt, a blind marking with its assignment. A session ends without a row, and its end gives
   // nobody anything.
   Status CheckGone(const std::string& kind, const std::string& key, const std::string& object,
                    const std::string& row, const std::map<std::string, std::string>& stated) {
     if (kind == "session") return Status::Ok();
-    if (kind == "person" || kind == "attempt" || kind == "annotation") {
+    if (kind == "person" || kind == "attempt" || kind == "annotation" || kind == "saved_text") {
       ENAMEL_ASSIGN_OR_RETURN(const bool erased, PersonIsErased(object));
       if (erased) return Status::Ok();
     }

@@ -154,6 +154,13 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   remark.author = teacher;
   remark.text = "well done";
   ASSERT_TRUE(school_.store->remarks.AddAnnotation(remark, by).ok());
+  SavedText saved;
+  saved.text = "the wall leans";
+  saved.shared = true;
+  ASSERT_TRUE(school_.store->saved_texts.AddSavedText(saved, by).ok());
+  saved.text = "too deep";
+  ASSERT_TRUE(
+      school_.store->saved_texts.AddSavedText(saved, Actor{school_.world.student, "page"}).ok());
   SessionRow session{HashSha256(AsBytes("token")),
                      school_.store->people.PersonByLogin("student")->id};
   session.expires_ms = 1;
@@ -168,6 +175,9 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   EXPECT_EQ(root.at("cohorts").as_array().at(0).as_string(), "year 1");
   EXPECT_EQ(root.at("sessions").at(0).at("address").as_string(), "203.0.113.7");
   EXPECT_EQ(root.at("sessions").at(0).at("device").as_string(), "Firefox on Linux");
+  ASSERT_EQ(root.at("saved_texts").as_array().size(), 1u) << "none that others share";
+  EXPECT_EQ(root.at("saved_texts").at(0).at("text").as_string(), "too deep");
+  EXPECT_EQ(root.at("saved_texts").at(0).at("shared"), true);
   ASSERT_EQ(root.at("attempts").as_array().size(), 2u);
   for (const json::value& attempt : root.at("attempts").as_array()) {
     // Its tooth is only a text: no surface can be made of it, and all else is there.

@@ -219,6 +219,11 @@ const Line kLines[] = {
     {"POST /api/v1/attempts/{id}/annotations",     "attempt",        R"({"tick":1,"text":"t"})",            "401 403 403 403 201 404 201 201 401 403"},
     {"PUT /api/v1/annotations/{id}",               "annotation",     R"({"tick":1,"text":"u"})",            "401 403 403 403 200 404 403 403 401 403"},
     {"DELETE /api/v1/annotations/{id}",            "annotation",     "",                                    "401 403 403 403 204 404 403 403 401 403"},
+    {"GET /api/v1/saved-texts",                    "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"POST /api/v1/saved-texts",                   "",               R"({"text":"t"})",                     "401 403 403 403 201 201 201 201 401 403"},
+    {"PUT /api/v1/saved-texts/{id}",               "saved text",     R"({"text":"u"})",                     "401 403 403 403 200 404 200 200 401 403"},
+    {"PUT /api/v1/saved-texts/{id}",               "shared text",    R"({"text":"u"})",                     "401 403 403 403 200 403 200 200 401 403"},
+    {"DELETE /api/v1/saved-texts/{id}",            "shared text",    "",                                    "401 403 403 403 204 403 204 204 401 403"},
     {"POST /api/v1/attempts/{id}/appeal",          "attempt",        R"({"text":"t"})",                     "401 409 404 404 403 404 403 403 401 403"},
     {"POST /api/v1/attempts/{id}/appeal/answer",   "appealed",       R"({"outcome":"reject","answer":"a"})", "401 403 403 403 200 404 200 200 401 403"},
     // Running it.
@@ -350,6 +355,12 @@ class Template {
     remark.author = school.ada;
     remark.text = "here";
     things["annotation"] = store.remarks.AddAnnotation(remark, ada)->id.Text();
+    SavedText saved;
+    saved.text = "too deep";
+    things["saved text"] = store.saved_texts.AddSavedText(saved, ada)->id.Text();
+    saved.text = "the wall leans";
+    saved.shared = true;
+    things["shared text"] = store.saved_texts.AddSavedText(saved, ada)->id.Text();
     // Another attempt of sam's: released, appealed against, and the exercise's reference.
     Uuid appealed = school.ScoredAttempt(school.sam);
     EXPECT_TRUE(store.judging.ReleaseAttempt(appealed, ada).ok());

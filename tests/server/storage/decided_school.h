@@ -21,6 +21,11 @@ class DecidedSchoolTest : public VerifyTest {
     assignment_ = store.assignments.AddAssignment(work, by)->id;
     EXPECT_TRUE(store.devices.ListDevice("hid:1209:0001:A7", "chair 3", by).ok());
     EXPECT_TRUE(store.settings.PutSetting({"language", "lab2-*", "de", true, 0}, by).ok());
+    for (const char* text : {"too deep", "the wall leans"}) {
+      SavedText saved;
+      saved.text = text;
+      EXPECT_TRUE(store.saved_texts.AddSavedText(saved, by).ok());
+    }
     RubricRow rubric{school_.world.exercise.id, 2, PutText(store, "rubric 2"), "too strict", 0};
     EXPECT_TRUE(store.rubrics.PublishRubric(rubric, by).ok());
     graded_ = school_.Record(1);

@@ -104,6 +104,17 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
     SayAll(Scored(others[i]), others[i], "Rocinante" + std::to_string(i));
     if (i % 8 == 0) SayAll(Scored(gone_), gone_, "Sancho Panza");
   }
+  SavedText saved;
+  saved.text = "Sancho Panza says";
+  for (const bool kept : {false, true}) {
+    saved = *store_->saved_texts.AddSavedText(saved, Actor{gone_, "page"});
+    saved.text = "again Sancho Panza";
+    saved = *store_->saved_texts.ReplaceSavedText(saved, Actor{teacher_, "page"});
+    saved.text = "Sancho Panza says";
+    if (!kept) {
+      EXPECT_TRUE(store_->saved_texts.DeleteSavedText(saved.id, saved.revision, kSystem).ok());
+    }
+  }
   EXPECT_FALSE(FilesWith(folder_.path(), "Sancho Panza").empty());
   auto report = store_->erasures.ErasePerson(gone_, true, kSystem);
   ASSERT_TRUE(report.ok()) << report.status().message();

@@ -51,6 +51,19 @@ TEST(AccessTest, ReviewIsForInstructorsOfTheCohortAndAdmins) {
   EXPECT_FALSE(CanEditAnnotation(kAdmin, remark, true)) << "somebody else's words";
 }
 
+TEST(AccessTest, SavedTextIsItsOwnersAndOthersUseItWhenItIsShared) {
+  SavedText text;
+  text.owner = kInstructor.id;
+  const Person other = Of(Role::kInstructor, 5);
+  EXPECT_TRUE(CanChangeSavedText(kInstructor, text) && CanChangeSavedText(kAdmin, text));
+  EXPECT_FALSE(CanUseSavedText(other, text));
+  text.shared = true;
+  EXPECT_TRUE(CanUseSavedText(other, text));
+  EXPECT_FALSE(CanChangeSavedText(other, text));
+  text.owner = kOwner.id;
+  EXPECT_FALSE(CanUseSavedText(kOwner, text)) << "a student, who was an instructor when saving it";
+}
+
 TEST(AccessTest, ExerciseIsChangedByItsOwnerAndAdminsAndUsedByInstructorsWhenShared) {
   ExerciseRow own;
   own.owner = kInstructor.id;

@@ -18,9 +18,11 @@ import type {
   Remark,
   RubricPreview,
   RubricVersion,
+  SavedText,
   ScoringMetric,
   ScoringRun,
   SharingEdit,
+  TextToSave,
 } from "./types";
 
 type Seen = Pick<AttemptDetail, "id" | "revision">;
@@ -226,6 +228,19 @@ export class TeachingApi {
   }
   deleteAnnotation({ id, revision }: Annotation) {
     return this.http.empty("DELETE", `/annotations/${segment(id)}`, { tag: tagOf(revision) });
+  }
+
+  savedTexts(signal?: AbortSignal) {
+    return this.http.all<SavedText>("/saved-texts", "texts", {}, signal);
+  }
+  saveText(text: TextToSave) {
+    return this.http.json<SavedText>("POST", "/saved-texts", { body: text });
+  }
+  replaceText({ id, revision }: SavedText, text: TextToSave) {
+    return this.http.json<SavedText>("PUT", `/saved-texts/${segment(id)}`, { body: text, tag: tagOf(revision) });
+  }
+  removeText({ id, revision }: SavedText) {
+    return this.http.empty("DELETE", `/saved-texts/${segment(id)}`, { tag: tagOf(revision) });
   }
 
   fileAppeal(attempt: string, text: string) {

@@ -1,5 +1,6 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { useSavedTexts, withText } from "../../api/saved_texts";
 import { fromScene } from "../../api/tooth_number";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
@@ -10,9 +11,9 @@ import { Brief, Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
+import { SavedTextList, SaveText } from "../../widgets/saved_texts";
 import type { PointMm } from "../../tooth/messages";
 import { useDraft } from "../../widgets/use_draft";
-import { commentsOf, dropComment, keepComment } from "./comment_bank";
 import { type Mark, secondsOfTick, tickAt } from "./moments";
 import { remarkTo, type Review } from "./use_review";
 
@@ -189,9 +190,9 @@ function useRemarkDraft({ attempt, draft, point, moved, momentS }: Review) {
 }
 
 function NewRemark({ review, series }: Props) {
-  const { client, attempt, personId, anatomy, momentS, cursor, point, setPoint, remarks } = review;
+  const { client, attempt, anatomy, momentS, cursor, point, setPoint, remarks } = review;
   const [text, setText] = useRemarkDraft(review);
-  const [kept, setKept] = useState(() => commentsOf(personId));
+  const saved = useSavedTexts(client);
   const change = useChange();
   const form = useRef<HTMLFormElement>(null);
   const save = async (event: Event) => {
@@ -251,38 +252,9 @@ function NewRemark({ review, series }: Props) {
             {say("remarks.no_point")}
           </button>
         )}
-        {text.trim() !== "" && !kept.includes(text.trim()) && (
-          <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>
-            {say("remarks.keep")}
-          </button>
-        )}
+        <SaveText saved={saved} text={text} />
       </div>
-      {kept.length > 0 && (
-        <details>
-          <summary>{say("remarks.kept", { count: kept.length })}</summary>
-          <ul class="comment-bank">
-            {kept.map((comment) => (
-              <li key={comment}>
-                <button
-                  type="button"
-                  class="button small quiet"
-                  onClick={() => setText(text.trim() === "" ? comment : `${text.trimEnd()} ${comment}`)}
-                >
-                  {comment}
-                </button>
-                <button
-                  type="button"
-                  class="button small quiet"
-                  aria-label={say("remarks.forget", { comment })}
-                  onClick={() => setKept(dropComment(personId, comment))}
-                >
-                  ✕
-                </button>
-              </li>
-            ))}
-          </ul>
-        </details>
-      )}
+      <SavedTextList saved={saved} onUse={(words) => setText(withText(text, words))} />
     </form>
   );
 }

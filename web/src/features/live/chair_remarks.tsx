@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { useSavedTexts, withText } from "../../api/saved_texts";
 import type { LiveRemark, LiveRemarks } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRefresh } from "../../api/use_refresh";
@@ -9,6 +10,7 @@ import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { TextField } from "../../widgets/form";
+import { SavedTextList, SaveText } from "../../widgets/saved_texts";
 
 const kPollMs = 2000;
 
@@ -57,6 +59,7 @@ function Speak({
   readonly onSent: () => void;
 }) {
   const [text, setText] = useState("");
+  const saved = useSavedTexts(client);
   const change = useChange();
   const why = whyNot(state);
   if (why !== undefined && text === "")
@@ -92,7 +95,9 @@ function Speak({
         <Button busy={change.busy} blocked={why ?? needed({ [say("chair.remark")]: text.trim() })}>
           {say("chair.send")}
         </Button>
+        <SaveText saved={saved} text={text} />
       </div>
+      <SavedTextList saved={saved} onUse={(words) => setText(withText(text, words))} />
     </form>
   );
 }

@@ -1,0 +1,104 @@
+#include <boost/json.hpp>
+
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+#include "server/training/access.h"
+#include "server/training/names.h"
+#include "server/training/revision.h"
+
+// What those who teach say again and again in remarks.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+json::object SavedTextJson(const Call& call, const SavedText& row) {
+  return {{"id", row.id.Text()},
+          {"owner", {{"id", row.owner.Text()}, {"display_name", row.owner_name}}},
+          {"text", row.text},
+          {"shared", row.shared},
+          {"saved_ms", row.saved_ms},
+          {"mine", row.owner == call.caller->person.id},
+          {"may_change", CanChangeSavedText(call.caller->person, row)},
+          {"revision", row.revision}};
+}
+
+Result<SavedText> TextIn(const Call& call) {
+  BodyReader body(call.request);
+  SavedText row;
+  row.text = body.Text("text", 1, kMaxRemarkBytes);
+  row.shared = body.Flag("shared", false);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  return row;
+}
+
+// One that the caller may change.
+Result<SavedText> OwnText(const Call& call, SavedTextRows& texts) {
+  const Status none{Code::kNotFound, "there is no such saved text", "id"};
+  Result<SavedText> row = texts.SavedTextById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  if (CanChangeSavedText(call.caller->person, *row)) return row;
+  if (!CanUseSavedText(call.caller->person, *row)) return none;
+  return Status{Code::kForbidden,
+                "only its owner or an administrator may change a saved text; save one of your own "
+                "instead"};
+}
+
+Response Refused(const Call& call, SavedTextRows& texts, const Status& status) {
+  if (status.field() != kStale) return ErrorResponse(status);
+  Result<SavedText> now = texts.SavedTextById(call.id);
+  if (!now.ok()) return ErrorResponse(now.status());
+  return Stale(status, SavedTextJson(call, *now), now->revision);
+}
+
+}  // namespace
+
+Response ListSavedTexts(const Call& call, SavedTextRows& texts) {
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::vector<SavedText>> rows = texts.SavedTexts(call.caller->person.id);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const SavedText& row) {
+    return FallingKey(static_cast<uint64_t>(row.saved_ms)) + row.id.Text();
+  });
+  json::array out;
+  for (const SavedText& row : *rows) out.push_back(SavedTextJson(call, row));
+  return JsonResponse({{"texts", std::move(out)}, {"next", std::move(next)}});
+}
+
+Response AddSavedText(const Call& call, SavedTextRows& texts) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SavedText> text = TextIn(call);
+  if (!text.ok()) return ErrorResponse(text.status());
+  Result<SavedText> row = texts.AddSavedText(*text, ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  return WithETag(JsonResponse(SavedTextJson(call, *row), 201), row->revision);
+}
+
+Response ReplaceSavedText(const Call& call, SavedTextRows& texts) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SavedText> stored = OwnText(call, texts);
+  if (!stored.ok()) return ErrorResponse(stored.status());
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Result<SavedText> text = TextIn(call);
+  if (!text.ok()) return ErrorResponse(text.status());
+  text->id = call.id;
+  text->revision = *revision;
+  Result<SavedText> row = texts.ReplaceSavedText(*text, ActorOf(call));
+  if (!row.ok()) return Refused(call, texts, row.status());
+  return WithETag(JsonResponse(SavedTextJson(call, *row)), row->revision);
+}
+
+Response DeleteSavedText(const Call& call, SavedTextRows& texts) {
+  Result<SavedText> stored = OwnText(call, texts);
+  if (!stored.ok()) return ErrorResponse(stored.status());
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  const Status done = texts.DeleteSavedText(call.id, *revision, ActorOf(call));
+  return done.ok() ? Done() : Refused(call, texts, done);
+}
+
+}  // namespace enamel::server::http
