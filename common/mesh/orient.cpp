@@ -154,7 +154,7 @@ Result<dvec3> ParseAxis(std::string_view text) {
     return axis;
   }
   return Status(Code::kInvalidInput,
-                "expected the occlusal direction as +x, -x, +y, -y, +z or -z, found '" +
+                "expected a direction as +x, -x, +y, -y, +z or -z, found '" +
                     std::string(text) + "'",
                 "up");
 }

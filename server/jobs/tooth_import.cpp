@@ -8,6 +8,7 @@
 #include "common/base/file.h"
 #include "common/import/import_tooth.h"
 #include "common/import/mesh_kind.h"
+#include "common/mesh/orient.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/tooth_number.h"
@@ -26,11 +27,19 @@ Status Invalid(const std::string& message, const char* field) {
   return Status(Code::kInvalidInput, message, field);
 }
 
+Status CheckDirection(const std::string& direction, const char* field) {
+  if (direction == "auto") return Status::Ok();
+  const auto axis = mesh::ParseAxis(direction);
+  return axis.ok() ? Status::Ok() : Invalid(axis.status().message(), field);
+}
+
 Status CheckWanted(const ToothImport::Wanted& wanted) {
   if (const Status kind = import::CheckMeshKind(wanted.kind); !kind.ok())
     return Invalid(kind.message(), "file_name");
   ENAMEL_RETURN_IF_ERROR(mesh::ScaleInMm({wanted.unit, wanted.scale}).status());
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
+  ENAMEL_RETURN_IF_ERROR(CheckDirection(wanted.up, "up"));
+  ENAMEL_RETURN_IF_ERROR(CheckDirection(wanted.buccal, "buccal"));
   if (!scene::IsToothNumber(wanted.tooth)) {
     return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
                        (wanted.tooth == 0 ? "none" : std::to_string(wanted.tooth)),
@@ -219,6 +228,8 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   import::ImportOptions options;
   options.tooth = wanted.tooth;
   options.scale = {wanted.unit, wanted.scale};
+  options.up = wanted.up;
+  options.buccal = wanted.buccal;
   options.voxel_nm = kVoxelNm;
   options.name = plain;
   options.threads = 1;  // stations that stream want the other processors

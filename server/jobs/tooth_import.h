@@ -35,6 +35,8 @@ class ToothImport {
     double scale = 1;  // how many of that unit a coordinate of 1 is
     std::string title;
     int tooth = 0;  // FDI number (common/scene/tooth_number.h)
+    // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (common/import/place.h).
+    std::string up = "auto", buccal = "auto";
   };
   enum class State { kReceiving, kWorking, kDone, kRefused };
   struct About {

@@ -191,6 +191,9 @@ Response BeginToothImport(const Call& call) {
   wanted.unit = body.Text("unit", 1, kMaxToothName);
   wanted.title = body.Text("title", 1, kMaxNameBytes);
   wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
+  if (body.Has("scale")) wanted.scale = body.Number("scale", 1e-6, 1e6);
+  if (body.Has("up")) wanted.up = body.Text("up", 2, 4);
+  if (body.Has("buccal")) wanted.buccal = body.Text("buccal", 2, 4);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }

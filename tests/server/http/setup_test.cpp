@@ -150,12 +150,16 @@ TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
   EXPECT_NE(text.find("mm"), std::string::npos) << text;
   const json::value broken = Import("broken.stl", "solid x\nfacet", "mm", "Broken");
   EXPECT_EQ(broken.at("state").as_string(), "refused") << json::serialize(broken);
-  for (const char* wrong : {R"({"file_name":"a.exe","bytes":9,"unit":"mm","title":"t"})",
-                            R"({"file_name":"a.stl","bytes":9,"unit":"ell","title":"t"})",
-                            R"({"file_name":"a.stl","bytes":0,"unit":"mm","title":"t"})",
-                            R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":59})",
-                            R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t"})",
-                            R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"=1+1"})"}) {
+  for (const char* wrong :
+       {R"({"file_name":"a.exe","bytes":9,"unit":"mm","title":"t"})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"ell","title":"t"})",
+        R"({"file_name":"a.stl","bytes":0,"unit":"mm","title":"t"})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":59})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t"})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":46,"up":"north"})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":46,"buccal":"y"})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":46,"scale":0})",
+        R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"=1+1"})"}) {
     EXPECT_EQ(root_.Post("/api/v1/tooth-imports", wrong).status, 400) << wrong;
   }
   const RawResponse large =
