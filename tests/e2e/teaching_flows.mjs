@@ -276,7 +276,7 @@ async function savedTexts(world) {
   await page.getByLabel("Saved text", { exact: true }).fill("The floor is too deep.");
   await page.getByRole("button", { name: "Save", exact: true }).click();
   await page.getByRole("button", { name: "Share with all instructors: “The floor is too deep.”" }).click();
-  await page.getByText("shared", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "Stop sharing “The floor is too deep.”" }).waitFor();
   await accessible(page, "saved texts");
   await world.picture(page, "saved_texts", { fullPage: true });
 

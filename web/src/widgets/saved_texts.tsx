@@ -90,7 +90,6 @@ function Row({
       </button>
       <span class="saved-text-actions">
         {!mine && <span class="hint">{say("texts.by", { name: row.owner.display_name })}</span>}
-        {mine && shared && <span class="hint">{say("texts.shared")}</span>}
         {row.may_change && (mine || shared) && act(share, () => void saved.replace(row, { text, shared: !shared }))}
         {mine && act("edit", onEdit)}
         {mine && act("remove", () => void saved.remove(row))}
