@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/scoring/reasons.h"
+#include "common/scoring/uncertainty.h"
 
 namespace enamel::scoring {
 namespace {
@@ -24,6 +25,7 @@ constexpr CriticalError kErrors[] = {
     {"gross_overextension", "The cavity is grossly over-extended"},
 };
 
+// "0.31 mm, at most 0.25 mm"; of a borderline value with its uncertainty.
 std::string Limit(const CriticalResult& c) {
   const std::string unit = c.unit;
   const Reason reason{c.above ? "at_most" : "at_least", {c.value, c.limit}, {}};
@@ -44,9 +46,13 @@ const CriticalError* FindCriticalError(std::string_view code) {
   return it == std::end(kErrors) ? nullptr : it;
 }
 
-Result<std::vector<CriticalResult>> FindCritical(const scene::Rubric& rubric,
-                                                 const MetricSet& metrics) {
-  std::vector<CriticalResult> out;
+bool IsBorderline(double value, double limit, double uncertainty) {
+  const double off = std::fabs(value - limit);
+  return (off > 0 || value != 0) && uncertainty > 0 && off <= kBorderlineWithin * uncertainty;
+}
+
+Result<FoundCritical> FindCritical(const scene::Rubric& rubric, const MetricSet& metrics) {
+  FoundCritical out;
   for (const scene::RubricCritical& asked : rubric.critical) {
     const auto value = std::ranges::find(metrics.values, asked.metric, &MetricValue::name);
     if (value == metrics.values.end()) {
@@ -59,9 +65,14 @@ Result<std::vector<CriticalResult>> FindCritical(const scene::Rubric& rubric,
                         ", which was not measured; score the recording again",
                     asked.metric);
     }
-    if (asked.above ? value->value <= asked.limit : value->value >= asked.limit) continue;
-    CriticalResult& c = out.emplace_back(CriticalResult{asked.error, asked.metric, value->value,
-                                                        asked.unit, asked.limit, asked.above, ""});
+    const double uncertainty = value->uncertainty.value_or(0);
+    const bool borderline = IsBorderline(value->value, asked.limit, uncertainty);
+    const bool passes = asked.above ? value->value <= asked.limit : value->value >= asked.limit;
+    if (passes && !borderline) continue;
+    auto& list = borderline ? out.borderline : out.critical;
+    CriticalResult& c =
+        list.emplace_back(CriticalResult{asked.error, asked.metric, value->value, asked.unit,
+                                         asked.limit, asked.above, uncertainty, ""});
     c.reason = std::string(FindCriticalError(asked.error)->said) + " (" + Limit(c) + ").";
   }
   return out;

@@ -30,7 +30,10 @@ struct Measured {
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;
   RemainingDentin remaining_dentin;
-  double thinnest_wall_m = 0;  // that the grid can measure
+  double voxel_m = 0;
+  double surface_u_m = 0;  // SurfaceUncertainty_m
+  double cut_area_m2 = 0,
+         caries_area_m2 = 0;  // of what the attempt cut: all of it; caries that lies open
   double pulp_exposed_m2 = 0;
   double align_pose_m = 0, align_force_n = 0, frechet_pose_m = 0;
   bool reference_recorded = true;  // or there is no path to compare with

@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
-#include "common/cutting/voxel_limit.h"
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/measured.h"
 #include "common/scoring/movement/path_align.h"
+#include "common/scoring/uncertainty.h"
 
 namespace enamel::scoring {
 namespace {
@@ -122,7 +122,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   Measured m;
   m.process = attempt.process;
-  m.thinnest_wall_m = cutting::kThinnestWall_voxels * initial.spec().voxel_m();
+  m.voxel_m = initial.spec().voxel_m();
+  const bool laid_on = reference.process == nullptr && exercise.target.prepared_tooth != nullptr;
+  m.surface_u_m = SurfaceUncertainty_m(m.voxel_m, laid_on ? kRegistration_m : 0);
   m.reference_recorded = reference.process != nullptr;
   m.target = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kTarget);
   if (m.target.solid_m3 <= 0) {
@@ -141,6 +143,12 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   // Once for each side: half a dozen metrics need cut vertices and areas.
   const Side a(attempt), r(reference);
+  for (size_t i = 0; i < a.cut.size(); ++i) {
+    if (!a.cut[i]) continue;
+    m.cut_area_m2 += a.areas_m2[i];
+    if (attempt.final_surface->tissue[i] == static_cast<uint8_t>(Tissue::kCaries))
+      m.caries_area_m2 += a.areas_m2[i];
+  }
   const surface::DistanceQuery reference_cut(CutPart(*reference.final_surface, r.cut));
   m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume, reference_cut,
                        NearOf_m(exercise.target, initial.spec()));

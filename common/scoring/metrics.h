@@ -64,6 +64,8 @@ struct MetricValue {
   // Of a thickness below it: the least that the grid can measure, in the metric's unit. The value
   // may be off by all of it, and 0 may be a wall.
   std::optional<double> below_grid = {};
+  // Standard, in the metric's unit (uncertainty.h). None: of the recording, or without a formula.
+  std::optional<double> uncertainty = {};
 
   bool operator==(const MetricValue&) const = default;
 };

@@ -295,12 +295,23 @@ std::vector<CriterionResult> GroupResults(const Rubric& rubric,
   return out;
 }
 
-Acceptance AcceptanceOf(const ScoreResult& score) {
+State WorstOf(const ScoreResult& score) {
   State worst = State::kAcceptable;
   for (const RegionCost& cost : score.costs) worst = std::max(worst, cost.state);
+  return worst;
+}
+
+Acceptance AcceptanceOf(const ScoreResult& score) {
+  const State worst = WorstOf(score);
   if (score.critical_fail || worst == State::kRedo || score.points < kAcceptablePoints)
     return Acceptance::kNotAcceptable;
   return worst == State::kModify ? Acceptance::kWithRemarks : Acceptance::kAcceptable;
+}
+
+// Where the points alone decide.
+bool IsNearThePassLimit(const ScoreResult& score) {
+  return !score.critical_fail && WorstOf(score) != State::kRedo &&
+         IsBorderline(score.points, kAcceptablePoints, score.points_uncertainty);
 }
 
 }  // namespace
@@ -333,10 +344,19 @@ Result<ScoreResult> ApplyRubric(const Rubric& given, const MetricSet& metrics,
   out.mistakes = std::move(mistakes);
   out.points = std::max(0.0, 100 - lost);
   out.beyond = std::max(0.0, lost - 100);
-  ENAMEL_ASSIGN_OR_RETURN(out.critical, FindCritical(rubric, metrics));
+  ENAMEL_ASSIGN_OR_RETURN(FoundCritical found, FindCritical(rubric, metrics));
+  out.critical = std::move(found.critical);
   out.critical_fail = out.critical_fail || !out.critical.empty();
+  // Else another error decides.
+  if (!out.critical_fail) out.borderline = std::move(found.borderline);
   out.score = out.critical_fail ? 0 : out.points;
   out.acceptance = AcceptanceOf(out);
+  out.points_uncertainty = cost.uncertainty;
+  if (IsNearThePassLimit(out)) {
+    const std::string points(kPassLimit);
+    out.borderline.push_back({points, points, out.points, "", kAcceptablePoints, false,
+                              out.points_uncertainty, "The points are near the least that pass."});
+  }
   return out;
 }
 

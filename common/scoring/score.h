@@ -51,6 +51,8 @@ inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 
 // Fewer points are not acceptable. Chosen.
 inline constexpr double kAcceptablePoints = 50;
+// `error` and `name` of that limit in ScoreResult::borderline.
+inline constexpr std::string_view kPassLimit = "points";
 
 // What an examiner says of the whole, beside the points. With remarks: something is to be changed. Not acceptable: a
 // critical error, a region to redo, or fewer than kAcceptablePoints.
@@ -61,7 +63,12 @@ struct ScoreResult {
   double score = 0;            // 0..100
   bool critical_fail = false;  // by `critical`, or by a criterion's fails_above
   std::vector<CriticalResult> critical;
+  // Limits that the measuring does not decide, where nothing else is critical; the last may be the pass limit, of
+  // kPassLimit. Scored as not critical. In graded work a person decides before the score is released.
+  std::vector<CriticalResult> borderline;
   double points = 0;  // the score as if no error were critical
+  // Standard, of `points`: from what the grid does to the regions' measures, as if to all of them at once.
+  double points_uncertainty = 0;
   Acceptance acceptance = Acceptance::kAcceptable;
   std::vector<CriterionResult> criteria;  // groups in their order, then the hand's
   std::vector<RegionMeasure> measures;    // of the acceptable cut that was the kindest

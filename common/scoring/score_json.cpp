@@ -80,6 +80,7 @@ json::array RegionsJson(const ScoreResult& score) {
                    {"over", Rounded(m.over)},
                    {"left", Rounded(m.left)},
                    {"unit", UnitOf(m.kind)},
+                   {"uncertainty", Rounded(m.uncertainty)},
                    {"dearer", stored::NameOf(kSides, cost.over)},
                    {"lost", Rounded(cost.lost)},
                    {"state", scoring::NameOf(cost.state)}});
@@ -139,6 +140,7 @@ json::array CriticalJson(const std::vector<CriticalResult>& critical) {
                    {"unit", c.unit},
                    {"limit", Rounded(c.limit)},
                    {"above", c.above},
+                   {"uncertainty", Rounded(c.uncertainty)},
                    {"reason", c.reason}});
   }
   return out;
@@ -152,6 +154,7 @@ std::string ToJson(const ScoreResult& result) {
     json::object metric{{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}};
     if (m.limited) metric["limited"] = true;
     if (m.below_grid) metric["below_grid"] = Rounded(*m.below_grid);
+    if (m.uncertainty) metric["uncertainty"] = Rounded(*m.uncertainty);
     metrics.push_back(std::move(metric));
   }
   json::array missing;
@@ -161,7 +164,9 @@ std::string ToJson(const ScoreResult& result) {
   json::object out{{"score", Rounded(result.score)},
                    {"critical_fail", result.critical_fail},
                    {"critical", CriticalJson(result.critical)},
+                   {"borderline", CriticalJson(result.borderline)},
                    {"points", Rounded(result.points)},
+                   {"points_uncertainty", Rounded(result.points_uncertainty)},
                    {"acceptance", stored::NameOf(kAcceptances, result.acceptance)},
                    {"criteria", CriteriaJson(result.criteria)},
                    {"regions", RegionsJson(result)},

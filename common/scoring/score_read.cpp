@@ -179,6 +179,7 @@ void ReadRegions(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.Read("kind", m.kind);
     item.Read("over", m.over);
     item.Read("left", m.left);
+    item.Read("uncertainty", m.uncertainty);
     item.ReadName("dearer", kSides, cost.over);
     item.Read("lost", cost.lost);
     item.ReadEnum("state", kStates, cost.state);
@@ -289,17 +290,20 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
   }
 }
 
-void ReadCritical(ObjectReader& reader, Status& status, ScoreResult& out) {
-  const json::array* list = reader.Array("critical", kMaxCritical);
+void ReadCritical(ObjectReader& reader, Status& status, const char* name,
+                  std::vector<CriticalResult>& out) {
+  // The pass limit may be beside those of the rubric.
+  const json::array* list = reader.Array(name, kMaxCritical + 1);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    ObjectReader item((*list)[i], "critical[" + std::to_string(i) + "]", status);
-    CriticalResult& c = out.critical.emplace_back();
+    ObjectReader item((*list)[i], std::string(name) + "[" + std::to_string(i) + "]", status);
+    CriticalResult& c = out.emplace_back();
     item.Read("error", c.error);
     item.Read("name", c.name);
     item.Read("value", c.value);
     item.Read("unit", c.unit);
     item.Read("limit", c.limit);
     item.Read("above", c.above);
+    item.Read("uncertainty", c.uncertainty);
     item.Read("reason", c.reason);
   }
 }
@@ -339,8 +343,10 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   ObjectReader reader(value, "", status);
   reader.Read("score", out.score);
   reader.Read("critical_fail", out.critical_fail);
-  ReadCritical(reader, status, out);
+  ReadCritical(reader, status, "critical", out.critical);
+  ReadCritical(reader, status, "borderline", out.borderline);
   reader.Read("points", out.points);
+  reader.Read("points_uncertainty", out.points_uncertainty);
   reader.ReadName("acceptance", kAcceptances, out.acceptance);
   ReadCriteria(reader, status, out);
   ReadRegions(reader, status, out);
@@ -355,6 +361,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("unit", m.unit);
       if (item.Has("limited")) item.Read("limited", m.limited);
       if (item.Has("below_grid")) item.Read("below_grid", m.below_grid.emplace());
+      if (item.Has("uncertainty")) item.Read("uncertainty", m.uncertainty.emplace());
     }
   }
   ReadMissing(reader, status, out);

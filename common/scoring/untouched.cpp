@@ -50,6 +50,8 @@ class ContactLine {
   bool in_contact() const { return in_contact_; }
   // Half a voxel is what rounding leaves of a plane.
   bool stands() const { return left_ > 1; }
+  // A step more or less would change that.
+  bool just_stands_or_falls() const { return left_ == 1 || left_ == 2; }
 
  private:
   const double step_m_;
@@ -141,20 +143,24 @@ ContactFigures MeasureContact(const Volume& initial, const Volume& attempt, cons
       initial.spec().origin_m().z + static_cast<double>(initial.spec().voxels().z) * h;
   const double middle_x = 0.5 * (target.lo_m.x + target.hi_m.x);
   const double length = 0.5 * (target.hi_m.x - target.lo_m.x) + kReach_m;
-  double lines = 0, standing = 0;
-  for (double y = target.lo_m.y + 0.5 * h; y < target.hi_m.y; y += h) {
-    for (double z = target.lo_m.z + 0.5 * h; z < top; z += h) {
+  ContactFigures out;
+  double standing = 0;
+  for (double z = target.lo_m.z + 0.5 * h; z < top; z += h) {
+    double row = 0;
+    for (double y = target.lo_m.y + 0.5 * h; y < target.hi_m.y; y += h) {
       for (double way : {1.0, -1.0}) {
         const ContactLine line(initial, attempt, reference, {middle_x, y, z}, way, length);
         if (!line.in_contact()) continue;
-        ++lines;
+        ++row;
         if (line.stands()) ++standing;
+        if (line.just_stands_or_falls()) ++out.near;
       }
     }
+    out.lines += row;
+    out.longest_row = std::max(out.longest_row, row);
   }
-  ContactFigures out;
-  out.in_task = lines * h * h >= kLeastContact_m2;
-  if (out.in_task) out.left = standing / lines;
+  out.in_task = out.lines * h * h >= kLeastContact_m2;
+  if (out.in_task) out.left = standing / out.lines;
   return out;
 }
 

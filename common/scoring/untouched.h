@@ -36,6 +36,9 @@ StumpFigures MeasureStump(const cutting::Volume& initial, const cutting::Volume&
 struct ContactFigures {
   bool in_task = false;  // the reference broke 0.1 mm^2 of it
   double left = 0;       // share of the lines on which some of its outermost 0.5 mm stands
+  // Lines, a voxel apart, and those on which half a voxel more or less would change whether something stands.
+  double lines = 0, near = 0;
+  double longest_row = 0;  // lines at one height
 };
 // Over the whole face of a molar's contact: its curves are 0.3 mm apart 1.5 mm beside its middle.
 inline constexpr double kContactGap_m = 0.3e-3;

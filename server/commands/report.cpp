@@ -206,6 +206,7 @@ void PrintSummary(const AttemptRow& row, const ScoreResult& score, const ReportO
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
       score.acceptance == scoring::Acceptance::kNotAcceptable ? " (not acceptable)" : "");
   for (const auto& error : score.critical) Say("  {}\n", error.reason);
+  for (const auto& limit : score.borderline) Say("  Borderline: {}\n", limit.reason);
   if (row.overridden) {
     Say("What counts instead is a person's score, {:.1f}: {}\n", row.overridden->score,
         Printable(row.overridden->reason));

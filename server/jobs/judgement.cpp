@@ -41,6 +41,8 @@ Sha256 JudgementOf(const scoring::ScoreResult& score) {
   }
   number(score.score);
   out.U8(score.critical_fail ? 1 : 0);
+  out.U32(static_cast<uint32_t>(score.borderline.size()));
+  for (const scoring::CriticalResult& limit : score.borderline) out.Text(limit.error);
   return HashSha256(out.bytes());
 }
 

@@ -17,6 +17,7 @@
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
 #include "common/scoring/trial.h"
+#include "common/scoring/uncertainty.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
 #include "common/timeline/deviation.h"
@@ -274,6 +275,7 @@ class ScoreJob {
 
     AttemptResult result;
     result.shook = process.shook();
+    result.borderline = !score.borderline.empty();
     result.score = score.score;
     result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
@@ -329,8 +331,12 @@ class ScoreJob {
   Status AddAcceptable(const Reference* reference, const scoring::AttemptData& data,
                        const cutting::Volume& attempt) {
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
-    auto added = std::unique_ptr<Acceptable>(new Acceptable{
-        reference, data, {initial_, *data.final_volume, {scene_.tooth, scene_.up}}, {}});
+    // A target that is a prepared tooth was laid on this one; what was cut here was not.
+    const bool laid_on = data.process == nullptr && exercise_.target.prepared_tooth != nullptr;
+    const scoring::ToothPlace place{scene_.tooth, scene_.up,
+                                    laid_on ? scoring::kRegistration_m : 0};
+    auto added = std::unique_ptr<Acceptable>(
+        new Acceptable{reference, data, {initial_, *data.final_volume, place}, {}});
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayTo));
     ENAMEL_ASSIGN_OR_RETURN(added->cut, scoring::MeasureCut(added->r, attempt, exercise_.rubric));
     acceptable_.push_back(std::move(added));
@@ -476,8 +482,9 @@ class ScoreJob {
     document.metric_set = static_cast<uint32_t>(score.scoring_version);
     document.core_version = score.core_version;
     document.rubric_version = static_cast<uint32_t>(score.rubric_version);
-    document.flags = row_.flags & kSignedFlags & ~static_cast<uint32_t>(kShook);
+    document.flags = row_.flags & kSignedFlags & ~static_cast<uint32_t>(kShook | kBorderlineScore);
     if (result.shook) document.flags |= kShook;
+    if (result.borderline) document.flags |= kBorderlineScore;
     if (!result.motion.IsZero()) {
       document.flags &= ~static_cast<uint32_t>(kNearAnother);
       if (result.near && result.near->worth_a_look) document.flags |= kNearAnother;

@@ -28,7 +28,8 @@ constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kReturned, "returned"},
                                    {kContradicted, "contradicted"},
                                    {kNearAnother, "near_another"},
-                                   {kShook, "shook"}};
+                                   {kShook, "shook"},
+                                   {kBorderlineScore, "borderline_score"}};
 
 }  // namespace
 

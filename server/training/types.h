@@ -245,6 +245,8 @@ enum AttemptFlag : uint32_t {
   kOtherHand = 512,     // held by what its assignment does not allow
   kNearAnother = 1024,  // its motion lies near an earlier attempt's; who reviews it alone is told
   kShook = 2048,  // hand and device swung (core::kSwingSeen): the unit is not as its profile says
+  // A limit lies within the uncertainty of its value (ScoreResult::borderline): a person sets the score of graded work.
+  kBorderlineScore = 4096,
 };
 // Flags that only reviewers of the attempt see: they point at other people.
 inline constexpr uint32_t kReviewFlags = kNearAnother;

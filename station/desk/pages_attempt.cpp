@@ -191,6 +191,9 @@ void Pages::Score(const scoring::ScoreResult& score) {
   for (const scoring::CriticalResult& c : score.critical) {
     ui_.Problem(ReasonText(flow_.words(), c));
   }
+  for (const scoring::CriticalResult& c : score.borderline) {
+    ui_.Note(BorderlineText(flow_.words(), c));
+  }
   ui_.Text(CountText(flow_.words(), score));
   const std::vector<Loss> losses = LossesOf(score);
   Losses({losses.begin(),

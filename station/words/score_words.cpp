@@ -215,6 +215,20 @@ std::string DetailText(const Words& words, const scoring::CriterionResult& crite
   return ReasonTextOf(words, criterion, false);
 }
 
+std::string BorderlineText(const Words& words, const scoring::CriticalResult& limit) {
+  const std::string key = "critical_error." + limit.error;
+  const auto quantity = [&](double value) {
+    const int digits =
+        limit.unit.empty() ? 1 : scoring::UsualDigits(limit.unit) + (limit.uncertainty < 0.01);
+    return scoring::WithUnit(words.Decimal(value, digits), limit.unit);
+  };
+  return words.Say(words.Has(key) ? "borderline.critical" : "borderline.points",
+                   {{"error", words.Has(key) ? words.Say(key) : ""},
+                    {"found", quantity(limit.value)},
+                    {"limit", quantity(limit.limit)},
+                    {"uncertainty", quantity(limit.uncertainty)}});
+}
+
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical) {
   const std::string key = "critical_error." + critical.error;
   if (!words.Has(key)) return critical.reason;

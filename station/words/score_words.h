@@ -26,6 +26,8 @@ std::string ReasonText(const Words& words, const scoring::CriterionResult& crite
 // The same below the criterion's title: "Measured: 7.62 N (full marks up to 4.00 N, …)".
 std::string DetailText(const Words& words, const scoring::CriterionResult& criterion);
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical);
+// Of a limit of ScoreResult::borderline, a sentence with value, limit and uncertainty.
+std::string BorderlineText(const Words& words, const scoring::CriticalResult& limit);
 
 // With at most so many decimals: 10, 9.5.
 std::string NumberText(const Words& words, double value, int most_digits);

@@ -8,6 +8,7 @@
 #include "common/scoring/changed.h"
 #include "common/scoring/mistakes/cut_surface.h"
 #include "common/scoring/task.h"
+#include "common/scoring/uncertainty.h"
 
 namespace enamel::scoring {
 namespace {
@@ -69,6 +70,7 @@ AcceptableCut::AcceptableCut(const cutting::Volume& initial, const cutting::Volu
   }
   MeasureTask();
   FindPulp();
+  surface_u_m_ = SurfaceUncertainty_m(initial_.spec().voxel_m(), place.registration_m);
 }
 
 void AcceptableCut::FindPulp() {

@@ -89,6 +89,8 @@ struct SurfacePiece {
 struct ToothPlace {
   int tooth = 0;  // FDI number; 0: none
   scene::Up up = scene::Up::kOcclusal;
+  double registration_m =
+      0;  // R was laid on the tooth within it (uncertainty.h); 0: on the tooth's own grid
 };
 
 struct CutSurface;
@@ -109,6 +111,8 @@ class AcceptableCut {
   const cutting::Volume& prepared() const { return prepared_; }
   // R leaves a stump: the walls face away from their common middle.
   bool is_stump() const;
+  // Standard uncertainty of where its surface and an attempt's lie (uncertainty.h).
+  double surface_u_m() const { return surface_u_m_; }
   // The part of the task that is farther than kLeeway_m from R's surface.
   double task_beyond_m3() const { return task_beyond_m3_; }
   // How much touching the pulp is a fault, 0 to 1: 0 where R opens it or leaves less than the leeway over it, 1 where R
@@ -186,7 +190,7 @@ class AcceptableCut {
   std::vector<bool> at_rim_;                     // of its triangles, whether they touch the rim
   std::optional<surface::DistanceQuery> edges_;  // of the line angles
   std::vector<uint32_t> piece_of_edge_;          // of its triangles
-  double task_beyond_m3_ = 0, pulp_counts_ = 1;
+  double task_beyond_m3_ = 0, pulp_counts_ = 1, surface_u_m_ = 0;
 };
 
 }  // namespace enamel::scoring

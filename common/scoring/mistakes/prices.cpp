@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/scene/price_kinds.h"
+#include "common/scoring/uncertainty.h"
 
 namespace enamel::scoring {
 namespace {
@@ -38,10 +39,23 @@ double EvenLayer_m(double moment_m5, double area_m2) {
   return area_m2 > 0 ? CubeRoot(3 * moment_m5 / area_m2) : 0;
 }
 
+// Standard uncertainty of a volume whose surface is known to `surface_m`: a ball's, which has the least surface.
+double OfVolume_m3(double volume_m3, double surface_m) {
+  constexpr double kBall = 4.835975862;  // (36 pi)^(1/3)
+  const double edge_m = CubeRoot(volume_m3);
+  return kBall * edge_m * edge_m * surface_m;
+}
+
 // 0 to 1 for a share of the task that was not done: a quarter of it costs a tenth, half a half.
 double NotDone(double share) {
   const double t = std::clamp(share, 0.0, 1.0);
   return t * t * t * (10 + t * (6 * t - 15));
+}
+
+// Points for a percent more.
+double NotDoneSlope(double share) {
+  const double t = std::clamp(share, 0.0, 1.0);
+  return kNothingCut * 30 * t * t * (1 - t) * (1 - t) / 100;
 }
 
 State StateOf(double points, double modify, double redo) {
@@ -53,6 +67,14 @@ RegionCost CostOfOne(const RegionMeasure& measure, const scene::RubricPrice& pri
   const double left = price.left > 0 ? PriceOf(price, measure.left, price.left) : 0;
   const double lost = std::max(over, left);
   return {over >= left, lost, StateOf(lost, price.modify_points, price.redo_points)};
+}
+
+// Points for one more of the measure's unit.
+double SlopeOf(const scene::RubricPrice& price, double measure, double size) {
+  if (!(size > 0)) return 0;
+  const double x = measure / size * price.points / price.most;
+  const double root = std::sqrt(1 + x * x);
+  return price.points / (size * root * root * root);
 }
 
 }  // namespace
@@ -84,28 +106,36 @@ std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes
     elsewhere_m3 += faults.elsewhere[k].volume_m3;
   }
   std::vector<RegionMeasure> out;
+  const double u = r.surface_u_m();
+  double area_m2 = 0;
   for (size_t i = 0; i < regions.size(); ++i) {
+    area_m2 += regions[i].area_m2;
     out.push_back({regions[i].name, std::string(NameOf(regions[i].kind)),
                    EvenLayer_m(over_m5[i], regions[i].area_m2) * kMm,
-                   EvenLayer_m(left_m5[i], regions[i].area_m2) * kMm});
+                   EvenLayer_m(left_m5[i], regions[i].area_m2) * kMm, u * kMm});
   }
-  auto add = [&](std::string_view kind, double over, double left) {
-    out.push_back({std::string(kind), std::string(kind), over, left});
+  auto add = [&](std::string_view kind, double over, double left, double uncertainty) {
+    out.push_back({std::string(kind), std::string(kind), over, left, uncertainty});
   };
   constexpr double kNick_m2 = 1e-6;
-  add(whole::kElsewhere, elsewhere_m3 * kMm3, 0);
-  add(whole::kNeighbour, EvenLayer_m(faults.neighbour_moment_m5, kNick_m2) * kMm, 0);
-  add(whole::kPulp, faults.pulp_m3 * kMm3, 0);
-  if (faults.caries_m3 > 0) add(whole::kCaries, 0, 100 * faults.caries_left_m3 / faults.caries_m3);
-  if (r.task_beyond_m3() > 0)
-    add(whole::kNotDone, 0, 100 * faults.left_beyond_m3 / r.task_beyond_m3());
+  add(whole::kElsewhere, elsewhere_m3 * kMm3, 0, OfVolume_m3(elsewhere_m3, u) * kMm3);
+  add(whole::kNeighbour, EvenLayer_m(faults.neighbour_moment_m5, kNick_m2) * kMm, 0, u * kMm);
+  add(whole::kPulp, faults.pulp_m3 * kMm3, 0, OfVolume_m3(faults.pulp_m3, u) * kMm3);
+  if (faults.caries_m3 > 0) {
+    add(whole::kCaries, 0, 100 * faults.caries_left_m3 / faults.caries_m3,
+        100 * OfVolume_m3(faults.caries_left_m3, u) / faults.caries_m3);
+  }
+  if (r.task_beyond_m3() > 0) {
+    add(whole::kNotDone, 0, 100 * faults.left_beyond_m3 / r.task_beyond_m3(),
+        100 * area_m2 * u / r.task_beyond_m3());
+  }
   return out;
 }
 
 Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
                        const std::vector<scene::RubricPrice>& prices) {
   CutCost out;
-  double not_done = 0;
+  double not_done = 0, variance = 0;
   for (const RegionMeasure& measure : measures) {
     RegionCost& row = out.rows.emplace_back();
     if (measure.kind == whole::kNotDone) {
@@ -116,6 +146,12 @@ Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
     if (price != prices.end()) {
       row = CostOfOne(measure, *price);
       out.sum += row.lost;
+      if (row.lost > 0) {
+        const double u =
+            measure.uncertainty * (row.over ? SlopeOf(*price, measure.over, price->over)
+                                            : SlopeOf(*price, measure.left, price->left));
+        variance += u * u;
+      }
     } else if (const scene::PriceKind* kind = scene::FindPriceKind(measure.kind);
                kind == nullptr || kind->is_region) {
       return Status(Code::kInvalidInput,
@@ -130,7 +166,13 @@ Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
     const double rest = std::max(0.0, not_done - out.sum);
     out.rows[i] = {false, rest, StateOf(not_done, kNotDoneModify, kNotDoneRedo)};
     out.sum += rest;
+    // Then it alone makes the sum.
+    if (rest > 0) {
+      const double u = measures[i].uncertainty * NotDoneSlope(measures[i].left / 100);
+      variance = u * u;
+    }
   }
+  out.uncertainty = std::sqrt(variance);
   return out;
 }
 

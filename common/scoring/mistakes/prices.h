@@ -34,6 +34,7 @@ struct RegionMeasure {
   std::string kind;  // NameOf(RegionKind), or one of the whole's
   // In UnitOf(kind); a region's as an even layer, beyond the leeway.
   double over = 0, left = 0;
+  double uncertainty = 0;  // standard, of the one that is not 0, or of each
 
   bool operator==(const RegionMeasure&) const = default;
 };
@@ -55,6 +56,8 @@ struct RegionCost {
 struct CutCost {
   std::vector<RegionCost> rows;  // of the measures, in their order
   double sum = 0;                // of them; may be above 100
+  // Standard, of the sum: the measures' uncertainties times the slopes of their prices, as if each erred by itself.
+  double uncertainty = 0;
 };
 
 double PriceOf(const scene::RubricPrice& price, double measure, double size);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <string>
 
+#include "common/cutting/voxel_limit.h"
+#include "common/scoring/uncertainty.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -92,7 +95,8 @@ MetricSet Collect(const Measured& m, const MetricPlan& plan) {
       MetricValue& v = out.values.emplace_back();
       v = {std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit),
            limited && entry.info.at_limit != AtLimit::kSame};
-      const double least_mm = m.thinnest_wall_m * kMm;
+      v.uncertainty = UncertaintyOf(v.name, v.unit, v.value, m);
+      const double least_mm = cutting::kThinnestWall_voxels * m.voxel_m * kMm;
       if (entry.info.thickness && v.value < least_mm) v.below_grid = least_mm;
     }
   }

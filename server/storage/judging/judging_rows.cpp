@@ -33,9 +33,28 @@ Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> 
   return row;
 }
 
+// Measuring alone does not decide a borderline score of graded work: a person has to have set it.
+Status MustBeDecided(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "SELECT 1 FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise "
+          "WHERE a.tenant = ?1 AND a.id = ?2 AND (a.exam = 1 OR e.graded = 1) AND a.override_score "
+          "IS NULL AND a.flags & " +
+              Sql(kBorderlineScore) + " <> 0");
+  const bool waits = q.Bind(attempt).Next();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (!waits) return Status::Ok();
+  return Status(
+      Code::kConflict,
+      "the score of attempt " + attempt.Text() +
+          " waits for a person: a limit lies within the uncertainty of what was measured. "
+          "Set its score, the computed one or another, then release it",
+      "borderline");
+}
+
 // Marks that are given after a score is known are not blind.
 Status Release(Db& db, const Uuid& attempt, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(MustNotBeMarkedNow(db, attempt));
+  ENAMEL_RETURN_IF_ERROR(MustBeDecided(db, attempt));
   return SetReleased(db, attempt, true, by);
 }
 
@@ -89,6 +108,9 @@ Status JudgingRows::OverrideScore(const Uuid& attempt, const std::optional<Score
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }
     ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
+    // Nobody decides any more.
+    if (!score && row.released && (row.flags & kBorderlineScore) != 0)
+      ENAMEL_RETURN_IF_ERROR(SetReleased(db, attempt, false, by));
     return WriteAudit(db, by, "attempt.override", attempt.Text(), OverrideJson(row.overridden),
                       OverrideJson(score));
   });

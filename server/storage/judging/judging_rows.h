@@ -21,14 +21,16 @@ class JudgingRows {
  public:
   JudgingRows(Transactions& rows, SealRows& seals) : rows_(rows), seals_(seals) {}
 
-  // Errors: kConflict (not scored, a blind marking of it is under way).
+  // Errors: kConflict (not scored; a blind marking of it is under way; it has kBorderlineScore and nobody has set its score,
+  // field "borderline").
   Status ReleaseAttempt(const Uuid& attempt, const Actor& by, std::optional<int32_t> revision = {});
   Status WithdrawRelease(const Uuid& attempt, const Actor& by,
                          std::optional<int32_t> revision = {});
-  // Releases every scored attempt under it; how many were not before. Errors: kConflict (a blind
-  // marking of one is under way).
+  // Releases every scored attempt under it; how many were not before. Errors: as ReleaseAttempt's,
+  // of any of them.
   Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by);
-  // None: the computed score counts again. Errors: kNotFound, kConflict (not scored).
+  // None: the computed score counts again; a release of one with kBorderlineScore is withdrawn. Errors: kNotFound, kConflict
+  // (not scored).
   Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
                        const Actor& by, std::optional<int32_t> revision = {});
   // Sets bits of AttemptFlag, with the reason in the audit trail; nothing changes when they are

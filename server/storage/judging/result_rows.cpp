@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/results/result_document.h"
 #include "server/storage/attempts/attempt_flags.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/attempts/job_rows.h"
@@ -211,6 +212,7 @@ Status ResultRows::FinishAttempt(const Uuid& attempt, const AttemptResult& resul
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, lease));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(PutFlag(db, attempt, kShook, result.shook));
+    ENAMEL_RETURN_IF_ERROR(PutFlag(db, attempt, kBorderlineScore, result.borderline));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume,
                                             result.deviation, result.series, result.motion}));
@@ -238,6 +240,11 @@ Status ResultRows::RestoreResult(const Uuid& attempt, int32_t run, const Actor& 
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(RepeatRun(db, attempt, run));
+    // An unsigned run's flags are not kept: the newest run's stay.
+    if (const auto document = DecodeResult(kept.result.document); document.ok()) {
+      const bool borderline = (document->flags & kBorderlineScore) != 0;
+      ENAMEL_RETURN_IF_ERROR(PutFlag(db, attempt, kBorderlineScore, borderline));
+    }
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
                             ScoredJson(db, attempt, kept.result.score_json, kept.result.document));
     return WriteAudit(db, by, kAuditRestore, attempt.Text(),

@@ -31,7 +31,8 @@ struct AttemptResult {
   // The score document of the run before, when it gives the same points for the same reasons:
   // then this is no other score, whatever else was measured.
   std::optional<Sha256> same_judgement_as;
-  bool shook = false;  // input of FinishAttempt, which sets or clears kShook
+  bool shook = false;       // input of FinishAttempt, which sets or clears kShook
+  bool borderline = false;  // likewise kBorderlineScore
   // The motion and its nearest neighbour: input of FinishAttempt, which sets or clears
   // kNearAnother, and not returned again (NearestTo). Zero: not measured; earlier findings stay.
   Sha256 motion{};

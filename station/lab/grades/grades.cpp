@@ -39,7 +39,7 @@ Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
 
 bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
 
-bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
+bool GradeRow::CostsEnough() const { return !must_cost || borderline || points_lost >= 1; }
 
 bool GradeRow::CostsTooMuch() const { return may_cost && points_lost > *may_cost; }
 
@@ -103,6 +103,9 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   row.critical_expected = fault.critical;
   for (const scoring::CriticalResult& c : score.critical) {
     if (row.critical.empty() || c.error == fault.critical) row.critical = c.error;
+  }
+  for (const scoring::CriticalResult& c : score.borderline) {
+    if (c.error == fault.critical) row.critical = c.error, row.borderline = true;
   }
   row.judged = JudgedOf(fault, exercise_.name, *r_, attempt, score);
   return row;

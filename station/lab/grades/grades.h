@@ -32,6 +32,7 @@ struct GradeRow {
   double tolerance = 0;         // limit of |found - size|
   double points_lost = 0, score = 0;
   std::string critical_expected, critical;  // the error that was made and the first found, or none
+  bool borderline = false;                  // it is: a person decides
   bool must_cost = true;                    // at or over its threshold: must cost at least a point
   std::optional<double> may_cost;           // points, at most
   Judged judged;

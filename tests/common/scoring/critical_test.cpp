@@ -37,6 +37,45 @@ TEST(CriticalTest, IsNotAcceptableAndThePointsWithoutItAreBesideIt) {
   EXPECT_EQ(Score(0, 0).acceptance, Acceptance::kAcceptable);
 }
 
+TEST(CriticalTest, WithinTwoUncertaintiesOfItsLimitAnErrorIsBorderlineAndNotCritical) {
+  auto scored = [](double wall) {
+    MetricSet metrics = Values(wall);
+    metrics.values[0].uncertainty = 0.02;
+    return *ApplyRubric(WithCritical(), metrics, {{"wall_mesial", "wall", 0, 0.2}});
+  };
+  for (const double wall : {-0.17, -0.2, -0.239}) {
+    const ScoreResult r = scored(wall);
+    EXPECT_FALSE(r.critical_fail) << wall;
+    ASSERT_EQ(r.borderline.size(), 1U) << wall;
+    EXPECT_EQ(r.borderline[0].error, "contact_left");
+    EXPECT_EQ(r.borderline[0].uncertainty, 0.02);
+    EXPECT_EQ(r.score, r.points);
+  }
+  EXPECT_TRUE(scored(-0.241).critical_fail);
+  EXPECT_TRUE(scored(-0.241).borderline.empty());
+  EXPECT_TRUE(scored(-0.159).borderline.empty());
+  // No pulp is in sight, and none may be.
+  EXPECT_FALSE(IsBorderline(0, 0, 0.1));
+  EXPECT_TRUE(IsBorderline(0.1, 0, 0.1));
+}
+
+TEST(CriticalTest, PointsNearTheLeastThatPassAreBorderlineWhereTheyAloneDecide) {
+  Rubric rubric = WithCritical();
+  rubric.prices = {{"wall", 0.5, 0.5, 50, 500, 2, 90, "a test"}};
+  auto scored = [&](double left_mm, double uncertainty_mm) {
+    return *ApplyRubric(rubric, Values(0), {{"wall_mesial", "wall", 0, left_mm, uncertainty_mm}});
+  };
+  const ScoreResult near = scored(0.51, 0.01);
+  // A size of 0.5 mm costs 50 points: 100 of a millimetre, a little less at the curve's bend.
+  EXPECT_NEAR(near.points_uncertainty, 1, 0.02);
+  ASSERT_EQ(near.borderline.size(), 1U);
+  EXPECT_EQ(near.borderline[0].error, kPassLimit);
+  EXPECT_TRUE(scored(0.51, 0.001).borderline.empty());
+  EXPECT_TRUE(scored(0.6, 0.01).borderline.empty());
+  rubric.prices[0].redo_points = 20;
+  EXPECT_TRUE(scored(0.51, 0.01).borderline.empty());
+}
+
 TEST(CriticalTest, OneThatTheExerciseCannotShowIsRefusedWithTheReason) {
   const Rubric rubric = WithCritical();
   MetricSet metrics = Values(0);
@@ -45,7 +84,7 @@ TEST(CriticalTest, OneThatTheExerciseCannotShowIsRefusedWithTheReason) {
   EXPECT_FALSE(FindCritical(rubric, metrics).ok());
   metrics.missing = {{"wall_mesial_mm", NoValue::kNotMade}};
   EXPECT_TRUE(CheckCriticalIsMeasured(rubric, metrics).ok());
-  EXPECT_TRUE(FindCritical(rubric, metrics)->empty());
+  EXPECT_TRUE(FindCritical(rubric, metrics)->critical.empty());
   metrics.missing[0].why = NoValue::kNotInTask;
   const Status refused = CheckCriticalIsMeasured(rubric, metrics);
   EXPECT_EQ(refused.field(), "critical[0].metric");

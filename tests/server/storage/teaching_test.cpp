@@ -429,6 +429,32 @@ TEST_P(TeachingTest, ReleaseOfAnAssignmentReleasesWhatIsScoredAndCanBeTakenBack)
             Code::kNotFound);
 }
 
+TEST_P(TeachingTest, ABorderlineScoreOfGradedWorkIsReleasedWhenAPersonHasSetIt) {
+  World world(*store_);
+  const AssignmentRow row = Assigned(Cohort("mine", world.student));
+  const Uuid attempt = *Begin(world, row);
+  ASSERT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  AttemptResult result;
+  result.score = 80;
+  result.borderline = true;
+  result.score_json = PutText(*store_, "score");
+  ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
+  auto now = [&] { return *store_->attempts.AttemptById(attempt); };
+  EXPECT_NE(now().flags & kBorderlineScore, 0U);
+  EXPECT_EQ(store_->judging.ReleaseAttempt(attempt, kSystem).field(), "borderline");
+  EXPECT_EQ(store_->judging.ReleaseAssignment(row.id, kSystem).status().field(), "borderline");
+  EXPECT_FALSE(now().released);
+  const ScoreOverride same{80, "looked at under the lens", {}, 0};
+  ASSERT_TRUE(store_->judging.OverrideScore(attempt, same, kSystem).ok());
+  ASSERT_TRUE(store_->judging.ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->judging.OverrideScore(attempt, std::nullopt, kSystem).ok());
+  EXPECT_FALSE(now().released) << "nobody decides any more";
+  result.borderline = false;
+  ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
+  EXPECT_TRUE(store_->judging.ReleaseAttempt(attempt, kSystem).ok());
+}
+
 TEST_P(TeachingTest, OverrideCountsAndTheComputedScoreIsKept) {
   World world(*store_);
   Uuid attempt = world.ScoredAttempt(62), unscored = world.OpenedAttempt();

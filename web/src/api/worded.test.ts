@@ -4,6 +4,7 @@ import { afterEach, test } from "node:test";
 import { speak } from "../base/language";
 import type { MetricName, Mistake, ReasonCode, Score, Unit } from "./types";
 import {
+  borderlineText,
   criterionTitle,
   directionsOf,
   explanation,
@@ -212,4 +213,23 @@ test("a region has a name, and says how far its dearer side is off", () => {
 test("a group has the page's name, a figure of the hand the rubric's", () => {
   assert.equal(criterionTitle({ name: "internal_form", title: "Internal shape" }), "Internal form");
   assert.equal(criterionTitle({ name: "time_s", title: "As fast as in the clinic" }), "As fast as in the clinic");
+});
+
+test("a borderline limit says value, limit and uncertainty", () => {
+  const limit = { name: "neighbour_depth_mm", unit: "mm", above: true, reason: "" } as const;
+  const said = borderlineText({ ...limit, error: "neighbour_damaged", value: 0.27, limit: 0.25, uncertainty: 0.029 });
+  assert.equal(
+    spaced(said),
+    "Borderline: “The adjacent tooth is damaged” is not certain (0.27 mm, limit 0.25 mm, standard uncertainty 0.03 mm).",
+  );
+  const points = borderlineText({
+    ...limit,
+    error: "points",
+    name: "points",
+    unit: "",
+    value: 50.6,
+    limit: 50,
+    uncertainty: 0.4,
+  });
+  assert.match(spaced(points), /\(50\.6, limit 50, standard uncertainty 0\.4\)\.$/);
 });

@@ -1,4 +1,12 @@
-import { formatLimit, formatNumber, formatQuantity, formatWith, kMostDigits, usualDigits } from "../base/format";
+import {
+  formatLimit,
+  formatNumber,
+  formatPoints,
+  formatQuantity,
+  formatWith,
+  kMostDigits,
+  usualDigits,
+} from "../base/format";
 import { spokenLanguage } from "../base/language";
 import { say, sayIf } from "../base/words";
 import { ok } from "../base/result";
@@ -44,6 +52,23 @@ export function criticalText({ error, name, value, unit, limit, above, reason }:
     error: said,
     found: measuredText(name, value, unit, formBeside(value, [limit], true, unit)),
     limit: formatLimit(limit, unit),
+  });
+}
+
+// "Borderline: “The pulp is exposed” is not certain (0.02 mm², limit 0 mm², standard uncertainty 0.01 mm²)."
+export function borderlineText({ error, value, unit, limit, uncertainty }: Score["borderline"][number]): string {
+  if (error === "points") {
+    return say("borderline.points", {
+      found: formatPoints(value),
+      limit: formatPoints(limit),
+      uncertainty: formatPoints(uncertainty),
+    });
+  }
+  return say("borderline.critical", {
+    error: sayIf(`critical_error.${error}`) ?? plainName(error),
+    found: sizeText(value, unit),
+    limit: formatLimit(limit, unit),
+    uncertainty: sizeText(uncertainty, unit),
   });
 }
 

@@ -135,6 +135,12 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
     },
     tone: "warning",
   },
+  borderline_score: {
+    get title() {
+      return say("attempt_flag.borderline_score");
+    },
+    tone: "warning",
+  },
   near_another: {
     get title() {
       return say("attempt_flag.near_another");

@@ -203,14 +203,18 @@ class Examiner {
   }
 
   // Names the critical errors of the cut, as if a calm hand had made it.
-  std::vector<std::string> CriticalOf(const Recipe& recipe) const {
+  struct Errors {
+    std::vector<std::string> critical, borderline;
+  };
+  Errors ErrorsOf(const Recipe& recipe) const {
     const cutting::Volume cut = carver_->Carve(recipe);
     const auto metrics = calm_->Measure(built_.scene, exercise_, cut);
     EXPECT_TRUE(metrics.ok()) << metrics.status().message();
     const auto score = ApplyRubric(exercise_.rubric, *metrics, {}, {});
     EXPECT_TRUE(score.ok()) << score.status().message();
-    std::vector<std::string> out;
-    for (const CriticalResult& c : score->critical) out.push_back(c.error);
+    Errors out;
+    for (const CriticalResult& c : score->critical) out.critical.push_back(c.error);
+    for (const CriticalResult& c : score->borderline) out.borderline.push_back(c.error);
     return out;
   }
 
@@ -346,10 +350,12 @@ TEST(ExaminerCriticalTest, WhatNoExaminerPassesIsCriticalAndNoLesserFaultIs) {
   if (!fs::exists(folder)) GTEST_SKIP() << "shared data not present: " << folder;
   struct Row {
     const char *recipe, *error;  // empty: none
+    bool borderline = false;     // a person decides
   };
   constexpr Row kOfClassTwo[] = {
       {"contact shell .15 left whole", "contact_left"},
-      {"contact shell .3 left gingival third", "contact_left"},
+      // Near 25 % of the contact, whose lines are 0.1 mm apart.
+      {"contact shell .3 left gingival third", "contact_left", true},
       {"axial wall deep .15", ""},
       {"neighbour nick .05", ""},
       {"neighbour nick .15", ""},
@@ -362,13 +368,14 @@ TEST(ExaminerCriticalTest, WhatNoExaminerPassesIsCriticalAndNoLesserFaultIs) {
   for (const Row& row : kOfClassTwo) {
     const auto recipe = std::ranges::find(recipes, row.recipe, &Recipe::name);
     ASSERT_NE(recipe, recipes.end()) << row.recipe;
-    const std::vector<std::string> found = examiner.CriticalOf(*recipe);
+    const auto found = examiner.ErrorsOf(*recipe);
+    const auto& errors = row.borderline ? found.borderline : found.critical;
     std::string all;
-    for (const std::string& error : found) all += error + " ";
+    for (const std::string& error : errors) all += error + " ";
     if (*row.error == 0)
-      EXPECT_TRUE(found.empty()) << row.recipe << ": " << all;
+      EXPECT_TRUE(errors.empty()) << row.recipe << ": " << all;
     else
-      EXPECT_TRUE(std::ranges::count(found, row.error)) << row.recipe << ": " << all;
+      EXPECT_TRUE(std::ranges::count(errors, row.error)) << row.recipe << ": " << all;
   }
 }
 

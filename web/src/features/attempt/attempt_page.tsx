@@ -298,6 +298,7 @@ function Judgement({ review, onChanged, rescore, soon }: JudgementProps) {
           score={scored}
           reference={reference?.dentist ?? undefined}
           own={attempt.person.id === review.personId}
+          graded={attempt.exercise.graded || attempt.exam}
           override={attempt.override}
           onPlace={review.removed ? undefined : review.showPlace}
         />

@@ -1,5 +1,5 @@
 import type { AttemptDetail, Criterion, Mistake, Region, Score } from "../../api/types";
-import { measuredText, mistakeText, regionText, regionTitle, remedyText } from "../../api/worded";
+import { borderlineText, measuredText, mistakeText, regionText, regionTitle, remedyText } from "../../api/worded";
 import { isWorthAdvice } from "../../api/worth";
 import { formatDateTime, formatPoints, formatScore, lostText } from "../../base/format";
 import { spokenLanguage } from "../../base/language";
@@ -18,10 +18,11 @@ interface Props {
   readonly reference: string | undefined; // who cut it; undefined: nobody, or somebody whose name is not there
   readonly override: AttemptDetail["override"]; // what an instructor says instead
   readonly own: boolean; // the reader made the attempt
+  readonly graded: boolean; // a person decides what is borderline, before the release
   readonly onPlace: ((place: FaultPlace) => void) | undefined; // shows it on the tooth and the timeline
 }
 
-export const ScorePanel = still(function ScorePanel({ score, reference, override, own, onPlace }: Props) {
+export const ScorePanel = still(function ScorePanel({ score, reference, override, own, graded, onPlace }: Props) {
   return (
     <Card title={say("score.title")} className="score-card">
       <div class="score-head">
@@ -37,6 +38,7 @@ export const ScorePanel = still(function ScorePanel({ score, reference, override
         </div>
       </div>
       <Critical score={score} />
+      <Borderline score={score} undecided={graded && override === null} decided={graded && override !== null} />
       <Mistakes score={score} own={own} onPlace={onPlace} />
       <Groups groups={groupsOf(score)} />
     </Card>
@@ -73,6 +75,31 @@ function Critical({ score }: { readonly score: Score }) {
         ))}
       </ul>
       <p class="hint">{say("score.without_critical", { points: formatScore(score.points) })}</p>
+    </Notice>
+  );
+}
+
+// Limits that lie within the uncertainty of what was measured.
+function Borderline({
+  score: { borderline },
+  undecided,
+  decided,
+}: {
+  readonly score: Score;
+  readonly undecided: boolean;
+  readonly decided: boolean;
+}) {
+  if (borderline.length === 0) return null;
+  return (
+    <Notice tone="warning" title={say("score.borderline")}>
+      <ul>
+        {borderline.map((limit) => (
+          <li key={`${limit.error} ${limit.name}`}>{borderlineText(limit)}</li>
+        ))}
+      </ul>
+      <p class="hint">
+        {say(decided ? "score.borderline_decided" : undecided ? "score.borderline_decide" : "score.borderline_scored")}
+      </p>
     </Notice>
   );
 }
