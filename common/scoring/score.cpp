@@ -345,6 +345,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& given, const MetricSet& metrics,
   out.points = std::max(0.0, 100 - lost);
   out.beyond = std::max(0.0, lost - 100);
   ENAMEL_ASSIGN_OR_RETURN(FoundCritical found, FindCritical(rubric, metrics));
+  out.board = BoardTable(rubric, found);
   out.critical = std::move(found.critical);
   out.critical_fail = out.critical_fail || !out.critical.empty();
   // Else another error decides.

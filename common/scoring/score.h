@@ -7,6 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "common/scoring/board.h"
 #include "common/scoring/critical.h"
 #include "common/scoring/deductions.h"
 #include "common/scoring/envelope.h"
@@ -66,7 +67,8 @@ struct ScoreResult {
   // Limits that the measuring does not decide, where nothing else is critical; the last may be the pass limit, of
   // kPassLimit. Scored as not critical. In graded work a person decides before the score is released.
   std::vector<CriticalResult> borderline;
-  double points = 0;  // the score as if no error were critical
+  std::vector<BoardRow> board;  // beside the points, of which it takes none
+  double points = 0;            // the score as if no error were critical
   // Standard, of `points`: from what the grid does to the regions' measures, as if to all of them at once.
   double points_uncertainty = 0;
   Acceptance acceptance = Acceptance::kAcceptable;

@@ -146,6 +146,18 @@ json::array CriticalJson(const std::vector<CriticalResult>& critical) {
   return out;
 }
 
+json::array BoardJson(const std::vector<BoardRow>& board) {
+  json::array out;
+  for (const BoardRow& row : board) {
+    out.push_back({{"category", scoring::NameOf(row.category)},
+                   {"grade", row.grade ? json::value(scoring::NameOf(*row.grade)) : json::value()},
+                   {"borderline", row.borderline},
+                   {"error", row.error},
+                   {"source", row.source}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string ToJson(const ScoreResult& result) {
@@ -165,6 +177,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"critical_fail", result.critical_fail},
                    {"critical", CriticalJson(result.critical)},
                    {"borderline", CriticalJson(result.borderline)},
+                   {"board", BoardJson(result.board)},
                    {"points", Rounded(result.points)},
                    {"points_uncertainty", Rounded(result.points_uncertainty)},
                    {"acceptance", stored::NameOf(kAcceptances, result.acceptance)},

@@ -308,6 +308,20 @@ void ReadCritical(ObjectReader& reader, Status& status, const char* name,
   }
 }
 
+void ReadBoard(ObjectReader& reader, Status& status, ScoreResult& out) {
+  const json::array* list = reader.Array("board", kGroups);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "board[" + std::to_string(i) + "]", status);
+    BoardRow& row = out.board.emplace_back();
+    item.ReadEnum("category", kGroups, row.category);
+    if (const json::value* grade = item.Member("grade"); grade != nullptr && !grade->is_null())
+      item.ReadEnum("grade", kBoardGrades, row.grade.emplace());
+    item.Read("borderline", row.borderline);
+    item.Read("error", row.error);
+    item.Read("source", row.source);
+  }
+}
+
 Result<json::value> DocumentOf(std::string_view text, json::storage_ptr memory) {
   if (text.size() > kMaxScoreJsonBytes) {
     return Status(Code::kTooLarge, "score: expected at most " + std::to_string(kMaxScoreJsonBytes) +
@@ -345,6 +359,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   reader.Read("critical_fail", out.critical_fail);
   ReadCritical(reader, status, "critical", out.critical);
   ReadCritical(reader, status, "borderline", out.borderline);
+  ReadBoard(reader, status, out);
   reader.Read("points", out.points);
   reader.Read("points_uncertainty", out.points_uncertainty);
   reader.ReadName("acceptance", kAcceptances, out.acceptance);

@@ -41,6 +41,7 @@ export const ScorePanel = still(function ScorePanel({ score, reference, override
       <Borderline score={score} undecided={graded && override === null} decided={graded && override !== null} />
       <Mistakes score={score} own={own} onPlace={onPlace} />
       <Groups groups={groupsOf(score)} />
+      <Board rows={score.board} />
     </Card>
   );
 });
@@ -102,6 +103,38 @@ function Borderline({
       </p>
     </Notice>
   );
+}
+
+// As a licensing board grades: by category, the worst part decides. Nothing where no limit at all was read.
+function Board({ rows }: { readonly rows: Score["board"] }) {
+  if (rows.every(({ grade }) => grade === null)) return null;
+  return (
+    <section class="board">
+      <h3>{say("board.title")}</h3>
+      <dl class="facts stacked">
+        {rows.map(({ category, grade, borderline, source }) => (
+          <div key={category}>
+            <dt>{say(`group.${category}`)}</dt>
+            <dd>
+              {grade === null ? say("board.no_limit") : <BoardGrade grade={grade} borderline={borderline} />}
+              {source !== "" && <p class="hint">{source}</p>}
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+function BoardGrade({
+  grade,
+  borderline,
+}: {
+  readonly grade: "satisfactory" | "critical";
+  readonly borderline: boolean;
+}) {
+  if (borderline) return <Badge tone="warning">{say("score.borderline")}</Badge>;
+  return <Badge tone={grade === "critical" ? "bad" : "good"}>{say(`board.${grade}`)}</Badge>;
 }
 
 function OverrideText({

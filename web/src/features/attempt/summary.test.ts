@@ -52,6 +52,7 @@ const score = (changes: Partial<Score> = {}): Score => ({
   critical_fail: false,
   critical: [],
   borderline: [],
+  board: [],
   points_uncertainty: 0.3,
   points: 83.4,
   acceptance: "with_remarks",
