@@ -241,7 +241,7 @@ struct Screen {
 };
 
 Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen& screen) {
-  if (!options.window && options.screenshot.empty()) return Status::Ok();
+  if (!options.window) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto window, OpenWindow(options, job));
   screen.window = std::move(window);
   screen.feed.emplace(screen.window->tooth(), job.volume.spec().voxel_m(),
@@ -267,8 +267,6 @@ class Watcher {
     // In every case: the recorder has to store the rest before anything returns.
     const Status recorded = attempt_.left() ? attempt_.Leave() : attempt_.Join().status();
     last_ = attempt_.snapshot();
-    // Checked last: a recorded attempt is uploaded even if its picture could not be written.
-    Status picture = TakePicture();
     ENAMEL_RETURN_IF_ERROR(recorded);
     AttemptResult result;
     result.attempt = attempt_.attempt();
@@ -280,7 +278,6 @@ class Watcher {
       AwaitUpload(result);
     }
     progress_.End();
-    ENAMEL_RETURN_IF_ERROR(picture);
     ENAMEL_ASSIGN_OR_RETURN(auto spooled, workplace_.spool().Get(result.attempt));
     result.refused = spooled.refused;
     if (!options_.json.empty()) {
@@ -347,15 +344,6 @@ class Watcher {
 
   void Leave() {
     if (!attempt_.recorded()) (void)attempt_.Leave();
-  }
-
-  Status TakePicture() {
-    if (screen_.window && !options_.screenshot.empty()) {
-      // The whole cut, because the window shows the result.
-      screen_.window->tooth().FlushBricks(attempt_.core().volume());
-      return screen_.window->WriteScreenshot(options_.screenshot.string());
-    }
-    return Status::Ok();
   }
 
   // Not signed is no error: the attempt counts, and its reviewers see it.
@@ -473,7 +461,6 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   // Before a ticket is used: an attempt must not be lost over a file name.
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.screenshot, "--screenshot"));
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   ENAMEL_ASSIGN_OR_RETURN(auto job, Prepare(*workplace, options));
   job.facts = options.facts;

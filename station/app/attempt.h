@@ -21,7 +21,6 @@ struct RunOptions {
   bool lockstep = false;
   int cpu = -1;  // bind the loop to this processor; -1: to none
   bool window = false;
-  std::filesystem::path screenshot;
   std::filesystem::path json;
   bool as_reference = false;
   protocol::AttemptFacts facts;    // as chosen; a resumed attempt keeps its own

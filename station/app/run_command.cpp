@@ -149,7 +149,6 @@ void DeclareRun(CommandGroup group) {
       ->capture_default_str();
   cmd->add_flag("--lockstep", run.lockstep, "Run as fast as the computer can, not at 1 kHz");
   cmd->add_flag("--window", run.window, "Show the tooth being cut");
-  cmd->add_option("--screenshot", run.screenshot, "Write the last picture as PNG");
   cmd->add_option("--json", run.json, "Write the facts of the attempt to this file");
   cmd->add_flag("--as-reference", run.as_reference, "Meant as a reference cut (instructors)");
   cmd->add_flag("--quiet", run.quiet, "No progress");

@@ -13,5 +13,14 @@ TEST(HelpTest, EveryCommandHasAnExampleThatItTakesAndDescribesItsOptions) {
   test::ExpectHelpOfEveryCommand(app);
 }
 
+TEST(HelpTest, AGuideNamesEveryOption) {
+  CLI::App app("", "enamel-station");
+  WorkplaceSettings place;
+  const program::CommandSettings settings(app, {});
+  int exit_code = 0;
+  DeclareCommands({app, place, settings, exit_code});
+  test::ExpectEveryOptionIsNamed(app, test::AllMarkdown(ENAMEL_SOURCE_DIR));
+}
+
 }  // namespace
 }  // namespace enamel::station
