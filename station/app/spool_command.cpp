@@ -93,10 +93,6 @@ json::object FactsOf(const SpooledAttempt& a) {
   return out;
 }
 
-void PrintJson(const json::object& object) {
-  std::printf("%s\n", program::JsonText(object).c_str());
-}
-
 // For reading. Null for a station that has recorded nothing yet.
 Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
   auto spool = Spool::OpenToRead(data);
@@ -211,7 +207,7 @@ void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
   }
 }
 
-Status SendWaiting(AttemptSender& sender, Spool& spool, bool as_json, json::array& sent) {
+Status SendWaiting(AttemptSender& sender, Spool& spool, json::array& sent) {
   ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(spool));
   Status worst;
   for (const SpooledAttempt& attempt : waiting) {
@@ -233,7 +229,6 @@ Status SendWaiting(AttemptSender& sender, Spool& spool, bool as_json, json::arra
     } else if (!status.ok() && !IsDamaged(worst)) {
       worst = status;
     }
-    if (as_json) continue;
     std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(after),
                 after.committed, after.chunks, status.message().c_str());
     if (status.ok() && !after.seal) {
@@ -252,7 +247,7 @@ Status ListSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempts, ListOf(spool));
   uint64_t bytes = 0;
   for (const SpooledAttempt& a : attempts) bytes += a.bytes;
-  if (options.json) {
+  if (!options.json.empty()) {
     json::array all;
     for (const SpooledAttempt& a : attempts) {
       ENAMEL_ASSIGN_OR_RETURN(auto last_ms, spool->LastSpooledUnixMs(a.id));
@@ -260,8 +255,8 @@ Status ListSpool(const SpoolCommand& options) {
       if (last_ms) facts["last_spooled_unix_ms"] = *last_ms;
       all.push_back(std::move(facts));
     }
-    PrintJson({{"spool", file.string()}, {"bytes", bytes}, {"attempts", all}});
-    return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
+        options.json, {{"spool", file.string()}, {"bytes", bytes}, {"attempts", all}}));
   }
   if (attempts.empty()) {
     std::printf("the spool %s is empty\n", file.c_str());
@@ -294,17 +289,15 @@ Status ShowLoops(const SpoolCommand& options) {
                                         " went is not kept as JSON: the spool is damaged, "
                                         "'enamel-station spool verify' says how far");
     }
-    if (!options.json) PrintLoop(run, facts.as_object());
+    PrintLoop(run, facts.as_object());
     runs.push_back(
         {{"run", run.run}, {"ended_unix_ms", run.ended_unix_ms}, {"facts", std::move(facts)}});
   }
-  if (options.json) {
-    PrintJson({{"attempt_id", id->Text()}, {"runs", runs}});
-  } else if (runs.empty()) {
+  if (runs.empty()) {
     std::printf("%s: no loop of it ran to its end (still running, or interrupted)\n",
                 id->Text().c_str());
   }
-  return Status::Ok();
+  return program::WriteJsonFile(options.json, {{"attempt_id", id->Text()}, {"runs", runs}});
 }
 
 Status VerifySpool(const SpoolCommand& options) {
@@ -325,17 +318,15 @@ Status VerifySpool(const SpoolCommand& options) {
     facts["whole"] = v.status.ok();
     facts["problem"] = v.status.message();
     all.push_back(facts);
-    if (!options.json) {
-      std::printf("%s  %s\n", v.attempt.id.Text().c_str(),
-                  v.status.ok() ? "whole" : v.status.message().c_str());
-    }
+    std::printf("%s  %s\n", v.attempt.id.Text().c_str(),
+                v.status.ok() ? "whole" : v.status.message().c_str());
     if (!v.status.ok()) {
       worst = Status(v.status.code(), "attempt " + v.attempt.id.Text() + ": " + v.status.message());
     }
   }
-  if (options.json) {
-    PrintJson({{"signatures_checked", key.has_value()}, {"attempts", all}});
-  } else if (worst.ok()) {
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
+      options.json, {{"signatures_checked", key.has_value()}, {"attempts", all}}));
+  if (worst.ok()) {
     std::printf("%zu attempts: chains%s and seals are right\n", verdicts.size(),
                 key ? ", signatures" : "");
   }
@@ -351,14 +342,11 @@ Status ExportFromSpool(const SpoolCommand& options) {
   Bytes bytes = trace::EncodeTraceFile(file);
   // Only for this user: a recording is personal data (schemas/personal_data.md).
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, bytes, 0600));
-  if (options.json) {
-    PrintJson({{"attempt_id", id->Text()},
-               {"file", options.out.string()},
-               {"chunks", file.chunks.size()},
-               {"bytes", bytes.size()},
-               {"sealed", file.seal.has_value()}});
-    return Status::Ok();
-  }
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, {{"attempt_id", id->Text()},
+                                                               {"file", options.out.string()},
+                                                               {"chunks", file.chunks.size()},
+                                                               {"bytes", bytes.size()},
+                                                               {"sealed", file.seal.has_value()}}));
   std::printf("%s: %zu chunks, %zu bytes%s\n", options.out.c_str(), file.chunks.size(),
               bytes.size(), file.seal ? ", sealed" : ", not sealed");
   return Status::Ok();
@@ -384,7 +372,7 @@ Status UploadSpool(const SpoolCommand& options) {
     // First asks what the server has lost: only then is it known what to send.
     auto wanted = sender.Offer();
     status = wanted.ok() ? sender.ReturnTickets() : wanted.status();
-    if (wanted.ok() && *wanted > 0 && !options.json) {
+    if (wanted.ok() && *wanted > 0) {
       std::printf("the server has lost %zu attempts that it once had: they are sent again\n",
                   *wanted);
     }
@@ -393,7 +381,7 @@ Status UploadSpool(const SpoolCommand& options) {
   }
   if (!status.ok() && !IsDamaged(status)) (void)(spool)->MarkAllTried(status.message());
   json::array sent;
-  if (status.ok() && link.connected()) status = SendWaiting(sender, *spool, options.json, sent);
+  if (status.ok() && link.connected()) status = SendWaiting(sender, *spool, sent);
   // While the server is away, an earlier refusal may be outdated: it is reported when the server
   // answers again.
   if (status.ok() || !IsTransient(status)) {
@@ -405,8 +393,9 @@ Status UploadSpool(const SpoolCommand& options) {
   if (std::string text = PrunedText(pruned, options.workplace.retention); !text.empty()) {
     spdlog::warn("{}", text);
   }
-  if (options.json) PrintJson({{"attempts", sent}, {"problem", status.message()}});
-  if (!options.json && status.ok() && sent.empty()) std::printf("nothing to upload\n");
+  ENAMEL_RETURN_IF_ERROR(
+      program::WriteJsonFile(options.json, {{"attempts", sent}, {"problem", status.message()}}));
+  if (status.ok() && sent.empty()) std::printf("nothing to upload\n");
   return status;
 }
 
@@ -421,14 +410,11 @@ Status SalvageIntoFolder(const SpoolCommand& options) {
                    {"expected_chunks", a.expected},
                    {"sealed", a.sealed},
                    {"problem", a.problem.message()}});
-    if (options.json) continue;
     std::printf("%s  %u of %u chunks saved%s%s\n", a.id.Text().c_str(), a.chunks, a.expected,
                 a.problem.ok() ? "" : ": ", a.problem.message().c_str());
   }
-  if (options.json) {
-    PrintJson({{"attempts", all}, {"hit", hit}, {"tickets", saved.tickets}});
-    return Status::Ok();
-  }
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
+      options.json, {{"attempts", all}, {"hit", hit}, {"tickets", saved.tickets}}));
   std::printf(
       "%zu attempts whole, %zu hit, %zu tickets for later. The new spool is %s: move the damaged "
       "one away (keep it) with what is beside it (-wal, -shm), and this one into its place\n",
@@ -444,10 +430,8 @@ Status CloseInSpool(const SpoolCommand& options) {
   auto id = AttemptMeant(*spool, options.attempt, [](const auto& a) { return !a.seal; });
   if (!id.ok()) return id.status();
   ENAMEL_ASSIGN_OR_RETURN(auto seal, spool->CloseAttempt(*id));
-  if (options.json) {
-    PrintJson({{"attempt_id", id->Text()}, {"chunks", seal.chunks}, {"ticks", seal.ticks}});
-    return Status::Ok();
-  }
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
+      options.json, {{"attempt_id", id->Text()}, {"chunks", seal.chunks}, {"ticks", seal.ticks}}));
   std::printf(
       "%s: sealed after %llu ticks; what was not cut counts as missing. 'enamel-station upload' "
       "sends it\n",
@@ -469,10 +453,11 @@ void DeclareSpool(CommandGroup group) {
     } else {
       AddDataOption(*added, group.place);
     }
-    added->add_flag("--json", options->json, "The facts as one JSON object");
+    added->add_option("--json", options->json, "Write the facts to this file");
     added->callback([options, group, command] {
       options->workplace = group.place.Options();
-      group.exit_code = Finish(command(*options));
+      const Status can_write = program::CheckOutputFile(options->json, "--json");
+      group.exit_code = Finish(can_write.ok() ? command(*options) : can_write);
     });
     return added;
   };

@@ -14,8 +14,8 @@ struct SpoolCommand {
   WorkplaceOptions workplace;
   std::string attempt;  // id, or "last"
   std::filesystem::path out;
-  std::string again;  // for upload: id of a refused attempt to send once more
-  bool json = false;  // one JSON object on standard output instead of lines
+  std::string again;           // for upload: id of a refused attempt to send once more
+  std::filesystem::path json;  // the facts as JSON; empty: none
 };
 
 // For each attempt: why it waits, since when, and when it was last tried.

@@ -31,7 +31,8 @@ text_of() { [[ $1 =~ \"$2\":\"([^\"]+) ]] && echo "${BASH_REMATCH[1]}" || true; 
 # look STATION [ID]: facts of the newest attempt, or of that one, as a JSON object; empty: none.
 look() {
   local all
-  all=$("$enamel_station" spool list --json --data "$1")
+  "$enamel_station" spool list --json "$1.list" --data "$1" >/dev/null
+  all=$(<"$1.list")
   # Why a recording waits is an object of its own.
   while [[ $all =~ \"waits\":\{[^{}]*\},? ]]; do all=${all/"${BASH_REMATCH[0]}"/}; done
   if [ -n "${2:-}" ]; then
@@ -125,7 +126,8 @@ took_s=$((($(now_ms) - begin) / 1000))
 for i in $(seq "$stations"); do
   "$enamel_station" spool verify --data "$work/station$i" >"$work/verify" || { cat "$work/verify"; fail "the spool of station $i is damaged"; }
   "$enamel_station" upload --data "$work/station$i" >"$work/upload" 2>&1 || { cat "$work/upload"; fail "station $i could not upload"; }
-  "$enamel_station" spool list --json --data "$work/station$i" >>"$work/spools"
+  "$enamel_station" spool list --json "$work/listed" --data "$work/station$i" >/dev/null
+  cat "$work/listed" >>"$work/spools"
 done
 cat "$work"/kills* >"$work/kills"
 "$enamel_server" admin list-attempts --data "$data" --limit 1000000 >"$work/list"

@@ -23,7 +23,7 @@ server_cli admin mark-reference --data "$data" --attempt "$reference" --dentist 
 
 # spool_of ATTEMPT MEMBER
 spool_of() {
-  station_cli spool list --json --data "$station" >"$work/spool.json"
+  station_cli spool list --json "$work/spool.json" --data "$station" >/dev/null
   node -e 'const a = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")).attempts.find((a) => a.attempt_id === process.argv[2]);
            if (!a) process.exit(1); console.log(a[process.argv[3]]);' "$work/spool.json" "$1" "$2"
 }
