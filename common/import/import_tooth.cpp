@@ -35,8 +35,6 @@ using cutting::Tissue;
 constexpr int32_t kFinestVoxel_nm = 10'000, kCoarsestVoxel_nm = 500'000;
 // For a grid with every brick stored; a tooth stores only those at its surface or between tissues.
 constexpr size_t kMaxGridBytes = size_t{3} << 30;
-constexpr double kPulpBelowFossa_mm =
-    2.9;  // roof of the chamber below the central fossa, assumption
 // Farther than any point of a tooth is from its surface (units.h: 40 mm at most).
 constexpr double kFar_mm = 100;
 constexpr double kWidestBridge_mm = 0.5;
@@ -280,19 +278,21 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   Enter(options, "tissues");
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
-                            box.hi, fossa.point.z - kPulpBelowFossa_mm);
+                            box.hi, fossa.point.z, options.tooth);
   ImportedScene out;
   out.mesh_volume_mm3 = mesh::SignedVolume(placed->solid.mesh);
   out.report = Describe(placed->solid.report);
   ReportPlace(box, placed->words, fossa, out);
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        mesh::Fixed(tissues.enamel_max_mm(), 1) +
-                       " mm, none at the gum; pulp low in the middle");
+                       " mm, none at the gum; the pulp's size by the crown's");
   WarnOfThinWalls(
       boundary, [&](const dvec3& p) { return whole.Inside(p); }, options, out);
   ENAMEL_RETURN_IF_ERROR(Fill(
       box, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, options, out));
   Finish(fossa, source + "; tissues by depth from the surface are an assumption", options, out);
+  if (cutting::SolidVolume_m3(out.volume)[static_cast<size_t>(Tissue::kPulp)] <= 0)
+    out.report.push_back("no pulp has room in this crown: no cut can expose one");
   return out;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/import/tooth_size.h"
+
 namespace enamel::import {
 namespace {
 
@@ -14,11 +16,21 @@ constexpr double kCell_mm = 0.25;
 constexpr int kMaxCells = 96;        // along an axis
 constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are cut off
 constexpr double kGumCosine = 0.85;
-constexpr double kFullEnamel_mm = 2.3;   // molar cusps, textbook average
-constexpr double kEnamelOfWidth = 0.23;  // and never more than this of the crown's width
-constexpr double kPulpOfDepth = 0.68;    // of the deepest point
-constexpr double kLeastPulpDepth_mm = 1.8;
+constexpr double kFullEnamel_mm = 2.3;    // molar cusps, textbook average
+constexpr double kFrontEnamel_mm = 1.35;  // as our own incisor's (scene/builtin/teeth.cpp)
+constexpr double kPrimaryEnamel_mm = 1;   // about the same over a primary crown
+constexpr double kEnamelOfWidth = 0.23;   // and never more than this of the crown's width
+constexpr double kPulpOfDepth = 0.68;     // of the deepest point
+// Roof of the chamber below the central fossa, of the mean crown's height: 2.9 mm in a first molar.
+constexpr double kRoofOfHeight = 2.9 / 7.5;
 constexpr double kPulpFloor_mm = 0.4;  // dentin left below the chamber
+
+constexpr double kMolarHeight_mm = 7.5;
+
+double FullEnamel_mm(int tooth) {
+  if (tooth > 50) return kPrimaryEnamel_mm;
+  return tooth % 10 <= 3 ? kFrontEnamel_mm : kFullEnamel_mm;
+}
 
 double ClampedRatio(double v, double lo, double hi) {
   return std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
@@ -27,8 +39,10 @@ double ClampedRatio(double v, double lo, double hi) {
 }  // namespace
 
 TissueModel::TissueModel(const mesh::Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
-                         const dvec3& hi_mm, double pulp_top_mm)
-    : lo_(lo_mm), rise_(gum != nullptr ? -*gum : dvec3(0, 0, 1)), pulp_top_(pulp_top_mm) {
+                         const dvec3& hi_mm, double fossa_mm, int tooth)
+    : lo_(lo_mm),
+      rise_(gum != nullptr ? -*gum : dvec3(0, 0, 1)),
+      pulp_top_(fossa_mm - kRoofOfHeight * std::min(MeanSize(tooth).height_mm, kMolarHeight_mm)) {
   for (int i = 0; i < 3; ++i) {
     size_[i] = std::clamp(static_cast<int>((hi_mm[i] - lo_mm[i]) / kCell_mm) + 2, 4, kMaxCells);
     step_[i] = (hi_mm[i] - lo_mm[i]) / (size_[i] - 1);
@@ -40,14 +54,14 @@ TissueModel::TissueModel(const mesh::Triangles& boundary, const dvec3* gum, cons
       top_ = std::max(top_, Height(boundary.vertices[i]));
     }
   }
-  enamel_max_mm_ =
-      std::min(kFullEnamel_mm, kEnamelOfWidth * std::min(hi_mm.x - lo_mm.x, hi_mm.y - lo_mm.y));
+  enamel_max_mm_ = std::min(FullEnamel_mm(tooth),
+                            kEnamelOfWidth * std::min(hi_mm.x - lo_mm.x, hi_mm.y - lo_mm.y));
   SampleDepths(boundary, gum);
   // A pulp chamber is rounder than the crown: fissures must not show in its roof.
   smooth_depth_ = depth_;
   for (int pass = 0; pass < 3; ++pass) Smooth(smooth_depth_);
   float deepest = *std::max_element(smooth_depth_.begin(), smooth_depth_.end());
-  pulp_depth_ = std::max(kLeastPulpDepth_mm, kPulpOfDepth * static_cast<double>(deepest));
+  pulp_depth_ = kPulpOfDepth * static_cast<double>(deepest);
 }
 
 void TissueModel::SampleDepths(const mesh::Triangles& boundary, const dvec3* gum) {

@@ -16,9 +16,10 @@ namespace enamel::import {
 // such. Frame: scene axes, millimetres. Thread safety: const after construction.
 class TissueModel {
  public:
-  // `gum` as in Stance, in the scene frame; `pulp_top_mm` is the height the chamber never exceeds.
+  // `gum` as in Stance, in the scene frame; `fossa_mm`: height of the occlusal centre; `tooth`: FDI
+  // number, which scales what is assumed.
   TissueModel(const mesh::Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
-              const dvec3& hi_mm, double pulp_top_mm);
+              const dvec3& hi_mm, double fossa_mm, int tooth);
 
   struct Sample {
     cutting::Tissue tissue;

@@ -30,6 +30,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "shapes.h"
+#include "tests/common/import/made_teeth.h"
 #include "tests/common/import/report_lines.h"
 #include "tests/support/test_name.h"
 
@@ -554,6 +555,24 @@ TEST(RealCrownTest, NoisySurfacesPerTissueLeaveNoAirInside) {
   // Voxels near what is left of folds: of three million, and 2000 when every fold is kept.
   EXPECT_LT(thin, 300);
   EXPECT_NEAR(Solid_mm3(layers->volume) / Solid_mm3(whole->volume), 1, 1e-3);
+}
+
+TEST(ImportTest, EveryKindOfCrownHasAPulpAndThinEnamelWhereItIsPrimaryOrInFront) {
+  std::mt19937 random(3);
+  for (int tooth : {71, 85, 54, 12}) {
+    const MadeTooth made = MakeTooth(tooth, random);
+    ImportOptions options{.tooth = tooth, .voxel_nm = 200'000, .up = "+z"};
+    auto s = ImportTriangles(made.mesh, "test", options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    const double pulp = TissueVolume(*s, Tissue::kPulp), all = Solid_mm3(s->volume);
+    EXPECT_GT(pulp, 0.005 * all) << tooth;
+    EXPECT_LT(pulp, 0.15 * all) << tooth;
+    if (tooth > 50) {
+      EXPECT_NE(Lines(*s).find("enamel up to " + std::string(tooth == 71 ? "0." : "1.0")),
+                std::string::npos)
+          << tooth << Lines(*s);
+    }
+  }
 }
 
 TEST(ImportTest, ReportNamesTheDirectionWhetherItIsAGuessAndHowToOverrideIt) {
