@@ -1,8 +1,11 @@
 #include "tests/load/facts.h"
 
 #include <algorithm>
-#include <boost/json/serialize.hpp>
+#include <boost/json.hpp>
 #include <cstdio>
+#include <cstdlib>
+
+#include "common/program/output.h"
 
 namespace enamel::load {
 namespace {
@@ -100,9 +103,9 @@ std::string ForPeople(const boost::json::value& value) {
   if (value.is_double()) {
     char text[32];
     std::snprintf(text, sizeof text, "%.6g", value.as_double());
-    return text;
+    return program::JsonText(std::strtod(text, nullptr));
   }
-  if (!value.is_array()) return boost::json::serialize(value);
+  if (!value.is_array()) return program::JsonText(value);
   std::string out;
   for (const auto& element : value.as_array())
     out += (out.empty() ? "" : "  ") + ForPeople(element);

@@ -1,11 +1,11 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <boost/json/serialize.hpp>
+#include <boost/json.hpp>
 #include <csignal>
 #include <cstdio>
 
-#include "common/base/file.h"
+#include "common/program/output.h"
 #include "tests/load/arguments.h"
 #include "tests/load/facts.h"
 
@@ -21,7 +21,7 @@ int Finish(const Arguments& a, LoadReport& report) {
     std::printf("%-34s %s\n", std::string(member.key()).c_str(), ForPeople(member.value()).c_str());
   }
   if (!a.json.empty()) {
-    Status written = WriteFileDurably(a.json, AsBytes(boost::json::serialize(facts) + "\n"));
+    Status written = program::WriteJsonFile(a.json, facts);
     if (!written.ok()) {
       std::fprintf(stderr, "enamel-loadgen: %s\n", written.message().c_str());
       return 1;
