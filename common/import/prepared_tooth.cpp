@@ -24,6 +24,7 @@ using cutting::kPhiPerVoxel;
 using mesh::Fixed;
 
 constexpr double kOtherAsGood = 1.15;       // cost of another pose over the best one's
+constexpr double kOtherAsExact = 1.25;      // and its RMS
 constexpr double kLeastDeep_mm = 0.06;      // shallower is no preparation but a scan's error
 constexpr double kLeastDeep_mm2 = 0.3;      // less is noise
 constexpr double kAroundDeep_mm = 0.3;      // where the preparation runs out to the surface
@@ -338,9 +339,14 @@ Status CheckFit(const std::vector<mesh::Fit>& fits) {
                    ". Is it a scan of this tooth, whole around the preparation, and is --unit "
                    "right?");
   }
-  if (fits.size() > 1 && fits[1].cost < kOtherAsGood * fit.cost + 0.002) {
+  // What fits less exactly is not another way: a crown slid along its own reduction.
+  const auto rival = std::find_if(fits.begin() + 1, fits.end(), [&](const mesh::Fit& other) {
+    return other.cost < kOtherAsGood * fit.cost + 0.002 && other.outside_share <= kMostOutside &&
+           other.rms_mm < kOtherAsExact * fit.rms_mm + 0.005;
+  });
+  if (rival != fits.end()) {
     return Invalid("the scan fits the tooth in two ways that are equally good, " +
-                   Fixed(mesh::TurnOf_deg(fits[1].fixed_from_moving.rotation *
+                   Fixed(mesh::TurnOf_deg(rival->fixed_from_moving.rotation *
                                           glm::transpose(fit.fixed_from_moving.rotation)),
                          0) +
                    " degrees apart: turn it in its file to where it belongs and use --placed");

@@ -21,6 +21,9 @@ constexpr double kReach_mm = 2;        // of distances to the surface itself
 constexpr double kSameFacing = 0.5;    // cosine
 constexpr double kOtherPose_mm = 0.5;  // poses nearer than this are one
 constexpr double kOutsideCost = 4;
+// A crown is reduced by at most 2 mm, most often by 1 to 1.5.
+constexpr double kSlide_mm = 1.6, kSlideStep_mm = 0.4, kOtherSlide_mm = 0.2;
+constexpr size_t kSlidPoints = 300, kAfterSlide = 12;
 constexpr double kStill_mm = 1e-4;  // a step that moves less is the last; a scan is off by 0.01
 constexpr double kLeastScale_mm = 0.03;  // of Tukey's weight: no scan is better
 
@@ -222,6 +225,18 @@ double Cost(Distances& distances, const std::vector<SurfacePoint>& points, const
   return sum / static_cast<double>(points.size());
 }
 
+// A tooth that was reduced evenly agrees on its collar alone, but exactly. Slid by the reduction, its
+// cut surface nearly agrees with the tooth's, over more of it. So exactness counts: the mean cost over
+// scales from half of a good scanner's error to what just agrees.
+constexpr std::array<double, 5> kScales_mm = {0.01, 0.02, 0.04, 0.08, kAgree_mm};
+double ExactCost(double distance, bool faces) {
+  double sum = 0;
+  for (double scale : kScales_mm)
+    sum += distance > kAgree_mm ? CostOf(distance, faces, kAgree_mm)
+                                : std::min(CostOf(distance, faces, scale), 1.0);
+  return sum / static_cast<double>(kScales_mm.size());
+}
+
 struct Candidate {
   Rigid pose;
   double cost = 0;
@@ -308,6 +323,42 @@ std::vector<Candidate> FindCoarse(const DistanceGrid& grid, const Triangles& mov
   return all;
 }
 
+template <typename Distances>
+double ExactCost(Distances& distances, const std::vector<SurfacePoint>& points, const Rigid& pose,
+                 bool facing) {
+  double sum = 0;
+  for (const SurfacePoint& point : points) {
+    const Away away = distances.At(pose.At(point.at));
+    const bool faces = !facing || Dot(pose.rotation * point.normal, away.normal) >= kSameFacing;
+    sum += ExactCost(away.distance, faces);
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+// The candidates slid as far as a crown is reduced, in all directions, and those kept that agree
+// most exactly.
+std::vector<Candidate> Slid(const DistanceGrid& grid, const Triangles& moving,
+                            const std::vector<Candidate>& from, const Box& box) {
+  const auto points = SpreadOver(moving, kSlidPoints);
+  std::vector<Candidate> all;
+  const int reach = static_cast<int>(kSlide_mm / kSlideStep_mm);
+  for (const Candidate& candidate : from)
+    for (int z = -reach; z <= reach; ++z)
+      for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+          const dvec3 slide = kSlideStep_mm * dvec3(x, y, z);
+          if (glm::length(slide) > kSlide_mm) continue;
+          Candidate c = candidate;
+          c.pose.shift += slide;
+          for (double scale : {0.4, 0.3, 0.3, 0.2, 0.2, 0.15})
+            Step(AwayFrom(grid, points, c.pose), points, scale, false, c.pose);
+          c.cost = ExactCost(grid, points, c.pose, false);
+          all.push_back(c);
+        }
+  KeepBest(all, kAfterSlide, kOtherSlide_mm, box);
+  return all;
+}
+
 // Scale of Tukey's weight for the spread of what agrees: 95 % efficient for normal errors (Holland
 // and Welsch, Communications in Statistics A6, 1977).
 double ScaleFor_mm(const std::vector<Away>& aways) {
@@ -345,7 +396,7 @@ Fit Measure(SurfaceDistance& distances, const std::vector<SurfacePoint>& points,
     const Away away = distances.At(pose.At(point.at));
     const bool faces = Dot(pose.rotation * point.normal, away.normal) >= kSameFacing;
     out.distance_mm.push_back(away.distance);
-    out.cost += CostOf(away.distance, faces, kAgree_mm);
+    out.cost += ExactCost(away.distance, faces);
     if (away.distance > kAgree_mm) {
       ++outside;
     } else if (away.distance < -kAgree_mm || !faces) {
@@ -408,13 +459,15 @@ std::vector<SurfacePoint> SpreadOver(const Triangles& mesh, size_t count) {
 std::vector<Fit> FitOnto(const Triangles& fixed, const Triangles& moving) {
   const TriangleTree tree(fixed);
   const Box fixed_box = BoxOf(fixed), box = BoxOf(moving);
-  std::vector<Candidate> found = FindCoarse(DistanceGrid(tree, fixed_box), moving, fixed_box, box);
+  const DistanceGrid grid(tree, fixed_box);
+  std::vector<Candidate> found = FindCoarse(grid, moving, fixed_box, box);
+  std::vector<Candidate> slid = Slid(grid, moving, found, box);
   SurfaceDistance distances(tree);
   const auto few = SpreadOver(moving, kFewPoints), many = SpreadOver(moving, kManyPoints);
-  for (Candidate& c : found) {
-    Refine(distances, few, c.pose, true);
-    c.cost = Cost(distances, few, c.pose, kAgree_mm, true);
-  }
+  for (Candidate& c : found) Refine(distances, few, c.pose, true);
+  for (Candidate& c : slid) Refine(distances, few, c.pose, false);
+  found.insert(found.end(), slid.begin(), slid.end());
+  for (Candidate& c : found) c.cost = ExactCost(distances, few, c.pose, true);
   KeepBest(found, kAfterGrid, kOtherPose_mm, box);
   std::vector<Fit> out;
   for (Candidate& c : found) {

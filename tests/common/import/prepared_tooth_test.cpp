@@ -12,6 +12,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/preparation.h"
+#include "tests/common/import/made_teeth.h"
 
 namespace enamel::import {
 namespace {
@@ -225,6 +226,24 @@ TEST(PreparedToothTest, ABlockThatFitsItselfHasToBePlaced) {
   auto taken = TakePrepared(block->scene, block->volume, scan, "a test", placed);
   ASSERT_TRUE(taken.ok()) << taken.status().message();
   EXPECT_LT(Differs_mm3(taken->prepared.volume, scene::Prepared(block->volume, circle)), 0.3);
+}
+
+// Nothing but the collar agrees; slid by the reduction, more of it nearly does.
+TEST(PreparedToothTest, ACrownThatWasReducedEvenlyIsFoundByItsCollar) {
+  std::mt19937 random(5);
+  mesh::Triangles tooth = MakeTooth(46, random).mesh;
+  // A collar that fits itself in one way, as none of a real tooth has a symmetry.
+  for (dvec3& v : tooth.vertices)
+    v = {v.x * (1 + 0.03 * v.y), v.y * (1 + 0.02 * v.x) + 0.02 * v.x * v.x, v.z};
+  for (const bool open : {false, true}) {
+    mesh::Triangles scan = ReducedAbove(tooth, {0, 0, 1}, open ? 0.5 : 0.3, 1.0);
+    if (open) scan = CutOpen(scan, {0, 0, 1}, 0.1, random);
+    const mesh::Rigid moved = Somewhere(12);
+    const auto fits = mesh::FitOnto(tooth, mesh::Moved(scan, moved));
+    ASSERT_FALSE(fits.empty());
+    EXPECT_TRUE(CheckFit(fits).ok()) << CheckFit(fits).message();
+    EXPECT_LT(Off_um(fits.front(), moved), 50) << open;
+  }
 }
 
 // Scans that the project did not make, prepared here: each crown against itself and the others.
