@@ -17,7 +17,6 @@ namespace enamel::import {
 struct FoundStance {
   mesh::Stance stance;
   std::string by;  // the kinds that agree, for people: "its likeness to our tooth 46 and its hole"
-  bool alike = true;  // false: it looks like no tooth of that number
 };
 FoundStance FindStance(const mesh::Solid& solid, int tooth);
 

@@ -16,7 +16,8 @@ constexpr double kCell_mm = 0.25;
 constexpr int kMaxCells = 96;        // along an axis
 constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are cut off
 constexpr double kGumCosine = 0.85;
-constexpr double kFullEnamel_mm = 2.3;    // molar cusps, textbook average
+// Thicknesses and depths are chosen, of the order that textbooks print. No source was read for them.
+constexpr double kFullEnamel_mm = 2.3;    // molar cusps
 constexpr double kFrontEnamel_mm = 1.35;  // as our own incisor's (scene/builtin/teeth.cpp)
 constexpr double kPrimaryEnamel_mm = 1;   // about the same over a primary crown
 constexpr double kEnamelOfWidth = 0.23;   // and never more than this of the crown's width

@@ -2,9 +2,8 @@
 
 namespace enamel::import {
 
-// A mean crown: from cervical line to cusp or edge, mesial to distal, and buccal to lingual, mm.
-// Nelson & Ash, "Wheeler's Dental Anatomy, Physiology and Occlusion", 10th ed. 2015, the tables of
-// measurements of permanent and primary teeth.
+// A typical crown: from cervical line to cusp or edge, mesial to distal, and buccal to lingual, mm. Chosen: sizes of the
+// order that textbooks of dental anatomy print. No table was read for them.
 struct ToothSize {
   double height_mm, mesiodistal_mm, buccolingual_mm;
 };
