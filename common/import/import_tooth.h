@@ -21,9 +21,9 @@
 namespace enamel::import {
 
 struct ImportOptions {
-  int tooth = 0;              // its FDI number (common/scene/tooth_number.h); needed
+  int tooth = 0;               // its FDI number (common/scene/tooth_number.h); needed
   mesh::FileScale scale = {};  // of the files' coordinates
-  int32_t voxel_nm = 50'000;  // 10'000 to 500'000
+  int32_t voxel_nm = 50'000;   // 10'000 to 500'000
   // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (place.h).
   std::string up = "auto", buccal = "auto";
   // With one surface per tissue: gaps and crossings that are mended (layers.h), 0 to 0.5.

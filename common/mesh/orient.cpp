@@ -153,10 +153,9 @@ Result<dvec3> ParseAxis(std::string_view text) {
     axis[text[1] - 'x'] = text[0] == '+' ? 1 : -1;
     return axis;
   }
-  return Status(Code::kInvalidInput,
-                "expected a direction as +x, -x, +y, -y, +z or -z, found '" +
-                    std::string(text) + "'",
-                "up");
+  return Status(
+      Code::kInvalidInput,
+      "expected a direction as +x, -x, +y, -y, +z or -z, found '" + std::string(text) + "'", "up");
 }
 
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
