@@ -46,7 +46,9 @@ cutting::TissueDamping DampingOf(const CoreParams& p) {
     int32_t axial = p.axial_damping_mn_s_per_mm[t];
     out.axial[t] = axial > 0 ? axial : p.damping_mn_s_per_mm[t];
     out.coulomb_n[t] = p.coulomb_mn[t] * 1e-3;
-    out.threshold_n[t] = p.threshold_mn[t] * 1e-3;
+    out.exponent[t] = p.feed_exponent[t];
+    out.feed_m_per_s[t] = p.feed_um_per_s[t] * 1e-6;
+    out.friction[t] = p.bur_friction_permille[t] * 1e-3;
   }
   return out;
 }
@@ -127,14 +129,28 @@ class Core::TissueMaterial final : public haptics::Material {
     if (core_.bur_on_) {
       contact.damping_n_s_per_m =
           engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
-      contact.coulomb_n = engagement.coulomb_n;
-      contact.threshold_n = engagement.threshold_n;
+      contact.by_load = engagement.by_load;
       contact.wall_normal = engagement.shank_normal;
     } else {
       // All that a still bur touches is wall.
       contact.wall_normal = engagement.mean_normal;
     }
     return contact;
+  }
+
+  Sym3 SecantAt(const dvec3& feed_m_per_s) noexcept override {
+    return core_.engagement().Secant(feed_m_per_s, core_.handpiece_.speed_ratio());
+  }
+
+  FeedForce ForceAlong(const dvec3& direction) noexcept override {
+    return core_.engagement().Along(direction, core_.handpiece_.speed_ratio());
+  }
+
+  dvec3 DragAt(const dvec3& feed_m_per_s) noexcept override {
+    const cutting::BurDrag drag =
+        core_.engagement().Drag(feed_m_per_s, core_.handpiece_.speed_ratio());
+    core_.drag_n_m_ = drag.torque_n_m;
+    return drag.force_n;
   }
 
   void AnchorMoved(const dvec3& from_m, const dvec3& to_m) noexcept override {
@@ -425,7 +441,8 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     // Also in the tick that bridges a gap: what the hand does from here on is paid only if it is felt.
     TissueMaterial material(*this);
     // The force of the tick before: this tick's depends on the speed that is set here.
-    handpiece_.Step(bur_on_ ? resisting_n_ : 0, cutter_.bur().radius_m);
+    handpiece_.Step(bur_on_ ? resisting_n_ : 0, cutter_.bur().radius_m, bur_on_ ? drag_n_m_ : 0);
+    drag_n_m_ = 0;
     dvec3 torque(0);
     if (torque_) {
       torque = FeelTurning(device, material);

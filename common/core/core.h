@@ -270,6 +270,7 @@ class Core {
   bool has_half_cut_ = false;
   bool step_too_long_ = false;
   double resisting_n_ = 0;  // |R| of the last tick
+  double drag_n_m_ = 0;     // on the spindle in the last tick, from tissue that has a friction
   Work work_;
   bool reserve_exhausted_ = false;
 

@@ -13,7 +13,8 @@ bool Core::VisitState(StateArchive& archive) {
   if (!archive.saving()) UseBur(bur);
   archive(orientation_, started_, bur_on_, suspended_, free_ticks_, removed_, hash_, ticks_,
           wishes_);
-  archive(half_cut_, has_half_cut_, sampled_, sample_valid_, reserve_exhausted_, resisting_n_);
+  archive(half_cut_, has_half_cut_, sampled_, sample_valid_, reserve_exhausted_, resisting_n_,
+          drag_n_m_);
   handpiece_.VisitState(archive);
   sweep_.VisitState(archive);
   coupling_.VisitState(archive);

@@ -10,6 +10,7 @@ constexpr uint16_t kParamsFormat = 1;
 // (common/scene/builtin/profiles.cpp).
 constexpr int32_t kMaxCue_mn = 2'000;
 constexpr int32_t kMaxForce_mn = 100'000;
+constexpr int32_t kMaxFeed_um_per_s = 1'000'000;
 // Of the coarsest cell that a profile may have, with its noise (scene/cell.h): no coupling is left long before.
 constexpr int32_t kMaxCell_nm = 30'000'000;
 
@@ -133,6 +134,27 @@ Status CheckTorqueAndCues(const CoreParams& p) {
   return CheckRange("cue_power_nw", p.cue_power_nw, 0, 10'000'000);
 }
 
+Status CheckLoad(const CoreParams& p) {
+  bool drags = false;
+  for (size_t t = 0; t < cutting::kTissueCount; ++t) {
+    const auto exponent = static_cast<int>(p.feed_exponent[t]);
+    ENAMEL_RETURN_IF_ERROR(CheckRange("feed_exponent", exponent, 0, 2));
+
+    const bool linear = p.feed_exponent[t] == cutting::FeedExponent::kOne;
+    ENAMEL_RETURN_IF_ERROR(
+        CheckRange("feed_um_per_s", p.feed_um_per_s[t], linear ? 0 : 1, kMaxFeed_um_per_s));
+    ENAMEL_RETURN_IF_ERROR(
+        CheckRange("bur_friction_permille", p.bur_friction_permille[t], 0, 2'000));
+    drags = drags || p.bur_friction_permille[t] > 0;
+  }
+  // The torque on the spindle would be counted twice.
+  if (drags && p.handpiece_tangential_permille != 0) {
+    return OutOfRange("handpiece_tangential_permille", "0, as a tissue has a friction of its own",
+                      p.handpiece_tangential_permille);
+  }
+  return Status::Ok();
+}
+
 Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("rate_hz", p.rate_hz, 100, 20000));
   if (haptics::FindLaw(p.law) == nullptr) {
@@ -172,9 +194,7 @@ Status CheckValues(const CoreParams& p) {
   for (int32_t f : p.coulomb_mn) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("coulomb_mn", f, 0, kMaxForce_mn));
   }
-  for (int32_t f : p.threshold_mn) {
-    ENAMEL_RETURN_IF_ERROR(CheckRange("threshold_mn", f, 0, kMaxForce_mn));
-  }
+  ENAMEL_RETURN_IF_ERROR(CheckLoad(p));
   return CheckTorqueAndCues(p);
 }
 
@@ -246,7 +266,9 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.U32(p.bus_delay_ticks);
   out.I32(p.peak_torque_un_m);
   for (int32_t f : p.coulomb_mn) out.I32(f);
-  for (int32_t f : p.threshold_mn) out.I32(f);
+  for (int32_t f : p.feed_um_per_s) out.I32(f);
+  for (int32_t f : p.bur_friction_permille) out.I32(f);
+  for (cutting::FeedExponent m : p.feed_exponent) out.U8(static_cast<uint8_t>(m));
   out.I32(p.rotation_cell_urad);
   out.I32(p.contact_cue_mn);
   out.I32(p.chatter_cue_mn);
@@ -300,7 +322,9 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   p.bus_delay_ticks = in.U32();
   p.peak_torque_un_m = in.I32();
   for (int32_t& f : p.coulomb_mn) f = in.I32();
-  for (int32_t& f : p.threshold_mn) f = in.I32();
+  for (int32_t& f : p.feed_um_per_s) f = in.I32();
+  for (int32_t& f : p.bur_friction_permille) f = in.I32();
+  for (cutting::FeedExponent& m : p.feed_exponent) m = static_cast<cutting::FeedExponent>(in.U8());
   p.rotation_cell_urad = in.I32();
   p.contact_cue_mn = in.I32();
   p.chatter_cue_mn = in.I32();

@@ -69,9 +69,12 @@ struct CoreParams {
   int32_t handpiece_lag_us = 0;
   uint32_t bus_delay_ticks = 0;  // between reading a position and the force that answers it
   int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent
-  // Per tissue, for the engagement that damping_mn_s_per_mm is of: the part of the cutting force
-  // that does not depend on speed, and the force below which the bur does not cut at all.
-  std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, threshold_mn{};
+  // Tissue that is cut by load (cutting::TissueDamping), for the engagement that damping_mn_s_per_mm is of. The force
+  // below which the bur does not cut. The feed v0 at which B is meant, needed where m is not 1. The tangential force on
+  // the bur's surface per normal force.
+  std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, feed_um_per_s{}, bur_friction_permille{};
+  // m, with which the force grows with the feed.
+  cutting::FeedExponents feed_exponent = cutting::AllLinear();
   // Largest angle between the true and the measured orientation, urad: what the torque's guard
   // counts with, kLeastRotationCell_urad of which are the recording's own. Needed where a torque is
   // sent; then rotational_kc_un_m_per_rad is needed too, and peak_torque_un_m >= 2 K cell.
@@ -116,7 +119,7 @@ Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
 inline constexpr size_t kOtherBurBytes = 25;
-inline constexpr size_t kLeastParamsBytes = 285;  // with one bur
+inline constexpr size_t kLeastParamsBytes = 325;  // with one bur
 inline constexpr size_t kMostParamsBytes = kLeastParamsBytes + (kMaxBurs - 1) * kOtherBurBytes;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core

@@ -42,6 +42,9 @@ constexpr double kSlope = 0.5;
 // that the change over a voxel stays below this where the film could count.
 constexpr double kPlainWall = 0.97;
 
+// I(1/2) of engagement.h: sqrt(pi) Gamma(5/4)/Gamma(7/4).
+constexpr double kHalfPower = 1.7480383695280799;
+
 // The rate from which a point at that distance counts.
 double Grazing(double distance) noexcept {
   if (distance >= 0) return EngagementReader::kGrazing + distance * (1 / kLookAhead);
@@ -74,25 +77,48 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
     : voxel_m_(voxel_m) {
   auto add = [&](const std::vector<SurfacePoint>& points, bool shank) {
     for (const SurfacePoint& p : points) {
-      points_.push_back(
-          {p.position_m / voxel_m, p.normal, p.area_m2, p.normal.z * p.normal.z, shank});
+      const dvec3 at = p.position_m / voxel_m;
+      const double radius = std::sqrt(at.x * at.x + at.y * at.y),
+                   over = radius > 0 ? 1 / radius : 0;
+      // The bur's axis points to the handpiece, so its surface goes along -z x r.
+      points_.push_back({at, p.normal, p.area_m2, p.normal.z * p.normal.z, radius, at.y * over,
+                         -at.x * over, shank});
     }
   };
   // At the finest 0.26 mm apart for a cylinder of 0.6 x 4 mm.
   add(SampleSurface(bur, kSpacing_voxels * voxel_m, kMaxPoints), false);
   add(SampleShank(bur, kSpacing_voxels * voxel_m, kMaxShankPoints), true);
-  for (size_t t = 0; t < kTissueCount; ++t) {
-    per_area_.lateral[t] = damping.lateral[t] / kReferenceArea_m2;
-    per_area_.axial[t] = damping.axial[t] / kReferenceArea_m2;
-    per_area_.coulomb_n[t] = damping.coulomb_n[t] / kReferenceArea_m2;
-    per_area_.threshold_n[t] = damping.threshold_n[t] / kReferenceArea_m2;
-  }
+  per_area_ = PerAreaOf(damping);
   candidates_.resize(points_.size());
   facing_.resize(points_.size());
   contacts_.resize(points_.size());
+  ahead_.resize(points_.size());
   clear_.resize(points_.size(), static_cast<float>(kUnknown));
   for (const Point& p : points_)
     reach_m_ = HigherOf(reach_m_, voxel_m * std::sqrt(Dot(p.position, p.position)));
+}
+
+// From the reference engagement to an element: over its integral of (n . d)^(1+m).
+EngagementReader::PerArea EngagementReader::PerAreaOf(const TissueDamping& damping) noexcept {
+  PerArea out;
+  for (size_t t = 0; t < kTissueCount; ++t) {
+    out.lateral[t] = damping.lateral[t] / kReferenceArea_m2;
+    out.axial[t] = damping.axial[t] / kReferenceArea_m2;
+    out.linear_share[t] = damping.exponent[t] == FeedExponent::kOne;
+    out.coulomb[t] = damping.coulomb_n[t] / (2 * kReferenceRadiusLength_m2);
+    out.friction[t] = damping.friction[t];
+    const double feed = damping.feed_m_per_s[t];
+    if (damping.exponent[t] == FeedExponent::kHalf) {
+      const double root = std::sqrt(feed) / (kHalfPower * kReferenceRadiusLength_m2);
+      out.root_lateral[t] = damping.lateral[t] * root;
+      out.root_axial[t] = damping.axial[t] * root;
+    } else if (damping.exponent[t] == FeedExponent::kNone) {
+      out.coulomb[t] += damping.lateral[t] * feed / (2 * kReferenceRadiusLength_m2);
+    }
+    out.by_load =
+        out.by_load || out.coulomb[t] > 0 || out.root_lateral[t] > 0 || out.friction[t] > 0;
+  }
+  return out;
 }
 
 void EngagementReader::Forget() noexcept {
@@ -149,14 +175,18 @@ void EngagementReader::Look(const Volume& volume, size_t candidate) noexcept {
   if (steepness < kPlainWall) c.area_m2 *= SolidShare(volume, at, distance, c.into);
   if (!(c.area_m2 > 0)) return;
   c.press = Press(normal, c.into);
-  c.beta = c.coulomb = c.threshold = 0;
+  c.beta = c.linear = c.coulomb = c.root = c.friction = 0;
   if (p.shank) return;
   // Half a voxel ahead: at the point itself there may be what was cut already.
   const auto t = static_cast<size_t>(volume.TissueAtSample(at + normal * kReach));
   const double lateral = per_area_.lateral[t];
   c.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
-  c.coulomb = per_area_.coulomb_n[t];
-  c.threshold = per_area_.threshold_n[t];
+  if (!per_area_.by_load) return;
+  c.linear = c.beta * per_area_.linear_share[t];
+  const double root = per_area_.root_lateral[t];
+  c.root = root + p.axial_share * (per_area_.root_axial[t] - root);
+  c.coulomb = per_area_.coulomb[t];
+  c.friction = per_area_.friction[t];
 }
 
 // Its area, by how far that direction brings it into solid, m^2.
@@ -180,6 +210,7 @@ Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noe
   Engagement out;
   const dvec3 direction = Unit(travel), in_bur = InBur(direction);
   dvec3 cutting(0), shank(0);
+  ahead_count_ = 0;
   // The cheapest first: half of a bur's points face away from its travel. As in Sample.
   size_t facing = 0;
   for (size_t i = 0; i < count_; ++i) {
@@ -196,16 +227,62 @@ Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noe
       shank += a.press * area;
       continue;
     }
-    double along = Dot(a.press, direction), square = along * along * area;
     out.damping_n_s_per_m += Sym3::Outer(a.press, a.beta * area);
-    out.coulomb_n += a.coulomb * square;
-    out.threshold_n += a.threshold * square;
+    if (per_area_.by_load) {
+      out.by_load = out.by_load || a.coulomb > 0 || a.root > 0 || a.friction > 0;
+      const Point& p = points_[candidates_[i].point];
+      ahead_[ahead_count_++] = {a.press,    a.coulomb * area, a.root * area, a.linear * area,
+                                a.friction, p.radius,         p.way_x,       p.way_y};
+    }
     cutting += a.press * area;
     out.area_m2 += area;
   }
   out.mean_normal = Unit(cutting + shank);
   out.shank_normal = Unit(shank);
   return out;
+}
+
+Sym3 EngagementReader::Secant(const dvec3& feed_m_per_s, double speed_ratio) const noexcept {
+  Sym3 out;
+  const double thicker = 1 / speed_ratio, root_thicker = std::sqrt(thicker);
+  for (size_t k = 0; k < ahead_count_; ++k) {
+    const Ahead& a = ahead_[k];
+    const double own = HigherOf(Dot(a.press, feed_m_per_s), kCreep_m_per_s);
+    // p/own, with one division.
+    const double slow = 1 / std::sqrt(own);
+    const double b = a.coulomb_n * slow * slow + a.root * root_thicker * slow + a.linear * thicker;
+    out += Sym3::Outer(a.press, b);
+  }
+  return out;
+}
+
+FeedForce EngagementReader::Along(const dvec3& direction, double speed_ratio) const noexcept {
+  double coulomb = 0, root = 0, linear = 0;
+  for (size_t k = 0; k < ahead_count_; ++k) {
+    const Ahead& a = ahead_[k];
+    const double along = HigherOf(Dot(a.press, direction), 0);
+    coulomb += along * a.coulomb_n;
+    root += along * std::sqrt(along) * a.root;
+    linear += along * along * a.linear;
+  }
+  const double thicker = 1 / speed_ratio;
+  return {coulomb, root * std::sqrt(thicker), linear * thicker};
+}
+
+BurDrag EngagementReader::Drag(const dvec3& feed_m_per_s, double speed_ratio) const noexcept {
+  double x = 0, y = 0, torque = 0;
+  const double thicker = 1 / speed_ratio, root_thicker = std::sqrt(thicker);
+  for (size_t k = 0; k < ahead_count_; ++k) {
+    const Ahead& a = ahead_[k];
+    const double own = Dot(a.press, feed_m_per_s);
+    if (!(own > 0)) continue;
+    const double drag_n = a.friction * (a.coulomb_n + a.root * root_thicker * std::sqrt(own) +
+                                        a.linear * thicker * own);
+    x += drag_n * a.way_x;
+    y += drag_n * a.way_y;
+    torque += drag_n * a.radius;
+  }
+  return {InScene(dvec3(x, y, 0)), torque * voxel_m_};
 }
 
 RotationalEngagement EngagementReader::ReadRotational(const Volume& volume,

@@ -1,27 +1,38 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/base/check.h"
 #include "common/base/state_archive.h"
 #include "common/cutting/bur.h"
+#include "common/cutting/tissue.h"
 #include "common/cutting/volume.h"
+#include "common/math/feed_force.h"
 #include "common/math/sym3.h"
 
 namespace enamel::cutting {
 
 // The tissue that the bur's surface touches, for travel along one direction.
 struct Engagement {
-  Sym3 damping_n_s_per_m;  // sum over tissues of beta_t * integral of n n^T dA; cutting part only
-  dvec3 mean_normal{0};    // area-weighted outward normal of the engaged surface, unit or 0
-  dvec3 shank_normal{0};   // the same of the engaged part of the shank
-  double area_m2 = 0;      // of the cutting part
-  double coulomb_n = 0, threshold_n = 0;  // sums over tissues as along-travel B
+  // Sum over tissues of beta_t * integral of n n^T dA; cutting part only. Of tissue that is cut by load: its B at v0.
+  Sym3 damping_n_s_per_m;
+  dvec3 mean_normal{0};   // area-weighted outward normal of the engaged surface, unit or 0
+  dvec3 shank_normal{0};  // the same of the engaged part of the shank
+  double area_m2 = 0;     // of the cutting part
+  bool by_load = false;   // a tissue among them is cut by load: Secant, Along and Drag say how
 };
 
-// The same for turning about the bur's tip.
+// Friction on the surface of a turning bur: the force with which the holder must resist it, and the torque on the spindle.
+struct BurDrag {
+  dvec3 force_n{0};
+  double torque_n_m = 0;
+};
+
+// Engagement in a turn about the bur's tip. Tissue that is cut by load resists a turn with its B at v0, a
+// simplification: the feeds of a turn are small and differ along the bur.
 struct RotationalEngagement {
   Sym3 damping_n_m_s;
   bool shank = false;  // the turn brings the shank into solid
@@ -29,11 +40,15 @@ struct RotationalEngagement {
   double area_m2 = 0, shank_area_m2 = 0;
 };
 
-// B of each tissue for motion across the bur's axis and along it, N s/m; its Coulomb part and its
-// threshold, N.
+// The force that cutting a tissue takes at the reference engagement: coulomb + B v0 (v/v0)^m. With m = 1, the default,
+// and without a Coulomb part it is B v, whatever v0 is: eq. 1 of Liu et al. 2008.
 struct TissueDamping {
-  std::array<double, kTissueCount> lateral{}, axial{};
-  std::array<double, kTissueCount> coulomb_n{}, threshold_n{};
+  std::array<double, kTissueCount> lateral{},
+      axial{};                                   // B across the bur's axis and along it, N s/m
+  std::array<double, kTissueCount> coulomb_n{};  // below it the bur does not cut
+  FeedExponents exponent = AllLinear();
+  std::array<double, kTissueCount> feed_m_per_s{};  // v0; not used with m = 1
+  std::array<double, kTissueCount> friction{};      // mu of the bur's turning surface
 };
 
 // Reads engagement: M = integral of u u^T dA over the part of the bur's surface that is within half
@@ -66,9 +81,13 @@ struct TissueDamping {
 // normal's share along the bur's axis. This is still symmetric and positive semi-definite, whatever
 // the travel.
 //
-// The Coulomb part and the threshold are read like B along travel: sum over tissues of value /
-// kReferenceArea_m2 times the integral of (u . d)^2 dA. At the reference this gives the tissue's
-// own.
+// Tissue cut by load (a Coulomb part, or m below 1) presses on each element dA of the front with
+//   p = p0 + k (u . v)^m,    R = integral (p u + mu p t) dA,
+// where t is the direction in which the bur's own surface moves there. p0 and k are chosen so that the reference cylinder meets the
+// tissue's own coulomb + B v0 (v/v0)^m: its integral of (n . d)^(1+m) over the half cylinder is
+// r L I(m), I(0) = 2, I(1/2) = sqrt(pi) Gamma(5/4)/Gamma(7/4), I(1) = pi/2. A feed at another speed w of
+// the spindle cuts as v w0/w at the free speed w0: the chip per turn counts. The end of the bur cuts
+// worse by the axial B alone; its lower surface speed is in that.
 //
 // The shank does not cut: its points in contact only have a normal, the wall's.
 //
@@ -77,7 +96,8 @@ struct TissueDamping {
 // Thread safety: none. Real-time: Sample and Read are safe; the constructor allocates.
 class EngagementReader {
  public:
-  static constexpr double kReferenceArea_m2 = 0.6e-3 * 4e-3 * 1.57079632679489661923;
+  static constexpr double kReferenceRadiusLength_m2 = 0.6e-3 * 4e-3;
+  static constexpr double kReferenceArea_m2 = kReferenceRadiusLength_m2 * 1.57079632679489661923;
   static constexpr size_t kMaxPoints = 256, kMaxShankPoints = 160;
   static constexpr double kSpacing_voxels = 3;  // of the points, or as near as these numbers allow
   static constexpr double kGrazing = 0.06, kRamp = 0.12;  // rates
@@ -92,6 +112,14 @@ class EngagementReader {
   ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
   ENAMEL_REALTIME Engagement Read(const Volume& volume, const dvec3& travel) noexcept;
+  // These read the tissue that the last Read found ahead, where it is cut by load. `speed_ratio`: w/w0 of the spindle.
+  // Secant: the B with which B v is the force at the feed v, each element's own feed taken as at least kCreep.
+  static constexpr double kCreep_m_per_s = 1e-6;
+  ENAMEL_REALTIME Sym3 Secant(const dvec3& feed_m_per_s, double speed_ratio) const noexcept;
+  // Along a direction of length 1.
+  ENAMEL_REALTIME FeedForce Along(const dvec3& direction, double speed_ratio) const noexcept;
+  // The bur turns clockwise, seen from the handpiece.
+  ENAMEL_REALTIME BurDrag Drag(const dvec3& feed_m_per_s, double speed_ratio) const noexcept;
   // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x u)(r x
   // u)^T, for a turn about `turn` (any length).
   ENAMEL_REALTIME RotationalEngagement ReadRotational(const Volume& volume,
@@ -104,6 +132,7 @@ class EngagementReader {
   // Saves or restores the last Sample. Not real-time.
   void VisitState(StateArchive& archive) {
     archive(candidates_, contacts_, count_, clear_, last_, tip_, axes_);
+    ahead_count_ = 0;  // of a Read, and each tick reads anew
   }
   size_t point_count() const noexcept { return points_.size(); }
 
@@ -113,6 +142,8 @@ class EngagementReader {
     dvec3 normal;
     double area_m2;
     double axial_share;  // n_z^2
+    // From the axis; the way of the turning surface, of length 1 or none.
+    double radius, way_x, way_y;
     bool shank;
   };
   // A point that may be near solid.
@@ -131,10 +162,18 @@ class EngagementReader {
     dvec3 press;     // u, scene frame
     double grazing;  // rate from which it counts
     double area_m2;  // weighted; 0: not in contact
-    double beta;
-    double coulomb, threshold;  // N/m^2
+    // N s/m^3: B at the tissue's own feed; the part of it that is linear. N/m^2. N s^1/2 m^-5/2.
+    double beta, linear, coulomb, root;
+    double friction;
   };
-
+  // A point of the last Read, where a tissue is cut by load: all that its pressure needs in one place, since a
+  // tick passes over these points three times. Forces, so times its area.
+  struct Ahead {
+    dvec3 press;
+    double coulomb_n, root, linear;
+    double friction, radius;  // of the turning surface; voxels
+    double way_x, way_y;      // its way, bur frame, of length 1
+  };
   // Of a vector: from the bur's frame into the scene's, and back.
   dvec3 InScene(const dvec3& bur) const noexcept {
     return axes_[0] * bur.x + axes_[1] * bur.y + axes_[2] * bur.z;
@@ -151,11 +190,20 @@ class EngagementReader {
                    size_t candidate) noexcept;
 
   std::vector<Point> points_;
-  TissueDamping per_area_;
+  // Per area of a tissue: N s/m^3, N/m^2, N s^1/2 m^-5/2.
+  struct PerArea {
+    std::array<double, kTissueCount> lateral{}, axial{}, coulomb{}, root_lateral{}, root_axial{};
+    std::array<double, kTissueCount> linear_share{}, friction{};
+    bool by_load = false;  // a tissue is
+  };
+  static PerArea PerAreaOf(const TissueDamping& damping) noexcept;
+  PerArea per_area_;
   // The first `count_` are of the last Sample.
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
   std::vector<Facing> facing_;
+  std::vector<Ahead> ahead_;
+  size_t ahead_count_ = 0;
   size_t count_ = 0;
   // Of each point: a distance that it surely had at the last Sample, voxels; far below 0: nothing is known.
   std::vector<float> clear_;

@@ -20,6 +20,15 @@ enum class Tissue : uint8_t {
 };
 inline constexpr int kTissueCount = 8;
 
+// How the pressure on a cutting surface grows with its feed v: as v^m. Stable numbers: they are in traces.
+enum class FeedExponent : uint8_t { kNone = 0, kHalf = 1, kOne = 2 };
+using FeedExponents = std::array<FeedExponent, kTissueCount>;
+constexpr FeedExponents AllLinear() {
+  FeedExponents all{};
+  all.fill(FeedExponent::kOne);
+  return all;
+}
+
 inline constexpr std::array<std::string_view, kTissueCount> kTissueNames = {
     "air", "enamel", "dentin", "pulp", "caries", "filling", "gypsum", "neighbour"};
 

@@ -98,7 +98,9 @@ haptics::CouplingParams CouplingOf(const FeltDevice& d, const FeltTrial& trial) 
 class Renderer {
  public:
   Renderer(const FeltDevice& d, const FeltTrial& trial)
-      : material_(trial.b_n_s_per_m), coupling_(CouplingOf(d, trial)) {
+      : material_(trial.load ? haptics::UniformMaterial(*trial.load)
+                             : haptics::UniformMaterial(trial.b_n_s_per_m)),
+        coupling_(CouplingOf(d, trial)) {
     if (d.board.ticks > 0) board_.emplace(CouplingOf(d, trial), d.board, d.damping_n_s_per_m);
   }
   void Reset(const dvec3& reading) {

@@ -48,6 +48,8 @@ struct FeltTrial {
   haptics::LawKind law = haptics::kDefaultLaw;
   haptics::EstimatorParams estimator{};  // for laws that need a speed
   Sym3 b_n_s_per_m = Sym3::Isotropic(6500);
+  // Tissue that is cut by load, in b's place and alike in every direction. Requires: neither ideal nor tool.
+  std::optional<FeedForce> load = {};
   HandOn hand;
   Lattice lattice;
   int delay_ticks = 0;  // of the law's loop, where the host runs the spring

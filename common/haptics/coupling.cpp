@@ -10,15 +10,6 @@ bool Finite(const dvec3& v) noexcept {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// The part of a pull that moves the bur: what its force is beyond Coulomb's part, and none below the
-// threshold.
-dvec3 BeyondCoulomb(const Pull& pull, const Contact& contact) noexcept {
-  if (!(contact.coulomb_n > 0) && !(contact.threshold_n > 0)) return pull.stretch_m;
-  const double force = pull.stiffness_n_per_m * std::sqrt(Dot(pull.stretch_m, pull.stretch_m));
-  if (!(force > contact.coulomb_n) || force < contact.threshold_n) return dvec3(0);
-  return pull.stretch_m * (1 - contact.coulomb_n / force);
-}
-
 // All that the spring surely loses may flow into the tank: the work of the tick does not bound it.
 constexpr double kNoBound_j = 1e9;
 
@@ -56,6 +47,7 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   anchor_ = tip_m;
   EnSpringReset(&spring_, ToBoard(tip_m));
   stretch_ = 0;
+  feed_ = dvec3(0);
   clear_ = resumed_ = latched_ = false;
   watch_.Forget();
   relief_.Reset();
@@ -64,7 +56,7 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, spring_, stretch_, clear_, resumed_, latched_);
+  archive(anchor_, feed_, spring_, stretch_, clear_, resumed_, latched_);
   watch_.VisitState(archive);
   relief_.VisitState(archive);
   law_->VisitState(archive);
@@ -144,7 +136,7 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
     const dvec3 e = tip_m - anchor_;
     if (Dot(e, e) == 0) return {};
     const Contact contact = material.ContactAt(anchor_, e);
-    const Sym3& b = contact.damping_n_s_per_m;
+    const Sym3 b = contact.by_load ? material.SecantAt(feed_) : contact.damping_n_s_per_m;
     if (!b.IsFinite()) {
       out.flags |= kNonFiniteInput;
       return {};
@@ -157,9 +149,9 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
       pull = law_->PullOn(anchor_, b);
       pull.stiffness_n_per_m *= share();
       along = DampingAlong(b, pull.stretch_m);
-      const dvec3 felt = BeyondCoulomb(pull, contact);
       const double shift = pull.stiffness_n_per_m * left_s;
-      step = shift > 0 ? felt - b * SolveShifted(b, shift, felt) : dvec3(0);
+      step = shift > 0 ? pull.stretch_m - b * SolveShifted(b, shift, pull.stretch_m) : dvec3(0);
+      if (contact.by_load) step = StepByLoad(pull, step, left_s, material);
     } else {
       law_->PassAir();
     }
@@ -169,6 +161,7 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
       along = std::numeric_limits<double>::infinity();
       out.flags |= kWallContact;
     }
+    feed_ = contact.by_load ? step / left_s : dvec3(0);
     const double length = std::sqrt(Dot(step, step));
     const double limit =
         contact.clearance_m > params_.max_step_m ? contact.clearance_m : params_.max_step_m;
@@ -177,7 +170,8 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
     if (length > 0) MoveBur(anchor_ + step * share, material);
     if (share == 1) {
       if (!contact.engaged) out.flags |= kFreeAir;
-      return {(pull.stretch_m - step) * pull.stiffness_n_per_m, along};
+      const dvec3 drag_n = contact.by_load ? material.DragAt(feed_) : dvec3(0);
+      return {(pull.stretch_m - step) * pull.stiffness_n_per_m + drag_n, along};
     }
     left_s -= left_s * share;
     if (i + 1 == params_.max_substeps) {
@@ -186,6 +180,16 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
     }
   }
   return {};
+}
+
+// The way that the secant of the feed before has found, at the length that this tick's pull and the cutting force give.
+dvec3 Coupling::StepByLoad(const Pull& pull, const dvec3& way, double dt_s,
+                           Material& material) noexcept {
+  const double length = std::sqrt(Dot(way, way));
+  if (!(length > 0)) return dvec3(0);
+  const dvec3 direction = way / length;
+  return direction * FeedUnder(pull.stiffness_n_per_m, Dot(pull.stretch_m, direction), dt_s,
+                               material.ForceAlong(direction));
 }
 
 // Moves the rest point to where the spring would give the pull less the device's friction, as far as the

@@ -9,6 +9,7 @@
 #include "common/haptics/friction_relief.h"
 #include "common/haptics/guard.h"
 #include "common/haptics/swing_watch.h"
+#include "common/math/feed_force.h"
 
 // The tick's force chain: finite check -> law -> stiffness -> guard -> magnitude bound -> push -> finite check.
 //
@@ -22,8 +23,9 @@
 //    friction or the hand do.
 //  * Where the unit's friction was measured, the motors push along the motion with what the cell leaves of it, and
 //    the spring is softer in soft tissue (friction_relief.h). Then the proof rests on the measured c, too.
-//  * Coulomb's part Fc and threshold Fth of a tissue: the bur feels only what the pull is beyond Fc, and
-//    nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
+//  * In tissue that is cut by load the bur goes where the secant B of the feed before leads, and so far that
+//    the pull along that way is the cutting force at that feed (FeedUnder). In a steady cut both are
+//    exact. The friction of the turning surface is in the wish alone: the guard pays for it, or refuses.
 //  * A bound on the force moves r, at a wall too, never the bur.
 //  * A swing of hand and device lowers Kc, in law, spring and guard alike (swing_watch.h; in the law alone
 //    where a board runs the spring): R = B v of the bur stays true, only softer. The share that is taken away is energy lost, so the proof holds.
@@ -41,9 +43,8 @@ struct Contact {
   // How far the bur may travel in a straight line before it can touch anything else, m. Zero when
   // not known; lets a step through open air be taken at once.
   double clearance_m = 0;
-  // For the engaged surface, N: the part of the cutting force that does not depend on speed, and the
-  // force below which the bur does not cut at all. 0: none.
-  double coulomb_n = 0, threshold_n = 0;
+  // The tissue is cut by load: the force is no B v. The Material's functions below say what it is.
+  bool by_load = false;
 };
 
 // The world the coupling moves in. Implemented by the core (volume and bur), by the qualification
@@ -55,6 +56,21 @@ class Material {
   virtual Contact ContactAt(const dvec3& anchor_m, const dvec3& stretch_m) noexcept = 0;
   // The anchor moved in a straight line; a turning bur cuts along it.
   virtual void AnchorMoved(const dvec3& from_m, const dvec3& to_m) noexcept = 0;
+  // After a ContactAt that says by_load, of what it found. Secant: the B with which B v is the force at that feed,
+  // never without bound. Along: in a direction of length 1. Drag: what the turning surface adds at that feed, as a force
+  // that the hand is to resist; it does work that the spindle pays.
+  virtual Sym3 SecantAt(const dvec3& feed_m_per_s) noexcept {
+    (void)feed_m_per_s;
+    return {};
+  }
+  virtual FeedForce ForceAlong(const dvec3& direction) noexcept {
+    (void)direction;
+    return {};
+  }
+  virtual dvec3 DragAt(const dvec3& feed_m_per_s) noexcept {
+    (void)feed_m_per_s;
+    return dvec3(0);
+  }
 };
 
 // Which bounds engaged in a tick; recorded with it.
@@ -144,6 +160,7 @@ class Coupling {
     double b_n_s_per_m = 0;
   };
   Resistance RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
+  dvec3 StepByLoad(const Pull& pull, const dvec3& way, double dt_s, Material& material) noexcept;
   void SendThroughSpring(const dvec3& tip_m, const Resistance& resistance, double bound_n,
                          CouplingOutput& out) noexcept;
   void PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,
@@ -159,6 +176,7 @@ class Coupling {
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
   dvec3 anchor_{0};  // the bur
+  dvec3 feed_{0};    // its speed in the last step through tissue that is cut by load, m/s; else 0
   EnSpring spring_{};
   SwingWatch watch_;
   FrictionRelief relief_;

@@ -99,12 +99,12 @@ Status CheckScene(const Scene& scene, const Exercise& exercise) {
                         " mN s/mm",
                     "tissues");
     }
-    if (t.coulomb_mn < 0 || (t.threshold_mn != 0 && t.threshold_mn < t.coulomb_mn)) {
-      return Refuse(
-          "scene '" + scene.name + "': tissue " + std::string(cutting::TissueName(t.tissue)) +
-              " needs a threshold of at least its Coulomb part of " + std::to_string(t.coulomb_mn) +
-              " mN (0: the same), found " + std::to_string(t.threshold_mn) + " mN",
-          "tissues");
+    if (t.feed_exponent != cutting::FeedExponent::kOne && t.feed_um_per_s <= 0) {
+      return Refuse("scene '" + scene.name + "': tissue " +
+                        std::string(cutting::TissueName(t.tissue)) +
+                        " is cut by load and needs the feed that its damping is meant at, found " +
+                        std::to_string(t.feed_um_per_s) + " um/s",
+                    "tissues");
     }
   }
   return Status::Ok();
@@ -205,7 +205,11 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
     p.damping_mn_s_per_mm[i] = t.damping_mn_s_per_mm;
     p.axial_damping_mn_s_per_mm[i] = t.axial_damping_mn_s_per_mm;
     p.coulomb_mn[i] = t.coulomb_mn;
-    p.threshold_mn[i] = t.threshold_mn;
+    p.feed_exponent[i] = t.feed_exponent;
+    p.feed_um_per_s[i] = t.feed_um_per_s;
+    p.bur_friction_permille[i] = t.bur_friction_permille;
+    // The spindle's load is then the drag itself.
+    if (t.bur_friction_permille > 0) p.handpiece_tangential_permille = 0;
   }
   p.bus_delay_ticks = static_cast<uint32_t>(profile.bus_delay_ticks.value);
   p.contact_cue_mn = exercise.touch_cues.contact_mn;

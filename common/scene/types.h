@@ -30,8 +30,11 @@ struct TissueSpec {
   int32_t damping_mn_s_per_mm = 0;        // B across the bur's axis; 1 N s/mm = 1000 mN s/mm
   std::string provenance;                 // where the numbers are from
   int32_t axial_damping_mn_s_per_mm = 0;  // B along the bur's axis; 0: the same
-  int32_t coulomb_mn = 0;                 // part of the cutting force that speed does not change
-  int32_t threshold_mn = 0;  // nothing is cut below; 0: Coulomb's part, else at least it
+  int32_t coulomb_mn = 0;                 // the bur does not cut below it
+  // Tissue that is cut by load (cutting::TissueDamping) has m, v0 where m is not 1, and mu.
+  cutting::FeedExponent feed_exponent = cutting::FeedExponent::kOne;
+  int32_t feed_um_per_s = 0;
+  int32_t bur_friction_permille = 0;
 };
 
 // A bur as documents name it. Members that a shape does not use are 0 (cutting/bur.h).

@@ -83,6 +83,16 @@ core::CoreParams ParamsFor(uint64_t seed) {
   }
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
+  // Every second ball has an enamel that is cut by load, with a handpiece that feels it.
+  if (seed % 2 == 0) {
+    p.coulomb_mn[1] = 60;
+    p.feed_exponent[1] = cutting::FeedExponent::kHalf;
+    p.feed_um_per_s[1] = 430;
+    p.bur_friction_permille[1] = 500;
+    p.handpiece_stall_un_m = 2330;
+    p.handpiece_tangential_permille = 0;
+    p.handpiece_lag_us = 50'000;
+  }
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;
   // Every second recording is of a six-axis device, with touch cues and its spring on the board.
   if (seed % 2 == 0) {

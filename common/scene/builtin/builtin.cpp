@@ -7,6 +7,7 @@
 #include "common/scene/builder.h"
 #include "common/scene/builtin/exercises.h"
 #include "common/scene/builtin/teeth.h"
+#include "common/scene/material.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::scene {
@@ -290,8 +291,11 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm, si
                       std::to_string(voxel_nm),
                   "voxel_nm");
   }
+  std::string_view base = name;
+  const bool by_load = name.ends_with(kByLoadSuffix);
+  if (by_load) base.remove_suffix(kByLoadSuffix.size());
   for (const Builder& b : kBuilders) {
-    if (name != b.scene.name) continue;
+    if (base != b.scene.name) continue;
     Draft draft = b.draft();
     ENAMEL_RETURN_IF_ERROR(CheckMemory(name, draft.box, voxel_nm, max_bytes));
     auto spec = GridAround(draft.box.lo_m, draft.box.hi_m, voxel_nm);
@@ -300,13 +304,20 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm, si
     // machines; what is stored does not.
     out.scene.volume = HashSha256(EncodeVolume(out.volume));
     out.scene.voxel_nm = voxel_nm;
+    if (by_load) {
+      out.scene.name += kByLoadSuffix;
+      CutByLoad(&out.scene);
+    }
     return out;
   }
   std::string known;
   for (const Builder& b : kBuilders)
     known += (known.empty() ? "" : ", ") + std::string(b.scene.name);
   return Status(Code::kNotFound,
-                "no built-in scene '" + std::string(name) + "': there are " + known, "name");
+                "no built-in scene '" + std::string(name) + "': there are " + known +
+                    ", and each with \"" + std::string(kByLoadSuffix) +
+                    "\" behind its name, whose tissue is cut by load",
+                "name");
 }
 
 std::vector<TissueSpec> DefaultTissues(const std::vector<Tissue>& present) {

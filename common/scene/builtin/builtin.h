@@ -24,6 +24,9 @@ struct BuiltinScene {
 std::span<const BuiltinScene> BuiltinScenes();
 std::vector<std::string> BuiltinSceneNames();
 
+// Behind a scene's name: the same tooth, with the tissue of ByLoadMaterial (scene/material.h).
+inline constexpr std::string_view kByLoadSuffix = "-by-load";
+
 // The memory that a volume may take with every brick stored; BuildBuiltinScene's default limit.
 inline constexpr size_t kDefaultSceneBytes = size_t{2} << 30;
 

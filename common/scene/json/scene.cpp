@@ -6,6 +6,7 @@
 #include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
+#include "common/scene/json/tissue.h"
 #include "common/scene/tooth_number.h"
 
 namespace enamel::scene {
@@ -14,7 +15,6 @@ namespace {
 namespace json = boost::json;
 
 constexpr std::string_view kOcclusal = "occlusal", kBuccal = "buccal";
-constexpr int32_t kMaxForce_mn = 100'000;
 constexpr int32_t kMaxExtentUm = 100'000;
 constexpr size_t kMaxBurs = 64, kMaxPreparations = 64;
 
@@ -32,21 +32,7 @@ void ReadTissues(ObjectReader& in, Scene& scene) {
   for (ObjectReader& item : in.Objects("tissues", 1, cutting::kTissueCount - 1)) {
     TissueSpec spec;
     spec.tissue = ReadTissueName(item);
-    spec.damping_mn_s_per_mm =
-        static_cast<int32_t>(item.Int("damping_mn_s_per_mm", 1, 1'000'000'000));
-    if (item.Has("axial_damping_mn_s_per_mm")) {
-      spec.axial_damping_mn_s_per_mm =
-          static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
-    }
-    if (item.Has("coulomb_mn"))
-      spec.coulomb_mn = static_cast<int32_t>(item.Int("coulomb_mn", 1, kMaxForce_mn));
-    if (item.Has("threshold_mn")) {
-      spec.threshold_mn = static_cast<int32_t>(item.Int("threshold_mn", 1, kMaxForce_mn));
-      if (spec.threshold_mn < spec.coulomb_mn) {
-        item.Refuse("threshold_mn", "at least coulomb_mn, " + std::to_string(spec.coulomb_mn),
-                    std::to_string(spec.threshold_mn));
-      }
-    }
+    ReadTissueLaw(item, spec);
     spec.provenance = item.Text("provenance", 1, 500);
     // Two would make the force depend on which a reader takes.
     if (!seen.insert(spec.tissue).second) {
@@ -123,13 +109,8 @@ json::array PreparationsJson(const std::vector<Preparation>& preparations) {
 std::string ToJson(const Scene& scene) {
   json::array tissues;
   for (const TissueSpec& t : scene.tissues) {
-    json::object tissue{{"tissue", cutting::TissueName(t.tissue)},
-                        {"damping_mn_s_per_mm", t.damping_mn_s_per_mm}};
-    if (t.axial_damping_mn_s_per_mm != 0) {
-      tissue["axial_damping_mn_s_per_mm"] = t.axial_damping_mn_s_per_mm;
-    }
-    if (t.coulomb_mn != 0) tissue["coulomb_mn"] = t.coulomb_mn;
-    if (t.threshold_mn != 0) tissue["threshold_mn"] = t.threshold_mn;
+    json::object tissue{{"tissue", cutting::TissueName(t.tissue)}};
+    WriteTissueLaw(t, tissue);
     tissue["provenance"] = t.provenance;
     tissues.push_back(std::move(tissue));
   }

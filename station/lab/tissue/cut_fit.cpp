@@ -252,13 +252,35 @@ class Fitter {
           F(fit_.threshold_n.high) + " N; record slow presses and stops as well");
     if (p.model == CutModel::kMatrix) ReportPrincipal();
     for (size_t k = 0; k < s_.used.size(); ++k) {
-      if (s_.weight[k] > 0)
-        fit_.points.push_back({glm::length(s_.used[k]->v), Along(r_, *s_.used[k])});
+      const Window& w = *s_.used[k];
+      if (s_.weight[k] > 0) fit_.points.push_back({glm::length(w.v), Along(r_, w), Across(w)});
     }
+    ReportFeeds();
     // Even the upper end: a B that may be positive is a poor fit, but not a wrong file.
     if (fit_.b.high <= 0)
       Refuse("force falls with speed (B = " + F(fit_.b.value, "%.3f") +
              " N s/mm): position and force do not belong together, or not in this unit");
+  }
+
+  void ReportFeeds() {
+    std::vector<Window> all = windows_;
+    CutFit counts;
+    Classify(r_, c_, 0, &all, &counts);
+    for (const Window& w : all) {
+      // The mean of a root is not the root of the mean: where the force changes by a tenth, by 0.1 %.
+      const double change_n = glm::length(w.late.f - w.early.f);
+      if (w.used && change_n <= 0.1 * glm::length(w.whole.f))
+        fit_.feeds.push_back({glm::length(w.v), Along(r_, w), Across(w)});
+    }
+  }
+
+  std::optional<double> Across(const Window& w) const {
+    const dvec3 side = glm::cross(w.axis, w.v);
+    const double size = glm::length(side);
+    // Within 45 degrees of the axis the end cuts.
+    if (magnitude_ || !(size > 0.7 * glm::length(w.axis) * glm::length(w.v)) || !(size > 0))
+      return {};
+    return Dot(w.whole.f, side) / size;
   }
 
   void ReportB(double trust) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,6 +53,12 @@ enum class CutModel {
   kMatrix,
 };
 
+// A window that was used.
+struct CutPoint {
+  double speed_mm_s = 0, force_n = 0;  // along the motion
+  std::optional<double> across_n;      // across motion and the bur's axis, where they are not alike
+};
+
 // Use of the samples. Windows overlap by half, so a sample may be in two.
 struct CutWindows {
   size_t used = 0;
@@ -83,7 +90,9 @@ struct CutFit {
   double speed_max_mm_s = 0, force_max_n = 0;
   size_t samples = 0, spikes = 0;  // spikes: single samples dropped
   CutWindows windows;
-  std::vector<std::pair<double, double>> points;  // speed mm/s and force along it, used windows
+  std::vector<CutPoint> points;  // used windows
+  // Windows in which force and speed stay alike, also those below a threshold that is B's own: of a root they are its lower end.
+  std::vector<CutPoint> feeds;
   std::vector<std::string> warnings;
   std::string refused;  // why there is no fit
 };

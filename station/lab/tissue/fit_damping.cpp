@@ -16,6 +16,7 @@
 #include "common/program/log.h"
 #include "common/scene/json/kinds.h"
 #include "common/scene/json/text.h"
+#include "common/scene/json/tissue.h"
 #include "station/lab/report/draw.h"
 #include "station/lab/report/plot.h"
 
@@ -210,13 +211,31 @@ DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tis
   fit.offset_n = c.offset_n;
   fit.residual_rms_n = c.residual_rms_n;
   fit.speed_max_mm_s = c.speed_max_mm_s, fit.force_max_n = c.force_max_n;
-  fit.points = c.points;
   fit.refused = c.refused;
+  if (fit.refused.empty() && c.feeds.size() >= 20) fit.load = FitLoad(c.feeds);
   return fit;
 }
 
 std::string Between(const Estimate& e, const char* unit, const char* format = "%.3f") {
   return F(e.value, format) + unit + ", 95 % " + F(e.low, format) + " to " + F(e.high, format);
+}
+
+// The law of a tissue that is cut by load, and what its recording does not hold.
+std::string LoadText(const LoadFit& f) {
+  std::string s = "  exponent   ";
+  if (f.exponent_told) {
+    const bool root = f.exponent == cutting::FeedExponent::kHalf;
+    s += std::string(root ? "1/2" : "1") + "; leaves " + F(f.residual_n) + " N rms, " +
+         (root ? "1" : "1/2") + " leaves " + F(f.other_n) + " N\n";
+    if (root)
+      s += "  by load    " + Between(f.coulomb_n, " N") + ", and at " + F(f.feed_mm_s) + " mm/s " +
+           Between(f.at_feed_n, " N") + " more\n";
+  } else {
+    s += "not told: " + f.why_no_exponent + "\n";
+  }
+  s += "  friction   ";
+  s += f.friction_told ? Between(f.friction, "") + "\n" : "not told: " + f.why_no_friction + "\n";
+  return s;
 }
 
 }  // namespace
@@ -297,6 +316,7 @@ std::string DampingText(const DampingReport& r) {
     }
     if (c.compliance_mm_per_n.value > 0)
       s += "  tip bends  " + Between(c.compliance_mm_per_n, " mm/N", "%.5f") + "\n";
+    if (f.load) s += LoadText(*f.load);
     s += "  residual   " + F(c.residual_rms_n) + " N rms; windows of " + F(c.window_s) +
          " s: " + std::to_string(c.windows.used) +
          " used; left out: " + std::to_string(c.windows.gap) + " with rows missing, " +
@@ -321,15 +341,28 @@ std::string DampingPlot(const DampingReport& r, const std::string& source) {
   for (const DampingFit& f : r.fits) {
     if (!f.refused.empty()) continue;
     const std::string colour = ColourOf(i++);
-    p.series.push_back({"", colour, Style::kRings, f.points});
-    Series line{f.tissue + ": B = " + F(f.b_n_s_per_mm, "%.2f") + " N s/mm", colour, Style::kLine};
-    for (double v : {0.0, f.speed_max_mm_s})
-      line.points.push_back({v, f.offset_n + f.b_n_s_per_mm * v});
+    Series rings{"", colour, Style::kRings, {}};
+    for (const CutPoint& at : f.cut.points) rings.points.push_back({at.speed_mm_s, at.force_n});
+    p.series.push_back(rings);
+    const bool root = f.load && f.load->exponent == cutting::FeedExponent::kHalf;
+    Series line{f.tissue + ": " +
+                    (root ? "by load, m 1/2" : "B = " + F(f.b_n_s_per_mm, "%.2f") + " N s/mm"),
+                colour, Style::kLine};
+    constexpr int kSteps = 24;
+    for (int i = root ? 0 : kSteps - 1; i <= kSteps; ++i) {
+      const double v = root ? f.speed_max_mm_s * i / kSteps : i == kSteps ? f.speed_max_mm_s : 0;
+      line.points.push_back({v, root
+                                    ? f.load->coulomb_n.value +
+                                          f.load->at_feed_n.value * std::sqrt(v / f.load->feed_mm_s)
+                                    : f.offset_n + f.b_n_s_per_mm * v});
+    }
     p.series.push_back(line);
   }
   namespace json = boost::json;
   json::object section{{"title", p.title},
-                       {"text", "Rings: windows of the recording. Lines: the fit, F = B v + Fc."},
+                       {"text",
+                        "Rings: windows of the recording. Lines: the fit, F = Fc + B v, or the "
+                        "root of v where the recording tells it."},
                        {"tables", json::array()},
                        {"plots", json::array{PlotJson(p)}},
                        {"maps", json::array()}};
@@ -348,22 +381,20 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
   for (const DampingFit& f : r.fits) {
     if (!f.refused.empty()) continue;
     const CutFit& c = f.cut;
-    json::object tissue{
-        {"tissue", f.tissue},
-        {"damping_mn_s_per_mm", Milli(f.b_n_s_per_mm)},
-        {"provenance", "fitted from " + source + ": " + std::to_string(f.used) + " blocks, 95 % " +
-                           F(f.b_low) + " to " + F(f.b_high) + " N s/mm"},
-        {"damping_low_mn_s_per_mm", Milli(f.b_low)},
-        {"damping_high_mn_s_per_mm", Milli(f.b_high)},
-        {"offset_mn", Milli(f.offset_n)},
-        {"residual_rms_mn", Milli(f.residual_rms_n)},
-        {"blocks", f.used}};
+    scene::TissueSpec law;
+    law.damping_mn_s_per_mm = static_cast<int32_t>(Milli(f.b_n_s_per_mm));
+    json::object fit{{"damping_low_mn_s_per_mm", Milli(f.b_low)},
+                     {"damping_high_mn_s_per_mm", Milli(f.b_high)},
+                     {"offset_mn", Milli(f.offset_n)},
+                     {"residual_rms_mn", Milli(f.residual_rms_n)},
+                     {"blocks", f.used}};
     auto Put = [&](const std::string& name, const Estimate& e, const std::string& unit) {
-      tissue[name + unit] = Milli(e.value);
-      tissue[name + "_low" + unit] = Milli(e.low);
-      tissue[name + "_high" + unit] = Milli(e.high);
+      fit[name + "_low" + unit] = Milli(e.low);
+      fit[name + "_high" + unit] = Milli(e.high);
+      return static_cast<int32_t>(Milli(e.value));
     };
-    if (c.model == CutModel::kAxialLateral) Put("axial_damping", c.axial, "_mn_s_per_mm");
+    if (c.model == CutModel::kAxialLateral)
+      law.axial_damping_mn_s_per_mm = Put("axial_damping", c.axial, "_mn_s_per_mm");
     if (c.model == CutModel::kMatrix) {
       json::array value, low, high;
       for (const Estimate& e : c.matrix) {
@@ -371,12 +402,34 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
         low.push_back(Milli(e.low));
         high.push_back(Milli(e.high));
       }
-      tissue["damping_matrix_mn_s_per_mm"] = std::move(value);
-      tissue["damping_matrix_low_mn_s_per_mm"] = std::move(low);
-      tissue["damping_matrix_high_mn_s_per_mm"] = std::move(high);
+      fit["damping_matrix_mn_s_per_mm"] = std::move(value);
+      fit["damping_matrix_low_mn_s_per_mm"] = std::move(low);
+      fit["damping_matrix_high_mn_s_per_mm"] = std::move(high);
     }
-    if (c.with_coulomb) Put("coulomb", c.coulomb_n, "_mn");
-    if (c.with_coulomb && c.threshold_seen) Put("threshold", c.threshold_n, "_mn");
+    const bool root = f.load && f.load->exponent == cutting::FeedExponent::kHalf;
+    if (root) {
+      law.feed_exponent = f.load->exponent;
+      law.feed_um_per_s = static_cast<int32_t>(Milli(f.load->feed_mm_s));
+      law.damping_mn_s_per_mm =
+          static_cast<int32_t>(Milli(f.load->at_feed_n.value / f.load->feed_mm_s));
+      // Along the bur as much more as B is.
+      if (law.axial_damping_mn_s_per_mm > 0 && c.b.value > 0)
+        law.axial_damping_mn_s_per_mm =
+            static_cast<int32_t>(std::llround(law.damping_mn_s_per_mm * c.axial.value / c.b.value));
+      law.coulomb_mn = Put("coulomb", f.load->coulomb_n, "_mn");
+    } else if (c.with_coulomb) {
+      law.coulomb_mn = Put("coulomb", c.coulomb_n, "_mn");
+    }
+    if (f.load && f.load->friction_told) {
+      fit["bur_friction_low_permille"] = Milli(f.load->friction.low);
+      fit["bur_friction_high_permille"] = Milli(f.load->friction.high);
+      law.bur_friction_permille = static_cast<int32_t>(Milli(f.load->friction.value));
+    }
+    json::object tissue{{"tissue", f.tissue}};
+    scene::WriteTissueLaw(law, tissue);
+    tissue["provenance"] = "fitted from " + source + ": " + std::to_string(f.used) +
+                           " blocks, 95 % " + F(f.b_low) + " to " + F(f.b_high) + " N s/mm";
+    tissue["fit"] = std::move(fit);
     tissues.push_back(std::move(tissue));
   }
   return scene::CanonicalText(json::object{{scene::kMaterialKind, scene::kFormat},

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
 #include "station/lab/tissue/cut_fit.h"
+#include "station/lab/tissue/load_fit.h"
 
 // B, the Coulomb part and the threshold of real tissue from recorded cuts, per tissue: columns of
 // text in, a table, a plot and a material profile out. Method and errors: cut_fit.h. Not for the
@@ -20,9 +22,9 @@ struct DampingFit {
   double offset_n = 0;                             // Coulomb's part, also where below 0
   double residual_rms_n = 0;
   double speed_max_mm_s = 0, force_max_n = 0;
-  std::vector<std::pair<double, double>> points;  // speed mm/s, force N, one per window
-  CutFit cut;                                     // all of it
-  std::string refused;                            // why there is no fit; empty when there is one
+  CutFit cut;                   // all of it
+  std::optional<LoadFit> load;  // with windows enough
+  std::string refused;          // why there is no fit; empty when there is one
 };
 
 struct DampingReport {
@@ -40,6 +42,9 @@ struct DampingReport {
 // (`bur_axis`, zero: not known, or the columns, which come first); else, or where the directions of
 // motion do not determine it, one B along the motion. One column of force is a magnitude along the
 // cut, unless it and the one position both have signs. Force may be the hand's or the tooth's.
+//
+// Where the windows tell the exponent 1/2 from 1, tissue that is cut by load has it; where the bur's axis is known, the
+// friction of its surface (load_fit.h). What the data does not hold is said, and left at B v.
 //
 // Errors (kInvalidInput): columns missing, no numbers, time that does not rise, impossible units
 // (more than 1 m of travel, above 200 N, faster than 1 m/s): the message gives the value found. A

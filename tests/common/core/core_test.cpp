@@ -528,6 +528,42 @@ TEST(CoreTest, HandpieceSlowsDownUnderLoadAndResistsMore) {
   EXPECT_GT(loaded, 1.2 * ideal);
 }
 
+// Tissue that is cut by load, 0.2 N + 2.6 N (v/0.43 mm/s)^(1/2) on the reference bur: a hand that goes at v feels that, the
+// turning bur drags it across, and the spindle slows by the torque of the drag, which is 1.37 (the root's part) to
+// 1.57 (Coulomb's) times mu r times the force along, by the integrals of cos^m over the front.
+TEST(CoreTest, ALoadIsFeltDragsAcrossAndSlowsTheSpindle) {
+  CoreParams p = Params();
+  p.bur_shape = cutting::BurShape::kCylinder;
+  p.bur_radius_nm = 600'000;
+  p.bur_length_nm = 4'000'000;
+  p.soft_start_ticks = 0;
+  p.damping_mn_s_per_mm[1] = 6'047;
+  p.coulomb_mn[1] = 200;
+  p.feed_exponent[1] = cutting::FeedExponent::kHalf;
+  p.feed_um_per_s[1] = 430;
+  p.bur_friction_permille[1] = 500;
+  p.handpiece_stall_un_m = 2330;
+  p.handpiece_lag_us = 20'000;
+  Core core(p, test::Block(50'000, 6e-3, 5e-3));
+  core.Step(At(-6.8e-3, 0, -4e-3));
+  constexpr double kSpeed = 0.3e-3;
+  double along = 0, across = 0, ratio = 0;
+  for (int tick = 0; tick < 16'000; ++tick) {
+    const TickOutput out = core.Step(At(-6.8e-3 + tick * kSpeed * 1e-3, 0, -4e-3));
+    if (tick < 15'000) continue;
+    along -= out.force_sent_n.x / 1000;
+    across += out.force_sent_n.y / 1000;
+    ratio = out.bur_speed_ratio;
+  }
+  const double right = 0.2 + 2.6 * std::sqrt(kSpeed / ratio / 0.43e-3);
+  EXPECT_NEAR(along, right, 0.05 * right);
+  EXPECT_NEAR(across, 0.5 * along, 0.1 * along);
+  const double slowed = (1 - ratio) * 2.33e-3 / (0.5 * 0.6e-3 * right);
+  // The reader leaves out up to 5 % of it (engagement_test).
+  EXPECT_GT(slowed, 0.95 * 1.37 - 0.01);
+  EXPECT_LT(slowed, 1.57);
+}
+
 TEST(CoreTest, StalledHandpieceStillGivesWayAndRecovers) {
   CoreParams p = Params();
   p.soft_start_ticks = 0;
@@ -720,11 +756,12 @@ CoreParams FullParams() {
   p.neck_nm = 1'000'000;
   p.axial_damping_mn_s_per_mm[1] = 9000;
   p.handpiece_stall_un_m = 1500;
-  p.handpiece_tangential_permille = 500;
   p.handpiece_lag_us = 20'000;
   p.bus_delay_ticks = 16;
   p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
-  p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
+  p.feed_exponent[1] = cutting::FeedExponent::kHalf;
+  p.feed_um_per_s = {0, 430, 420, 0, 0, 0, 0, 9};
+  p.bur_friction_permille = {0, 500, 450, 100, 200, 700, 0, 500};
   p.peak_torque_un_m = 250'000;
   p.rotation_cell_urad = 400;
   p.rotational_kc_un_m_per_rad = 800'000;
@@ -761,7 +798,14 @@ TEST(CoreParamsTest, ValuesOutOfRangeAreRefusedByName) {
   };
   EXPECT_EQ(refused([](CoreParams& p) { p.bus_delay_ticks = 17; }), "bus_delay_ticks");
   EXPECT_EQ(refused([](CoreParams& p) { p.coulomb_mn[7] = -1; }), "coulomb_mn");
-  EXPECT_EQ(refused([](CoreParams& p) { p.threshold_mn[3] = 100'001; }), "threshold_mn");
+  EXPECT_EQ(refused([](CoreParams& p) { p.feed_um_per_s[1] = 0; }), "feed_um_per_s");
+  EXPECT_EQ(refused([](CoreParams& p) { p.bur_friction_permille[3] = -1; }),
+            "bur_friction_permille");
+  EXPECT_EQ(refused([](CoreParams& p) { p.feed_exponent[2] = cutting::FeedExponent{3}; }),
+            "feed_exponent");
+  // The spindle's load would be counted twice.
+  EXPECT_EQ(refused([](CoreParams& p) { p.handpiece_tangential_permille = 500; }),
+            "handpiece_tangential_permille");
   EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = -1; }), "peak_torque_un_m");
   // A torque needs a spring, and to know how well the orientation is known: no better than it is
   // recorded. And a bound that lets the bur follow the hand in air.

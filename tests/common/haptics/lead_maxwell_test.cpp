@@ -236,39 +236,6 @@ TEST(LeadMaxwellTest, FirstContactIsFeltAsSoonAsWithThePlainSpring) {
   }
 }
 
-double SteadyForce(double coulomb, double threshold, double speed) {
-  Coupling coupling(OmegaCoupling());
-  UniformMaterial tissue(Sym3::Isotropic(2000));
-  tissue.contact.coulomb_n = coulomb;
-  tissue.contact.threshold_n = threshold;
-  coupling.Reset(Middle(dvec3(0)));
-  double sum = 0;
-  for (int tick = 0; tick < 8000; ++tick) {
-    const double r =
-        -coupling.Tick(Middle(dvec3(speed * kTick_s * tick, 0, 0)), 1, tissue).force_sent_n.x;
-    if (tick >= 6000) sum += r;
-  }
-  return sum / 2000;
-}
-
-TEST(LeadMaxwellTest, CoulombAndThresholdAreAddedToASteadyCut) {
-  EXPECT_NEAR(SteadyForce(0, 0, 0.43e-3), 0.86, 0.02);
-  EXPECT_NEAR(SteadyForce(0.5, 0, 0.43e-3), 1.36, 0.03);
-  EXPECT_NEAR(SteadyForce(0.5, 0.8, 0.43e-3), 1.36, 0.03);
-}
-
-TEST(LeadMaxwellTest, BelowTheThresholdNothingIsCut) {
-  Coupling coupling(OmegaCoupling());
-  UniformMaterial tissue(Sym3::Isotropic(6500));
-  tissue.contact.threshold_n = 5;
-  coupling.Reset(Middle(dvec3(0)));
-  CouplingOutput out;
-  for (int tick = 0; tick < 2000; ++tick)
-    out = coupling.Tick(Middle(dvec3(100e-6, 0, 0)), 1, tissue);
-  EXPECT_EQ(out.anchor_m, Middle(dvec3(0)));
-  EXPECT_GT(-out.force_sent_n.x, 0.9);
-}
-
 // A reading after Resume may be stepped at once, in the same tick of the device: what the tip does from
 // then on is paid, and the tank pays for what was left of the spring.
 TEST(LeadMaxwellTest, TheTickAfterAGapGivesForceAndIsPaid) {

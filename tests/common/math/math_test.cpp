@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/math/feed_force.h"
 #include "common/math/log.h"
 #include "common/math/orientation.h"
 #include "common/math/sym3.h"
@@ -74,6 +75,34 @@ TEST(OrientationTest, MatrixRotatesAsTheQuaternionDoes) {
 
 TEST(OrientationTest, ZeroQuaternionMeansTheIdentity) {
   EXPECT_EQ(FromQuantised({0, 0, 0, 0}).w, 1);
+}
+
+// Against the root of K (L - w) = F(w/dt), halved down to in long double; and no two stretches lead to feeds that are
+// farther apart. Over every size that a device and a tissue can have, and far beyond.
+TEST(FeedForceTest, FeedIsTheOneThatTheForceBalances) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(0, 1);
+  auto size = [&](double lo, double hi) {
+    return std::exp(std::log(lo) + any(random) * std::log(hi / lo));
+  };
+  for (int i = 0; i < 20'000; ++i) {
+    const double k = size(1, 1e6), dt = size(1e-5, 1e-2), stretch = size(1e-9, 1e-1);
+    FeedForce f{any(random) < 0.3 ? 0 : size(1e-4, 1e3), any(random) < 0.3 ? 0 : size(1e-2, 1e6),
+                any(random) < 0.3 ? 0 : size(1e-2, 1e9)};
+    const double w = FeedUnder(k, stretch, dt, f);
+    long double lo = 0, hi = stretch;
+    for (int step = 0; step < 200; ++step) {
+      const long double at = (lo + hi) / 2, feed = at / dt;
+      const long double left = k * (stretch - at) - f.coulomb_n -
+                               f.root_n_sqrt_s_per_m * std::sqrt(feed) - f.linear_n_s_per_m * feed;
+      (left > 0 ? lo : hi) = at;
+    }
+    ASSERT_NEAR(w, static_cast<double>(lo), 1e-12 * stretch + 1e-9 * static_cast<double>(lo)) << i;
+    const double longer = stretch * (1 + any(random));
+    const double w2 = FeedUnder(k, longer, dt, f);
+    ASSERT_GE(w2, w) << i;
+    ASSERT_LE(w2 - w, (longer - stretch) * (1 + 1e-9) + 1e-12 * longer) << i;
+  }
 }
 
 TEST(TrigTest, ArcTanIsTheAngleOfASlopeAndOddAboutZero) {

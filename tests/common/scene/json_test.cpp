@@ -345,18 +345,25 @@ TEST(SceneJsonTest, ProfilesSayWhetherTheirDelayAndFrictionWereMeasured) {
   EXPECT_EQ(profile.status().field(), "/friction_mn/measured");
 }
 
-TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThreshold) {
-  std::string text = ReadText("golden/scene_threshold.json");
+TEST(SceneJsonTest, TissuesSayHowTheyAreCutByLoad) {
+  std::string text = ReadText("golden/scene_by_load.json");
   Result<Scene> scene = SceneFromJson(text);
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   EXPECT_EQ(scene->tissues[0].coulomb_mn, 300);
-  EXPECT_EQ(scene->tissues[0].threshold_mn, 500);
+  EXPECT_EQ(scene->tissues[0].feed_exponent, cutting::FeedExponent::kHalf);
+  EXPECT_EQ(scene->tissues[0].feed_um_per_s, 430);
+  EXPECT_EQ(scene->tissues[0].bur_friction_permille, 500);
   EXPECT_EQ(ToJson(*scene), text);
-  scene->tissues[0].coulomb_mn = scene->tissues[0].threshold_mn = 0;
+  TissueSpec& gypsum = scene->tissues[0];
+  gypsum.coulomb_mn = gypsum.feed_um_per_s = gypsum.bur_friction_permille = 0;
+  gypsum.feed_exponent = cutting::FeedExponent::kOne;
   EXPECT_EQ(ToJson(*scene), ReadText("golden/scene_block.json"));
-  scene = SceneFromJson(Replaced(text, "\"threshold_mn\": 500", "\"threshold_mn\": 299"));
-  ASSERT_FALSE(scene.ok()) << "a threshold below Coulomb's part";
-  EXPECT_EQ(scene.status().field(), "/tissues/0/threshold_mn");
+  auto field_of = [&](const char* from, const char* to) {
+    return SceneFromJson(Replaced(text, from, to)).status().field();
+  };
+  EXPECT_EQ(field_of("\"1/2\"", "\"0.5\""), "/tissues/0/feed_exponent");
+  EXPECT_EQ(field_of("\"feed_um_per_s\": 430,", ""), "/tissues/0/feed_um_per_s");
+  EXPECT_EQ(field_of("\"feed_exponent\": \"1/2\",", ""), "/tissues/0/feed_um_per_s");
 }
 
 TEST(SceneJsonTest, ProfilesOfSixAxesSayWhatTheirTorqueIs) {
@@ -399,7 +406,8 @@ TEST(MaterialTest, ProfilesReadAndGiveAScenesTissuesWhatWasMeasured) {
     EXPECT_EQ(t.damping_mn_s_per_mm, 6500);
     EXPECT_EQ(t.axial_damping_mn_s_per_mm, 9000);
     EXPECT_EQ(t.coulomb_mn, 500);
-    EXPECT_EQ(t.threshold_mn, 900);
+    EXPECT_EQ(t.feed_exponent, cutting::FeedExponent::kHalf);
+    EXPECT_EQ(t.bur_friction_permille, 480);
   }
   Result<Scene> again = SceneFromJson(ToJson(*molar));
   ASSERT_TRUE(again.ok()) << again.status().message();
@@ -421,8 +429,22 @@ TEST(MaterialTest, WhatWasNotMeasuredIsLeftOutAndWhatIsWrongIsRefusedWithItsPath
     Result<Material> m = MaterialFromJson(Replaced(text, from, to));
     return m.ok() ? std::string("accepted") : m.status().field();
   };
-  EXPECT_EQ(FieldOf("\"threshold_mn\": 900", "\"threshold_mn\": 400"), "/tissues/0/threshold_mn");
-  EXPECT_EQ(FieldOf("\"coulomb_low_mn\": 470,", ""), "/tissues/0/coulomb_low_mn");
+  EXPECT_EQ(FieldOf("\"coulomb_low_mn\": 470,", ""), "/tissues/0/fit/coulomb_high_mn")
+      << "both or none";
+}
+
+TEST(MaterialTest, TheProgramsOwnIsADocumentAndFitsEveryScene) {
+  const Material& mine = ByLoadMaterial();
+  Result<Material> read = MaterialFromJson(ToJson(mine));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(ToJson(*read), ToJson(mine));
+  for (const char* name : {"golden/scene_molar.json", "golden/scene_block.json"}) {
+    Result<Scene> scene = SceneFromJson(ReadText(name));
+    ASSERT_TRUE(scene.ok());
+    CutByLoad(&*scene);
+    for (const TissueSpec& t : scene->tissues)
+      EXPECT_EQ(t.bur_friction_permille > 0, t.tissue != cutting::Tissue::kGypsum) << name;
+  }
 }
 
 TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {

@@ -289,5 +289,74 @@ TEST(CutFitTest, RecoversATissueCutAlongRecordedHands) {
   }
 }
 
+// Five loads, each for a while and in three directions across the bur: what a rig would do.
+std::function<dvec3(double)> Loads(uint64_t seed) {
+  Random r(seed * 31 + 3);
+  std::vector<dvec3> force;
+  for (int i = 0; i < 40; ++i) {
+    const double angle = r.Between(0, 2 * M_PI);
+    force.push_back(dvec3(std::cos(angle), std::sin(angle), 0) * (0.6 + 0.7 * (i % 5)));
+  }
+  return [force](double t) {
+    const auto k = static_cast<size_t>(t / 1.2);
+    const double s = t - 1.2 * static_cast<double>(k);
+    const double rise = s < 0.2 ? s / 0.2 : s < 0.9 ? 1 : s < 1.1 ? (1.1 - s) / 0.2 : 0;
+    return force[k % force.size()] * rise;
+  };
+}
+
+// Recordings of tissue that is cut by load, and of tissue that is not, made by a code that shares none with the fit: the
+// exponent is told right or not at all, and its numbers lie in their intervals.
+TEST(LoadFitTest, TellsARootFromALineAndFindsItsNumbers) {
+  int told = 0, wrong = 0, coulomb_held = 0, rate_held = 0, friction_held = 0, n = 0;
+  for (int seed = 1; seed <= kSeeds / 2; ++seed) {
+    for (bool root : {true, false}) {
+      TrueCut truth;
+      truth.coulomb_n = 0.2;
+      truth.friction = 0.5;
+      truth.b = dmat3(6.0);
+      if (root) truth.root = 2.6 / std::sqrt(0.43);
+      std::vector<CutSample> samples = CutByForce(truth, {}, 40, static_cast<uint64_t>(seed),
+                                                  Loads(static_cast<uint64_t>(seed)));
+      for (CutSample& s : samples) s.axis = dvec3(0, 0, 1);
+      const CutFit fit = FitCut(samples, 1e-3, false, 3);
+      ASSERT_TRUE(fit.refused.empty()) << fit.refused;
+      const LoadFit load = FitLoad(fit.feeds);
+      told += load.exponent_told;
+      wrong += load.exponent_told && root != (load.exponent == cutting::FeedExponent::kHalf);
+      friction_held += load.friction.low <= 0.5 && 0.5 <= load.friction.high;
+      EXPECT_NEAR(load.friction.value, 0.5, 0.05);
+      if (!root || !load.exponent_told) continue;
+      ++n;
+      const double rate = truth.root * std::sqrt(load.feed_mm_s);
+      EXPECT_NEAR(load.at_feed_n.value, rate, 0.1 * rate);
+      coulomb_held += load.coulomb_n.low <= 0.2 && 0.2 <= load.coulomb_n.high;
+      rate_held += load.at_feed_n.low <= rate && rate <= load.at_feed_n.high;
+    }
+  }
+  const int all = kSeeds / 2 * 2;
+  std::printf(
+      "exponent told in %d of %d, wrong in %d; of %d roots the interval holds Coulomb's part in "
+      "%d, the rest in "
+      "%d; friction in %d of %d\n",
+      told, all, wrong, n, coulomb_held, rate_held, friction_held, all);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GE(told, 0.85 * all);
+  EXPECT_GE(coulomb_held, 0.8 * n);
+  EXPECT_GE(rate_held, 0.8 * n);
+}
+
+// Two loads that are nearly alike hold no exponent, and a magnitude no friction: both are said.
+TEST(LoadFitTest, SaysWhatTheRecordingDoesNotHold) {
+  std::vector<CutPoint> points;
+  for (int i = 0; i < 60; ++i)
+    points.push_back({0.40 + 0.001 * (i % 20), 2.7 + 0.01 * (i % 7), {}});
+  const LoadFit fit = FitLoad(points);
+  EXPECT_FALSE(fit.exponent_told);
+  EXPECT_NE(fit.why_no_exponent.find("factor of two"), std::string::npos);
+  EXPECT_EQ(fit.exponent, cutting::FeedExponent::kOne);
+  EXPECT_FALSE(fit.friction_told);
+}
+
 }  // namespace
 }  // namespace enamel::station::lab

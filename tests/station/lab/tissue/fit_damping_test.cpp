@@ -73,8 +73,9 @@ TEST(FitDampingTest, StoresAMaterialProfileOfWhatWasFittedAndNothingOfWhatWasNot
   EXPECT_EQ(document.at("enamel_material"), 1);
   auto tissue = document.at("tissues").at(0).as_object();
   EXPECT_NEAR(tissue.at("damping_mn_s_per_mm").to_number<double>(), 6500, 130);
-  EXPECT_LT(tissue.at("damping_low_mn_s_per_mm").to_number<double>(), 6500);
-  EXPECT_GT(tissue.at("damping_high_mn_s_per_mm").to_number<double>(), 6500);
+  const auto& fit = tissue.at("fit").as_object();
+  EXPECT_LT(fit.at("damping_low_mn_s_per_mm").to_number<double>(), 6500);
+  EXPECT_GT(fit.at("damping_high_mn_s_per_mm").to_number<double>(), 6500);
   std::filesystem::remove(options.material_path);
   std::ofstream(options.csv_path) << "time_s,position_mm,force_n\n0,0,1\n1,0,1\n2,0,1\n";
   EXPECT_EQ(RunFitDamping(options), 1);
@@ -102,7 +103,7 @@ TEST(FitDampingTest, MaterialProfileIsTheGoldenDocument) {
   EXPECT_EQ(MaterialText(report, "molar_cut.csv"), golden.str());
 }
 
-TEST(FitDampingTest, MaterialProfileOfAMatrixCoulombAndThresholdIsTheGoldenDocument) {
+TEST(FitDampingTest, MaterialOfAMatrixAndOfALoadIsTheGoldenDocument) {
   DampingReport report;
   report.rate_hz = 1000;
   DampingFit enamel;
@@ -112,10 +113,15 @@ TEST(FitDampingTest, MaterialProfileOfAMatrixCoulombAndThresholdIsTheGoldenDocum
   enamel.offset_n = 0.5;
   enamel.residual_rms_n = 0.09;
   enamel.cut.model = CutModel::kAxialLateral;
+  enamel.cut.b = {6.5, 6.4, 6.6};
   enamel.cut.axial = {9, 8.8, 9.2};
-  enamel.cut.with_coulomb = enamel.cut.threshold_seen = true;
-  enamel.cut.coulomb_n = {0.5, 0.47, 0.53};
-  enamel.cut.threshold_n = {0.9, 0.86, 0.94};
+  enamel.load.emplace();
+  enamel.load->exponent = cutting::FeedExponent::kHalf;
+  enamel.load->feed_mm_s = 0.43;
+  enamel.load->coulomb_n = {0.5, 0.47, 0.53};
+  enamel.load->at_feed_n = {6.5 * 0.43, 2.7, 2.9};
+  enamel.load->friction_told = true;
+  enamel.load->friction = {0.48, 0.44, 0.52};
   DampingFit dentin;
   dentin.tissue = "dentin";
   dentin.used = 180;

@@ -16,6 +16,10 @@ constexpr int kSubsteps = 2;  // of a sample, midpoint rule
 dvec3 Answer(const TrueCut& truth, const dvec3& f, const dvec3& before = dvec3(0)) {
   double size = glm::length(f);
   if (size < truth.threshold_n || size <= truth.coulomb_n) return dvec3(0);
+  if (truth.root > 0) {
+    const double speed = (size - truth.coulomb_n) / truth.root;
+    return f * (speed * speed / size);
+  }
   if (truth.coulomb_n == 0) return glm::inverse(truth.b) * f;
   dvec3 v = glm::length(before) > 1e-3
                 ? before
@@ -56,7 +60,8 @@ std::vector<CutSample> CutByForce(const TrueCut& truth, const Sensor& sensor, do
   for (long i = 0; i < rows; ++i) {
     double t = static_cast<double>(i) / sensor.rate_hz;
     dvec3 f = force_n(t);
-    Record(sensor, &random, t, x + truth.compliance_mm_per_n * f, f, &out);
+    const dvec3 read = f + glm::cross(dvec3(0, 0, 1), f) * truth.friction;
+    Record(sensor, &random, t, x + truth.compliance_mm_per_n * f, read, &out);
     for (int k = 0; k < kSubsteps; ++k) {
       v = Answer(truth, force_n(t + (k + 0.5) * dt), v);
       x += dt * v;
