@@ -109,8 +109,8 @@ double Game::Play(const Turn& turn) {
   const dvec3 felt = pipe_.front();
   if (!lost) {
     p_ = Read(turn.noise);
-    newest_ =
-        subject_->Step({p_, gap ? turn.gap_ticks : 0, turn.bound_ratio, turn.contact, turn.push_m});
+    newest_ = subject_->Step({p_, gap ? turn.gap_ticks : 0, turn.bound_ratio, turn.contact,
+                              turn.load, turn.drag_n, turn.push_m});
     // Each may hold unpaid energy of the cell's size (README, "After a gap").
     floor_ -= Unread_j() * (subject_->restarts() - restarts_);
     restarts_ = subject_->restarts();

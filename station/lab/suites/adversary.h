@@ -78,6 +78,8 @@ struct SubjectTick {
   int gap_ticks = 0;  // not stepped before this one, and without force
   double bound_ratio = 1;
   haptics::Contact contact;
+  FeedForce load;   // where contact.by_load
+  dvec3 drag_n{0};  // there too: of any size and direction
   dvec3 push_m{0};  // wish for the rest point; a coupling ignores it
 };
 
@@ -106,6 +108,8 @@ std::unique_ptr<Subject> MakeCoreSubject(const DeviceModel& model, const GameRul
 struct Turn {
   dvec3 way_m{0};
   haptics::Contact contact;
+  FeedForce load;
+  dvec3 drag_n{0};
   double bound_ratio = 1;
   dvec3 push_m{0};
   ivec3 noise{0};  // counts

@@ -44,6 +44,12 @@ class Strategy {
                                   : q[4] > 0.5       ? normal_only
                                                      : Sym3::Isotropic(b);
     t.contact.clearance_m = t.contact.engaged ? 0 : 1;
+    // Genes that a bare spring alone reads.
+    t.contact.by_load = t.contact.engaged && q[8] < -0.5;
+    if (t.contact.by_load) {
+      t.load = {std::exp(std::clamp(4 * q[9], -8.0, 3.0)), std::sqrt(b), 0};
+      t.drag_n = dvec3(q[5], q[6], q[7]) * 3.0;
+    }
     if (q[8] > 0) t.push_m = dvec3(q[5], q[6], q[7]) * scale;
     if (rules.bounds) t.bound_ratio = q[9] > 1 ? 0 : q[9] > 0 ? 1 : std::exp(3 * q[9]);
     for (int i = 0; i < 3; ++i) {

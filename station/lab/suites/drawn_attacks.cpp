@@ -9,7 +9,9 @@ namespace {
 
 using haptics::Contact;
 
-void RandomContact(Random& r, Contact* contact) {
+// One contact in four is tissue that is cut by load, with a drag of up to five peaks that the spindle pays for.
+void RandomContact(Random& r, Turn* turn) {
+  Contact* contact = &turn->contact;
   Sym3 b;
   // Directions that resist: none in air, three in solid tissue.
   int rank = r.Below(4);
@@ -18,6 +20,10 @@ void RandomContact(Random& r, Contact* contact) {
   contact->engaged = rank > 0;
   contact->wall_normal = r.Below(16) == 0 ? r.Direction() : dvec3(0);
   contact->clearance_m = rank == 0 ? 1 : 0;
+  contact->by_load = rank > 0 && r.Below(4) == 0;
+  turn->load = {r.Below(3) == 0 ? 0 : r.LogBetween(1e-3, 10), r.LogBetween(1, 1e4),
+                r.Below(2) == 0 ? 0 : r.LogBetween(1, 1e5)};
+  turn->drag_n = r.Below(2) == 0 ? dvec3(0) : r.Direction() * r.LogBetween(0.01, 30);
 }
 
 }  // namespace
@@ -64,7 +70,7 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
         game.Rebase();
       }
     }
-    if (tick % steady == 0) RandomContact(r, &turn.contact);
+    if (tick % steady == 0) RandomContact(r, &turn);
     if (dither > 0) {
       if (tick % dither == 0) v = -v;
       if (r.Below(2)) {  // wall or air

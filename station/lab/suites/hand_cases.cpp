@@ -175,6 +175,50 @@ void AddSteadyCases(const DeviceModel& m, HandCases* out) {
   }
 }
 
+namespace {
+
+// Of the coupling alone, and with what holds it.
+void RunPush(const DeviceModel& m, const FeltTrial& trial, double settle_s, HandRow& r) {
+  const std::vector<dvec3> still(static_cast<size_t>((settle_s + 2) / fidelity::kWayStep_s),
+                                 dvec3(0));
+  FeltTrial plain = trial;
+  plain.law = LawKind::kMaxwell;
+  const FeltFigures a = Feel(FeltDeviceOf(m), trial, still);
+  const FeltFigures p = Feel(FeltDeviceOf(m), plain, still);
+  r.swing_n = a.most_n - a.least_n;
+  r.maxwell_swing_n = p.most_n - p.least_n;
+  r.ripple_n = a.ripple_n;
+  r.maxwell_ripple_n = p.ripple_n;
+  r.energy_min_j = a.energy_min_j;
+}
+
+}  // namespace
+
+// At the feeds that 1/30 of each hand's load, a third and all of it cut with: the hand pushes with the tissue's own force
+// there. Half, once and twice the hardness of enamel (scene/material.h).
+void AddLoadPushCases(const DeviceModel& m, HandCases* out) {
+  Random directions(6);
+  for (double mass : {0.02, 0.05, 0.1, 0.2, 0.35, 0.5}) {
+    for (double damping : {0.3, 1.0, 3.0, 10.0}) {
+      for (double hardness : {0.5, 1.0, 2.0}) {
+        for (double push_n : {0.5, 1.0, 2.0, 4.0}) {
+          FeltTrial trial;
+          trial.ideal = trial.tool = false;
+          trial.load = FeedForce{0.2 * hardness, 2.6 * hardness / std::sqrt(0.43e-3), 0};
+          trial.hand = {.stiffness_n_per_m = 0, .mass_kg = mass, .damping_n_s_per_m = damping};
+          const double push = std::min(push_n, 0.9 * m.peak_force_n);
+          const bool oblique = push_n == 1.0 || push_n == 4.0;
+          trial.hand.push_n = (oblique ? directions.Direction() : dvec3(1, 0, 0)) * push;
+          trial.from_s = 4;
+          HandRow row = RowFor(m, 6'047 * hardness, "push-by-load", {}, 0);
+          Hold(trial.hand, &row);
+          out->push_back({std::move(row), [m, trial](HandRow& r) { RunPush(m, trial, 4, r); }});
+        }
+      }
+    }
+  }
+}
+
 void AddPushCases(const DeviceModel& m, HandCases* out) {
   Random directions(5);
   for (double mass : {0.02, 0.05, 0.1, 0.2, 0.35, 0.5}) {
@@ -190,21 +234,10 @@ void AddPushCases(const DeviceModel& m, HandCases* out) {
                               std::min(b * speed, 0.9 * m.peak_force_n);
           const double settle_s = 4 + 3 * b / m.kc_n_per_m;
           trial.from_s = settle_s;
-          const std::vector<dvec3> still(static_cast<size_t>((settle_s + 2) / fidelity::kWayStep_s),
-                                         dvec3(0));
           HandRow row = RowFor(m, b, "push", {}, 0);
           Hold(trial.hand, &row);
-          out->push_back({std::move(row), [m, trial, still](HandRow& r) {
-                            FeltTrial plain = trial;
-                            plain.law = LawKind::kMaxwell;
-                            const FeltFigures a = Feel(FeltDeviceOf(m), trial, still);
-                            const FeltFigures p = Feel(FeltDeviceOf(m), plain, still);
-                            r.swing_n = a.most_n - a.least_n;
-                            r.maxwell_swing_n = p.most_n - p.least_n;
-                            r.ripple_n = a.ripple_n;
-                            r.maxwell_ripple_n = p.ripple_n;
-                            r.energy_min_j = a.energy_min_j;
-                          }});
+          out->push_back({std::move(row),
+                          [m, trial, settle_s](HandRow& r) { RunPush(m, trial, settle_s, r); }});
         }
       }
     }

@@ -36,6 +36,8 @@ void AddReadingCases(const DeviceModel& model, const std::vector<HandMotion>& mo
 void AddSteadyCases(const DeviceModel& model, HandCases* out);
 // 288 hands that push: six masses, four dampings, three tissues, four forces.
 void AddPushCases(const DeviceModel& model, HandCases* out);
+// As many in tissue that is cut by load: three hardnesses, four loads.
+void AddLoadPushCases(const DeviceModel& model, HandCases* out);
 // Lifts with relaxing grips (laws/lift.h).
 void AddLiftCases(const DeviceModel& model, HandCases* out);
 // First strokes after air, and the way to a first force (laws/approach.h).

@@ -54,6 +54,8 @@ class CouplingSubject final : public OrderedSubject {
   bool Resume(const dvec3& tip) override { return coupling_.Resume(tip, material_); }
   dvec3 Tick(const SubjectTick& tick) override {
     material_.contact = tick.contact;
+    material_.load = tick.load;
+    material_.drag_n = tick.drag_n;
     // The coupling gives the force on the operator; the theorem is about the resisting one.
     return -coupling_.Tick(tick.tip_m, tick.bound_ratio, material_).force_sent_n;
   }

@@ -223,6 +223,7 @@ HandCases CasesFor(const DeviceModel& m, const std::vector<HandMotion>& recorded
   AddReadingCases(m, few, &cases);
   AddSteadyCases(m, &cases);
   AddPushCases(m, &cases);
+  AddLoadPushCases(m, &cases);
   AddLiftCases(m, &cases);
   AddApproachCases(m, &cases);
   AddWithdrawalCases(m, block, quick, &cases);

@@ -200,6 +200,20 @@ TEST_P(HandOnDevice, AHandThatPushesSwingsNoMoreThanWithAPlainSpring) {
   }
 }
 
+// In tissue that is cut by load: every 24th of 288, with lead and plain. What is left is the encoder's grain: R = B v gives
+// the same hands up to 0.36 N peak to peak.
+TEST_P(HandOnDevice, AHandThatLeansOnTissueCutByLoadDoesNotSwing) {
+  HandCases cases;
+  AddLoadPushCases(device_, &cases);
+  ASSERT_EQ(cases.size(), 288u);
+  for (size_t i = static_cast<size_t>(GetParam()); i < cases.size(); i += 24) {
+    HandRow& r = cases[i].row;
+    cases[i].run(r);
+    EXPECT_LE(std::max(r.swing_n, r.maxwell_swing_n), 0.35) << i;
+    EXPECT_GE(r.energy_min_j, -1e-12) << i;
+  }
+}
+
 TEST_P(HandOnDevice, AFirstStrokeAfterAirIsNoStrongerThanTheTissue) {
   HandCases cases;
   AddApproachCases(device_, &cases);
