@@ -19,6 +19,7 @@
 #include "station/render/display_watch.h"
 #include "station/render/panel.h"
 #include "station/session/stop_signals.h"
+#include "station/sound/handpiece_voice.h"
 #include "station/sound/speaker.h"
 #include "station/words/score_words.h"
 
@@ -326,8 +327,11 @@ class Desk {
     // The voice gets a share of the peak force, so that it sounds the same on weak and strong
     // devices.
     double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;
-    double force = glm::length(attempt->view().state().pressed_n);
-    speaker_->Set(attempt->held().speed_krpm(), force / std::max(full, 1e-3));
+    const render::FrameState& state = attempt->view().state();
+    const double load = glm::length(state.pressed_n) / std::max(full, 1e-3);
+    const bool slows = attempt->prepared().exercise.handpiece.stall_un_m > 0;
+    const double share = slows ? state.bur_speed_ratio : sound::HandpieceVoice::DroopUnder(load);
+    speaker_->Set(attempt->held().speed_krpm() * share, load);
   }
 
   void Measure() {

@@ -367,6 +367,7 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.anchor = out.anchor;
   snapshot.device = {core_.TipOf(input.counts), FromQuantised(input.orientation)};
   snapshot.pressed_n = out.pressed_n();
+  snapshot.bur_speed_ratio = out.bur_speed_ratio;
   snapshot.removed = core_.removed();
   snapshot.input_flags = input.flags;
   snapshot.output_flags = out.flags;

@@ -61,6 +61,7 @@ struct Snapshot {
   LoopCounters counters;
   cutting::Pose anchor;
   cutting::Pose device;
+  double bur_speed_ratio = 1;  // core::TickOutput
   dvec3 pressed_n{0};  // core::TickOutput::pressed_n: on the hand, the device's friction among it
   cutting::RemovedUnits removed{};  // since the start
   uint8_t input_flags = 0;          // core::InputFlags

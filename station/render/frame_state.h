@@ -29,10 +29,11 @@ inline constexpr int kWarningCount = 12;
 // The picture's facts of one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {
   uint64_t tick = 0;
-  double time_s = 0;     // of the attempt, for the timer
-  cutting::Pose anchor;  // the bur as it cuts
-  cutting::Pose device;  // where the hand is; drawn as a ghost when apart from the anchor
-  dvec3 pressed_n{0};    // on the hand (core::TickOutput::pressed_n)
+  double time_s = 0;           // of the attempt, for the timer
+  cutting::Pose anchor;        // the bur as it cuts
+  cutting::Pose device;        // where the hand is; drawn as a ghost when apart from the anchor
+  dvec3 pressed_n{0};          // on the hand (core::TickOutput::pressed_n)
+  double bur_speed_ratio = 1;  // of the spindle's free speed (core::TickOutput)
   bool bur_on = false;
   uint8_t bur = 0;         // the number of the bur in the handpiece
   bool bur_waits = false;  // another comes once this one is out of the tooth

@@ -13,9 +13,12 @@ constexpr double kNoiseShare = 0.25;  // of new noise per sample: takes the shar
 
 }  // namespace
 
-double HandpieceVoice::Pitch_hz(double speed_krpm, double load) {
-  double hz = std::max(speed_krpm, 0.0) * 1000 / 60 * (1 - kDroop * std::clamp(load, 0.0, 1.0));
-  return std::min(hz, kHighest_hz);
+double HandpieceVoice::DroopUnder(double load) noexcept {
+  return 1 - kDroop * std::clamp(load, 0.0, 1.0);
+}
+
+double HandpieceVoice::Pitch_hz(double speed_krpm) {
+  return std::min(std::max(speed_krpm, 0.0) * 1000 / 60, kHighest_hz);
 }
 
 double HandpieceVoice::MaxStep(double rate_hz) {
@@ -30,7 +33,7 @@ void HandpieceVoice::Set(double speed_krpm, double load) {
   if (!std::isfinite(speed_krpm) || !std::isfinite(load)) return;
   bool turning = speed_krpm > 0;
   // A bur that comes to rest keeps its pitch while it fades.
-  if (turning) wanted_hz_ = Pitch_hz(speed_krpm, load);
+  if (turning) wanted_hz_ = Pitch_hz(speed_krpm);
   wanted_tone_ = turning ? kTone : 0;
   wanted_hiss_ = turning ? kHiss * std::clamp(load, 0.0, 1.0) : 0;
 }

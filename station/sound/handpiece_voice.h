@@ -8,16 +8,19 @@ namespace enamel::station::sound {
 // The sound of a handpiece: a tone at the bur's rotation, with two overtones, and a hiss while it
 // cuts.
 //
-//   pitch = speed / 60 * (1 - kDroop * load)          Hz, speed in 1/min
+//   pitch = speed / 60          Hz, speed in 1/min
 //
-// kDroop: a turbine has lost about a quarter of its speed under the load at which students learn to
-// stop. Where the simulated handpiece slows by itself (core/handpiece.h), load is 0 for the pitch.
-// Pitch and loudness follow with first-order lags, and the tone's phase is never set back, so there
+// Where the exercise's handpiece slows under load (core/handpiece.h), the speed is its own: the hand hears the spindle
+// drop. Else DroopUnder says by what share a turbine would slow: about a quarter under the load at which students learn
+// to stop. Pitch and loudness follow with first-order lags, and the tone's phase is never set back, so there
 // is no click: between two samples the wave changes by at most MaxStep. Pure: the same calls give
 // the same samples. Thread safety: none.
 class HandpieceVoice {
  public:
-  static constexpr double kDroop = 0.25, kLag_s = 0.03;
+  static constexpr double kDroop = 0.25;
+  static double DroopUnder(double load) noexcept;
+
+  static constexpr double kLag_s = 0.03;
   static constexpr double kTone = 0.12, kHiss = 0.05;  // amplitudes, 1 is full scale
   static constexpr double kHighest_hz = 7000;
 
@@ -29,7 +32,7 @@ class HandpieceVoice {
   void Fill(std::span<float> samples);
 
   // The pitch's target, Hz.
-  static double Pitch_hz(double speed_krpm, double load);
+  static double Pitch_hz(double speed_krpm);
   // Largest difference of two neighbouring samples at this rate.
   static double MaxStep(double rate_hz);
 

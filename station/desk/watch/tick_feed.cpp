@@ -48,6 +48,7 @@ void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   frame.anchor = s.anchor;
   frame.device = s.device;
   frame.pressed_n = s.pressed_n;
+  frame.bur_speed_ratio = s.bur_speed_ratio;
   frame.bur_on = (s.input_flags & core::kBurOn) != 0;
   frame.bur = s.bur;
   frame.bur_waits = s.bur_waits;
