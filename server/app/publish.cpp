@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/base/file.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/scene/material.h"
+#include "common/scene/volume_blob.h"
 #include "server/app/data_folder.h"
 #include "server/jobs/builtin_content.h"
 #include "server/jobs/exercise_check.h"
@@ -26,6 +29,32 @@ Result<SceneRow> PublishFolder(StoredBlobs& blobs, SceneRows& scenes, const std:
   return StoreScene(blobs, scenes, found->scene, found->volume_blob, kCommandLine);
 }
 
+constexpr size_t kMaxMaterialBytes = size_t{1} << 20;
+constexpr size_t kLongestEnding = 24;  // of the 64 that a scene's name may have
+
+Result<SceneRow> PublishWithMaterial(StoredBlobs& blobs, SceneRows& scenes,
+                                     const std::string& source, int32_t voxel_nm,
+                                     const std::filesystem::path& material) {
+  const std::string ending = material.stem().string();
+  const bool plain = std::ranges::all_of(ending, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+  if (!plain || ending.empty() || ending.size() > kLongestEnding) {
+    return Status(
+        Code::kInvalidInput,
+        "the scene is named after the material: expected a file's name of 1 to 24 lower-case "
+        "letters, digits, - and _, as soft-enamel.json; found " +
+            material.filename().string(),
+        "material");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, ReadFile(material, kMaxMaterialBytes));
+  ENAMEL_ASSIGN_OR_RETURN(const auto law, scene::MaterialFromJson(AsText(text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto built, import::LoadScene(source, voxel_nm));
+  ENAMEL_RETURN_IF_ERROR(scene::ApplyMaterial(law, &built.scene));
+  built.scene.name += "-" + ending;
+  return StoreScene(blobs, scenes, built.scene, scene::EncodeVolume(built.volume), kCommandLine);
+}
+
 Result<scene::Scene> StoredScene(StoredBlobs& blobs, const SceneRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
   return scene::SceneFromJson(AsText(text));
@@ -42,7 +71,8 @@ scene::Exercise AsPractice(scene::Exercise exercise) {
 }  // namespace
 
 Result<SceneRow> PublishScene(StoredBlobs& blobs, SceneRows& scenes, const std::string& source,
-                              int32_t voxel_nm) {
+                              int32_t voxel_nm, const std::filesystem::path& material) {
+  if (!material.empty()) return PublishWithMaterial(blobs, scenes, source, voxel_nm, material);
   if (!source.starts_with(kBuiltinPrefix)) return PublishFolder(blobs, scenes, source);
   return StoreBuiltinScene(blobs, scenes, source.substr(kBuiltinPrefix.size()), voxel_nm,
                            kCommandLine);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,9 +18,11 @@ namespace enamel::server::app {
 
 // `source`: a scene folder (common/import/scene_folder.h: what `enamel-station import` writes), or
 // builtin:NAME. A built-in scene of a name that is stored already is taken from there, not built
-// again. `voxel_nm`: of built-in scenes.
+// again. `voxel_nm`: of built-in scenes. `material`: a file (schemas/material.schema.json) that says what cutting the
+// scene's tissues takes. The scene's name then ends with the file's, since it is another scene. Errors also:
+// kInvalidInput for a file's name that no scene's may end with.
 Result<SceneRow> PublishScene(StoredBlobs& blobs, SceneRows& scenes, const std::string& source,
-                              int32_t voxel_nm);
+                              int32_t voxel_nm, const std::filesystem::path& material = {});
 
 // A new version when it differs from the newest; assigned to `cohort` unless it is (zero: to
 // everybody; none: to nobody).

@@ -99,7 +99,7 @@ Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exerci
   if (exercise.document.empty()) {
     phases.Begin("loading the tooth of " + exercise.scene);
     ENAMEL_ASSIGN_OR_RETURN(auto scene, PublishScene(store.blobs, store.scenes, exercise.scene,
-                                                     exercise.voxel_um * 1000));
+                                                     exercise.voxel_um * 1000, exercise.material));
     if (!exercise.prepared.empty()) {
       phases.Begin("publishing " + exercise.prepared);
       ENAMEL_ASSIGN_OR_RETURN(auto row, PublishPrepared(store, scene, exercise.prepared, cohort));
@@ -406,6 +406,10 @@ void DeclareExercises(CommandGroup admin) {
                  "Only check the document and score two attempts by its rubric: the target cut "
                  "exactly, and an untouched tooth")
       ->needs(document);
+  publish->add_option(
+      "--material", p.exercise.material,
+      "On the scene: file of 'enamel-lab fit-damping' that says what cutting its tissues "
+      "takes (schemas/material.schema.json)");
   publish->add_option("--prepared", p.exercise.prepared,
                       "On the scene: the target that 'enamel-station target' wrote to this folder");
   auto* cohort =
@@ -422,7 +426,8 @@ void DeclareExercises(CommandGroup admin) {
       "a published version never changes. It is offered for any device, even a\n"
       "simulated hand. For dates, limits, exams and allowed devices: --unassigned, then\n"
       "assign-exercise. Of a scene each graded exercise also comes as practice, named\n"
-      "practice-NAME: students see target, progress and score at once.");
+      "practice-NAME: students see target, progress and score at once.\n"
+      "builtin:molar-by-load and the like have tissue that a hand's load cuts.");
   AddExample(publish, "--scene builtin:molar --name class-1 --cohort \"Year 3\"");
 
   struct Named {

@@ -16,6 +16,7 @@ struct NewExercise {
   std::string name;         // of a built-in exercise, or its kind; empty: all the scene has
   bool unassigned = false;  // assigned to nobody, instead of to the cohort
   std::string document;     // file with an exercise document, instead of scene and name
+  std::string material;     // file that says what cutting the scene's tissues takes
   std::string prepared;     // folder of `enamel-station target`, made for the scene
   bool dry_run = false;     // only checks and tries the document, and prints what comes of it
 };

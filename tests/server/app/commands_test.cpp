@@ -7,6 +7,7 @@
 #include "common/base/utf8.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/scene/material.h"
 #include "common/scene/volume_blob.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
@@ -139,6 +140,25 @@ TEST_F(CommandsTest, SceneFolderIsRefusedWhenItIsIncompleteOrItsVolumeIsAnothers
   auto row = PublishScene(store->blobs, store->scenes, folder, 0);
   ASSERT_TRUE(row.ok()) << row.status().message();
   EXPECT_TRUE(store->blobs.HasBlob(row->volume));
+
+  // The same tooth with what another file says of its tissues is another scene.
+  const auto material = folder_.path() / "soft.json";
+  ASSERT_TRUE(WriteFileDurably(material, AsBytes(scene::ToJson(scene::ByLoadMaterial()))).ok());
+  EXPECT_EQ(PublishScene(store->blobs, store->scenes, folder, 0, material).status().field(),
+            "enamel")
+      << "a file must fit the scene";
+  scene::Material own = scene::ByLoadMaterial();
+  own.tissues = {own.tissues.front()};
+  own.tissues[0].name = "gypsum";
+  ASSERT_TRUE(WriteFileDurably(material, AsBytes(scene::ToJson(own))).ok());
+  auto soft = PublishScene(store->blobs, store->scenes, folder, 0, material);
+  ASSERT_TRUE(soft.ok()) << soft.status().message();
+  EXPECT_EQ(soft->name, row->name + "-soft");
+  EXPECT_NE(soft->content, row->content);
+  EXPECT_EQ(soft->volume, row->volume);
+  EXPECT_EQ(
+      PublishScene(store->blobs, store->scenes, folder, 0, "Soft enamel.json").status().field(),
+      "material");
 }
 
 TEST_F(CommandsTest, RefusalsSayWhatIsAllowed) {
