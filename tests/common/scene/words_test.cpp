@@ -144,6 +144,9 @@ TEST(WordsTest, ThatAreBuiltInAreThoseOfTheGoldenFile) {
     for (const RubricCriterion& c : e.rubric.criteria) {
       lines.insert({"title " + c.title, "text " + c.comment});
     }
+    // Beside the grade of a category.
+    for (const RubricCritical& c : e.rubric.critical)
+      if (!c.source.starts_with("chosen")) lines.insert("title " + c.source);
   }
   for (DeviceProfile profile : BuiltinProfiles()) {
     for (const std::string& source : SourcesOf(profile)) lines.insert("title " + source);

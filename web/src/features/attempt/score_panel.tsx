@@ -1,4 +1,5 @@
 import type { AttemptDetail, Criterion, Mistake, Region, Score } from "../../api/types";
+import { wordedTitle } from "../../api/builtin_words";
 import { borderlineText, measuredText, mistakeText, regionText, regionTitle, remedyText } from "../../api/worded";
 import { isWorthAdvice } from "../../api/worth";
 import { formatDateTime, formatPoints, formatScore, lostText } from "../../base/format";
@@ -117,7 +118,7 @@ function Board({ rows }: { readonly rows: Score["board"] }) {
             <dt>{say(`group.${category}`)}</dt>
             <dd>
               {grade === null ? say("board.no_limit") : <BoardGrade grade={grade} borderline={borderline} />}
-              {source !== "" && <p class="hint">{source}</p>}
+              {source !== "" && <p class="hint">{wordedTitle(source)}</p>}
             </dd>
           </div>
         ))}
