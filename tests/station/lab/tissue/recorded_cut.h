@@ -12,10 +12,10 @@ namespace enamel::station::lab {
 struct TrueCut {
   dmat3 b{1};  // N s/mm
   double coulomb_n = 0, threshold_n = 0;
+  double compliance_mm_per_n = 0;
   // Above 0: tissue that is cut by load in b's place, coulomb + root sqrt(v), N (s/mm)^(1/2); and a bur along z that turns
   // with this friction, so that the sensor reads a force across the motion, too.
   double root = 0, friction = 0;
-  double compliance_mm_per_n = 0;
 };
 
 struct Sensor {
