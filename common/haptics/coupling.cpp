@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/haptics/wall.h"
+
 namespace enamel::haptics {
 namespace {
 
@@ -16,6 +18,13 @@ constexpr double kNoBound_j = 1e9;
 double DampingAlong(const Sym3& b, const dvec3& way) noexcept {
   const double length2 = Dot(way, way);
   return length2 > 0 ? Dot(way, b * way) / length2 : 0;
+}
+
+// What a law is told of tissue that is cut by load: it resists a slow bur more than any wall, and is none. A law whose pull
+// falls at walls, told of one where the bur slows, would slow it further, and hand and device swing.
+Sym3 NoWall(const Sym3& b, const dvec3& way) noexcept {
+  const double along = DampingAlong(b, way);
+  return along > kWall_n_s_per_m ? b * (kWall_n_s_per_m / along) : b;
 }
 
 TipCell CellOf(const CouplingParams& p) noexcept {
@@ -146,7 +155,7 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
     double along = 0;
     dvec3 step = e;
     if (b.Trace() > 0) {
-      pull = law_->PullOn(anchor_, b);
+      pull = law_->PullOn(anchor_, contact.by_load ? NoWall(b, e) : b);
       pull.stiffness_n_per_m *= share();
       along = DampingAlong(b, pull.stretch_m);
       const double shift = pull.stiffness_n_per_m * left_s;

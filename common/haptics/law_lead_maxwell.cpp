@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "common/haptics/force_law.h"
+#include "common/haptics/wall.h"
 #include "common/math/order.h"
 
 namespace enamel::haptics {
@@ -20,9 +21,6 @@ constexpr double kShare = 0.5;      // part of the spring that absorbs shocks, f
 // Of the bur's distance to the slow tip, in cells: below it shocks are not absorbed, n is 1. A force of
 // a few counts is the encoder's, and leading it would only amplify the grain.
 constexpr double kShockFrom_cells = 3, kLeadFrom_cells = 10;
-// Three times the hardest enamel measured (11.3 N s/mm, Liu et al. 2008): what resists more is a wall,
-// or a bur that stalls, and the spring there is plain.
-constexpr double kWall_n_s_per_m = 34e3;
 // Share of B that counts as none, in B (B + share tr B I)^-1: what is left of a way where B resists.
 constexpr double kFree = 1e-9;
 

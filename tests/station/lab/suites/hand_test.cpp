@@ -200,16 +200,17 @@ TEST_P(HandOnDevice, AHandThatPushesSwingsNoMoreThanWithAPlainSpring) {
   }
 }
 
-// In tissue that is cut by load: every 24th of 288, with lead and plain. What is left is the encoder's grain: R = B v gives
-// the same hands up to 0.36 N peak to peak.
+// In tissue that is cut by load: every 25th of 288, so that each load and hardness has its turn, with lead and plain. What is
+// left is the encoder's grain: 0.28 N peak to peak at most in all of them, as with R = B v. A law that is told of a wall where
+// the bur is slow swings by 2 N on the Phantom.
 TEST_P(HandOnDevice, AHandThatLeansOnTissueCutByLoadDoesNotSwing) {
   HandCases cases;
   AddLoadPushCases(device_, &cases);
   ASSERT_EQ(cases.size(), 288u);
-  for (size_t i = static_cast<size_t>(GetParam()); i < cases.size(); i += 24) {
+  for (size_t i = static_cast<size_t>(GetParam()); i < cases.size(); i += 25) {
     HandRow& r = cases[i].row;
     cases[i].run(r);
-    EXPECT_LE(std::max(r.swing_n, r.maxwell_swing_n), 0.35) << i;
+    EXPECT_LE(std::max(r.swing_n, r.maxwell_swing_n), 0.3) << i;
     EXPECT_GE(r.energy_min_j, -1e-12) << i;
   }
 }
