@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "common/import/tooth_size.h"
 #include "common/mesh/registration.h"
@@ -15,7 +14,6 @@ namespace enamel::import {
 namespace {
 
 constexpr double kStep_mm = 0.5, kMargin_mm = 1.5;
-constexpr size_t kTurns = 600;
 constexpr size_t kFewPoints = 120, kManyPoints = 400;
 constexpr size_t kRefined = 30;
 constexpr double kSaturated_mm = 1.0;  // farther apart is not alike
@@ -85,7 +83,8 @@ class Grid {
   std::vector<float> values_;  // (z, y, x), x fastest
 };
 
-// Of the crown's height worn off; of half its width taken away all around, above the shoulder.
+// A change of our tooth: the share of the crown's height that is worn off, and the share of half its width that is taken
+// away all around, above the shoulder.
 struct Change {
   double worn, reduced;
 };
@@ -167,19 +166,6 @@ std::vector<Model> ModelsOf(int tooth) {
     }
   }
   return out;
-}
-
-dmat3 SpiralTurn(size_t i) {
-  // Super-Fibonacci spirals (Alexa, CVPR 2022), as in common/mesh/registration.cpp.
-  const double s = static_cast<double>(i) + 0.5, t = s / kTurns;
-  const double r = std::sqrt(t), rest = std::sqrt(1 - t);
-  const double a = 2 * std::numbers::pi * s / std::numbers::sqrt2;
-  const double b = 2 * std::numbers::pi * s / 1.533751168755204288118041;
-  const double x = r * std::sin(a), y = r * std::cos(a), z = rest * std::sin(b),
-               w = rest * std::cos(b);
-  return {dvec3(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)),
-          dvec3(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
-          dvec3(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))};
 }
 
 class Comparison {
@@ -265,8 +251,8 @@ std::vector<Likeness> LikeOwnTooth(const mesh::Triangles& whole, const mesh::Tri
     const Model* model;
   };
   std::vector<Candidate> all;
-  for (size_t i = 0; i < kTurns; ++i) {
-    const dmat3 turn = SpiralTurn(i);
+  for (size_t i = 0; i < mesh::kSpiralTurns; ++i) {
+    const dmat3 turn = mesh::SpiralTurn(i);
     for (const Model& model : models)
       all.push_back({{turn, comparison.Cost(model, turn, false)}, &model});
   }

@@ -7,7 +7,7 @@
 
 namespace enamel::import {
 
-// How a crown may stand in its file for it to look like our own tooth of its number.
+// A way of turning a crown in its file, and how much it then looks like our own tooth of its number.
 struct Likeness {
   dmat3 scene_from_file{1.0};  // rows: mesial or distal, buccal, occlusal in the file's frame
   double cost = 0;             // 0: alike

@@ -13,7 +13,6 @@
 namespace enamel::mesh {
 namespace {
 
-constexpr size_t kTurns = 600;
 constexpr size_t kFirstPoints = 200, kGridPoints = 500, kFewPoints = 1000, kManyPoints = 4000;
 constexpr size_t kAfterFirst = 100, kAfterGrid = 6;
 constexpr double kGridStep_mm = 0.4, kGridMargin_mm = 3, kFar_mm = 40;
@@ -268,22 +267,10 @@ void KeepBest(std::vector<Candidate>& all, size_t count, double apart_mm, const 
   all = std::move(kept);
 }
 
-dmat3 SpiralTurn(size_t i) {
-  const double s = static_cast<double>(i) + 0.5, t = s / kTurns;
-  const double r = std::sqrt(t), rest = std::sqrt(1 - t);
-  const double a = 2 * std::numbers::pi * s / std::numbers::sqrt2;
-  const double b = 2 * std::numbers::pi * s / 1.533751168755204288118041;
-  const double x = r * std::sin(a), y = r * std::cos(a), z = rest * std::sin(b),
-               w = rest * std::cos(b);
-  return {dvec3(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)),
-          dvec3(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
-          dvec3(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))};
-}
-
 // Middle on middle, and each end on its end: a scan without the root is shorter.
 std::vector<Candidate> Starts(const std::vector<SurfacePoint>& points, const Box& fixed) {
   std::vector<Candidate> out;
-  for (size_t i = 0; i < kTurns; ++i) {
+  for (size_t i = 0; i < kSpiralTurns; ++i) {
     const dmat3 turn = SpiralTurn(i);
     Box box{dvec3(1e300), dvec3(-1e300)};
     for (const SurfacePoint& point : points) {
@@ -422,6 +409,18 @@ Fit Measure(SurfaceDistance& distances, const std::vector<SurfacePoint>& points,
 }
 
 }  // namespace
+
+dmat3 SpiralTurn(size_t i) {
+  const double s = static_cast<double>(i) + 0.5, t = s / kSpiralTurns;
+  const double r = std::sqrt(t), rest = std::sqrt(1 - t);
+  const double a = 2 * std::numbers::pi * s / std::numbers::sqrt2;
+  const double b = 2 * std::numbers::pi * s / 1.533751168755204288118041;
+  const double x = r * std::sin(a), y = r * std::cos(a), z = rest * std::sin(b),
+               w = rest * std::cos(b);
+  return {dvec3(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)),
+          dvec3(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
+          dvec3(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))};
+}
 
 double TurnOf_deg(const dmat3& r) {
   // By the sine: the cosine of a small angle has lost its digits.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "common/mesh/triangles.h"
@@ -22,6 +23,10 @@ struct Rigid {
 // Angle of the turn, degrees.
 double TurnOf_deg(const dmat3& rotation);
 Triangles Moved(Triangles mesh, const Rigid& by);
+// One of kSpiralTurns rotations, spread evenly over all: super-Fibonacci spirals (Alexa, CVPR 2022). Requires:
+// i < kSpiralTurns.
+inline constexpr size_t kSpiralTurns = 600;
+dmat3 SpiralTurn(size_t i);
 
 struct SurfacePoint {
   dvec3 at{0}, normal{0};
