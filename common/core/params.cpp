@@ -139,7 +139,6 @@ Status CheckLoad(const CoreParams& p) {
   for (size_t t = 0; t < cutting::kTissueCount; ++t) {
     const auto exponent = static_cast<int>(p.feed_exponent[t]);
     ENAMEL_RETURN_IF_ERROR(CheckRange("feed_exponent", exponent, 0, 2));
-
     const bool linear = p.feed_exponent[t] == cutting::FeedExponent::kOne;
     ENAMEL_RETURN_IF_ERROR(
         CheckRange("feed_um_per_s", p.feed_um_per_s[t], linear ? 0 : 1, kMaxFeed_um_per_s));

@@ -20,8 +20,8 @@ double DampingAlong(const Sym3& b, const dvec3& way) noexcept {
   return length2 > 0 ? Dot(way, b * way) / length2 : 0;
 }
 
-// What a law is told of tissue that is cut by load: it resists a slow bur more than any wall, and is none. A law whose pull
-// falls at walls, told of one where the bur slows, would slow it further, and hand and device swing.
+// Tissue that is cut by load resists a slow bur more than a wall does, but it is no wall: this bounds the B that the law
+// gets. The pull of a law may fall towards a wall. It would then slow a slow bur further, and hand and device would swing.
 Sym3 NoWall(const Sym3& b, const dvec3& way) noexcept {
   const double along = DampingAlong(b, way);
   return along > kWall_n_s_per_m ? b * (kWall_n_s_per_m / along) : b;

@@ -8,7 +8,7 @@
 namespace enamel::import {
 namespace {
 
-// Ears are looked for in a time that grows with the cube of the corners.
+// Finding the ears of a polygon takes time with the cube of its corners.
 constexpr size_t kMostEars = 64;
 
 Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }

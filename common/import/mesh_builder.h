@@ -9,7 +9,7 @@
 
 namespace enamel::import {
 
-// Collects what a mesh file says, in its order, and makes triangles of it at the end: faces may come
+// Collects vertices and faces in the order of the file, and makes triangles of them at the end, since faces may come
 // before their vertices. Bounded by mesh::kMaxTriangles and kMaxVertices.
 class MeshBuilder {
  public:
