@@ -177,16 +177,16 @@ Coupling::Resistance Coupling::RelaxAnchor(const dvec3& tip_m, Material& materia
     const double share = length <= limit ? 1 : limit / length;
     ++out.substeps;
     if (length > 0) MoveBur(anchor_ + step * share, material);
-    if (share == 1) {
-      if (!contact.engaged) out.flags |= kFreeAir;
+    if (share == 1 || i + 1 == params_.max_substeps) {
+      if (share < 1) {
+        out.flags |= kSubstepLimit;
+      } else if (!contact.engaged) {
+        out.flags |= kFreeAir;
+      }
       const dvec3 drag_n = contact.by_load ? material.DragAt(feed_) : dvec3(0);
-      return {(pull.stretch_m - step) * pull.stiffness_n_per_m + drag_n, along};
+      return {(pull.stretch_m - step * share) * pull.stiffness_n_per_m + drag_n, along};
     }
     left_s -= left_s * share;
-    if (i + 1 == params_.max_substeps) {
-      out.flags |= kSubstepLimit;
-      return {(pull.stretch_m - step * share) * pull.stiffness_n_per_m, along};
-    }
   }
   return {};
 }
