@@ -14,8 +14,7 @@ namespace enamel::server {
 
 // The longest that anybody records: a working day at the fastest rate of an exercise.
 inline constexpr int64_t kMostTicks = int64_t{8} * 3600 * 8000;
-// A tick of a real hand takes 2 to 4 bytes (tests/bench/README.md, "bytes a tick"), one of noise
-// 12.
+// A tick of a real hand takes 2 to 4 bytes (`enamel-lab bench record`), one of noise 12.
 inline constexpr int64_t kMostBytesPerTick = 16;
 inline constexpr int64_t kMostTraceBytes = 1'300'000'000;
 // Hands that are programs record faster than time. That is flagged (kFasterThanTime); so far ahead
