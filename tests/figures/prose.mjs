@@ -35,8 +35,8 @@ export function blocksOf(markdown) {
 }
 
 export function proseFiles(root) {
-  const guides = readdirSync(join(root, 'docs')).filter((name) => name.endsWith('.md')).map((name) => `docs/${name}`);
-  return ['README.md', ...guides, 'station/README.md', 'tests/bench/README.md'].filter((file) => !kMade.has(file));
+  const below = ['docs', 'station'].flatMap((folder) => readdirSync(join(root, folder), { recursive: true }).map((name) => join(folder, name)));
+  return ['README.md', ...below.filter((name) => name.endsWith('.md')).sort(), 'tests/bench/README.md', 'tests/load/README.md'].filter((file) => !kMade.has(file));
 }
 
 // What is wrong, a sentence each. `write` lists what is new under today's date, and forgets what is gone.
