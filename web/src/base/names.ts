@@ -24,3 +24,19 @@ export function compareNames(a: string, b: string): number {
 function plain(text: string): string {
   return text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
 }
+
+interface Named {
+  readonly login: string;
+  readonly display_name: string;
+}
+
+// How a list names each of `people`: two of one name by their logins, too.
+export function namesIn(people: readonly Named[]): (person: Named) => string {
+  const logins = new Map<string, string>();
+  const shared = new Set<string>();
+  for (const { display_name: name, login } of people) {
+    if ((logins.get(name) ?? login) !== login) shared.add(name);
+    logins.set(name, login);
+  }
+  return ({ display_name: name, login }) => (shared.has(name) ? `${name} (${login})` : name);
+}

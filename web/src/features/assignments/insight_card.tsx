@@ -5,6 +5,7 @@ import { criterionTitle, mistakeText, wordedInsight } from "../../api/worded";
 import { csvText } from "../../base/csv";
 import { downloadFile, fileName } from "../../base/download";
 import { formatDateTime, formatDuration, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { namesIn } from "../../base/names";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Badge, Card, Empty, ErrorNotice, Folded, Loading, Notice } from "../../widgets/basics";
@@ -258,6 +259,7 @@ function Criteria({ criteria }: { readonly criteria: AssignmentInsight["criteria
 
 function Students({ insight: { criteria, students } }: { readonly insight: AssignmentInsight }) {
   type Student = AssignmentInsight["students"][number];
+  const name = namesIn(students.map(({ person }) => person));
   return (
     <DataTable
       label={say("insight.by_student")}
@@ -268,7 +270,7 @@ function Students({ insight: { criteria, students } }: { readonly insight: Assig
         {
           title: say("common.student"),
           cell: ({ person, attempt_id: attempt }) =>
-            attempt === null ? person.display_name : <a href={`/attempts/${attempt}`}>{person.display_name}</a>,
+            attempt === null ? name(person) : <a href={`/attempts/${attempt}`}>{name(person)}</a>,
         },
         { title: say("common.score"), number: true, cell: ({ score }) => formatScore(score) },
         ...criteria.map((criterion, i) => ({
@@ -290,6 +292,7 @@ function lostText(lost: number | null | undefined): string {
 
 function Waiting({ students }: { readonly students: AssignmentInsight["students"] }) {
   const names = (state: string) => students.filter((student) => student.state === state).map(({ person }) => person);
+  const name = namesIn(students.map(({ person }) => person));
   const none = names("not_started");
   const begun = names("waiting");
   if (students.length === 0) return null;
@@ -301,7 +304,7 @@ function Waiting({ students }: { readonly students: AssignmentInsight["students"
       ) : (
         <ul class="name-list">
           {none.map((person) => (
-            <li key={person.id}>{person.display_name}</li>
+            <li key={person.id}>{name(person)}</li>
           ))}
         </ul>
       )}
@@ -310,7 +313,7 @@ function Waiting({ students }: { readonly students: AssignmentInsight["students"
           <h3>{say("insight.begun_count", { count: begun.length })}</h3>
           <ul class="name-list">
             {begun.map((person) => (
-              <li key={person.id}>{person.display_name}</li>
+              <li key={person.id}>{name(person)}</li>
             ))}
           </ul>
         </>
@@ -323,6 +326,7 @@ function Outliers({ insight }: { readonly insight: AssignmentInsight }) {
   const { students, summary } = insight;
   const outliers = outliersOf(insight);
   if (summary.scored === 0) return null;
+  const nameOf = namesIn(students.map(({ person }) => person));
   const byPerson = new Map(students.map((student) => [student.person.id, student]));
   return (
     <section aria-label={say("insight.far")}>
@@ -333,7 +337,7 @@ function Outliers({ insight }: { readonly insight: AssignmentInsight }) {
         <ul class="say-list">
           {outliers.map((outlier) => {
             const student = byPerson.get(outlier.person_id);
-            const name = student?.person.display_name ?? "";
+            const name = student === undefined ? "" : nameOf(student.person);
             return (
               <li key={`${outlier.person_id} ${outlier.what} ${outlier.median}`}>
                 {student?.attempt_id == null ? name : <a href={`/attempts/${student.attempt_id}`}>{name}</a>}:{" "}
@@ -349,6 +353,7 @@ function Outliers({ insight }: { readonly insight: AssignmentInsight }) {
 
 // Apart from the class: who teaches it is in none of its figures.
 function Staff({ staff }: { readonly staff: AssignmentInsight["staff"] }) {
+  const name = namesIn(staff.map(({ person }) => person));
   return (
     <section aria-label={say("insight.staff")}>
       <h3>{say("insight.staff_apart")}</h3>
@@ -360,7 +365,7 @@ function Staff({ staff }: { readonly staff: AssignmentInsight["staff"] }) {
         columns={[
           {
             title: say("account.name"),
-            cell: (row) => <a href={`/attempts/${row.attempt_id}`}>{row.person.display_name}</a>,
+            cell: (row) => <a href={`/attempts/${row.attempt_id}`}>{name(row.person)}</a>,
           },
           { title: say("common.begun"), cell: (row) => formatDateTime(row.ticketed_ms) },
           { title: say("common.time"), number: true, cell: (row) => formatDuration(row.time_s) },

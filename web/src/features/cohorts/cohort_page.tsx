@@ -5,7 +5,7 @@ import type { Cohort, CohortMember } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
-import { compareNames } from "../../base/names";
+import { compareNames, namesIn } from "../../base/names";
 import { say } from "../../base/words";
 import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
@@ -139,8 +139,8 @@ function Members({
       [...cohort.members].sort((a, b) => a.role.localeCompare(b.role) || compareNames(a.display_name, b.display_name)),
     [cohort.members],
   );
-  const name = (member: CohortMember) =>
-    admin ? <a href={`/people/${member.id}`}>{member.display_name}</a> : member.display_name;
+  const named = namesIn(sorted);
+  const name = (member: CohortMember) => (admin ? <a href={`/people/${member.id}`}>{named(member)}</a> : named(member));
   return (
     <Card title={say("cohort.members", { count: cohort.members.length })}>
       {sorted.length === 0 ? (
@@ -158,7 +158,7 @@ function Members({
               title: say("nav.attempts"),
               cell: (member) => (
                 <a href={`/attempts?cohort=${cohort.id}&person=${member.id}`}>
-                  <Brief shown={say("nav.attempts")} full={say("cohort.attempts_of", { name: member.display_name })} />
+                  <Brief shown={say("nav.attempts")} full={say("cohort.attempts_of", { name: named(member) })} />
                 </a>
               ),
             },
@@ -172,7 +172,7 @@ function Members({
                         <button type="button" class="button small" onClick={() => setLeaving(member)}>
                           <Brief
                             shown={say("cohort.remove_ask")}
-                            full={say("cohort.remove_whom", { name: member.display_name })}
+                            full={say("cohort.remove_whom", { name: named(member) })}
                           />
                         </button>
                       </div>

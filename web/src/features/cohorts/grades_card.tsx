@@ -4,6 +4,7 @@ import type { Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { fileName } from "../../base/download";
 import { formatScore } from "../../base/format";
+import { namesIn } from "../../base/names";
 import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { Rows } from "../../widgets/rows";
@@ -37,6 +38,7 @@ function Grades({
   readonly grades: CohortGrades;
 }) {
   if (assignments.length === 0) return <Empty>{say("grades.none")}</Empty>;
+  const name = namesIn(students.map(({ person }) => person));
   return (
     <>
       <TableFrame label={say("grades.of", { name: cohort.name })}>
@@ -58,7 +60,7 @@ function Grades({
               const { person, grades } = students[index]!;
               return (
                 <tr {...place}>
-                  <th scope="row">{person.display_name}</th>
+                  <th scope="row">{name(person)}</th>
                   {grades.map((grade, i) => (
                     <td key={assignments[i]!.id} class="number">
                       <GradeCell grade={grade} />
