@@ -74,7 +74,7 @@ export function MistakeMap({ mistakes, target, of }: Props) {
           <g key={number}>
             <title>{title}</title>
             <circle cx={x} cy={-y} r={radius} />
-            <text x={x} y={-y + 0.36 * kText} {...text}>
+            <text x={x} y={-y + 0.36 * sizeOf(number)} {...text} font-size={sizeOf(number)}>
               {number}
             </text>
           </g>
@@ -83,6 +83,11 @@ export function MistakeMap({ mistakes, target, of }: Props) {
       <figcaption class="hint">{say("insight.map_hint")}</figcaption>
     </figure>
   );
+}
+
+// Two digits within the smallest dot.
+function sizeOf(number: number): number {
+  return number < 10 ? kText : 0.75 * kText;
 }
 
 // Which sides of the tooth the drawing's edges are on (schema Target).
