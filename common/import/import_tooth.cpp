@@ -14,7 +14,6 @@
 #include "common/cutting/voxel_limit.h"
 #include "common/import/band_sampler.h"
 #include "common/import/fossa.h"
-#include "common/import/place.h"
 #include "common/import/printable.h"
 #include "common/import/sources.h"
 #include "common/import/thin_walls.h"
@@ -148,7 +147,8 @@ Status CheckOptions(const ImportOptions& options) {
         "expected gaps of 0 to 0.5 mm to bridge, found " + mesh::Fixed(options.bridge_mm),
         "bridge_um");
   }
-  return mesh::ScaleInMm(options.scale).status();
+  ENAMEL_RETURN_IF_ERROR(CheckFacing({options.tooth, options.up, options.buccal}));
+  return mesh::CheckScale(options.scale);
 }
 
 double FinestPiece_mm(const ImportOptions& options) {
@@ -226,12 +226,10 @@ Status Fill(const mesh::Box& box, const MakeField& field, const ImportOptions& o
   return Status::Ok();
 }
 
-void ReportPlace(const mesh::Box& box, const std::vector<std::string>& words, const Fossa& fossa,
+void ReportPlace(const mesh::Box& box, Placement placement, const Fossa& fossa,
                  ImportedScene& out) {
-  const dvec3 size = box.size();
-  out.report.push_back("size " + mesh::Fixed(size.x) + " x " + mesh::Fixed(size.y) + " x " +
-                       mesh::Fixed(size.z) + " mm");
-  out.report.insert(out.report.end(), words.begin(), words.end());
+  out.size_mm = box.size();
+  out.placement = std::move(placement);
   out.report.push_back(std::string("occlusal centre: ") + Words(fossa.kind));
 }
 
@@ -282,7 +280,7 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   ImportedScene out;
   out.mesh_volume_mm3 = mesh::SignedVolume(placed->solid.mesh);
   out.report = Describe(placed->solid.report);
-  ReportPlace(box, placed->words, fossa, out);
+  ReportPlace(box, std::move(placed->placement), fossa, out);
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        mesh::Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; the pulp's size by the crown's");
@@ -300,15 +298,19 @@ Result<ImportedScene> ImportLayers(
     const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces, const std::string& source,
     const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  const double scale_mm = *mesh::ScaleInMm(options.scale);
   auto surfaces_mm = surfaces;
   mesh::Triangles all;
-  for (auto& surface : surfaces_mm) {
-    if (!surface) continue;
-    Append(*surface, all);
-    for (dvec3& v : surface->vertices) v *= scale_mm;
+  for (const auto& surface : surfaces) {
+    if (surface) Append(*surface, all);
   }
-  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(all, options.scale));
+  if (!all.indices.empty()) {
+    ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(all, options.scale));
+    const double scale_mm = *mesh::ScaleInMm(all, options.scale);
+    for (auto& surface : surfaces_mm) {
+      if (!surface) continue;
+      for (dvec3& v : surface->vertices) v *= scale_mm;
+    }
+  }
   const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
   Enter(options, "repairing");
   Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
@@ -337,7 +339,7 @@ Result<ImportedScene> ImportLayers(
       crown.hi);
   ImportedScene out;
   out.report = tooth->report();
-  ReportPlace(box, placed->words, fossa, out);
+  ReportPlace(box, std::move(placed->placement), fossa, out);
   out.report.push_back("volume of each surface alone: " + alone + " mm3");
   WarnOfThinWalls(
       tooth->boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm) < 0; }, options,

@@ -11,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 #include "common/import/layers.h"
+#include "common/import/place.h"
 #include "common/mesh/triangles.h"
 #include "common/mesh/units.h"
 #include "common/scene/types.h"
@@ -24,7 +25,7 @@ struct ImportOptions {
   int tooth = 0;               // its FDI number (common/scene/tooth_number.h); needed
   mesh::FileScale scale = {};  // of the files' coordinates
   int32_t voxel_nm = 50'000;   // 10'000 to 500'000
-  // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (place.h).
+  // Occlusal and buccal direction in the file: "+x" ... "-z", "x,y,z", or "auto" (place.h).
   std::string up = "auto", buccal = "auto";
   // With one surface per tissue: gaps and crossings that are mended (layers.h), 0 to 0.5.
   double bridge_mm = 0.1;
@@ -41,6 +42,9 @@ struct ImportedScene {
   scene::Scene scene;  // volume hash filled in
   cutting::Volume volume;
   std::vector<std::string> report;  // for people: what was found, repaired, assumed
+  // Not in the report: the command and the page word these.
+  Placement placement;
+  dvec3 size_mm{0};  // mesiodistal, buccolingual, height
   // Volume of the closed mesh, by the divergence theorem; solid that parts share counts twice. 0
   // with one surface per tissue.
   double mesh_volume_mm3 = 0;

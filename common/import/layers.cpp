@@ -31,7 +31,9 @@ constexpr double kBehind_mm = 1.0;
 
 std::string Name(size_t layer) { return std::string(cutting::TissueName(kLayerTissues[layer])); }
 
-Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }
+Status Invalid(const std::string& what, const char* field = "") {
+  return Status(Code::kInvalidInput, what, field);
+}
 
 dvec3 Unit(const dvec3& v) {
   const double size = std::sqrt(Dot(v, v));
@@ -282,9 +284,10 @@ Status LayeredTooth::FindRelation(Layer outer_layer, Layer inner_layer) {
                               " mm over " + mesh::Fixed(m.area_mm2, 1) + " mm2";
   if (m.beyond_mm2 > kMostBeyond * m.area_mm2) {
     return Invalid(names + ": expected surfaces that meet to " + mesh::Fixed(bridge_, 2) +
-                   " mm, found " + figures + ", " +
-                   mesh::Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +
-                   " % of it beyond: mend them in a mesh program, or allow more with --bridge-um");
+                       " mm, found " + figures + ", " +
+                       mesh::Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +
+                       " % of it beyond: mend them in a mesh program, or bridge wider gaps",
+                   "bridge_um");
   }
   report_.push_back(
       names + " meet with " + figures + "; up to " + mesh::Fixed(bridge_, 2) + " mm is bridged" +

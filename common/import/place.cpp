@@ -11,30 +11,12 @@
 namespace enamel::import {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kLeastRise = 0.03;  // of the enamel's extent, to tell a direction by it
 constexpr double kOnAxis = 0.866;    // 30 degrees
 
 size_t LongestAxis(const dvec3& v) {
   const dvec3 a = glm::abs(v);
   return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-}
-
-// "+y of the file, 12 degrees off".
-std::string AxisName(const dvec3& up) {
-  const auto k = static_cast<int>(LongestAxis(up));
-  const std::string name = std::string(up[k] > 0 ? "+" : "-") + "xyz"[k] + " of the file";
-  const auto degrees = std::lround(std::acos(std::min(std::abs(up[k]), 1.0)) * kDegrees);
-  return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
-}
-
-std::string Explain(const mesh::Stance& stance, const std::string& up, const std::string& how) {
-  const std::string axis = "occlusal direction " + AxisName(stance.up);
-  if (up != "auto") return axis + " (as given)";
-  if (stance.certain)
-    return axis + " (found by " + how + "; if it is wrong, give another with --up)";
-  return axis + " (a guess" + (how.empty() ? "" : " by " + how) +
-         ": look at the tooth, and give the direction with --up, for example --up=-y)";
 }
 
 void Move(mesh::Solid& solid, const dmat3& turn, const dvec3& middle) {
@@ -69,75 +51,80 @@ std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double exten
   return stance;
 }
 
-struct Turned {
-  dmat3 turn{1};
-  std::string words;
-};
-Result<Turned> TurnOf(const mesh::Triangles& crown, const dvec3& up, const Facing& facing) {
+// Rows as mesh::SceneFromFile's.
+Result<dmat3> TurnOf(const mesh::Triangles& crown, const dvec3& up, const Facing& facing) {
   if (facing.buccal == "auto") {
     const ToothSize& mean = MeanSize(facing.tooth);
-    return Turned{mesh::SceneFromFile(crown, up, mean.mesiodistal_mm > mean.buccolingual_mm),
-                  "buccal is taken to be at +y: a mesh does not say it (give its direction in the "
-                  "file with --buccal)"};
+    return mesh::SceneFromFile(crown, up, mean.mesiodistal_mm > mean.buccolingual_mm);
   }
-  Result<dvec3> axis = mesh::ParseAxis(facing.buccal);
-  if (!axis.ok()) return Status(axis.status().code(), axis.status().message(), "buccal");
-  if (std::abs(Dot(*axis, up)) > kOnAxis) {
+  ENAMEL_ASSIGN_OR_RETURN(const dvec3 buccal, mesh::ParseDirection(facing.buccal));
+  if (std::abs(Dot(buccal, up)) > kOnAxis) {
     return Status(Code::kInvalidInput,
-                  "expected a buccal direction across the occlusal one, " + AxisName(up) +
-                      "; found " + facing.buccal,
+                  "expected a buccal direction across the occlusal one, found two less than 30 "
+                  "degrees apart",
                   "buccal");
   }
-  return Turned{mesh::SceneFacing(up, *axis),
-                "buccal direction " + AxisName(*axis) + " (as given)"};
+  return mesh::SceneFacing(up, buccal);
+}
+
+Placement PlacementOf(const dmat3& turn, const mesh::Stance& stance, std::vector<Witness> by,
+                      const Facing& facing) {
+  const dmat3 axes = glm::transpose(turn);
+  return {axes[2], axes[1],
+          facing.up != "auto" ? Placement::Up::kGiven
+          : stance.certain    ? Placement::Up::kFound
+                              : Placement::Up::kGuess,
+          std::move(by), facing.buccal != "auto"};
 }
 
 }  // namespace
 
+Status CheckFacing(const Facing& facing) {
+  if (facing.up != "auto") ENAMEL_RETURN_IF_ERROR(mesh::ParseDirection(facing.up).status());
+  if (facing.buccal == "auto") return Status::Ok();
+  const Status buccal = mesh::ParseDirection(facing.buccal).status();
+  return buccal.ok() ? buccal : Status(buccal.code(), buccal.message(), "buccal");
+}
+
 Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
-  mesh::Stance stance;
-  std::string how;
+  ENAMEL_RETURN_IF_ERROR(CheckFacing(facing));
+  FoundStance found;
   if (facing.up == "auto") {
-    FoundStance found = FindStance(solid, facing.tooth);
-    stance = found.stance;
-    how = std::move(found.by);
+    found = FindStance(solid, facing.tooth);
   } else {
-    Result<dvec3> axis = mesh::ParseAxis(facing.up);
-    if (!axis.ok()) return axis.status();
-    stance = mesh::StanceWithUp(solid.mesh, *axis);
+    ENAMEL_ASSIGN_OR_RETURN(const dvec3 up, mesh::ParseDirection(facing.up));
+    found.stance = mesh::StanceWithUp(solid.mesh, up);
   }
-  ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(solid.mesh, stance.up, facing));
-  Move(solid, turned.turn, MiddleOf(solid.mesh, turned.turn));
-  PlacedSolid placed{
-      std::move(solid), std::nullopt, {Explain(stance, facing.up, how), turned.words}};
-  if (stance.gum) placed.gum = turned.turn * *stance.gum;
+  const mesh::Stance& stance = found.stance;
+  ENAMEL_ASSIGN_OR_RETURN(const dmat3 turn, TurnOf(solid.mesh, stance.up, facing));
+  Move(solid, turn, MiddleOf(solid.mesh, turn));
+  PlacedSolid placed{std::move(solid), std::nullopt,
+                     PlacementOf(turn, stance, std::move(found.by), facing)};
+  if (stance.gum) placed.gum = turn * *stance.gum;
   return placed;
 }
 
 Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing) {
+  ENAMEL_RETURN_IF_ERROR(CheckFacing(facing));
   const auto& enamel = layers.solids[static_cast<size_t>(Layer::kEnamel)];
   const auto& dentin = layers.solids[static_cast<size_t>(Layer::kDentin)];
   const mesh::Solid& outer = enamel ? *enamel : *dentin;
   const mesh::Triangles crown = outer.mesh;
-  mesh::Stance stance;
-  std::string how = "the enamel's place on the dentin";
+  FoundStance found;
   if (facing.up != "auto") {
-    Result<dvec3> axis = mesh::ParseAxis(facing.up);
-    if (!axis.ok()) return axis.status();
-    stance.up = *axis;
+    ENAMEL_ASSIGN_OR_RETURN(found.stance.up, mesh::ParseDirection(facing.up));
   } else if (auto by_rise = StanceByRise(layers, mesh::BoxOf(crown).extent())) {
-    stance = *by_rise;
+    found = {*by_rise, {Witness::kEnamel}};
   } else {
-    FoundStance found = FindStance(outer, facing.tooth);
-    stance = found.stance;
-    how = std::move(found.by);
+    found = FindStance(outer, facing.tooth);
   }
-  ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(crown, stance.up, facing));
-  const dvec3 middle = MiddleOf(crown, turned.turn);
+  ENAMEL_ASSIGN_OR_RETURN(const dmat3 turn, TurnOf(crown, found.stance.up, facing));
+  const dvec3 middle = MiddleOf(crown, turn);
   for (auto& solid : layers.solids) {
-    if (solid) Move(*solid, turned.turn, middle);
+    if (solid) Move(*solid, turn, middle);
   }
-  return PlacedLayers{std::move(layers), {Explain(stance, facing.up, how), turned.words}};
+  return PlacedLayers{std::move(layers),
+                      PlacementOf(turn, found.stance, std::move(found.by), facing)};
 }
 
 }  // namespace enamel::import

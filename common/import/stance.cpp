@@ -1,6 +1,7 @@
 #include "common/import/stance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -69,6 +70,12 @@ dvec3 Straight(const dvec3& up) {
 
 }  // namespace
 
+std::string_view WitnessName(Witness witness) {
+  constexpr std::array<std::string_view, 5> kNames = {"likeness", "taper", "hollows", "hole",
+                                                      "enamel"};
+  return kNames[static_cast<size_t>(witness)];
+}
+
 FoundStance FindStance(const mesh::Solid& solid, int tooth) {
   const Parts parts = PartsOf(solid);
   const std::vector<Likeness> alike = LikeOwnTooth(solid.mesh, parts.own, tooth);
@@ -103,12 +110,9 @@ FoundStance FindStance(const mesh::Solid& solid, int tooth) {
   out.stance = mesh::StanceWithUp(solid.mesh, Straight(up));
   out.stance.certain = kinds >= 2 && !likeness_against && !hole_against &&
                        !(form_against && !(by_likeness && by_hole));
-  auto name = [&](bool is, const std::string& what) {
-    if (is) out.by += (out.by.empty() ? "" : " and ") + what;
-  };
-  name(by_likeness, "its likeness to our tooth " + std::to_string(tooth));
-  name(by_form, front ? "its taper to the edge" : "its hollows");
-  name(by_hole, "its hole, which is the gum");
+  if (by_likeness) out.by.push_back(Witness::kLikeness);
+  if (by_form) out.by.push_back(front ? Witness::kTaper : Witness::kHollows);
+  if (by_hole) out.by.push_back(Witness::kHole);
   return out;
 }
 

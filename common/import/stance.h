@@ -1,6 +1,7 @@
 #pragma once
 
-#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/mesh/mesh_repair.h"
 #include "common/mesh/orient.h"
@@ -14,9 +15,13 @@ namespace enamel::import {
 // - its hole, where a scanner saw no surface: that is the gum's side.
 // It is certain where two kinds agree and none contradicts. No axis of the file is favoured; one
 // within 30 degrees is taken, because whoever turned a tooth upright in a program did so.
+enum class Witness { kLikeness, kTaper, kHollows, kHole, kEnamel };
+// "likeness", "taper", ...; kEnamel is the enamel's place on the dentin (place.h).
+std::string_view WitnessName(Witness witness);
+
 struct FoundStance {
   mesh::Stance stance;
-  std::string by;  // the kinds that agree, for people: "its likeness to our tooth 46 and its hole"
+  std::vector<Witness> by;  // the kinds that agree
 };
 FoundStance FindStance(const mesh::Solid& solid, int tooth);
 

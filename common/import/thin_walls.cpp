@@ -89,7 +89,7 @@ std::string Words(const ThinWalls& walls, int32_t voxel_nm) {
       " mm: they measure too little or are left out, and a score there tells nothing";
   const auto carries_um = static_cast<int>(walls.least_mm / cutting::kThinnestWall_voxels * 1e3);
   if (carries_um >= 10)
-    text += "; voxels of " + std::to_string(carries_um) + " um (--voxel-um) would carry them";
+    text += "; voxels of " + std::to_string(carries_um) + " um would carry them";
   return text;
 }
 

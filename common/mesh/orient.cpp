@@ -1,6 +1,7 @@
 #include "common/mesh/orient.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <vector>
@@ -17,6 +18,7 @@ constexpr double kPatchCosine = 0.96;  // within 16 degrees of the patch's direc
 constexpr double kMeanCosine = 0.9;
 constexpr double kElsewhereCosine = 0.5;  // another patch: 60 degrees away or more
 constexpr double kClearly = 1.4;
+constexpr double kLeastDirection = 1e-6, kMostDirection = 1e6;  // its numbers keep their digits
 constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer
 
 struct Facet {
@@ -147,15 +149,26 @@ dvec3 DriftOf(const Triangles& mesh) {
   return third / std::pow(spread.x + spread.y + spread.z, 1.5);
 }
 
-Result<dvec3> ParseAxis(std::string_view text) {
+Result<dvec3> ParseDirection(std::string_view text) {
   if (text.size() == 2 && (text[0] == '+' || text[0] == '-') && text[1] >= 'x' && text[1] <= 'z') {
     dvec3 axis(0);
     axis[text[1] - 'x'] = text[0] == '+' ? 1 : -1;
     return axis;
   }
-  return Status(
-      Code::kInvalidInput,
-      "expected a direction as +x, -x, +y, -y, +z or -z, found '" + std::string(text) + "'", "up");
+  dvec3 out(0);
+  const char *at = text.data(), *const end = at + text.size();
+  for (int k = 0; k < 3 && at != nullptr; ++k) {
+    const auto read = std::from_chars(at, end, out[k]);
+    const bool follows = k < 2 ? read.ptr != end && *read.ptr == ',' : read.ptr == end;
+    at = read.ec == std::errc() && follows ? read.ptr + (k < 2) : nullptr;
+  }
+  const double length = glm::length(out);
+  if (at != nullptr && length >= kLeastDirection && length <= kMostDirection) return out / length;
+  return Status(Code::kInvalidInput,
+                "expected a direction as +x, -x, +y, -y, +z or -z, or three numbers as 0.2,0,-1; "
+                "found '" +
+                    std::string(text) + "'",
+                "up");
 }
 
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {

@@ -17,8 +17,8 @@ struct Stance {
   bool certain = true;
 };
 
-// "+x", "-x", ... as typed by a person. Errors: kInvalidInput.
-Result<dvec3> ParseAxis(std::string_view text);
+// "+x" ... "-z", or three numbers as "0.2,0,-1"; of length 1. Errors: kInvalidInput, field "up".
+Result<dvec3> ParseDirection(std::string_view text);
 
 // How far the surface lies within its convex hull, and which way those hollows face: fossae face
 // occlusally, a front tooth's lingual hollow about half-way.

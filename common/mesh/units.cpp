@@ -75,21 +75,38 @@ Result<double> UnitInMm(const std::string& name) {
 
 std::string Words(const FileScale& scale) {
   char text[64];
+  if (scale.longest_mm > 0) {
+    std::snprintf(text, sizeof text, "longest side %.9g mm", scale.longest_mm);
+    return text;
+  }
   std::snprintf(text, sizeof text, ", scale %.9g", scale.factor);
   return "unit " + scale.unit + (scale.factor == 1 ? "" : text);
 }
 
-Result<double> ScaleInMm(const FileScale& scale) {
-  ENAMEL_ASSIGN_OR_RETURN(const double unit_mm, UnitInMm(scale.unit));
+Status CheckScale(const FileScale& scale) {
+  ENAMEL_RETURN_IF_ERROR(UnitInMm(scale.unit).status());
+  if (scale.longest_mm != 0 && !IsToothSize(scale.longest_mm)) {
+    return Invalid("expected a tooth whose longest side has 3 to 40 mm, found " +
+                       Fixed(scale.longest_mm) + " mm",
+                   "longest_mm");
+  }
   if (std::isfinite(scale.factor) && scale.factor >= kSmallestFactor &&
       scale.factor <= 1 / kSmallestFactor)
-    return unit_mm * scale.factor;
+    return Status::Ok();
   return Invalid("expected a scale of 0.000001 to 1000000, found " + Fixed(scale.factor, 6),
                  "scale");
 }
 
+Result<double> ScaleInMm(const Triangles& mesh, const FileScale& scale) {
+  ENAMEL_RETURN_IF_ERROR(CheckScale(scale));
+  if (scale.longest_mm == 0) return *UnitInMm(scale.unit) * scale.factor;
+  const double extent = BoxOf(mesh).extent();
+  if (extent > 0) return scale.longest_mm / extent;
+  return Invalid("expected a mesh with an extent, found all of it in one point", "longest_mm");
+}
+
 Status CheckSize(const Triangles& mesh, const FileScale& scale) {
-  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(scale));
+  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(mesh, scale));
   const Box box = BoxOf(mesh);
   const double extent = box.extent(), extent_mm = extent * scale_mm;
   if (IsToothSize(extent_mm)) return CheckFineness(mesh, box, scale_mm);
@@ -112,7 +129,7 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale) {
 
 Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale) {
   ENAMEL_RETURN_IF_ERROR(CheckSize(mesh, scale));
-  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(scale));
+  ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(mesh, scale));
   Triangles out = mesh;
   for (dvec3& v : out.vertices) v *= scale_mm;
   return out;

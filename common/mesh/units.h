@@ -17,18 +17,22 @@ Box BoxOf(const Triangles& mesh);
 // Millimetres in one mm, um, cm, m, inch. Errors: kInvalidInput, field "unit".
 Result<double> UnitInMm(const std::string& name);
 
-// The size of a file's coordinates: a unit, and how many of it 1 is.
+// The size of a file's coordinates: a unit, and how many of it 1 is; or the length of the longest
+// side of the box around everything in the file, along the file's axes, which then decides alone.
 struct FileScale {
   std::string unit = "mm";
   double factor = 1;
+  double longest_mm = 0;  // 0: not known
 };
 std::string Words(const FileScale& scale);
-// Errors: kInvalidInput, field "unit" or "scale".
-Result<double> ScaleInMm(const FileScale& scale);
+// Errors: kInvalidInput, field "unit", "scale" or "longest_mm".
+Status CheckScale(const FileScale& scale);
+// Millimetres in 1 of the mesh's coordinates. Errors: CheckScale's, and a mesh without extent.
+Result<double> ScaleInMm(const Triangles& mesh, const FileScale& scale);
 
 // A tooth of 3 to 40 mm, in millimetres, of a mesh in a file's coordinates. Coordinates that are all
 // floats carry 24 bits, so a tooth far from the origin is coarse: steps over 5 um are refused.
-// Errors: kInvalidInput, field "unit" or "scale"; the message names the units that would fit.
+// Errors: ScaleInMm's, and kInvalidInput, field "unit"; the message names the units that would fit.
 Status CheckSize(const Triangles& mesh, const FileScale& scale);
 Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale);
 

@@ -6,14 +6,15 @@
 #include <utility>
 
 #include "common/base/file.h"
-#include "common/import/import_tooth.h"
 #include "common/import/mesh_kind.h"
-#include "common/mesh/orient.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/tooth_number.h"
 #include "common/scene/volume_blob.h"
+#include "common/surface/surface.h"
+#include "common/timeline/start_tooth.h"
 #include "server/jobs/builtin_content.h"
+#include "server/jobs/surface_blob.h"
 #include "server/training/names.h"
 
 namespace enamel::server {
@@ -27,19 +28,16 @@ Status Invalid(const std::string& message, const char* field) {
   return Status(Code::kInvalidInput, message, field);
 }
 
-Status CheckDirection(const std::string& direction, const char* field) {
-  if (direction == "auto") return Status::Ok();
-  const auto axis = mesh::ParseAxis(direction);
-  return axis.ok() ? Status::Ok() : Invalid(axis.status().message(), field);
+mesh::FileScale ScaleOf(const ToothImport::Wanted& wanted) {
+  return {wanted.unit, wanted.scale, wanted.longest_mm};
 }
 
 Status CheckWanted(const ToothImport::Wanted& wanted) {
   if (const Status kind = import::CheckMeshKind(wanted.kind); !kind.ok())
     return Invalid(kind.message(), "file_name");
-  ENAMEL_RETURN_IF_ERROR(mesh::ScaleInMm({wanted.unit, wanted.scale}).status());
+  ENAMEL_RETURN_IF_ERROR(mesh::CheckScale(ScaleOf(wanted)));
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
-  ENAMEL_RETURN_IF_ERROR(CheckDirection(wanted.up, "up"));
-  ENAMEL_RETURN_IF_ERROR(CheckDirection(wanted.buccal, "buccal"));
+  ENAMEL_RETURN_IF_ERROR(import::CheckFacing({wanted.tooth, wanted.up, wanted.buccal}));
   if (!scene::IsToothNumber(wanted.tooth)) {
     return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
                        (wanted.tooth == 0 ? "none" : std::to_string(wanted.tooth)),
@@ -118,9 +116,10 @@ class PrivateFile {
 }  // namespace
 
 struct ToothImport::Made {
-  std::vector<std::string> findings;
-  SceneRow scene;
+  import::ImportedScene imported;
+  std::optional<SceneRow> scene;  // none: only shown
   std::vector<ExerciseRow> exercises;
+  std::shared_ptr<const Bytes> surface, inside;
 };
 
 ToothImport::~ToothImport() {
@@ -155,6 +154,7 @@ Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor&
   fresh.id = Uuid::New();
   fresh.bytes = wanted.bytes;
   about_ = std::move(fresh);
+  surface_ = inside_ = nullptr;
   wanted_ = wanted;
   by_ = by;
   file_.clear();
@@ -196,6 +196,14 @@ Result<ToothImport::About> ToothImport::Get(const Uuid& id) const {
   return *about_;
 }
 
+Result<std::shared_ptr<const Bytes>> ToothImport::PictureOf(const Uuid& id, Picture picture) const {
+  MutexLock lock(mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBe(id));
+  const auto& bytes = picture == Picture::kSurface ? surface_ : inside_;
+  if (bytes) return bytes;
+  return Status(Code::kNotFound, "expected an import that was shown and not published");
+}
+
 Status ToothImport::GiveUp(const Uuid& id) {
   MutexLock lock(mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBe(id));
@@ -216,7 +224,11 @@ void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
     about_->problem = made.status();
     return;
   }
-  about_->findings = std::move(made->findings);
+  about_->findings = std::move(made->imported.report);
+  about_->placement = std::move(made->imported.placement);
+  about_->size_mm = made->imported.size_mm;
+  surface_ = std::move(made->surface);
+  inside_ = std::move(made->inside);
   about_->scene = std::move(made->scene);
   about_->exercises = std::move(made->exercises);
 }
@@ -227,10 +239,10 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   const std::string plain = PlainName(title, wanted.tooth);
   import::ImportOptions options;
   options.tooth = wanted.tooth;
-  options.scale = {wanted.unit, wanted.scale};
+  options.scale = ScaleOf(wanted);
   options.up = wanted.up;
   options.buccal = wanted.buccal;
-  options.voxel_nm = kVoxelNm;
+  options.voxel_nm = wanted.publish ? kVoxelNm : kShownVoxelNm;
   options.name = plain;
   options.threads = 1;  // stations that stream want the other processors
   options.child = child_;
@@ -245,18 +257,46 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   };
   // Named by us and not by the sender: the name appears in messages and in the provenance.
   ENAMEL_ASSIGN_OR_RETURN(const auto stored, PrivateFile::Write(plain + "." + wanted.kind, file));
-  ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(stored.path(), options));
-  ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store_.scenes, plain));
-  imported.scene.title = title;
   Made made;
+  ENAMEL_ASSIGN_OR_RETURN(made.imported, import::ImportTooth(stored.path(), options));
+  if (wanted.publish) {
+    ENAMEL_ASSIGN_OR_RETURN(made.imported.scene.name, FreeName(store_.scenes, plain));
+    made.imported.scene.title = title;
+    ENAMEL_RETURN_IF_ERROR(Publish(wanted, by, made));
+  } else {
+    const cutting::Volume& volume = made.imported.volume;
+    made.surface = std::make_shared<const Bytes>(EncodeSurface(surface::ExtractSurface(volume)));
+    made.inside =
+        std::make_shared<const Bytes>(timeline::EncodeStartTooth(timeline::StartToothOf(volume)));
+  }
+  made.imported.volume = {};
+  return made;
+}
+
+Status ToothImport::Publish(const Wanted& wanted, const Actor& by, Made& made) {
+  const import::ImportedScene& imported = made.imported;
+  const double pulp_m3 =
+      cutting::SolidVolume_m3(imported.volume)[static_cast<size_t>(cutting::Tissue::kPulp)];
+  if (!wanted.practice && pulp_m3 <= 0) {
+    const dvec3& size = imported.size_mm;
+    return Invalid(
+        "expected a tooth with a pulp, which a graded cut can expose; found none in a "
+        "crown of " +
+            mesh::Fixed(size.x, 1) + " x " + mesh::Fixed(size.y, 1) + " x " +
+            mesh::Fixed(size.z, 1) +
+            " mm: check its size, give its pulp as a part, or publish practice",
+        "practice");
+  }
   ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(store_));
   ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, imported.scene,
                                                  scene::EncodeVolume(imported.volume), by));
-  ENAMEL_ASSIGN_OR_RETURN(
-      made.exercises,
-      PublishExercisesOf(store_.blobs, store_.exercises, imported.scene, made.scene.content, by));
-  made.findings = std::move(imported.report);
-  return made;
+  for (scene::Exercise exercise : scene::BuiltinExercises(imported.scene, made.scene->content)) {
+    if (wanted.practice) exercise.graded = false;
+    ENAMEL_ASSIGN_OR_RETURN(auto row,
+                            PublishUnassigned(store_.blobs, store_.exercises, exercise, by));
+    made.exercises.push_back(std::move(row));
+  }
+  return Status::Ok();
 }
 
 const char* StateName(ToothImport::State state) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -8,6 +9,7 @@
 
 #include "common/base/mutex.h"
 #include "common/base/result.h"
+#include "common/import/import_tooth.h"
 #include "server/storage/audit/actor.h"
 #include "server/storage/store.h"
 #include "server/training/types.h"
@@ -16,7 +18,7 @@ namespace enamel::server {
 
 // Makes a tooth from an uploaded mesh, as `enamel-station import` and `admin publish-scene` do
 // (common/import/import_tooth.h reads it in the limited child): scene, volume and its exercises,
-// assigned to nobody.
+// assigned to nobody. Or only shows what would become of it, in coarser voxels, and stores nothing.
 //
 // The file comes in parts, in order; with its last byte a thread of its own begins to work. One at
 // a time: it takes some hundred megabytes and a processor for up to some minutes. An upload without
@@ -26,17 +28,20 @@ class ToothImport {
  public:
   static constexpr size_t kMaxFileBytes = size_t{32} << 20;
   static constexpr UnixMs kForgottenMs = 5 * 60'000;
-  static constexpr int32_t kVoxelNm = 50'000;
+  static constexpr int32_t kVoxelNm = 50'000, kShownVoxelNm = 100'000;
 
   struct Wanted {
     std::string kind;  // "stl", "ply", "obj", "off"
     uint64_t bytes = 0;
-    std::string unit;  // of the coordinates: mm, um, cm, m, inch
-    double scale = 1;  // how many of that unit a coordinate of 1 is
+    std::string unit;       // of the coordinates: mm, um, cm, m, inch
+    double scale = 1;       // how many of that unit a coordinate of 1 is
+    double longest_mm = 0;  // of the file's box; decides instead of both (common/mesh/units.h)
     std::string title;
     int tooth = 0;  // FDI number (common/scene/tooth_number.h)
-    // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (common/import/place.h).
+    // Occlusal and buccal direction in the file, or "auto" (common/import/place.h).
     std::string up = "auto", buccal = "auto";
+    bool publish = true;    // false: only shown
+    bool practice = false;  // its exercises are not graded
   };
   enum class State { kReceiving, kWorking, kDone, kRefused };
   struct About {
@@ -45,9 +50,11 @@ class ToothImport {
     uint64_t received = 0, bytes = 0;
     std::string phase;  // of the work, as import::ImportOptions::phase; empty: none yet
     double share = 0;   // of the phase "filling"
-    std::vector<std::string> findings;  // once done: what was repaired and assumed
-    Status problem;                     // once refused
-    std::optional<SceneRow> scene;      // once done, with its exercises
+    std::vector<std::string> findings;           // once done: what was repaired and assumed
+    std::optional<import::Placement> placement;  // once done
+    dvec3 size_mm{0};                            // once done: mesiodistal, buccolingual, height
+    Status problem;                              // once refused
+    std::optional<SceneRow> scene;               // once published, with its exercises
     std::vector<ExerciseRow> exercises;
   };
 
@@ -66,6 +73,10 @@ class ToothImport {
   Result<About> Append(const Uuid& id, uint64_t offset, ByteView bytes, UnixMs now_ms);
   // Errors: kNotFound.
   Result<About> Get(const Uuid& id) const;
+  // Once shown: its surface (surface_blob.h), or what is inside of it (common/timeline/start_tooth.h).
+  // Errors: kNotFound.
+  enum class Picture { kSurface, kStartTooth };
+  Result<std::shared_ptr<const Bytes>> PictureOf(const Uuid& id, Picture picture) const;
   // Forgets an upload that is not complete. Errors: kNotFound, kConflict once it is being worked
   // on.
   Status GiveUp(const Uuid& id);
@@ -74,12 +85,15 @@ class ToothImport {
   struct Made;
   void Work(Wanted wanted, Bytes file, Actor by);
   Result<Made> Make(const Wanted& wanted, const Bytes& file, const Actor& by);
+  Status Publish(const Wanted& wanted, const Actor& by, Made& made);
   Status MustBe(const Uuid& id) const ENAMEL_REQUIRES(mutex_);
 
   Store& store_;
   const std::filesystem::path child_;
   mutable Mutex mutex_;
   std::optional<About> about_ ENAMEL_GUARDED_BY(mutex_);
+  std::shared_ptr<const Bytes> surface_ ENAMEL_GUARDED_BY(mutex_), inside_
+      ENAMEL_GUARDED_BY(mutex_);
   Wanted wanted_ ENAMEL_GUARDED_BY(mutex_);
   Actor by_ ENAMEL_GUARDED_BY(mutex_);
   Bytes file_ ENAMEL_GUARDED_BY(mutex_);

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "common/import/scene_folder.h"
@@ -28,7 +30,50 @@ A crown has at most 2000000 triangles and 256 MiB; reading takes at most 60 s an
 The folder gets scene.json, volume.envb and report.txt, which says what was repaired
 and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
 
-const std::vector<std::string> kDirections = {"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
+// "+y of the file, 12 degrees off".
+std::string AxisName(const dvec3& direction) {
+  constexpr double kDegrees = 57.29577951308232;
+  const dvec3 a = glm::abs(direction);
+  const int k = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  const std::string name = std::string(direction[k] > 0 ? "+" : "-") + "xyz"[k] + " of the file";
+  const auto degrees = std::lround(std::acos(std::min(a[k], 1.0)) * kDegrees);
+  return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
+}
+
+std::string Words(import::Witness witness, int tooth) {
+  switch (witness) {
+    case import::Witness::kLikeness:
+      return "its likeness to our tooth " + std::to_string(tooth);
+    case import::Witness::kTaper:
+      return "its taper to the edge";
+    case import::Witness::kHollows:
+      return "its hollows";
+    case import::Witness::kHole:
+      return "its hole, which is the gum";
+    case import::Witness::kEnamel:
+      return "the enamel's place on the dentin";
+  }
+  return "";
+}
+
+std::string OcclusalWords(const import::Placement& placement, int tooth) {
+  const std::string axis = "occlusal direction " + AxisName(placement.up);
+  if (placement.up_is == import::Placement::Up::kGiven) return axis + " (as given)";
+  std::string by;
+  for (import::Witness witness : placement.by)
+    by += (by.empty() ? "by " : " and by ") + Words(witness, tooth);
+  if (placement.up_is == import::Placement::Up::kFound)
+    return axis + " (found " + by + "; if it is wrong, give another with --up)";
+  return axis + " (a guess" + (by.empty() ? "" : " " + by) +
+         ": look at the tooth, and give the direction with --up, for example --up=-y)";
+}
+
+std::string BuccalWords(const import::Placement& placement) {
+  if (placement.buccal_given)
+    return "buccal direction " + AxisName(placement.buccal) + " (as given)";
+  return "buccal is taken to be at +y: a mesh does not say it (give its direction in the file with "
+         "--buccal)";
+}
 
 }  // namespace
 
@@ -61,7 +106,16 @@ Status ImportMesh(const ImportCommand& options) {
   const import::ImportSources sources{options.file, {options.enamel, options.dentin, options.pulp}};
   auto imported = import::ImportTooth(sources, import_options);
   if (shows) std::fprintf(stderr, "\r\033[K");
-  if (!imported.ok()) return imported.status();
+  if (!imported.ok()) {
+    const Status& why = imported.status();
+    if (why.field() == "bridge_um") return Status(why.code(), why.message() + " with --bridge-um");
+    return why;
+  }
+  const dvec3& size = imported->size_mm;
+  imported->report.push_back("size " + mesh::Fixed(size.x) + " x " + mesh::Fixed(size.y) + " x " +
+                             mesh::Fixed(size.z) + " mm");
+  imported->report.push_back(OcclusalWords(imported->placement, options.tooth));
+  imported->report.push_back(BuccalWords(imported->placement));
   ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(options.out, *imported));
   for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());
   std::printf("scene '%s' written to %s\n", imported->scene.name.c_str(), options.out.c_str());
@@ -87,11 +141,11 @@ void DeclareImport(CommandGroup group) {
   command->add_option("--voxel-um", options.voxel_um, "Edge of a voxel")
       ->check(CLI::Range(10, 500))
       ->capture_default_str();
-  command->add_option("--up", options.up, "Occlusal direction in the file")
-      ->check(CLI::IsMember(kDirections))
+  command
+      ->add_option("--up", options.up,
+                   "Occlusal direction in the file: auto, +x to -z, or three numbers as 0.2,0,-1")
       ->capture_default_str();
-  command->add_option("--buccal", options.buccal, "Buccal (labial) direction in the file")
-      ->check(CLI::IsMember(kDirections))
+  command->add_option("--buccal", options.buccal, "Buccal (labial) direction in the file: the same")
       ->capture_default_str();
   command
       ->add_option("--bridge-um", options.bridge_um,

@@ -6,7 +6,7 @@ import { Person, until } from "./client.mjs";
 const kProfile = "phantom_desktop";
 const kPassword = "quite a long phrase";
 
-// Five corners' worth of a tetrahedron, which is no tooth: an import of it is refused once it is read.
+// A tetrahedron of 9 mm. It has no room for a pulp, so its exercises are practice.
 const kMesh = `solid t\n${[
   [0, 1, 2],
   [0, 3, 1],
@@ -25,7 +25,20 @@ const kMesh = `solid t\n${[
   })
   .join("")}endsolid t\n`;
 
-const mesh = (title) => ({ file_name: "t.stl", bytes: kMesh.length, unit: "mm", title, tooth: 46 });
+const imported = (w) =>
+  until(
+    "the import is over",
+    () => w.admin.ask("GET", `/api/v1/tooth-imports/${w.tooth}`),
+    ({ json }) => ["done", "refused"].includes(json.state),
+  );
+const mesh = (title) => ({
+  file_name: "t.stl",
+  bytes: kMesh.length,
+  unit: "mm",
+  title,
+  tooth: 46,
+  practice: true,
+});
 
 export const server = [
   { of: "alive", by: "nobody" },
@@ -239,14 +252,24 @@ export const devices = [
   {
     of: "toothImport",
     by: "admin",
-    before: (w) =>
-      until(
-        "the import is over",
-        () => w.admin.ask("GET", `/api/v1/tooth-imports/${w.tooth}`),
-        ({ json }) => ["done", "refused"].includes(json.state),
-      ),
+    before: imported,
     at: (w) => w.tooth,
   },
+  {
+    of: "getToothImportSurface",
+    by: "admin",
+    before: async (w) => {
+      const begun = await w.admin.need("POST", "/api/v1/tooth-imports", { body: { ...mesh("Third"), publish: false } });
+      w.tooth = begun.json.id;
+      await w.admin.need("PUT", `/api/v1/tooth-imports/${w.tooth}/bytes`, {
+        type: "application/octet-stream",
+        body: kMesh,
+      });
+      await imported(w);
+    },
+    at: (w) => w.tooth,
+  },
+  { of: "getToothImportStartTooth", by: "admin", at: (w) => w.tooth },
 ];
 
 // What nothing else may come after.

@@ -30,6 +30,8 @@ Response PutBuiltinTooth(const Call& call, Store& store);
 Response BeginToothImport(const Call& call);
 Response AddToothBytes(const Call& call);
 Response GetToothImport(const Call& call);
+Response GetToothImportSurface(const Call& call);
+Response GetToothImportInside(const Call& call);
 Response GiveUpToothImport(const Call& call);
 Response BeginExerciseTrial(const Call& call, Store& store);
 Response GetExerciseTrial(const Call& call);

@@ -1,3 +1,4 @@
+#include <array>
 #include <atomic>
 #include <boost/json.hpp>
 
@@ -117,6 +118,22 @@ std::string KindOf(const std::string& file_name) {
   return kind;
 }
 
+json::array Triple(const dvec3& v) { return {v.x, v.y, v.z}; }
+
+json::value StanceJson(const ToothImport::About& about) {
+  if (!about.placement) return nullptr;
+  constexpr std::array kUpIs = {"given", "found", "guess"};
+  const import::Placement& placement = *about.placement;
+  json::array by;
+  for (import::Witness witness : placement.by) by.push_back(json::value(WitnessName(witness)));
+  return {{"up", Triple(placement.up)},
+          {"buccal", Triple(placement.buccal)},
+          {"up_is", kUpIs[static_cast<size_t>(placement.up_is)]},
+          {"by", std::move(by)},
+          {"buccal_given", placement.buccal_given},
+          {"size_mm", Triple(about.size_mm)}};
+}
+
 json::object ImportJson(const ToothImport::About& about) {
   json::value problem, tooth;
   if (!about.problem.ok()) {
@@ -134,8 +151,18 @@ json::object ImportJson(const ToothImport::About& about) {
           {"phase", about.phase},
           {"share", about.share},
           {"findings", std::move(findings)},
+          {"stance", StanceJson(about)},
           {"problem", std::move(problem)},
           {"tooth", std::move(tooth)}};
+}
+
+Response PictureResponse(const Call& call, ToothImport::Picture picture) {
+  const auto bytes = call.teeth->PictureOf(call.id, picture);
+  if (!bytes.ok()) return ErrorResponse(bytes.status());
+  Response response;
+  response.content_type = "application/octet-stream";
+  response.body = AsText(**bytes);
+  return response;
 }
 
 Response ImportResponse(const Result<ToothImport::About>& about, int status = 200) {
@@ -192,8 +219,11 @@ Response BeginToothImport(const Call& call) {
   wanted.title = body.Text("title", 1, kMaxNameBytes);
   wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
   if (body.Has("scale")) wanted.scale = body.Number("scale", 1e-6, 1e6);
-  if (body.Has("up")) wanted.up = body.Text("up", 2, 4);
-  if (body.Has("buccal")) wanted.buccal = body.Text("buccal", 2, 4);
+  if (body.Has("longest_mm")) wanted.longest_mm = body.Number("longest_mm", 3, 40);
+  if (body.Has("up")) wanted.up = body.Text("up", 2, kMaxToothName);
+  if (body.Has("buccal")) wanted.buccal = body.Text("buccal", 2, kMaxToothName);
+  if (body.Has("publish")) wanted.publish = body.Flag("publish");
+  if (body.Has("practice")) wanted.practice = body.Flag("practice");
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }
@@ -211,6 +241,14 @@ Response AddToothBytes(const Call& call) {
 }
 
 Response GetToothImport(const Call& call) { return ImportResponse(call.teeth->Get(call.id)); }
+
+Response GetToothImportSurface(const Call& call) {
+  return PictureResponse(call, ToothImport::Picture::kSurface);
+}
+
+Response GetToothImportInside(const Call& call) {
+  return PictureResponse(call, ToothImport::Picture::kStartTooth);
+}
 
 Response GiveUpToothImport(const Call& call) { return DoneOr(call.teeth->GiveUp(call.id)); }
 

@@ -130,8 +130,10 @@ TEST(ImportTest, BadOptionsAreRefusedByName) {
   options.scale.unit = "furlong";
   EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "unit");
   options = {.tooth = 46};
-  options.up = "north";
-  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "up");
+  for (const char* up : {"north", "", "1,2", "1,2,3,4", "0,0,0", "1,,2", "nan,0,1", "1e300,0,0"}) {
+    options.up = up;
+    EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "up") << up;
+  }
   options = {.tooth = 46};
   options.voxel_nm = 1;
   EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "voxel_nm");
@@ -171,7 +173,7 @@ TEST(ImportTest, TheToothsNumberSaysWhichWayItsLongerSideLies) {
     const bool along_x = tooth == 11 || tooth == 36 || tooth == 46 || tooth == 52 || tooth == 74;
     EXPECT_EQ(s->volume.DistanceAt_m({3.7e-3, 0, 0}) < 0, along_x) << tooth;
     EXPECT_EQ(s->volume.DistanceAt_m({0, 3.7e-3, 0}) < 0, !along_x) << tooth;
-    EXPECT_NE(Lines(*s).find("give its direction in the file with --buccal"), std::string::npos);
+    EXPECT_FALSE(s->placement.buccal_given);
   }
 }
 
@@ -191,7 +193,7 @@ TEST(ImportTest, AGivenBuccalDirectionBecomesTheScenesY) {
     EXPECT_EQ(solid({0, -end, near_top}), std::string(buccal) == "-y") << buccal;
     // +x of the file is buccal, so that its +y is at the scene's -x.
     EXPECT_EQ(solid({-end, 0, near_top}), std::string(buccal) == "+x") << buccal;
-    EXPECT_NE(Lines(*s).find("buccal direction"), std::string::npos) << Lines(*s);
+    EXPECT_TRUE(s->placement.buccal_given);
   }
 }
 
@@ -450,7 +452,14 @@ TEST(ImportTest, AnUnknownScaleIsNamedAndAGivenOneTaken) {
   auto taken = ImportTriangles(SphereMesh(42, 20), "test", options);
   ASSERT_TRUE(taken.ok()) << taken.status().message();
   EXPECT_NEAR(taken->mesh_volume_mm3, 600, 10);
-  options.scale.factor = 0;
+  // The same by the length of a ball of 84 in the file; neither unit nor scale counts.
+  options.scale = {"m", 1, 10.5};
+  taken = ImportTriangles(SphereMesh(42, 20), "test", options);
+  ASSERT_TRUE(taken.ok()) << taken.status().message();
+  EXPECT_NEAR(taken->mesh_volume_mm3, 600, 10);
+  options.scale.longest_mm = 41;
+  EXPECT_EQ(ImportTriangles(SphereMesh(42, 20), "test", options).status().field(), "longest_mm");
+  options.scale = {"mm", 0};
   EXPECT_EQ(ImportTriangles(SphereMesh(42, 20), "test", options).status().field(), "scale");
 }
 
@@ -575,17 +584,32 @@ TEST(ImportTest, EveryKindOfCrownHasAPulpAndThinEnamelWhereItIsPrimaryOrInFront)
   }
 }
 
-TEST(ImportTest, ReportNamesTheDirectionWhetherItIsAGuessAndHowToOverrideIt) {
-  ImportOptions options{.tooth = 46};
-  options.voxel_nm = 400'000;
+// A ball has neither cusps nor a gum. What was said of it, given again, gives the same tooth.
+TEST(ImportTest, PlacementNamesTheDirectionsAndWhetherTheyAreAGuess) {
+  ImportOptions options{.tooth = 46, .voxel_nm = 400'000};
   auto guess = ImportTriangles(SphereMesh(5, 20), "test", options);
   ASSERT_TRUE(guess.ok());
-  EXPECT_NE(Lines(*guess).find("of the file (a guess"), std::string::npos) << Lines(*guess);
-  EXPECT_NE(Lines(*guess).find("--up"), std::string::npos);
-  options.up = "-z";
+  EXPECT_EQ(guess->placement.up_is, Placement::Up::kGuess);
+  auto text = [](const dvec3& v) {
+    return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
+  };
+  options.up = text(guess->placement.up), options.buccal = text(guess->placement.buccal);
   auto given = ImportTriangles(SphereMesh(5, 20), "test", options);
-  ASSERT_TRUE(given.ok());
-  EXPECT_NE(Lines(*given).find("direction -z of the file (as given)"), std::string::npos);
+  ASSERT_TRUE(given.ok()) << given.status().message();
+  EXPECT_EQ(given->placement.up_is, Placement::Up::kGiven);
+  EXPECT_TRUE(given->placement.by.empty());
+  EXPECT_EQ(given->scene.volume, guess->scene.volume);
+}
+
+// A box of 4 x 6 x 8 whose up leans 30 degrees from its z to its x: 4 cos 30 + 8 sin 30 wide.
+TEST(ImportTest, ADirectionBetweenTheFilesAxesIsTaken) {
+  ImportOptions options{.tooth = 46, .voxel_nm = 200'000, .up = "1,0,1.7320508", .buccal = "+y"};
+  auto s = ImportTriangles(BoxMesh({0, 0, 0}, {4, 6, 8}), "test", options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  EXPECT_NEAR(s->size_mm.x, 7.4641, 1e-3);
+  EXPECT_NEAR(s->size_mm.y, 6, 1e-6);
+  EXPECT_NEAR(s->size_mm.z, 8.9282, 1e-3);
+  EXPECT_NEAR(s->placement.up.x, 0.5, 1e-6);
 }
 
 TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst) {

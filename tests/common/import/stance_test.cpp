@@ -68,6 +68,12 @@ struct Tally {
   }
 };
 
+std::string Names(const std::vector<Witness>& by) {
+  std::string out;
+  for (Witness witness : by) out += std::string(WitnessName(witness)) + " ";
+  return out;
+}
+
 void StandUp(const Crown& crown, const dmat3& turn, Tally& tally) {
   auto solid = mesh::MakeSolid(TurnedBy(crown.mesh, turn));
   ASSERT_TRUE(solid.ok()) << crown.name << ": " << solid.status().message();
@@ -78,7 +84,7 @@ void StandUp(const Crown& crown, const dmat3& turn, Tally& tally) {
   tally.wrong += wrong;
   tally.guesses += !found.stance.certain;
   tally.wrong_and_found += wrong && found.stance.certain;
-  EXPECT_FALSE(wrong && found.stance.certain) << crown.name << " by " << found.by;
+  EXPECT_FALSE(wrong && found.stance.certain) << crown.name << " by " << Names(found.by);
   if (wrong) std::printf("  wrong: %s\n", crown.name.c_str());
 }
 
@@ -147,7 +153,8 @@ TEST(StanceTest, HolesOfBorderMeshesAreTheGum) {
       cap += glm::cross(solid->mesh.vertices[t[1]] - a, solid->mesh.vertices[t[2]] - a);
     }
     const FoundStance found = FindStance(*solid, name == "open_incisor" ? 12 : 46);
-    EXPECT_GT(Dot(found.stance.up, -glm::normalize(cap)), 0.95) << name << " by " << found.by;
+    EXPECT_GT(Dot(found.stance.up, -glm::normalize(cap)), 0.95)
+        << name << " by " << Names(found.by);
   }
 }
 

@@ -64,6 +64,8 @@ const Line kLines[] = {
                                                                                                          "401 403 403 403 403 403 201 201 401 403"},
     {"GET /api/v1/tooth-imports/{id}",          "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
     {"PUT /api/v1/tooth-imports/{id}/bytes",    "attempt",        "bytes x",                             "401 403 403 403 403 403 404 404 401 403"},
+    {"GET /api/v1/tooth-imports/{id}/surface",  "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
+    {"GET /api/v1/tooth-imports/{id}/start-tooth", "attempt",     "",                                    "401 403 403 403 403 403 404 404 401 403"},
     {"DELETE /api/v1/tooth-imports/{id}",       "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
     // One's own session.
     {"POST /api/v1/session",                    "",               R"({"login":"x","password":"y"})",     "401 401 401 401 401 401 401 401 401 401"},

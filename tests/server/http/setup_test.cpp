@@ -64,13 +64,14 @@ TEST(FirstAdminLinkTest, IsNoUseWhereThereIsAnAdmin) {
 class ToothImportTest : public testing::Test {
  protected:
   json::value Begin(const std::string& file_name, size_t bytes, const std::string& unit,
-                    const std::string& title, int tooth = 46) {
-    last_ =
-        root_.Post("/api/v1/tooth-imports", json::serialize(json::object{{"file_name", file_name},
-                                                                         {"bytes", bytes},
-                                                                         {"unit", unit},
-                                                                         {"title", title},
-                                                                         {"tooth", tooth}}));
+                    const std::string& title, int tooth = 46, const json::object& more = {}) {
+    json::object body{{"file_name", file_name},
+                      {"bytes", bytes},
+                      {"unit", unit},
+                      {"title", title},
+                      {"tooth", tooth}};
+    for (const auto& member : more) body.insert(member);
+    last_ = root_.Post("/api/v1/tooth-imports", json::serialize(body));
     return Parsed(last_);
   }
   RawResponse Put(const std::string& id, size_t offset, const std::string& part) {
@@ -81,9 +82,9 @@ class ToothImportTest : public testing::Test {
   static std::string Path(const std::string& id) { return "/api/v1/tooth-imports/" + id; }
   // Sends a file in parts and waits until it is done or refused.
   json::value Import(const std::string& file_name, const std::string& file, const std::string& unit,
-                     const std::string& title, int tooth = 46) {
+                     const std::string& title, int tooth = 46, const json::object& more = {}) {
     constexpr size_t kPart = 300'000;
-    const json::value begun = Begin(file_name, file.size(), unit, title, tooth);
+    const json::value begun = Begin(file_name, file.size(), unit, title, tooth, more);
     if (last_.status != 201) return begun;
     const std::string id(begun.at("id").as_string());
     for (size_t at = 0; at < file.size(); at += kPart) {
@@ -139,6 +140,40 @@ TEST_F(ToothImportTest, MeshBecomesAToothWithItsExercises) {
   // The same again is another tooth, not a version of this one's exercises.
   const json::value again = Import("crown.obj", Box(), "mm", "Ein Würfel", 46);
   EXPECT_EQ(again.at("tooth").at("name").as_string(), "ein-w-rfel-46-2");
+}
+
+// A box of 8 x 8 x 6 on its side, by its longest side: shown, turned, published as it was shown.
+TEST_F(ToothImportTest, WhatIsShownIsPublishedOnlyWhenSentAgainAndStandsAsGiven) {
+  const json::value shown = Import("box.obj", Box(), "m", "Box", 46,
+                                   {{"publish", false}, {"longest_mm", 8}, {"up", "-z"}});
+  ASSERT_EQ(shown.at("state").as_string(), "done") << json::serialize(shown);
+  EXPECT_TRUE(shown.at("tooth").is_null());
+  EXPECT_EQ(shown.at("stance").at("up").as_array(), json::parse("[0e0,0e0,-1e0]"));
+  EXPECT_EQ(shown.at("stance").at("up_is").as_string(), "given");
+  EXPECT_NEAR(shown.at("stance").at("size_mm").at(2).as_double(), 6, 1e-9);
+  const std::string id(shown.at("id").as_string());
+  EXPECT_EQ(root_.Get(Path(id) + "/surface").body.substr(0, 4), "ENTM");
+  EXPECT_EQ(root_.Get(Path(id) + "/start-tooth").body.substr(0, 4), "ENTS");
+  EXPECT_EQ(school_.store->scenes.Scenes()->size(), 1u) << "the school's own";
+  const json::value put =
+      Import("box.obj", Box(), "mm", "Box", 46,
+             {{"practice", true}, {"up", "0.6,0,0.8"}, {"buccal", "-0.8,0,0.6"}});
+  ASSERT_EQ(put.at("state").as_string(), "done") << json::serialize(put);
+  EXPECT_NEAR(put.at("stance").at("buccal").at(0).as_double(), -0.8, 1e-9);
+  const std::string exercise(put.at("tooth").at("exercises").at(0).at("id").as_string());
+  EXPECT_FALSE(Parsed(root_.Get("/api/v1/exercises/" + exercise)).at("graded").as_bool());
+  EXPECT_EQ(root_.Get(Path(id) + "/surface").status, 404) << "another began";
+  EXPECT_EQ(root_.Get(Path(std::string(put.at("id").as_string())) + "/surface").status, 404);
+}
+
+TEST_F(ToothImportTest, AGradedExerciseNeedsAPulp) {
+  // 3 mm, so that no pulp has room.
+  const json::value small = Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 3}});
+  ASSERT_EQ(small.at("state").as_string(), "refused") << json::serialize(small);
+  EXPECT_EQ(small.at("problem").at("field").as_string(), "practice");
+  const json::value practice =
+      Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 3}, {"practice", true}});
+  EXPECT_EQ(practice.at("state").as_string(), "done") << json::serialize(practice);
 }
 
 TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
