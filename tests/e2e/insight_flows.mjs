@@ -345,9 +345,9 @@ async function importTooth(world) {
   await dialog.getByLabel("Mesh of a crown or tooth").setInputFiles(kRealMolar);
   await dialog.getByLabel("Name", { exact: true }).fill("Molar of the collection");
   await dialog.getByLabel("Tooth", { exact: true }).selectOption("46");
-  await dialog.getByLabel("Unit of the coordinates").selectOption("um");
+  await dialog.getByLabel("Unit or scale of the coordinates").selectOption("um");
   await accessible(page, "importing a tooth");
-  await dialog.getByRole("button", { name: "Import", exact: true }).click();
+  await dialog.getByRole("button", { name: "Show the tooth" }).click();
   await dialog.getByText("This file cannot be turned into a tooth").waitFor();
   await eventually(async () =>
     assert.match(
@@ -357,9 +357,40 @@ async function importTooth(world) {
   );
   await accessible(page, "a mesh that is refused");
   await pictures(world, page, "tooth_refused");
-  await dialog.getByLabel("Unit of the coordinates").selectOption("mm");
-  await dialog.getByRole("button", { name: "Import", exact: true }).click();
-  await dialog.getByText(/\d exercises? published, not assigned to anybody yet/).waitFor({ timeout: 120_000 });
+  await dialog.getByLabel("Unit or scale of the coordinates").selectOption("mm");
+  await dialog.getByRole("button", { name: "Show the tooth" }).click();
+  await dialog.locator(".tooth-frame[aria-busy=false] canvas").waitFor({ timeout: 120_000 });
+  // The file has it upright along +y, and the importer finds that. Laid on its side, as by a wrong guess, it is stood up
+  // again.
+  const turn = async (axis, ...turns) => {
+    const group = dialog.getByRole("group", { name: `Turn about the axis: ${axis}` });
+    for (const degrees of turns) await group.getByRole("button", { name: degrees, exact: true }).click();
+  };
+  const upAfter = async (button, done) => {
+    const begun = page.waitForResponse((response) => response.url().endsWith("/tooth-imports"));
+    await dialog.getByRole("button", { name: button, exact: true }).click();
+    const { id } = await (await begun).json();
+    await done.waitFor({ timeout: 120_000 });
+    const { stance } = await page.evaluate(
+      (path) => fetch(path).then((got) => got.json()),
+      `/api/v1/tooth-imports/${id}`,
+    );
+    return stance.up;
+  };
+  await pictures(world, page, "tooth_shown");
+  await turn("Mesial", "+90°");
+  await accessible(page, "a tooth that was turned");
+  const lying = await upAfter(
+    "Show the tissues for this position",
+    dialog.getByText("The tooth is shown as it was turned."),
+  );
+  assert.ok(Math.abs(lying[1]) < 0.2, "it lies on its side");
+  await dialog.getByRole("button", { name: "Section" }).click();
+  await dialog.locator(".stance .legend", { hasText: "Dentin" }).waitFor();
+  await pictures(world, page, "tooth_on_its_side");
+  await turn("Mesial", "+90°", "+90°", "+90°", "−5°", "+5°");
+  const standing = await upAfter("Publish", dialog.getByText(/\d exercises? published, not assigned to anybody yet/));
+  assert.ok(standing[1] > 0.98, "it was published upright");
   await accessible(page, "a tooth that was imported");
   await dialog.getByRole("button", { name: "Close" }).click();
   await dialog.waitFor({ state: "detached" });

@@ -16,7 +16,7 @@ const kSkipped = 77;
 const kMostLost = "Outline";
 
 // Of scripts and style as they travel (compressed), and of clicks; raised only on purpose.
-const kBudget = { sign_in_bytes: 52_400, list_bytes: 86_500, attempt_bytes: 176_000, clicks: 12 };
+const kBudget = { sign_in_bytes: 52_400, list_bytes: 86_800, attempt_bytes: 176_300, clicks: 12 };
 
 function option(name) {
   const at = process.argv.indexOf(name);

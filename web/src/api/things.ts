@@ -17,7 +17,7 @@ import type {
   ServerHealth,
   Station,
   ToothImport,
-  ToothImportUnit,
+  ToothWanted,
 } from "./types";
 
 interface PageQuery {
@@ -163,7 +163,7 @@ export class OperationsApi {
   // the person leaves before all of it was sent, the server forgets the upload.
   async importTooth(
     file: File,
-    about: { readonly unit: ToothImportUnit; readonly title: string; readonly tooth: number },
+    about: ToothWanted,
     onChange: (now: ToothImport) => void,
     pollMs: number,
     signal: AbortSignal,
@@ -192,6 +192,10 @@ export class OperationsApi {
       }
     }
     return now;
+  }
+  // Of an import that was shown and not published.
+  shownTooth(id: string, what: "surface" | "start-tooth", signal?: AbortSignal) {
+    return this.http.bytes(`/tooth-imports/${segment(id)}/${what}`, signal);
   }
   cancelJob(id: string) {
     return this.http.empty("POST", `/jobs/${segment(id)}/cancel`);

@@ -1,4 +1,4 @@
-import type { components } from "../../build/api";
+import type { components, operations } from "../../build/api";
 
 // Names for what schemas/api/openapi.yaml describes; the shapes are generated from it at build
 // time.
@@ -76,7 +76,11 @@ export type Backups = Schemas["Backups"];
 export type ToothImport = Schemas["ToothImport"];
 export type ExerciseTrial = Schemas["ExerciseTrial"];
 export type TrialScore = Schemas["TrialScore"];
-export type ToothImportUnit = "mm" | "um" | "cm" | "m" | "inch";
+export type ToothStance = Schemas["ToothStance"];
+export type ToothWanted = Omit<
+  operations["beginToothImport"]["requestBody"]["content"]["application/json"],
+  "file_name" | "bytes"
+>;
 export type ServerHealth = Schemas["ServerHealth"];
 export type Job = Schemas["Job"];
 export type AttemptState = Schemas["AttemptState"];

@@ -72,6 +72,7 @@ export type Effort = "quick" | "full";
 export interface AngledView {
   readonly direction: PointMm;
   readonly centre: PointMm | undefined; // undefined: the middle of the tooth
+  readonly closer?: number; // share of the distance at which the whole tooth is in view; .8 without
   readonly cavity?: Extent | undefined; // what "cavity" frames; undefined: as "angled"
 }
 

@@ -4,6 +4,7 @@ export { DeviationFigures } from "./deviation_figures";
 export { EvidencePanel } from "./evidence_panel";
 export { CompareBar, OtherTooth } from "./other_tooth";
 export { Measured } from "./profile";
-export { SectionLegend, SectionTools } from "./section_tools";
+export { SectionLegend } from "./section_legend";
+export { SectionTools } from "../../widgets/tooth/section_tools";
 export { StillViews } from "../../widgets/tooth/still_views";
 export { Problem, Unscored } from "./unscored";

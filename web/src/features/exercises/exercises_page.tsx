@@ -175,7 +175,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
           </Card>
         ))}
       {importing && (
-        <Dialog title={say("tooth_import.title")} onClose={closeImport}>
+        <Dialog wide title={say("tooth_import.title")} onClose={closeImport}>
           <ToothImport show={({ AddTooth }) => <AddTooth client={client} onDone={reload} onClose={closeImport} />} />
         </Dialog>
       )}

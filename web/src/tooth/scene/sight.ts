@@ -1,4 +1,4 @@
-import { type Anatomy, toScene } from "../../api/tooth_number";
+import { type Anatomy, fromScene, toScene } from "../../api/tooth_number";
 import type { Look } from "../../base/moment_link";
 import type { AngledView, CameraPreset, Extent, PointMm } from "../messages";
 import {
@@ -124,7 +124,10 @@ export class Sight {
     this.angled = angled;
     this.begin();
   }
+  // A tooth that is turned turns in the picture.
   setAnatomy(anatomy: Anatomy): void {
+    if (anatomy.turn !== undefined)
+      this.eye = add(this.target, toScene(anatomy, fromScene({ ...anatomy, turn: this.anatomy.turn }, this.away)));
     this.anatomy = anatomy;
     this.up = toScene(anatomy, [0, 0, 1]);
     if (this.untouched) this.begin();
@@ -150,12 +153,12 @@ export class Sight {
   }
 
   view(preset: CameraPreset): void {
-    const { direction, centre, cavity } = this.angled;
+    const { direction, centre, cavity, closer = kAngledCloser } = this.angled;
     if (preset === "cavity" && cavity !== undefined) {
       const radius = Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm);
       this.lookAt(cavity.centreMm, kIntoCavity, this.fitDistance(radius));
     } else if (preset === "angled" || preset === "cavity")
-      this.lookAt(centre ?? this.centre, direction, this.fitDistance() * kAngledCloser);
+      this.lookAt(centre ?? this.centre, direction, this.fitDistance() * closer);
     else this.lookAt(this.centre, toScene(this.anatomy, kDirections[preset]), this.fitDistance());
   }
 

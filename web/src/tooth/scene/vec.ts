@@ -1,20 +1,13 @@
-// Vectors, turns and matrices of a scene. Nothing changes what it is given.
+import { add, cross, dot, scaled, sub, type Vec } from "../../base/vec";
 
-export type Vec = readonly [number, number, number];
+// Turns and matrices of a scene. Nothing changes what it is given.
+
+export { add, cross, dot, scaled, sub, type Vec };
 export type Quat = readonly [number, number, number, number]; // x y z, then the real part; of length 1
 export type Matrix = readonly number[]; // 4 × 4, column by column
 
 const kOpposite = 1e-12; // 1 + cosine: less has no axis of its own
 
-export const add = (a: Vec, b: Vec): Vec => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-export const sub = (a: Vec, b: Vec): Vec => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-export const scaled = (a: Vec, by: number): Vec => [a[0] * by, a[1] * by, a[2] * by];
-export const dot = (a: Vec, b: Vec): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-export const cross = (a: Vec, b: Vec): Vec => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
 export const lengthOf = (a: Vec): number => Math.hypot(...a);
 // Nothing stays nothing.
 export const withLength = (a: Vec, length: number): Vec => scaled(a, length / (lengthOf(a) || 1));

@@ -1,45 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { kCutColor, kGhostColor, kTargetColor } from "../../tooth/line_colors";
 import type { FilmLink } from "../../tooth/link";
-import type { SectionPlane } from "../../tooth/messages";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { Opened, openFilm } from "./open_film";
-
-// What belongs to a tooth that is cut open.
-
-const kSteps = 100;
-
-interface ToolsProps {
-  readonly section: SectionPlane;
-  readonly onSection: (section: SectionPlane) => void;
-}
-
-export function SectionTools({ section, onSection }: ToolsProps) {
-  return (
-    <>
-      <input
-        type="range"
-        min={-kSteps}
-        max={kSteps}
-        value={section.share * kSteps}
-        aria-label={say("section.place")}
-        aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })}
-        onInput={(event) => onSection({ ...section, share: Number(event.currentTarget.value) / kSteps })}
-      />
-      <button
-        type="button"
-        class="button small"
-        aria-pressed={section.flipped}
-        onClick={() => onSection({ ...section, flipped: !section.flipped })}
-      >
-        {say("section.other")}
-      </button>
-    </>
-  );
-}
 
 interface LegendProps {
   readonly open: typeof openFilm;
