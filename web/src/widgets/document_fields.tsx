@@ -89,13 +89,18 @@ export function DocumentNumber({
       label={label}
       hint={hint}
       problem={value === null ? (form.own?.get(pathText(path)) ?? say("editor.a_number")) : problemAt(form, path)}
-      value={typeof value === "number" ? Number((value / scale).toPrecision(12)) : Number.NaN}
+      value={typeof value === "number" ? shown(value / scale) : Number.NaN}
       onValue={set}
       step="any"
       required={!optional}
       {...(min === undefined ? {} : { min })}
     />
   );
+}
+
+// A third or a sixth in six digits. The document keeps them all until somebody types.
+function shown(value: number): number {
+  return Number(value.toPrecision(Number.isInteger(value) ? 12 : 6));
 }
 
 export function DocumentChoice({
