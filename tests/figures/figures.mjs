@@ -99,7 +99,7 @@ const kDated = {
   'chair network': ['enamel-lab bench record --hours 8', '2026-11-30'],
   skill: ['enamel-lab operators --device omega3 --exercise crown', '2026-11-28'],
   load: ['enamel-loadgen --stations 1000 --minutes 5 --loop-seconds 5', '2026-11-21'],
-  'class scored': ['enamel-loadgen --stations 200 --minutes 0.8 --loop-seconds 2 --score-attempts 42 --attempt-kinds 2', '2026-11-23'],
+  'attempt scored': ['enamel-lab bench score', '2026-11-30'],
   'server restart': ['tests/faults/kill_bench.sh 200', '2026-11-21'],
   'cluster faults': ['tests/cluster/run.sh --full --only faults', '2026-11-23'],
   patroni: ['ENAMEL_FULL=1 tests/cluster/patroni.sh', '2026-11-23'],

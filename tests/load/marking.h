@@ -41,7 +41,7 @@ class Marking {
   // reference, and puts the others into the store, complete except for the seal.
   Status Prepare(const std::filesystem::path& data, const Options& options,
                  const std::function<void(const std::string&)>& say);
-  // Seals them over the station link, each on its own connection, and waits for the scores.
+  // Seals them over the station link, each on its own connection, a few at a time, and waits for the scores.
   void Begin(const net::Endpoint& server, const Sha256& fingerprint);
   bool done() const { return done_; }
   // Waits at most `seconds` for what Begin started. Errors: kUnavailable when not all were scored.
