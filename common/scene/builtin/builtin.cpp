@@ -320,6 +320,16 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm, si
                 "name");
 }
 
+cutting::Volume BuildBuiltinVolume(std::string_view name, int32_t voxel_nm, const ivec3& moved_nm) {
+  const auto builder =
+      std::ranges::find(kBuilders, name, [](const Builder& b) { return b.scene.name; });
+  ENAMEL_CHECK(builder != std::ranges::end(kBuilders));
+  const Draft draft = builder->draft();
+  auto spec = GridAround(draft.box.lo_m, draft.box.hi_m, voxel_nm);
+  for (int a = 0; a < 3; ++a) spec.origin_nm[a] += moved_nm[a];
+  return BuildVolume(spec, draft.field, BuildThreads());
+}
+
 std::vector<TissueSpec> DefaultTissues(const std::vector<Tissue>& present) {
   std::vector<TissueSpec> out;
   for (Tissue t : present) {

@@ -34,6 +34,8 @@ inline constexpr size_t kDefaultSceneBytes = size_t{2} << 30;
 // finest voxel that would fit.
 Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
                                      size_t max_bytes = kDefaultSceneBytes);
+// Its tooth alone, in a grid that lies elsewhere by `moved_nm`. Requires: a name of BuiltinSceneNames, a size that builds.
+cutting::Volume BuildBuiltinVolume(std::string_view name, int32_t voxel_nm, const ivec3& moved_nm);
 
 // The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3;
 // pointer, for what has no motors (mouse, 6-DoF mouse); woodenhaptics_v2015, polhem_v1, polhem_v3,

@@ -158,13 +158,18 @@ class Mixer {
   std::mt19937_64 random_;
 };
 
+struct Named {
+  std::string scene;
+  scene::Exercise exercise;
+};
+
 // One exercise at one size of voxel.
 class Trial {
  public:
-  static Result<std::unique_ptr<Trial>> Make(const scene::BuiltScene& built,
-                                             const scene::Exercise& exercise, int offsets) {
-    ENAMEL_ASSIGN_OR_RETURN(const Task task, TaskOf(built, exercise));
-    return std::unique_ptr<Trial>(new Trial(built, exercise, task, offsets));
+  static Result<std::unique_ptr<Trial>> Make(const scene::BuiltScene& built, const Named& named,
+                                             int offsets) {
+    ENAMEL_ASSIGN_OR_RETURN(const Task task, TaskOf(built, named.exercise));
+    return std::unique_ptr<Trial>(new Trial(built, named, task, offsets));
   }
 
   Result<MixtureRow> Try(uint64_t seed) const {
@@ -199,18 +204,17 @@ class Trial {
   }
 
  private:
-  Trial(const scene::BuiltScene& built, const scene::Exercise& exercise, const Task& task,
-        int offsets)
+  Trial(const scene::BuiltScene& built, const Named& named, const Task& task, int offsets)
       : built_(built),
-        exercise_(exercise),
+        exercise_(named.exercise),
         shape_(task),
         task_(Mixer::HollowOf(task)),
         exact_(CutAway(built.volume, task_, Neighbours::kSpared)),
         r_(built.volume, exact_, {built.scene.tooth, built.scene.up}) {
     for (int i = 1; i <= offsets; ++i) {
       Shifted& shifted = shifted_.emplace_back();
-      shifted.initial = std::make_unique<cutting::Volume>(
-          InGridMoved(glm::fract(kSpread * static_cast<double>(i)), built.volume));
+      shifted.initial = std::make_unique<cutting::Volume>(InGridMoved(
+          glm::fract(kSpread * static_cast<double>(i)), named.scene, built.scene.voxel_nm));
       shifted.exact =
           std::make_unique<cutting::Volume>(CutAway(*shifted.initial, task_, Neighbours::kSpared));
       shifted.r = std::make_unique<AcceptableCut>(
@@ -223,12 +227,11 @@ class Trial {
     std::unique_ptr<cutting::Volume> initial, exact;
     std::unique_ptr<AcceptableCut> r;
   };
-  static cutting::Volume InGridMoved(const dvec3& by_voxels, const cutting::Volume& volume) {
-    cutting::GridSpec spec = volume.spec();
-    for (int a = 0; a < 3; ++a) spec.origin_nm[a] += std::llround(by_voxels[a] * spec.voxel_nm);
-    return scene::BuildVolume(spec, [&](const dvec3& p) {
-      return scene::FieldSample{volume.DistanceAt_m(p), volume.TissueAtPoint(p)};
-    });
+  static cutting::Volume InGridMoved(const dvec3& by_voxels, const std::string& scene,
+                                     int32_t voxel_nm) {
+    ivec3 by_nm(0);
+    for (int a = 0; a < 3; ++a) by_nm[a] = static_cast<int>(std::lround(by_voxels[a] * voxel_nm));
+    return scene::BuildBuiltinVolume(scene, voxel_nm, by_nm);
   }
   Result<double> Spread(const Hollow& taken, double score) const {
     double least = score, most = score;
@@ -305,11 +308,6 @@ class Trial {
   std::vector<Shifted> shifted_;
 };
 
-struct Named {
-  std::string scene;
-  scene::Exercise exercise;
-};
-
 // Names from coarse teeth, which are fast to build.
 Result<std::vector<Named>> AskedFor(const std::vector<std::string>& names) {
   constexpr int32_t kCoarse_nm = 400'000;
@@ -353,8 +351,7 @@ Result<std::vector<MixtureRow>> TryMixtures(
         scene = exercises[e].scene;
         ENAMEL_ASSIGN_OR_RETURN(built, scene::BuildBuiltinScene(scene, options.voxels_nm[v]));
       }
-      ENAMEL_ASSIGN_OR_RETURN(const auto trial,
-                              Trial::Make(*built, exercises[e].exercise, options.offsets));
+      ENAMEL_ASSIGN_OR_RETURN(const auto trial, Trial::Make(*built, exercises[e], options.offsets));
       for (size_t i = 0; i < count; ++i) {
         if (progress) {
           progress(exercises[e].exercise.name,
