@@ -73,7 +73,8 @@ class FaultMeter {
       const int32_t f0 = before.Solid(i);
       if (f0 == 0) continue;
       // A surface may only recede: what a resampled R has more of was not put there.
-      const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
+      int32_t fa = std::min(f0, after.Solid(i));
+      const int32_t fr = std::min(f0, wanted.Solid(i));
       const auto tissue = static_cast<Tissue>(labels ? labels[i] : uniform);
       if (tissue == Tissue::kCaries) out_.caries_m3 += Share(f0 - fr) * voxel_m3_;
       if (fa == fr) continue;
@@ -81,7 +82,8 @@ class FaultMeter {
         if (fa < fr) AddNeighbour(b, i, Share(fr - fa));
         continue;
       }
-      if (fr == 0 && IsFilm(b, i, fa)) continue;
+      if (fr == 0) fa = std::min(fa, ThinSolid(b, i, fa));
+      if (fa < fr && IsFlakeOfR(b, i)) continue;
       Add(places, {b, i, tissue}, Share(f0), Share(fa), Share(fr));
     }
   }
@@ -165,16 +167,41 @@ class FaultMeter {
     }
   }
 
-  // Half a voxel that has nothing on either side: less than the grid can show.
-  bool IsFilm(int b, int i, int32_t solid) const {
-    if (solid == 0 || 2 * solid > kWhole) return false;
+  // A film between two surfaces that no other voxel of its row meets. Its middle is half of the difference of the distances
+  // on either side off the voxel's, and its half thickness is the rest of the distance there. SolidFraction knows one
+  // surface only, and calls a film of no thickness up to half a voxel.
+  int32_t ThinSolid(int b, int i, int32_t solid) const {
+    if (solid == 0) return 0;
     const ivec3 voxel = VoxelOf(b, i), all = spec_.voxels();
     for (int axis = 0; axis < 3; ++axis) {
       ivec3 before = voxel, after = voxel;
       --before[axis], ++after[axis];
       if (before[axis] < 0 || after[axis] >= all[axis]) continue;
-      if (cutting::SolidFraction(attempt_.PhiAt(before)) == 0 &&
-          cutting::SolidFraction(attempt_.PhiAt(after)) == 0)
+      const int to_before = attempt_.PhiAt(before), to_after = attempt_.PhiAt(after);
+      if (cutting::SolidFraction(to_before) > 0 || cutting::SolidFraction(to_after) > 0) continue;
+      const int thick = std::abs(to_before - to_after) - 2 * attempt_.PhiAt(voxel);
+      solid = std::min(solid, std::max(0, thick) * (kWhole / cutting::kPhiPerVoxel));
+    }
+    return solid;
+  }
+
+  // R leaves less than a voxel between its hollow and the air, or the neighbour: at a contact the labels of a grid decide
+  // whether it does. Nobody misses it.
+  bool IsFlakeOfR(int b, int i) const {
+    const cutting::Volume& prepared = r_.prepared();
+    const ivec3 voxel = VoxelOf(b, i), all = spec_.voxels();
+    auto tooth = [&](const ivec3& at) {
+      const int phi = prepared.PhiAt(at);
+      return r_.initial().TissueAt(at) == Tissue::kNeighbour ? 0 : cutting::SolidFraction(phi);
+    };
+    auto taken = [&](const ivec3& at) { return prepared.PhiAt(at) > r_.initial().PhiAt(at); };
+    for (int axis = 0; axis < 3; ++axis) {
+      ivec3 before = voxel, after = voxel;
+      --before[axis], ++after[axis];
+      if (before[axis] < 0 || after[axis] >= all[axis]) continue;
+      const int32_t beside = std::max(tooth(before), tooth(after));
+      if (2 * beside < kWhole && tooth(before) + tooth(voxel) + tooth(after) <= kWhole &&
+          (taken(before) || taken(after)))
         return true;
     }
     return false;

@@ -234,6 +234,34 @@ TEST(MistakesTest, TheMistakeThatWasMadeIsNamedFirst) {
   }
 }
 
+// Wherever the grid lies, a plate thinner than a voxel is as much tissue as it is.
+TEST(FaultVolumesTest, AFilmCountsByItsThickness) {
+  constexpr double kArea_mm2 = 3 * 2.4;
+  for (const double shift_mm : {0.0, 0.02, 0.05, 0.08}) {
+    const Cavity cavity(shift_mm * kMm);
+    for (const double thick_mm : {0.01, 0.04, 0.08}) {
+      const Hollow taken = Without(Taken(FaultBlockCavity()),
+                                   Box({-9, -9, -1 - 0.5 * thick_mm}, {9, 9, -1 + 0.5 * thick_mm}));
+      const FaultVolumes faults = MeasureFaults(cavity.r(), CutAway(cavity.r().initial(), taken));
+      double left_mm3 = 0;
+      for (const PieceFault& piece : faults.left) left_mm3 += piece.volume_m3 * 1e9;
+      EXPECT_NEAR(left_mm3 / kArea_mm2, thick_mm, 0.004) << shift_mm;
+    }
+  }
+}
+
+// R leaves a lid of half a voxel over a part of the cavity, which the attempt opens.
+TEST(FaultVolumesTest, NobodyMissesAFlakeThatRLeaves) {
+  for (const double shift_mm : {0.0, 0.03, 0.05}) {
+    const cutting::Volume block = PlainBlock(shift_mm * kMm);
+    const Hollow open = Taken(FaultBlockCavity());
+    const cutting::Volume lidded = CutAway(block, Without(open, Box({-9, -9, -0.05}, {0, 9, 9})));
+    const AcceptableCut r(block, lidded, {});
+    const FaultVolumes faults = MeasureFaults(r, CutAway(block, open));
+    for (const PieceFault& piece : faults.over) EXPECT_LT(piece.volume_m3 * 1e9, 1e-3) << shift_mm;
+  }
+}
+
 TEST(LawsTest, AMirroredCutHasTheScoreOfItsMirror) {
   for (const Known& known : KnownMistakes()) {
     EXPECT_NEAR(Usual().Score(known.taken).score, Usual().Score(Mirrored(known.taken)).score, 0.2)
