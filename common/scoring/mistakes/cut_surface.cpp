@@ -38,6 +38,28 @@ enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
 constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
 
+// Of a triangle: where they are larger, the place of the grid moves the border between two families by as much.
+constexpr double kFine_m2 = 0.003e-6;
+
+// Each triangle in four.
+surface::Mesh Quartered(surface::Mesh mesh) {
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+  auto middle = [&](uint32_t a, uint32_t b) {
+    const auto next = static_cast<uint32_t>(mesh.position_m.size());
+    const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), next);
+    if (is_new) mesh.position_m.push_back((mesh.position_m[a] + mesh.position_m[b]) * 0.5F);
+    return found->second;
+  };
+  const auto whole = std::move(mesh.triangles);
+  mesh.triangles.clear();
+  for (const auto& [a, b, c] : whole) {
+    const uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    mesh.triangles.insert(mesh.triangles.end(),
+                          {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+  }
+  return mesh;
+}
+
 dvec3 Unit(const dvec3& v) {
   const double length = std::sqrt(Dot(v, v));
   return length > 0 ? v / length : dvec3(0, 0, 1);
@@ -62,11 +84,18 @@ class Divider {
     Smooth();
     Classify();
     MakeFamilies();
-    FindEdges();
-    Divide();
   }
 
-  CutSurface Take() { return std::move(out_); }
+  double MeanArea_m2() const {
+    return std::accumulate(area_.begin(), area_.end(), 0.0) / static_cast<double>(area_.size());
+  }
+  // With the families' surfaces of `fine`, the same cut in smaller triangles.
+  void TakeFamilies(Divider&& fine) { out_.of_family = std::move(fine.out_.of_family); }
+  CutSurface Take() {
+    FindEdges();
+    Divide();
+    return std::move(out_);
+  }
 
  private:
   void Smooth() {
@@ -384,7 +413,12 @@ class Divider {
 }  // namespace
 
 CutSurface DivideSurface(const surface::Mesh& cut, const ToothPlace& place) {
-  return Divider(cut, place).Take();
+  Divider divider(cut, place);
+  if (divider.MeanArea_m2() > kFine_m2) {
+    const surface::Mesh fine = Quartered(cut);
+    divider.TakeFamilies(Divider(fine, place));
+  }
+  return divider.Take();
 }
 
 }  // namespace enamel::scoring
