@@ -16,7 +16,6 @@ namespace {
 constexpr int kDirections = 400;
 constexpr double kPatchCosine = 0.96;  // within 16 degrees of the patch's direction
 constexpr double kMeanCosine = 0.9;
-constexpr double kElsewhereCosine = 0.5;  // another patch: 60 degrees away or more
 constexpr double kClearly = 1.4;
 constexpr double kLeastDirection = 1e-6, kMostDirection = 1e6;  // its numbers keep their digits
 constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer

@@ -70,10 +70,11 @@ Result<ExerciseRow> PublishUnassigned(StoredBlobs& blobs, ExerciseRows& exercise
 Result<std::vector<ExerciseRow>> PublishExercisesOf(StoredBlobs& blobs,
                                                     ExerciseRows& exercises_rows,
                                                     const scene::Scene& scene,
-                                                    const Sha256& content, const Actor& by) {
+                                                    const Sha256& content, const Actor& by,
+                                                    bool practice) {
   std::vector<ExerciseRow> out;
-  const std::vector<scene::Exercise> exercises = scene::BuiltinExercises(scene, content);
-  for (const scene::Exercise& exercise : exercises) {
+  for (scene::Exercise& exercise : scene::BuiltinExercises(scene, content)) {
+    if (practice) exercise.graded = false;
     ENAMEL_ASSIGN_OR_RETURN(const auto published,
                             PublishUnassigned(blobs, exercises_rows, exercise, by));
     out.push_back(published);

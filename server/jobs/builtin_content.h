@@ -34,11 +34,12 @@ Result<ExerciseRow> PublishUnassigned(StoredBlobs& blobs, ExerciseRows& exercise
                                       const scene::Exercise& exercise, const Actor& by);
 
 // The exercises that the project makes for a stored tooth (scene::BuiltinExercises), each as
-// PublishUnassigned.
+// PublishUnassigned. `practice`: none is graded.
 Result<std::vector<ExerciseRow>> PublishExercisesOf(StoredBlobs& blobs,
                                                     ExerciseRows& exercises_rows,
                                                     const scene::Scene& scene,
-                                                    const Sha256& content, const Actor& by);
+                                                    const Sha256& content, const Actor& by,
+                                                    bool practice = false);
 
 // The program's profiles. A profile that an admin has put stays.
 Status PutBuiltinProfiles(Store& store);

@@ -290,12 +290,9 @@ Status ToothImport::Publish(const Wanted& wanted, const Actor& by, Made& made) {
   ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(store_));
   ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, imported.scene,
                                                  scene::EncodeVolume(imported.volume), by));
-  for (scene::Exercise exercise : scene::BuiltinExercises(imported.scene, made.scene->content)) {
-    if (wanted.practice) exercise.graded = false;
-    ENAMEL_ASSIGN_OR_RETURN(auto row,
-                            PublishUnassigned(store_.blobs, store_.exercises, exercise, by));
-    made.exercises.push_back(std::move(row));
-  }
+  ENAMEL_ASSIGN_OR_RETURN(made.exercises,
+                          PublishExercisesOf(store_.blobs, store_.exercises, imported.scene,
+                                             made.scene->content, by, wanted.practice));
   return Status::Ok();
 }
 
