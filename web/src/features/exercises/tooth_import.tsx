@@ -18,6 +18,7 @@ type Scale = (typeof kUnits)[number] | "factor" | "longest";
 const kTeeth = [1, 2, 3, 4, 5, 6, 7, 8].flatMap((quadrant) =>
   [1, 2, 3, 4, 5, 6, 7, 8].slice(0, quadrant <= 4 ? 8 : 5).map((tooth) => `${quadrant}${tooth}`),
 );
+
 interface Props {
   readonly client: Client;
   readonly onDone: () => void; // a tooth is there
@@ -127,6 +128,12 @@ export function AddTooth({ client, onDone, onClose }: Props) {
           onAgain={() => void send(false, upright)}
         />
         <Findings lines={shown.findings} />
+        <CheckField
+          label={say("tooth_import.practice")}
+          value={practice}
+          onValue={setPractice}
+          hint={say("tooth_import.practice_hint")}
+        />
         {unsure && <CheckField label={say("tooth_import.agree")} value={agreed} onValue={setAgreed} />}
         {problems}
         <div class="button-row">
@@ -195,12 +202,6 @@ export function AddTooth({ client, onDone, onClose }: Props) {
           ...kTeeth.map((number) => ({ value: number, title: number })),
         ]}
         hint={say("tooth_import.tooth_hint")}
-      />
-      <CheckField
-        label={say("tooth_import.practice")}
-        value={practice}
-        onValue={setPractice}
-        hint={say("tooth_import.practice_hint")}
       />
       {problems}
       <div class="button-row">

@@ -67,7 +67,7 @@ export function ToothUpright(props: Props) {
       {loaded.state === "failed" && (
         <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Picture {...props} surface={loaded.value} />}
+      {loaded.state === "ready" && <Picture key={id} {...props} surface={loaded.value} />}
       {!busy && (
         <div class="form-grid">
           {kAxes.map((axis) => (

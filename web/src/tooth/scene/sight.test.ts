@@ -169,39 +169,22 @@ test("a view that was turned, moved and brought near is reset to what it began w
 });
 
 test("the sides of a tooth that is being turned stay where they are in the picture, wherever somebody looks from", () => {
-  const kTurns = [
-    [
-      [1, 0, 0],
-      [0, 1, 0],
-      [0, 0, 1],
-    ],
-    [
-      [1, 0, 0],
-      [0, 0, 1],
-      [0, -1, 0],
-    ],
-    [
-      [0.6, 0, -0.8],
-      [0, 1, 0],
-      [0.8, 0, 0.6],
-    ],
-  ] as const;
-  const seen = sight({ ...kLowerRight, turn: kTurns[0] });
+  const x = [1, 0, 0] as const;
+  const y = [0, 1, 0] as const;
+  const z = [0, 0, 1] as const;
+  const straight: Anatomy = { ...kLowerRight, turn: [x, y, z] };
+  const seen = sight(straight);
   seen.rotate(0.7, -0.2);
-  const sides = () =>
-    (
-      [
-        [1, 0, 0],
-        [0, 1, 0],
-        [0, 0, 1],
-      ] as const
-    ).map((side) => inPicture(seen, anatomy, side));
-  let anatomy: Anatomy = { ...kLowerRight, turn: kTurns[0] };
-  const before = sides();
-  for (const turn of kTurns) {
-    anatomy = { ...kLowerRight, turn };
+  const sides = (anatomy: Anatomy) => [x, y, z].map((side) => inPicture(seen, anatomy, side));
+  const before = sides(straight);
+  const turns: Anatomy["turn"][] = [
+    [x, z, [0, -1, 0]],
+    [[0.6, 0, -0.8], y, [0.8, 0, 0.6]],
+  ];
+  for (const turn of turns) {
+    const anatomy: Anatomy = { ...straight, turn };
     seen.setAnatomy(anatomy);
-    for (const [i, { right, up }] of sides().entries())
+    for (const [i, { right, up }] of sides(anatomy).entries())
       assert.ok(Math.hypot(right - before[i]!.right, up - before[i]!.up) < 1e-9, `side ${i}`);
     const back = fromScene(anatomy, toScene(anatomy, [0.1, 0.2, 0.3]));
     assert.ok(Math.hypot(back[0] - 0.1, back[1] - 0.2, back[2] - 0.3) < 1e-12);
