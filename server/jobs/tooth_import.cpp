@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
+constexpr double kLeastPulp_mm3 = 0.5;  // a ball of 1 mm, which a bur can meet; chosen
+constexpr size_t kMaxNameBytes = 40;    // exercises put their kind before it
 
 Status Invalid(const std::string& message, const char* field) {
   return Status(Code::kInvalidInput, message, field);
@@ -80,6 +81,20 @@ Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) 
     name = wanted + "-" + std::to_string(again);
   }
   return name;
+}
+
+// What a graded cut can expose.
+Status CheckPulp(const import::ImportedScene& imported) {
+  constexpr auto kPulp = static_cast<size_t>(cutting::Tissue::kPulp);
+  const double pulp_mm3 = cutting::SolidVolume_m3(imported.volume)[kPulp] * 1e9;
+  if (pulp_mm3 >= kLeastPulp_mm3) return Status::Ok();
+  const dvec3& size = imported.size_mm;
+  return Invalid("expected a pulp of at least " + mesh::Fixed(kLeastPulp_mm3, 1) +
+                     " mm3 for graded exercises, found " + mesh::Fixed(pulp_mm3, 1) +
+                     " mm3 in a crown of " + mesh::Fixed(size.x, 1) + " x " +
+                     mesh::Fixed(size.y, 1) + " x " + mesh::Fixed(size.z, 1) +
+                     " mm: check its size, import its pulp as a part, or publish practice",
+                 "practice");
 }
 
 // A folder that only this account reads, with one file; gone with this.
@@ -264,6 +279,8 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
     made.imported.scene.title = title;
     ENAMEL_RETURN_IF_ERROR(Publish(wanted, by, made));
   } else {
+    if (const Status pulp = CheckPulp(made.imported); !pulp.ok())
+      made.imported.report.push_back(pulp.message());
     const cutting::Volume& volume = made.imported.volume;
     made.surface = std::make_shared<const Bytes>(EncodeSurface(surface::ExtractSurface(volume)));
     made.inside =
@@ -275,18 +292,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
 
 Status ToothImport::Publish(const Wanted& wanted, const Actor& by, Made& made) {
   const import::ImportedScene& imported = made.imported;
-  const double pulp_m3 =
-      cutting::SolidVolume_m3(imported.volume)[static_cast<size_t>(cutting::Tissue::kPulp)];
-  if (!wanted.practice && pulp_m3 <= 0) {
-    const dvec3& size = imported.size_mm;
-    return Invalid(
-        "expected a tooth with a pulp, which a graded cut can expose; found none in a "
-        "crown of " +
-            mesh::Fixed(size.x, 1) + " x " + mesh::Fixed(size.y, 1) + " x " +
-            mesh::Fixed(size.z, 1) +
-            " mm: check its size, give its pulp as a part, or publish practice",
-        "practice");
-  }
+  if (!wanted.practice) ENAMEL_RETURN_IF_ERROR(CheckPulp(imported));
   ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(store_));
   ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, imported.scene,
                                                  scene::EncodeVolume(imported.volume), by));

@@ -166,14 +166,16 @@ TEST_F(ToothImportTest, WhatIsShownIsPublishedOnlyWhenSentAgainAndStandsAsGiven)
   EXPECT_EQ(root_.Get(Path(std::string(put.at("id").as_string())) + "/surface").status, 404);
 }
 
+// Boxes of 5.6 and 6.4 mm have pulps of 0.2 and 4 mm3: less than half a cubic millimetre is none.
 TEST_F(ToothImportTest, AGradedExerciseNeedsAPulp) {
-  // 3 mm, so that no pulp has room.
-  const json::value small = Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 3}});
+  const json::value small = Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 5.6}});
   ASSERT_EQ(small.at("state").as_string(), "refused") << json::serialize(small);
   EXPECT_EQ(small.at("problem").at("field").as_string(), "practice");
   const json::value practice =
-      Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 3}, {"practice", true}});
+      Import("box.obj", Box(), "mm", "Small", 46, {{"longest_mm", 5.6}, {"practice", true}});
   EXPECT_EQ(practice.at("state").as_string(), "done") << json::serialize(practice);
+  const json::value graded = Import("box.obj", Box(), "mm", "Larger", 46, {{"longest_mm", 6.4}});
+  EXPECT_EQ(graded.at("state").as_string(), "done") << json::serialize(graded);
 }
 
 TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
