@@ -120,9 +120,8 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale) {
           " mm with the unit '" + scale.unit + "'" +
           (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) + ": " +
           (fits.empty()
-               ? "no known unit makes it a tooth; where you know how long the tooth is, set the "
-                 "scale to its longest side in mm divided by " +
-                     Fixed(extent * scale_mm / scale.factor, extent_mm < 1 ? 6 : 2)
+               ? "no known unit makes it a tooth; where you know how long the tooth is, give "
+                 "its longest side in mm"
                : "its numbers look like " + fits),
       "unit");
 }

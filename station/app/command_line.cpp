@@ -73,6 +73,9 @@ void AddScale(CLI::App* cmd, mesh::FileScale& scale) {
   cmd->add_option("--scale", scale.factor,
                   "How many of this unit a coordinate of 1 is, for files on another scale")
       ->capture_default_str();
+  cmd->add_option("--longest-mm", scale.longest_mm,
+                  "Longest side of the box around everything in the file, 3 to 40 mm; --unit and "
+                  "--scale do not count then");
 }
 
 void AddOperator(CLI::App* cmd, std::string& name) {
