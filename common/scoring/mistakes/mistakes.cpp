@@ -13,11 +13,6 @@
 namespace enamel::scoring {
 namespace {
 
-// A region goes both ways where the smaller share of the squares is at least this. Chosen.
-constexpr double kBothWays = 0.2;
-// The least root mean square of a wave, as a share of how far the region is off where it costs most. A sine has 0.7.
-// Chosen.
-constexpr double kWaveOfCost = 0.3;
 // Share of the task from which on it counts as not done at all. Chosen.
 constexpr double kNothing_percent = 90;
 
@@ -266,11 +261,9 @@ class Finder {
   }
   // The rest of a wavy region is a wave and no bumps.
   std::vector<CostlyPiece> OutsideWaves() const {
-    std::vector<bool> waves = wavy_;
-    for (uint32_t k = 0; k < waves.size(); ++k) waves[k] = waves[k] || Waves_mm(k) > 0;
     std::vector<CostlyPiece> out;
     for (const CostlyPiece& each : costly_) {
-      if (!waves[r_.pieces()[each.piece].region]) out.push_back(each);
+      if (!wavy_[r_.pieces()[each.piece].region]) out.push_back(each);
     }
     return out;
   }
@@ -324,9 +317,6 @@ class Finder {
       if (const double mm3 = over ? 0 : Standing_mm3(faults_, there); mm3 > 0) {
         mistake.kind = MistakeKind::kStanding;
         mistake.size = mm3;
-      } else if (const double rms_mm = Waves_mm(region); rms_mm > 0) {
-        mistake.kind = MistakeKind::kWave;
-        mistake.size = rms_mm;
       }
       rest_.push_back(mistake);
     }
@@ -339,33 +329,6 @@ class Finder {
     for (const SurfacePiece& piece : r_.pieces())
       sum += piece.area_m2 * piece.at_m, area += piece.area_m2;
     return area > 0 ? sum / area : sum;
-  }
-
-  // Root mean square of what no motion explains of a region, where it goes both ways; else 0.
-  double Waves_mm(uint32_t region) const {
-    double square = 0, area = 0, over = 0;
-    for (size_t i = 0; i < off_mm_.size(); ++i) {
-      if (r_.pieces()[i].region != region) continue;
-      double rest = off_mm_[i];
-      for (const MotionGroup& group : groups_) rest -= group.d_mm[i];
-      const double weight = r_.pieces()[i].area_m2;
-      square += weight * rest * rest;
-      area += weight;
-      if (rest > 0) over += weight * rest * rest;
-    }
-    if (!(area > 0) || over < kBothWays * square || over > (1 - kBothWays) * square) return 0;
-    const double rms_mm = std::sqrt(square / area);
-    return rms_mm > kWaveOfCost * Costly_mm(region) ? rms_mm : 0;
-  }
-  // How far a region is off where it costs most.
-  double Costly_mm(uint32_t region) const {
-    double most = 0, thickness_mm = 0;
-    for (const CostlyPiece& each : costly_) {
-      if (r_.pieces()[each.piece].region != region || each.points <= most) continue;
-      most = each.points;
-      thickness_mm = Thickness_mm((each.over ? faults_.over : faults_.left)[each.piece]);
-    }
-    return thickness_mm;
   }
 
   // A cut that continues from a wall belongs to the mistake that moved the wall; the rest is a hole.
