@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
+
+#include "common/scoring/mistakes/elastic_net.h"
 
 namespace enamel::scoring {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 constexpr double kWhole = 1, kRegion = 1.2, kOfRegion = 1.5, kLocal = 2.2;
 // mm mm: of a deviation over an area A, what is noise is d sqrt(A). 0.02 mm over 4 mm^2.
 constexpr double kLambda = 0.04;
-constexpr double kRidge = 1e-4;
-constexpr double kStill = 1e-7;
 constexpr double kMm = 1e3, kPatchStep_mm = 0.6, kLineStep_mm = 0.2;
 constexpr double kStripWidths_mm[] = {0.6, 1.0};
 constexpr double kPatchWidths_mm[] = {0.3, 0.6};
@@ -25,8 +24,7 @@ struct Atom {
   Displacement motion;
   double weight = kWhole;  // of lambda
   double norm = 0;
-  // Pieces where it is not 0, in their order, and its value there, of unit norm.
-  std::vector<std::pair<uint32_t, double>> at;
+  NetColumn at;  // by pieces, of unit norm
 };
 
 class Dictionary {
@@ -300,144 +298,19 @@ void WeighByAgreement(const AcceptableCut& r, const std::vector<double>& d,
   }
 }
 
-// m x = y, m symmetric and positive definite, by Cholesky's factors. `m` and `y` are spent; `y` is x.
-void Solve(std::vector<std::vector<double>>& m, std::vector<double>& y) {
-  const size_t n = y.size();
-  for (size_t j = 0; j < n; ++j) {
-    for (size_t i = j; i < n; ++i) {
-      double sum = m[i][j];
-      for (size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
-      m[i][j] = i == j ? std::sqrt(sum) : sum / m[j][j];
-    }
-    for (size_t k = 0; k < j; ++k) y[j] -= m[j][k] * y[k];
-    y[j] /= m[j][j];
-  }
-  for (size_t j = n; j-- > 0;) {
-    for (size_t i = j + 1; i < n; ++i) y[j] -= m[i][j] * y[i];
-    y[j] /= m[j][j];
-  }
-}
-
-// The sizes beta at which the sum is least. Sweeps of coordinate descent say which motions are not 0 and their signs. With
-// these fixed the sum is quadratic, and its least value solves a linear system, which sweeps would need thousands for
-// (feature-sign search: Lee et al. 2007, Advances in Neural Information Processing Systems 19).
-class Fit {
- public:
-  Fit(const AcceptableCut& r, const std::vector<Atom>& atoms, const std::vector<double>& d)
-      : atoms_(atoms), d_(d), rest_(d), area_(d.size()), beta_(atoms.size()) {
-    for (size_t i = 0; i < d.size(); ++i) area_[i] = r.pieces()[i].area_m2 * kMm * kMm;
-  }
-
-  std::vector<double> Run() {
-    std::vector<size_t> all(atoms_.size());
-    std::iota(all.begin(), all.end(), size_t{0});
-    for (int i = 0; i < kMostRounds && Sweep(all) >= kStill; ++i) {
-      const std::vector<size_t> active = Active();
-      for (int j = 0; j < kFewSweeps && Sweep(active) >= kStill; ++j) {
-      }
-      SolveFor(Active());
-    }
-    return std::move(beta_);
-  }
-
- private:
-  std::vector<size_t> Active() const {
-    std::vector<size_t> out;
-    for (size_t k = 0; k < beta_.size(); ++k) {
-      if (beta_[k] != 0) out.push_back(k);
-    }
-    return out;
-  }
-  // Sum of A phi v.
-  double Product(const Atom& atom, const std::vector<double>& v) const {
-    double sum = 0;
-    for (const auto& [i, phi] : atom.at) sum += area_[i] * phi * v[i];
-    return sum;
-  }
-  double Limit(size_t k) const { return kLambda * atoms_[k].weight; }
-
-  // Each to its own least value, in turn. The largest step.
-  double Sweep(const std::vector<size_t>& which) {
-    double most = 0;
-    for (const size_t k : which) {
-      const double wanted = Product(atoms_[k], rest_) + beta_[k];
-      const double kept = std::max(0.0, std::fabs(wanted) - Limit(k)) / (1 + kRidge);
-      const double step = (wanted < 0 ? -kept : kept) - beta_[k];
-      if (step == 0) continue;
-      for (const auto& [i, phi] : atoms_[k].at) rest_[i] -= step * phi;
-      beta_[k] += step;
-      most = std::max(most, std::fabs(step));
-    }
-    return most;
-  }
-
-  std::vector<std::vector<double>> ProductsOf(const std::vector<size_t>& which) const {
-    std::vector<std::vector<double>> out(which.size(), std::vector<double>(which.size()));
-    for (size_t a = 0; a < which.size(); ++a) {
-      std::vector<double> spread(d_.size());
-      for (const auto& [i, phi] : atoms_[which[a]].at) spread[i] = phi;
-      for (size_t b = 0; b <= a; ++b) out[a][b] = out[b][a] = Product(atoms_[which[b]], spread);
-    }
-    return out;
-  }
-
-  // All of `active` to the least value that they have together, or as far as the first of them is 0 on the way; then the
-  // others from there. The sum only falls.
-  void SolveFor(std::vector<size_t> active) {
-    const std::vector<std::vector<double>> products = ProductsOf(active);
-    std::vector<size_t> left(active.size());
-    std::iota(left.begin(), left.end(), size_t{0});
-    for (int i = 0; i < kMostSolved && !left.empty(); ++i) {
-      const std::vector<double> wanted = LeastOf(active, products, left);
-      double way = 1;
-      for (size_t a = 0; a < left.size(); ++a) way = std::min(way, Way(active[left[a]], wanted[a]));
-      std::vector<size_t> still;
-      for (size_t a = 0; a < left.size(); ++a) {
-        double& beta = beta_[active[left[a]]];
-        const bool ends = way < 1 && Way(active[left[a]], wanted[a]) == way;
-        beta = ends ? 0 : way < 1 ? beta + way * (wanted[a] - beta) : wanted[a];
-        if (!ends) still.push_back(left[a]);
-      }
-      if (still.size() == left.size()) break;
-      left = std::move(still);
-    }
-    rest_ = d_;
-    for (const size_t k : active) {
-      for (const auto& [i, phi] : atoms_[k].at) rest_[i] -= beta_[k] * phi;
-    }
-  }
-  // The share of the way from beta to `wanted` at which it is 0; 1 where that is not on the way.
-  double Way(size_t k, double wanted) const {
-    const double beta = beta_[k];
-    return (beta > 0) != (wanted > 0) ? std::min(1.0, beta / (beta - wanted)) : 1;
-  }
-  std::vector<double> LeastOf(const std::vector<size_t>& active,
-                              const std::vector<std::vector<double>>& products,
-                              const std::vector<size_t>& left) const {
-    std::vector<std::vector<double>> m(left.size(), std::vector<double>(left.size()));
-    std::vector<double> y(left.size());
-    for (size_t a = 0; a < left.size(); ++a) {
-      const size_t k = active[left[a]];
-      for (size_t b = 0; b <= a; ++b) m[a][b] = products[left[a]][left[b]];
-      m[a][a] += kRidge;
-      y[a] = Product(atoms_[k], d_) - (beta_[k] < 0 ? -Limit(k) : Limit(k));
-    }
-    Solve(m, y);
-    return y;
-  }
-
-  static constexpr int kMostRounds = 400, kFewSweeps = 20, kMostSolved = 20;
-  const std::vector<Atom>& atoms_;
-  const std::vector<double>& d_;
-  std::vector<double> rest_, area_, beta_;
-};
-
 }  // namespace
 
 std::vector<Displacement> Explain(const AcceptableCut& r, const std::vector<double>& off_mm) {
   std::vector<Atom> atoms = Dictionary(r).Take();
   WeighByAgreement(r, off_mm, atoms);
-  const std::vector<double> beta = Fit(r, atoms, off_mm).Run();
+  std::vector<double> areas_mm2, lambdas;
+  std::vector<const NetColumn*> columns;
+  for (const SurfacePiece& piece : r.pieces()) areas_mm2.push_back(piece.area_m2 * kMm * kMm);
+  for (const Atom& atom : atoms) {
+    columns.push_back(&atom.at);
+    lambdas.push_back(kLambda * atom.weight);
+  }
+  const std::vector<double> beta = ElasticNet(columns, areas_mm2, off_mm, lambdas);
   std::vector<Displacement> out;
   for (size_t k = 0; k < atoms.size(); ++k) {
     if (beta[k] == 0) continue;

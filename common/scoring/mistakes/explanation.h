@@ -11,12 +11,10 @@
 //
 //     minimise  1/2 sum_i A_i (d_i - sum_k beta_k phi_k(i))^2 + sum_k lambda_k |beta_k| + eps/2 |beta|^2
 //
-// (the elastic net; Zou and Hastie 2005, J. R. Stat. Soc. B 67:301). It is strictly convex, so that there is one
-// answer, and one that moves continuously with d: nothing jumps where two explanations are about as
-// good. Each phi is scaled to unit norm first. Motions of the whole have the smallest lambda, motions of one region a
-// larger one, and patches the largest.
+// (elastic_net.h): nothing jumps where two explanations are about as good. Each phi is scaled to unit norm first. Motions
+// of the whole have the smallest lambda, motions of one region a larger one, and patches the largest.
 //
-// Deterministic: coordinate descent in a fixed order. Thread safety: functions, any thread.
+// Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
 enum class MotionKind : uint8_t {
