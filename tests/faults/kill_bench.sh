@@ -3,7 +3,7 @@
 # (3, or 20 with ENAMEL_FULL=1) at random moments, each time up to 1.5 s after it was ready again. Then every
 # station's ticks are compared with the server's, and everything on the server with everything (verify).
 # Prints how long each restart took: from starting the program to its "ready".  ENAMEL_SEED repeats the choices.
-#   tests/faults/kill_bench.sh 200      what the issue asks for; about ten minutes
+#   tests/faults/kill_bench.sh 200      five to ten minutes
 . "$(dirname "$0")/../integration/support.sh"
 kills=${1:-}
 [ -n "$kills" ] || { [ "${ENAMEL_FULL:-}" = 1 ] && kills=20 || kills=3; }

@@ -100,7 +100,7 @@ const kDated = {
   skill: ['enamel-lab operators --device omega3 --exercise crown', '2026-11-28'],
   load: ['enamel-loadgen --stations 1000 --minutes 5 --loop-seconds 5', '2026-11-21'],
   'attempt scored': ['enamel-lab bench score', '2026-11-30'],
-  'server restart': ['tests/faults/kill_bench.sh 200', '2026-11-21'],
+  'server restart': ['tests/faults/kill_bench.sh 200', '2026-11-30'],
   'cluster faults': ['tests/cluster/run.sh --full --only faults', '2026-11-23'],
   patroni: ['ENAMEL_FULL=1 tests/cluster/patroni.sh', '2026-11-23'],
 };
