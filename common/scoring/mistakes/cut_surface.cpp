@@ -126,17 +126,34 @@ class Divider {
       if (normal_[i].z <= kUp) outward += area_[i] * (normal_[i].x * out.x + normal_[i].y * out.y);
     }
     out_.is_stump = !is_face_ && outward > 0;
-    // A cavity's wall faces away from the side that it is on.
-    const double side = out_.is_stump ? 1 : -1;
     for (size_t i = 0; i < at_.size(); ++i) {
-      const dvec3& n = normal_[i];
-      if (is_face_ || n.z > kUp)
-        class_[i] = kUpward;
-      else if (std::fabs(n.x) >= std::fabs(n.y))
-        class_[i] = side * mesial_x_ * n.x > 0 ? kMesial : kDistal;
-      else
-        class_[i] = side * n.y > 0 ? kBuccal : kLingual;
+      class_[i] = is_face_ || normal_[i].z > kUp ? kUpward : SideOf(normal_[i]);
     }
+    if (!is_face_ && !out_.is_stump) GiveShelvesToWalls();
+  }
+  // A cavity's wall faces away from the side that it is on.
+  Class SideOf(const dvec3& n) const {
+    const double side = out_.is_stump ? 1 : -1;
+    if (std::fabs(n.x) >= std::fabs(n.y)) return side * mesial_x_ * n.x > 0 ? kMesial : kDistal;
+    return side * n.y > 0 ? kBuccal : kLingual;
+  }
+  // At some places of the grid the triangles along a rim face up.
+  void GiveShelvesToWalls() {
+    int parts = 0;
+    const std::vector<int> part = UpwardParts(parts);
+    std::vector<double> area(static_cast<size_t>(parts));
+    for (size_t i = 0; i < at_.size(); ++i) {
+      if (part[i] >= 0) area[static_cast<size_t>(part[i])] += area_[i];
+    }
+    const double least_m2 = LeastFloor_m2(area);
+    for (size_t i = 0; i < at_.size(); ++i) {
+      if (part[i] >= 0 && area[static_cast<size_t>(part[i])] < least_m2)
+        class_[i] = SideOf(normal_[i]);
+    }
+  }
+  double LeastFloor_m2(const std::vector<double>& area) const {
+    const double largest = area.empty() ? 0 : *std::ranges::max_element(area);
+    return std::max(kLeastArea_m2, out_.is_stump ? 0 : kLeastOfLargest * largest);
   }
 
   void MakeFamilies() {
@@ -231,11 +248,10 @@ class Divider {
     }
     const dvec3 half = glm::max(0.5 * (hi - lo), dvec3(1e-6));
     std::vector<size_t> floors;
-    const double largest = area.empty() ? 0 : *std::ranges::max_element(area);
+    const double least_m2 = LeastFloor_m2(area);
     for (size_t k = 0; k < area.size(); ++k) {
       height[k] /= area[k];
-      const double least_m2 = out_.is_stump ? 0 : kLeastOfLargest * largest;
-      if (area[k] >= std::max(kLeastArea_m2, least_m2)) floors.push_back(k);
+      if (area[k] >= least_m2) floors.push_back(k);
     }
     std::ranges::sort(floors, [&](size_t a, size_t b) {
       return height[a] != height[b] ? height[a] > height[b] : a < b;
