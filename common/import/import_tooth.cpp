@@ -275,8 +275,8 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   const Fossa fossa = FindFossa(
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   Enter(options, "tissues");
-  const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
-                            box.hi, fossa.point.z, options.tooth);
+  const TissueModel tissues(placed->solid, placed->gum ? &*placed->gum : nullptr, box.lo, box.hi,
+                            fossa.point.z, options.tooth);
   ImportedScene out;
   out.mesh_volume_mm3 = mesh::SignedVolume(placed->solid.mesh);
   out.report = Describe(placed->solid.report);

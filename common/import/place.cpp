@@ -95,7 +95,10 @@ Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
     ENAMEL_ASSIGN_OR_RETURN(const dvec3 up, mesh::ParseDirection(facing.up));
     found.stance = mesh::StanceWithUp(solid.mesh, up);
   }
-  const mesh::Stance& stance = found.stance;
+  // A scan ends at the gum: there is nothing to recognise where it has a hole below.
+  constexpr double kBelow = 0.5;
+  mesh::Stance& stance = found.stance;
+  if (const auto hole = HoleOf(solid); hole && Dot(*hole, stance.up) < -kBelow) stance.gum = hole;
   ENAMEL_ASSIGN_OR_RETURN(const dmat3 turn, TurnOf(solid.mesh, stance.up, facing));
   Move(solid, turn, MiddleOf(solid.mesh, turn));
   PlacedSolid placed{std::move(solid), std::nullopt,

@@ -57,6 +57,11 @@ Parts PartsOf(const mesh::Solid& solid) {
   return out;
 }
 
+std::optional<dvec3> HoleIn(const Parts& parts) {
+  const double share = glm::length(parts.hole);
+  return share >= kLeastHole ? std::optional(parts.hole / share) : std::nullopt;
+}
+
 // The nearest axis of the file, where it is near.
 dvec3 Straight(const dvec3& up) {
   for (int k = 0; k < 3; ++k) {
@@ -85,8 +90,8 @@ FoundStance FindStance(const mesh::Solid& solid, int tooth) {
   const Evidence hollow = Of(hollows.facing, deep * glm::length(hollows.facing) / kFullHollow);
   const dvec3 drift = mesh::DriftOf(solid.mesh);
   const Evidence form = front ? Of(drift, glm::length(drift) / kFullDrift) : hollow;
-  const double share = glm::length(parts.hole);
-  const Evidence hole = share >= kLeastHole ? Of(-parts.hole, 1) : Evidence{};
+  const std::optional<dvec3> faces = HoleIn(parts);
+  const Evidence hole = faces ? Of(-*faces, 1) : Evidence{};
 
   std::vector<Likeness> candidates = alike;
   auto score = [&](const Likeness& l) {
@@ -115,5 +120,7 @@ FoundStance FindStance(const mesh::Solid& solid, int tooth) {
   if (by_hole) out.by.push_back(Witness::kHole);
   return out;
 }
+
+std::optional<dvec3> HoleOf(const mesh::Solid& solid) { return HoleIn(PartsOf(solid)); }
 
 }  // namespace enamel::import

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -24,5 +25,8 @@ struct FoundStance {
   std::vector<Witness> by;  // the kinds that agree
 };
 FoundStance FindStance(const mesh::Solid& solid, int tooth);
+
+// Where the hole faces that was closed, unit; none where there is no more than a scanner's gap.
+std::optional<dvec3> HoleOf(const mesh::Solid& solid);
 
 }  // namespace enamel::import

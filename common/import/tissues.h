@@ -6,20 +6,20 @@
 
 #include "common/cutting/tissue.h"
 #include "common/math/vec.h"
-#include "common/mesh/triangle_tree.h"
+#include "common/mesh/mesh_repair.h"
 
 namespace enamel::import {
 
-// Tissues of a crown of which only the outside is known, by depth below its outer surface (the gum
+// Tissues of a crown of which only the outside is known, by depth below its smoothed outer surface (the gum
 // side does not count): enamel of a thickness that rises from 0 at the gum to its full value at the
 // cusps, dentin, and a pulp chamber low in the middle. Assumptions throughout, and reported as
 // such. Frame: scene axes, millimetres. Thread safety: const after construction.
 class TissueModel {
  public:
-  // `gum` as in Stance, in the scene frame; `fossa_mm`: height of the occlusal centre; `tooth`: FDI
+  // `solid`, in the scene frame; `gum` as in Stance; `fossa_mm`: height of the occlusal centre; `tooth`: FDI
   // number, which scales what is assumed.
-  TissueModel(const mesh::Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
-              const dvec3& hi_mm, double fossa_mm, int tooth);
+  TissueModel(const mesh::Solid& solid, const dvec3* gum, const dvec3& lo_mm, const dvec3& hi_mm,
+              double fossa_mm, int tooth);
 
   struct Sample {
     cutting::Tissue tissue;
@@ -33,7 +33,7 @@ class TissueModel {
  private:
   double Height(const dvec3& p) const { return Dot(p, rise_); }
   double Depth(const std::vector<float>& grid, const dvec3& p) const;
-  void SampleDepths(const mesh::Triangles& boundary, const dvec3* gum);
+  void SampleDepths(const mesh::Solid& solid, const dvec3* gum);
   void Smooth(std::vector<float>& grid) const;
   double EnamelThickness(double height) const;
 

@@ -584,6 +584,46 @@ TEST(ImportTest, EveryKindOfCrownHasAPulpAndThinEnamelWhereItIsPrimaryOrInFront)
   }
 }
 
+// Straight in from a point outside, mm.
+double EnamelAlong(const cutting::Volume& volume, dvec3 p_m, const dvec3& way) {
+  const double step_m = 0.02e-3;
+  double seen = 0;
+  for (double gone = 0; gone < 12e-3; gone += step_m, p_m += step_m * way) {
+    if (volume.DistanceAt_m(p_m) >= 0) continue;
+    if (volume.TissueAtPoint(p_m) != Tissue::kEnamel) break;
+    seen += step_m * 1e3;
+  }
+  return seen;
+}
+
+// As a scanner sees it, cut at the gum. Witness: what was measured in extracted teeth (tissues.cpp), twice the published SD.
+TEST(ImportTest, AScannedShellHasAPulpAndEnamelAsTeethHave) {
+  std::mt19937 random(5);
+  for (int tooth : {46, 37, 14, 24, 11}) {
+    const MadeTooth made = MakeTooth(tooth, random);
+    const mesh::Triangles shell = CutOpen(made.mesh, dvec3(0, 0, 1), 0.15, random);
+    ImportOptions options{.tooth = tooth, .voxel_nm = 100'000, .up = "+z"};
+    auto s = ImportTriangles(shell, "test", options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    // The roof of the chamber is 2.9 mm below the fossa, and 0.4 mm above the cut nothing is pulp.
+    const double below_mm =
+        1e-3 * s->scene.landmarks.at("occlusal_centre")[2] + 0.5 * mesh::BoxOf(shell).size().z;
+    const bool has_room = below_mm > 3.5;
+    EXPECT_EQ(TissueVolume(*s, Tissue::kPulp) > 0.5, has_room) << tooth << Lines(*s);
+    EXPECT_EQ(Lines(*s).find("no pulp has room") == std::string::npos, has_room) << Lines(*s);
+    if (tooth == 11) continue;
+    // Half-way up, under the fossa's ground.
+    const double z_m = -0.05e-3 * mesh::BoxOf(shell).size().z;
+    const double mean = 0.5 * (EnamelAlong(s->volume, {10e-3, 0, z_m}, {-1, 0, 0}) +
+                               EnamelAlong(s->volume, {-10e-3, 0, z_m}, {1, 0, 0}));
+    EXPECT_GT(mean, 0.86) << tooth;
+    EXPECT_LT(mean, 1.75) << tooth;
+    const double fossa = EnamelAlong(s->volume, {0, 0, 10e-3}, {0, 0, -1});
+    EXPECT_GT(fossa, 0.5) << tooth;
+    EXPECT_LT(fossa, 1.5) << tooth;
+  }
+}
+
 // A ball has neither cusps nor a gum. What was said of it, given again, gives the same tooth.
 TEST(ImportTest, PlacementNamesTheDirectionsAndWhetherTheyAreAGuess) {
   ImportOptions options{.tooth = 46, .voxel_nm = 400'000};
