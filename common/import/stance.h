@@ -26,7 +26,7 @@ struct FoundStance {
 };
 FoundStance FindStance(const mesh::Solid& solid, int tooth);
 
-// Where the hole faces that was closed, unit; none where there is no more than a scanner's gap.
+// The unit direction in which the closed hole faces; none where the solid has only a scanner's gaps.
 std::optional<dvec3> HoleOf(const mesh::Solid& solid);
 
 }  // namespace enamel::import

@@ -38,7 +38,7 @@ enum Class : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
 constexpr const char* kSides[] = {"", "mesial", "distal", "buccal", "lingual"};
 constexpr const char* kSidesOfFace[] = {"", "mesial", "distal", "gingival", "occlusal"};
 
-// Of a triangle: where they are larger, the place of the grid moves the border between two families by as much.
+// The border between two families runs along triangles: the grid's place moves it by the size of larger ones.
 constexpr double kFine_m2 = 0.003e-6;
 
 // Each triangle in four.

@@ -452,7 +452,7 @@ TEST(ImportTest, AnUnknownScaleIsNamedAndAGivenOneTaken) {
   auto taken = ImportTriangles(SphereMesh(42, 20), "test", options);
   ASSERT_TRUE(taken.ok()) << taken.status().message();
   EXPECT_NEAR(taken->mesh_volume_mm3, 600, 10);
-  // The same by the length of a ball of 84 in the file; neither unit nor scale counts.
+  // The length in mm alone decides for a ball of 84 in the file; neither unit nor scale counts.
   options.scale = {"m", 1, 10.5};
   taken = ImportTriangles(SphereMesh(42, 20), "test", options);
   ASSERT_TRUE(taken.ok()) << taken.status().message();
@@ -596,7 +596,7 @@ double EnamelAlong(const cutting::Volume& volume, dvec3 p_m, const dvec3& way) {
   return seen;
 }
 
-// As a scanner sees it, cut at the gum. Witness: what was measured in extracted teeth (tissues.cpp), twice the published SD.
+// A scanner sees a crown down to the gum. Witness: what was measured in extracted teeth (tissues.cpp), twice the published SD.
 TEST(ImportTest, AScannedShellHasAPulpAndEnamelAsTeethHave) {
   std::mt19937 random(5);
   for (int tooth : {46, 37, 14, 24, 11}) {

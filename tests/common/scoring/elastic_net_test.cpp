@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-// Witness: the conditions that hold at the least value alone (the sum's subgradient has 0), summed up here anew.
+// The witness is the condition that holds at the least value alone: 0 is a subgradient. It is summed up here anew.
 namespace enamel::scoring {
 namespace {
 

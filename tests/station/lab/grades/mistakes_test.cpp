@@ -234,7 +234,7 @@ TEST(MistakesTest, TheMistakeThatWasMadeIsNamedFirst) {
   }
 }
 
-// Wherever the grid lies, a plate thinner than a voxel is as much tissue as it is.
+// A plate thinner than a voxel has the volume of its thickness at each place of the grid.
 TEST(FaultVolumesTest, AFilmCountsByItsThickness) {
   constexpr double kArea_mm2 = 3 * 2.4;
   for (const double shift_mm : {0.0, 0.02, 0.05, 0.08}) {
