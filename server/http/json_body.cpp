@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/json/basic_parser_impl.hpp>
+#include <charconv>
 #include <set>
 
 #include "server/http/error_response.h"
@@ -91,6 +92,13 @@ bool IsReadable(std::string_view text) {
       text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f; });
 }
 
+// As people write it, where boost::json writes 1.009E2.
+std::string Decimal(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
 // The unexpected value, cut short.
 std::string Shown(const json::value* found) {
   constexpr size_t kMost = 80;
@@ -101,7 +109,7 @@ std::string Shown(const json::value* found) {
   }
   if (found->is_array()) return "a list of " + std::to_string(found->get_array().size());
   if (found->is_object()) return "an object";
-  return json::serialize(*found);
+  return found->is_double() ? Decimal(found->get_double()) : json::serialize(*found);
 }
 
 std::optional<Uuid> IdOf(const json::value& value) {
@@ -217,8 +225,7 @@ int64_t BodyReader::Integer(std::string_view name, int64_t at_least, int64_t at_
 }
 
 double BodyReader::Number(std::string_view name, double at_least, double at_most) {
-  std::string expected = "a number of " + json::serialize(json::value(at_least)) + " to " +
-                         json::serialize(json::value(at_most));
+  std::string expected = "a number of " + Decimal(at_least) + " to " + Decimal(at_most);
   const json::value* found = Need(name, expected);
   if (!found) return at_least;
   double number = found->is_number() ? found->to_number<double>() : at_least - 1;

@@ -626,7 +626,10 @@ TEST_F(TeachingTest, OverrideCountsTheComputedScoreStaysAndBothAreShown) {
   json::object better{{"score", 93}, {"reason", "the tooth was cracked"}};
   EXPECT_EQ(By("sam").Judge("PUT", Scored(), "/override", json::serialize(better)).status, 403);
   EXPECT_EQ(By("ben").Judge("PUT", Scored(), "/override", json::serialize(better)).status, 404);
-  EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 101}, {"reason", "x"}}).status, 400);
+  const RawResponse high =
+      Send("ada", "PUT", Scored("/override"), {{"score", 100.9}, {"reason", "x"}});
+  EXPECT_EQ(high.status, 400);
+  EXPECT_NE(high.body.find("a number of 0 to 100, found 100.9\""), std::string::npos) << high.body;
   EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 93}}).status, 400);
   RawResponse made = By("ada").Judge("PUT", Scored(), "/override", json::serialize(better));
   ASSERT_EQ(made.status, 200) << made.body;
