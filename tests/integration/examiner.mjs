@@ -330,7 +330,7 @@ async function releaseAndAppeal({ assignment, attempts }, page) {
   await who.post(`/attempts/${id}/appeal`, { text: "again" }, 409);
   const computed = (await vega.get(`/attempts/${id}`)).computed_score;
   const { etag } = await vega.send("GET", `/attempts/${id}`, 200);
-  const given = Number((computed + 2).toFixed(1)); // as somebody types it
+  const given = Number(Math.min(100, computed + 2).toFixed(1)); // as somebody types it
   await vega.send("PUT", `/attempts/${id}/override`, 200, { score: given, reason: answered }, { "if-match": etag });
   const runs = async () => (await vega.get(`/attempts/${id}/results`)).results.length;
   const runsBefore = await runs();
