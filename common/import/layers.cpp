@@ -58,18 +58,6 @@ bool Enters(const LayeredTooth::Surface& solid, const dvec3& p, const dvec3& way
   return false;
 }
 
-bool IsCap(const mesh::Solid& solid, const std::array<uint32_t, 3>& t) {
-  return std::max({t[0], t[1], t[2]}) >= solid.first_cap_vertex;
-}
-
-mesh::Triangles Select(const mesh::Solid& solid, bool caps) {
-  mesh::Triangles out{solid.mesh.vertices, {}};
-  for (const auto& t : solid.mesh.indices) {
-    if (IsCap(solid, t) == caps) out.indices.push_back(t);
-  }
-  return out;
-}
-
 Status CheckTogether(size_t layer, const mesh::Triangles& surface, const mesh::Triangles& dentin) {
   const mesh::Box own = mesh::BoxOf(surface), other = mesh::BoxOf(dentin);
   const double ratio = own.extent() / std::max(other.extent(), 1e-12);
@@ -150,8 +138,8 @@ Result<LayerSolids> RepairLayers(
 
 dvec3 RiseOf(const LayerSolids& layers) {
   if (!layers.solids[kEnamel] || !layers.solids[kDentin]) return dvec3(0);
-  return MiddleOfSurface(Select(*layers.solids[kEnamel], false)) -
-         MiddleOfSurface(Select(*layers.solids[kDentin], false));
+  return MiddleOfSurface(mesh::Select(*layers.solids[kEnamel], false)) -
+         MiddleOfSurface(mesh::Select(*layers.solids[kDentin], false));
 }
 
 // The side of a cleft that is nearer; nothing when p is in none.
@@ -209,8 +197,8 @@ Result<LayeredTooth> LayeredTooth::Make(LayerSolids layers, const LayerOptions& 
   for (size_t i = 0; i < kLayers; ++i) {
     if (!layers.solids[i]) continue;
     mesh::Solid& solid = *layers.solids[i];
-    mesh::TriangleTree boundary(solid.boundary), whole(solid.mesh), own(Select(solid, false)),
-        caps(Select(solid, true));
+    mesh::TriangleTree boundary(solid.boundary), whole(solid.mesh), own(mesh::Select(solid, false)),
+        caps(mesh::Select(solid, true));
     tooth.surfaces_[i] = std::make_unique<Surface>(Surface{
         std::move(solid), std::move(boundary), std::move(whole), std::move(own), std::move(caps)});
   }
@@ -245,7 +233,7 @@ LayeredTooth::Meeting LayeredTooth::Measure(size_t outer, size_t inner) const {
   Meeting m;
   mesh::SignedProbe probe(other, surfaces_[inner]->whole);
   for (const auto& t : solid.mesh.indices) {
-    if (IsCap(solid, t)) continue;
+    if (mesh::IsCap(solid, t)) continue;
     const mesh::Facet f = mesh::Facet::Of(solid.mesh, t);
     const dvec3 normal = f.AreaNormal();
     const double area = std::sqrt(Dot(normal, normal)),

@@ -34,34 +34,6 @@ Evidence Of(const dvec3& v, double weight) {
   return length > 0 ? Evidence{v / length, std::clamp(weight, 0.0, 1.0)} : Evidence{};
 }
 
-struct Parts {
-  mesh::Triangles own;  // what the file has
-  dvec3 hole{0};        // sum of the caps' area vectors, over the whole area
-};
-
-Parts PartsOf(const mesh::Solid& solid) {
-  Parts out;
-  out.own.vertices = solid.mesh.vertices;
-  double area = 0;
-  for (const auto& t : solid.mesh.indices) {
-    const dvec3& a = solid.mesh.vertices[t[0]];
-    const dvec3 normal = glm::cross(solid.mesh.vertices[t[1]] - a, solid.mesh.vertices[t[2]] - a);
-    area += glm::length(normal);
-    if (std::max({t[0], t[1], t[2]}) < solid.first_cap_vertex) {
-      out.own.indices.push_back(t);
-    } else {
-      out.hole += normal;
-    }
-  }
-  out.hole /= area;
-  return out;
-}
-
-std::optional<dvec3> HoleIn(const Parts& parts) {
-  const double share = glm::length(parts.hole);
-  return share >= kLeastHole ? std::optional(parts.hole / share) : std::nullopt;
-}
-
 // The nearest axis of the file, where it is near.
 dvec3 Straight(const dvec3& up) {
   for (int k = 0; k < 3; ++k) {
@@ -82,15 +54,14 @@ std::string_view WitnessName(Witness witness) {
 }
 
 FoundStance FindStance(const mesh::Solid& solid, int tooth) {
-  const Parts parts = PartsOf(solid);
-  const std::vector<Likeness> alike = LikeOwnTooth(solid.mesh, parts.own, tooth);
+  const std::vector<Likeness> alike = LikeOwnTooth(solid.mesh, mesh::Select(solid, false), tooth);
   const bool front = tooth % 10 <= 3;
   const mesh::Hollows hollows = mesh::HollowsOf(solid.mesh);
   const double deep = hollows.depth / (hollows.depth + kShallow_mm);
   const Evidence hollow = Of(hollows.facing, deep * glm::length(hollows.facing) / kFullHollow);
   const dvec3 drift = mesh::DriftOf(solid.mesh);
   const Evidence form = front ? Of(drift, glm::length(drift) / kFullDrift) : hollow;
-  const std::optional<dvec3> faces = HoleIn(parts);
+  const std::optional<dvec3> faces = HoleOf(solid);
   const Evidence hole = faces ? Of(-*faces, 1) : Evidence{};
 
   std::vector<Likeness> candidates = alike;
@@ -121,6 +92,17 @@ FoundStance FindStance(const mesh::Solid& solid, int tooth) {
   return out;
 }
 
-std::optional<dvec3> HoleOf(const mesh::Solid& solid) { return HoleIn(PartsOf(solid)); }
+std::optional<dvec3> HoleOf(const mesh::Solid& solid) {
+  dvec3 caps(0);
+  double area = 0;
+  for (const auto& t : solid.mesh.indices) {
+    const dvec3& a = solid.mesh.vertices[t[0]];
+    const dvec3 normal = glm::cross(solid.mesh.vertices[t[1]] - a, solid.mesh.vertices[t[2]] - a);
+    area += glm::length(normal);
+    if (mesh::IsCap(solid, t)) caps += normal;
+  }
+  const double length = glm::length(caps);
+  return length >= kLeastHole * area ? std::optional(caps / length) : std::nullopt;
+}
 
 }  // namespace enamel::import

@@ -20,12 +20,12 @@ constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are
 constexpr double kGumCosine = 0.85;
 constexpr double kLow = 0.4;  // of the crown's height: a hole above is a scanner's gap
 constexpr double kOnCap_mm = 1e-3;
-// Occlusal landmarks of 90 first molars have 0.93 to 1.93 mm (cone beam CT; the abstract was read, the central fossa is
-// thinnest). Proximal enamel at the largest diameter: 1.22 to 1.39 mm, SD 0.18, in upper first premolars (Munhoz et al.
-// 2012, Braz. J. Oral Sci. 11:1); 10 mm on both sides of four lower posterior teeth (Stroud et al. 1998, Angle Orthod. 68:141).
-// Under the smoothed surface: a cusp has some 0.3 mm more and a fossa as much less.
+// Proximal enamel at the largest diameter: 1.22 to 1.39 mm, SD 0.18, in upper first premolars (Munhoz et al. 2012, Braz. J.
+// Oral Sci. 11:1); 10 mm on both sides of four lower posterior teeth (Stroud et al. 1998, Angle Orthod. 68:141). The
+// abstracts were read. The thickness at the top is chosen, so that the model has 1.3 mm at 0.6 of the height. It lies under the
+// smoothed surface: a cusp has more and a fossa less.
 constexpr double kFullEnamel_mm = 1.6;  // at the top of a molar or premolar
-// Share of the height at which the thickness bends from steep to slow: 1.3 to 1.5 mm at 0.6 of the height.
+// Share of the height at which the thickness bends from steep to slow. Chosen.
 constexpr double kBend = 0.5;
 // So near to the gum, which is no surface of the enamel, the smoothed surface does not count.
 constexpr double kGumFrom_mm = 0.5, kGumTo_mm = 1.0;
@@ -83,14 +83,10 @@ TissueModel::TissueModel(const mesh::Solid& solid, const dvec3* gum, const dvec3
 void TissueModel::SampleDepths(const mesh::Solid& solid, const dvec3* gum) {
   const mesh::Triangles& boundary = solid.boundary;
   // Closes the hole at the gum; pleated where the rim is wavy.
-  mesh::Triangles caps{solid.mesh.vertices, {}};
-  for (const auto& t : solid.mesh.indices) {
-    if (std::max({t[0], t[1], t[2]}) >= solid.first_cap_vertex) caps.indices.push_back(t);
-  }
-  const mesh::TriangleTree cap_tree(caps);
+  const mesh::TriangleTree caps(mesh::Select(solid, true));
   auto closes_gum = [&](const dvec3& middle) {
-    return !caps.indices.empty() && Height(middle) < bottom_ + kLow * (top_ - bottom_) &&
-           cap_tree.Distance(middle, kOnCap_mm) < kOnCap_mm;
+    return Height(middle) < bottom_ + kLow * (top_ - bottom_) &&
+           caps.Distance(middle, kOnCap_mm) < kOnCap_mm;
   };
   mesh::Triangles outer{boundary.vertices, {}}, base{boundary.vertices, {}};
   for (const auto& t : boundary.indices) {

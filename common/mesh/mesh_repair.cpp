@@ -312,6 +312,18 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
   return solid;
 }
 
+bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& triangle) {
+  return std::max({triangle[0], triangle[1], triangle[2]}) >= solid.first_cap_vertex;
+}
+
+Triangles Select(const Solid& solid, bool caps) {
+  Triangles out{solid.mesh.vertices, {}};
+  for (const auto& t : solid.mesh.indices) {
+    if (IsCap(solid, t) == caps) out.indices.push_back(t);
+  }
+  return out;
+}
+
 std::vector<std::string> Describe(const MeshReport& r) {
   std::vector<std::string> lines;
   lines.push_back(Counted(r.triangles, "triangle") + ", " +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,10 @@ struct Solid {
 // everything it surrounds at least once, whichever way around, is inside. Time: n log n for n
 // triangles, and more for those that cross others (solid_boundary.h).
 Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options = {});
+
+// Whether a triangle of the mesh closes a hole, and all that do or do not.
+bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& triangle);
+Triangles Select(const Solid& solid, bool caps);
 
 // The report for people, one line each.
 std::vector<std::string> Describe(const MeshReport& report);

@@ -255,6 +255,12 @@ Status CheckMemory(std::string_view name, const Box& box, int32_t voxel_nm, size
       "voxel_nm");
 }
 
+cutting::Volume VolumeOf(const Draft& draft, int32_t voxel_nm, const ivec3& moved_nm) {
+  auto spec = GridAround(draft.box.lo_m, draft.box.hi_m, voxel_nm);
+  for (int a = 0; a < 3; ++a) spec.origin_nm[a] += moved_nm[a];
+  return BuildVolume(spec, draft.field, BuildThreads());
+}
+
 }  // namespace
 
 BurSpec OfferedBur(std::string_view name, std::string_view iso_number) {
@@ -298,8 +304,7 @@ Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm, si
     if (base != b.scene.name) continue;
     Draft draft = b.draft();
     ENAMEL_RETURN_IF_ERROR(CheckMemory(name, draft.box, voxel_nm, max_bytes));
-    auto spec = GridAround(draft.box.lo_m, draft.box.hi_m, voxel_nm);
-    BuiltScene out{std::move(draft.scene), BuildVolume(spec, draft.field, BuildThreads())};
+    BuiltScene out{std::move(draft.scene), VolumeOf(draft, voxel_nm, ivec3(0))};
     // The blob is the tooth from here on. The functions above may differ in a last bit between
     // machines; what is stored does not.
     out.scene.volume = HashSha256(EncodeVolume(out.volume));
@@ -324,10 +329,7 @@ cutting::Volume BuildBuiltinVolume(std::string_view name, int32_t voxel_nm, cons
   const auto builder =
       std::ranges::find(kBuilders, name, [](const Builder& b) { return b.scene.name; });
   ENAMEL_CHECK(builder != std::ranges::end(kBuilders));
-  const Draft draft = builder->draft();
-  auto spec = GridAround(draft.box.lo_m, draft.box.hi_m, voxel_nm);
-  for (int a = 0; a < 3; ++a) spec.origin_nm[a] += moved_nm[a];
-  return BuildVolume(spec, draft.field, BuildThreads());
+  return VolumeOf(builder->draft(), voxel_nm, moved_nm);
 }
 
 std::vector<TissueSpec> DefaultTissues(const std::vector<Tissue>& present) {

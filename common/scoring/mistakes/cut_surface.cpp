@@ -89,9 +89,17 @@ class Divider {
   double MeanArea_m2() const {
     return std::accumulate(area_.begin(), area_.end(), 0.0) / static_cast<double>(area_.size());
   }
-  // With the families' surfaces of `fine`, the same cut in smaller triangles.
-  void TakeFamilies(Divider&& fine) { out_.of_family = std::move(fine.out_.of_family); }
-  CutSurface Take() {
+  using Families = std::array<std::optional<surface::DistanceQuery>, CutSurface::kFamilies>;
+  Families Surfaces() const {
+    Families out;
+    for (size_t f = 0; f < out.size(); ++f) {
+      out[f] = QueryOf(cut_, [&](size_t i) { return out_.family[i] == f; });
+    }
+    return out;
+  }
+  // `surfaces`: of the same cut, in triangles of any size.
+  CutSurface Take(Families surfaces) {
+    out_.of_family = std::move(surfaces);
     FindEdges();
     Divide();
     return std::move(out_);
@@ -160,9 +168,6 @@ class Divider {
     out_.family.resize(at_.size());
     for (size_t i = 0; i < at_.size(); ++i) {
       out_.family[i] = out_.is_stump && class_[i] != kUpward ? kMesial : class_[i];
-    }
-    for (size_t f = 0; f < CutSurface::kFamilies; ++f) {
-      out_.of_family[f] = QueryOf(cut_, [&](size_t i) { return out_.family[i] == f; });
     }
   }
 
@@ -430,11 +435,9 @@ class Divider {
 
 CutSurface DivideSurface(const surface::Mesh& cut, const ToothPlace& place) {
   Divider divider(cut, place);
-  if (divider.MeanArea_m2() > kFine_m2) {
-    const surface::Mesh fine = Quartered(cut);
-    divider.TakeFamilies(Divider(fine, place));
-  }
-  return divider.Take();
+  if (!(divider.MeanArea_m2() > kFine_m2)) return divider.Take(divider.Surfaces());
+  const surface::Mesh fine = Quartered(cut);
+  return divider.Take(Divider(fine, place).Surfaces());
 }
 
 }  // namespace enamel::scoring

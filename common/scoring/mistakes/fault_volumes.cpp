@@ -195,13 +195,13 @@ class FaultMeter {
       return r_.initial().TissueAt(at) == Tissue::kNeighbour ? 0 : cutting::SolidFraction(phi);
     };
     auto taken = [&](const ivec3& at) { return prepared.PhiAt(at) > r_.initial().PhiAt(at); };
+    const int32_t own = tooth(voxel);
     for (int axis = 0; axis < 3; ++axis) {
       ivec3 before = voxel, after = voxel;
       --before[axis], ++after[axis];
       if (before[axis] < 0 || after[axis] >= all[axis]) continue;
-      const int32_t beside = std::max(tooth(before), tooth(after));
-      if (2 * beside < kWhole && tooth(before) + tooth(voxel) + tooth(after) <= kWhole &&
-          (taken(before) || taken(after)))
+      const int32_t a = tooth(before), c = tooth(after);
+      if (2 * std::max(a, c) < kWhole && a + own + c <= kWhole && (taken(before) || taken(after)))
         return true;
     }
     return false;

@@ -596,7 +596,8 @@ double EnamelAlong(const cutting::Volume& volume, dvec3 p_m, const dvec3& way) {
   return seen;
 }
 
-// A scanner sees a crown down to the gum. Witness: what was measured in extracted teeth (tissues.cpp), twice the published SD.
+// A scanner sees a crown down to the gum. The proximal bound is the published range of
+// premolars and twice its SD (tissues.cpp), taken half-way up; the bound of the fossa is chosen.
 TEST(ImportTest, AScannedShellHasAPulpAndEnamelAsTeethHave) {
   std::mt19937 random(5);
   for (int tooth : {46, 37, 14, 24, 11}) {
