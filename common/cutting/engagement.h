@@ -17,7 +17,7 @@ namespace enamel::cutting {
 
 // The tissue that the bur's surface touches, for travel along one direction.
 struct Engagement {
-  // Sum over tissues of beta_t * integral of n n^T dA; cutting part only. Of tissue that is cut by load: its B at v0.
+  // Sum over tissues of beta_t * integral of n n^T dA; cutting part only. Tissue that is cut by load counts with its B at v0.
   Sym3 damping_n_s_per_m;
   dvec3 mean_normal{0};   // area-weighted outward normal of the engaged surface, unit or 0
   dvec3 shank_normal{0};  // the same of the engaged part of the shank

@@ -339,7 +339,7 @@ Status CheckFit(const std::vector<mesh::Fit>& fits) {
                    ". Is it a scan of this tooth, whole around the preparation, and is --unit "
                    "right?");
   }
-  // What fits less exactly is not another way: a crown slid along its own reduction.
+  // A fit that is less exact is no rival: it is the crown slid along its own reduction.
   const auto rival = std::find_if(fits.begin() + 1, fits.end(), [&](const mesh::Fit& other) {
     return other.cost < kOtherAsGood * fit.cost + 0.002 && other.outside_share <= kMostOutside &&
            other.rms_mm < kOtherAsExact * fit.rms_mm + 0.005;

@@ -92,7 +92,7 @@ bool IsReadable(std::string_view text) {
       text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f; });
 }
 
-// As people write it, where boost::json writes 1.009E2.
+// A number as people write it: boost::json writes 1.009E2.
 std::string Decimal(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;

@@ -83,7 +83,7 @@ Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) 
   return name;
 }
 
-// The least pulp that a graded cut can expose.
+// Refuses a crown whose pulp a graded cut could hardly expose.
 Status CheckPulp(const import::ImportedScene& imported) {
   constexpr auto kPulp = static_cast<size_t>(cutting::Tissue::kPulp);
   const double pulp_mm3 = cutting::SolidVolume_m3(imported.volume)[kPulp] * 1e9;

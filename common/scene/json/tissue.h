@@ -5,11 +5,11 @@
 #include "common/scene/json/read.h"
 #include "common/scene/types.h"
 
-// What cutting a tissue takes, as scenes and materials write it: damping_mn_s_per_mm and the members that a tissue
-// has that is not cut as B v alike in all directions. Functions, any thread.
+// The cutting law of a tissue, as scenes and materials write it: damping_mn_s_per_mm, and further members where the force
+// is not B v alike in all directions. Functions, any thread.
 namespace enamel::scene {
 
-// Leaves `spec`'s tissue as it is. Refuses what a tissue cannot be by the member's name.
+// Fills the law and does not change `spec.tissue`. Refuses what a tissue cannot be by the member's name.
 void ReadTissueLaw(ObjectReader& in, TissueSpec& spec);
 // Members of the default are left out, so that a scene without them has the text, and the address, that it had.
 void WriteTissueLaw(const TissueSpec& spec, boost::json::object& out);
