@@ -10,7 +10,6 @@ import type {
   AttemptDetail,
   AttemptFlag,
   AttemptState,
-  LanguageChoice,
   LiveRemark,
   LiveRemarks,
   Score,
@@ -87,7 +86,7 @@ export class Client {
   }
 
   // In which language this person reads the page; empty: the browser's.
-  setLanguage(language: LanguageChoice): Promise<ApiResult<Session>> {
+  setLanguage(language: Session["language"]): Promise<ApiResult<Session>> {
     return this.http.json<Session>("PUT", "/session/language", { body: { language } });
   }
 

@@ -20,7 +20,7 @@ import type {
   RubricVersion,
   SavedText,
   ScoringMetric,
-  ScoringRun,
+  ResultRun,
   SharingEdit,
   TextToSave,
 } from "./types";
@@ -214,7 +214,7 @@ export class TeachingApi {
     });
   }
   results(attempt: string, signal?: AbortSignal) {
-    return this.http.all<ScoringRun>(`${attemptPath(attempt)}/results`, "results", {}, signal);
+    return this.http.all<ResultRun>(`${attemptPath(attempt)}/results`, "results", {}, signal);
   }
 
   annotations(attempt: string, signal?: AbortSignal) {

@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
-import type { LanguageChoice, Person, Session } from "../api/types";
+import type { Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
 import { draftsOf, eraseDrafts } from "../base/drafts";
 import type { Language } from "../base/language";
@@ -30,7 +30,12 @@ type SessionState =
   | { readonly state: "unknown" }
   | { readonly state: "unreachable"; readonly message: string }
   | { readonly state: "out"; readonly notice?: string }
-  | { readonly state: "in"; readonly person: Person; readonly language: LanguageChoice; readonly mustChange: boolean };
+  | {
+      readonly state: "in";
+      readonly person: Person;
+      readonly language: Session["language"];
+      readonly mustChange: boolean;
+    };
 
 const session = signal<SessionState>({ state: "unknown" });
 drawTeethWith(toothWorker);
@@ -101,7 +106,7 @@ async function chooseBefore(code: Language): Promise<void> {
 }
 
 // Why not, where it could not be kept or its words could not be loaded.
-async function choose(language: LanguageChoice): Promise<string | undefined> {
+async function choose(language: Session["language"]): Promise<string | undefined> {
   const kept = await client.setLanguage(language);
   if (!kept.ok) return kept.error.message;
   if (!(await applyLanguage(language))) return say("account.language_words_failed");

@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import type { LanguageChoice } from "../api/types";
+import type { Session } from "../api/types";
 import { firstLanguage, languageOf, spokenLanguage, type Language } from "../base/language";
 import { changeLanguage, type loadWords } from "../base/words";
 
@@ -22,7 +22,7 @@ function kept(): Language | undefined {
 // in the one it has.
 // `soon`: the parts whose words are wanted next.
 export async function applyLanguage(
-  choice: LanguageChoice,
+  choice: Session["language"],
   soon: Parameters<typeof loadWords>[0][] = [],
 ): Promise<boolean> {
   const next = choice === "" ? (kept() ?? firstLanguage(navigator.languages)) : choice;

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { LanguageChoice, Person } from "../../api/types";
+import type { Person, Session } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { kLanguages } from "../../base/language";
 import { say, sayWith } from "../../base/words";
@@ -14,8 +14,8 @@ import { PinCard } from "./pin_form";
 interface Props {
   readonly client: Client;
   readonly person: Person;
-  readonly language: LanguageChoice;
-  readonly onLanguage: (language: LanguageChoice) => Promise<string | undefined>; // the reason when it failed
+  readonly language: Session["language"];
+  readonly onLanguage: (language: Session["language"]) => Promise<string | undefined>; // the reason when it failed
 }
 
 export function AccountPage({ client, person, language, onLanguage }: Props) {
@@ -58,10 +58,10 @@ export function AccountPage({ client, person, language, onLanguage }: Props) {
 
 function LanguageCard({ language, onLanguage }: Pick<Props, "language" | "onLanguage">) {
   const [problem, setProblem] = useState<string>();
-  const choose = async (choice: LanguageChoice) => setProblem(await onLanguage(choice));
+  const choose = async (choice: Session["language"]) => setProblem(await onLanguage(choice));
   return (
     <Card title={say("account.language")}>
-      <SelectField<LanguageChoice>
+      <SelectField<Session["language"]>
         label={say("account.page_language")}
         value={language}
         onValue={(choice) => void choose(choice)}
