@@ -37,7 +37,7 @@ function listening(server) {
 async function playbackOf(client, id) {
   const end = Date.now() + kMostMs;
   for (;;) {
-    const playback = await client.timeline(id, 0, 1);
+    const playback = await client.stream("/attempts/{id}/timeline", [0, 1], { id });
     if (playback.ok || playback.error.code !== "unavailable" || Date.now() > end) return playback;
     await new Promise((resolve) => setTimeout(resolve, kAgainMs));
   }
@@ -55,20 +55,20 @@ async function recorded({ server, login, attempt: id }, password) {
     return value;
   };
   needed(`${login} cannot sign in`, await client.signIn(login, password));
-  const attempt = needed(`attempt ${id}`, await client.attempt(id));
+  const attempt = needed(`attempt ${id}`, await client.get("/attempts/{id}", { id }));
   if (attempt.hand.kind !== "program")
     throw new Error(`attempt ${id}: expected a simulated hand, found a person's; name an attempt that no person made`);
   if (attempt.state !== "scored" || attempt.score === null)
     throw new Error(`attempt ${id}: expected a score that ${login} may see, found none; release it`);
   needed("the score", await client.score(id));
-  needed("the exercise", await client.teaching.exercise(attempt.exercise.id));
+  needed("the exercise", await client.get("/exercises/{id}", { id: attempt.exercise.id }));
   needed("the forces", await client.series(id));
-  needed("the remarks", await client.teaching.annotations(id));
-  needed("the earlier scores", await client.teaching.results(id));
+  needed("the remarks", await client.all("/attempts/{id}/annotations", { id }));
+  needed("the earlier scores", await client.all("/attempts/{id}/results", { id }));
   const playback = needed("the playback", await playbackOf(client, id));
   const head = needed("the playback", await decodeHead(await new Response(playback).arrayBuffer()));
-  needed("the tooth before it was cut", await client.startTooth(head.start));
-  const compared = await client.deviation(id);
+  needed("the tooth before it was cut", await client.bytes("/start-teeth/{name}", { name: head.start, kept: true }));
+  const compared = await client.bytes("/attempts/{id}/deviation", { id, kept: true });
   if (!compared.ok && compared.error.code !== "not_found") needed("the deviation", compared);
   await client.signOut();
   return { attempt: id, person: attempt.person.id, answers };

@@ -1,13 +1,7 @@
-import { apiAddress, type Fetch, type RequestOptions, requestInit } from "./request_init";
+import { apiAddress, type Fetch, fill, type RequestOptions, requestInit } from "./request_init";
 
 // Of a timeline: the coarse tooth of every attempt that was looked at, and the fine one of most class I cavities.
 export const kFirstBytes = 65_536;
-
-// Part of a path. The page's own addresses have the same.
-export const segment = (text: string): string => encodeURIComponent(text);
-export const attemptPath = (id: string) => `/attempts/${segment(id)}`;
-export const scorePath = (id: string) => `${attemptPath(id)}/score`;
-export const timelinePath = (id: string) => `${attemptPath(id)}/timeline`;
 
 // Answers to requests that were sent before anybody wanted them. Each is given out once.
 export class Ahead {
@@ -40,7 +34,8 @@ const keyOf = (path: string, { range }: RequestOptions) => `${path} ${range?.joi
 export function askFirst(ahead: Ahead, send: Fetch, attempt: string | undefined): void {
   ahead.ask(send, "/session");
   if (attempt === undefined) return;
-  ahead.ask(send, attemptPath(attempt));
-  ahead.ask(send, timelinePath(attempt), { range: [0, kFirstBytes], kept: true });
-  ahead.ask(send, scorePath(attempt), { kept: true });
+  const of = (path: string) => fill(path, { id: attempt });
+  ahead.ask(send, of("/attempts/{id}"));
+  ahead.ask(send, of("/attempts/{id}/timeline"), { range: [0, kFirstBytes], kept: true });
+  ahead.ask(send, of("/attempts/{id}/score"), { kept: true });
 }

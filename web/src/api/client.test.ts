@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { askFirst, kFirstBytes } from "./ahead";
 import { Client } from "./client";
+import { reported } from "./http";
 
 interface Call {
   readonly path: string;
@@ -39,7 +40,7 @@ test("a wrong password is an error with the server's sentence and no lost sessio
 
 test("a request that finds no session any more reports it once", async () => {
   const { client, lost } = clientThatGets([refusal(401, "unauthenticated")]);
-  await client.teaching.exercises();
+  await client.all("/exercises");
   assert.equal(lost(), 1);
 });
 
@@ -50,12 +51,13 @@ test("what changes something repeats the session's csrf value; sign-in and reads
     new Response(null, { status: 204 }),
   ]);
   await client.signIn("a", "b");
-  await client.teaching.exercises();
-  await client.teaching.release({ id: "x", revision: 1 });
+  await client.all("/exercises");
+  await client.post("/attempts/{id}/release", { id: "x", tag: 1 });
   assert.equal(header(calls[0], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[1], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[2], "X-Enamel-Csrf"), "token");
   assert.equal(calls[2]?.init.method, "POST");
+  assert.equal(header(calls[2], "If-Match"), '"1"');
 });
 
 test("a changed password begins a session whose csrf value counts from then on", async () => {
@@ -78,10 +80,10 @@ test("no answer, a body that is no JSON and all of a file where a part was asked
     new Response("ENTM"),
     new Response("proxy says no", { status: 502 }),
   ]);
-  const unreachable = await client.teaching.exercises();
-  const html = await client.teaching.exercises();
-  const all = await client.timeline("x", 5, 9);
-  const proxy = await client.teaching.exercises();
+  const unreachable = await client.all("/exercises");
+  const html = await client.all("/exercises");
+  const all = await client.stream("/attempts/{id}/timeline", [5, 9], { id: "x" });
+  const proxy = await client.all("/exercises");
   assert.equal(!unreachable.ok && unreachable.error.code, "unreachable");
   assert.equal(!html.ok && html.error.code, "malformed");
   assert.match(all.ok ? "" : all.error.message, /all of it where a part was asked for/);
@@ -97,14 +99,14 @@ test("what is asked ahead is given out once, and not to whoever signs in next", 
     Response.json({ person: {}, csrf: "b" }),
     Response.json({ id: "x" }),
   ]);
-  askFirst(client.http.ahead, send, "x");
+  askFirst(client.ahead, send, "x");
   assert.equal(calls.length, 4);
   assert.ok((await client.currentSession()).ok);
-  const part = await client.timeline("x", 0, kFirstBytes);
+  const part = await client.stream("/attempts/{id}/timeline", [0, kFirstBytes], { id: "x" });
   assert.equal(part.ok && (await new Response(part.value).text()), "ENTT");
   assert.equal(calls.length, 4);
   assert.ok((await client.signIn("a", "b")).ok);
-  assert.ok((await client.attempt("x")).ok);
+  assert.ok((await client.get("/attempts/{id}", { id: "x" })).ok);
   assert.equal(calls.length, 6, "the attempt was asked for again");
 });
 
@@ -116,7 +118,7 @@ test("what was not there yet when it was asked ahead is asked again", async () =
     Response.json({ error: { code: "conflict", message: "this one is scoring" } }, { status: 409 }),
     Response.json({ score: 94, criteria: [] }),
   ]);
-  askFirst(client.http.ahead, send, "x");
+  askFirst(client.ahead, send, "x");
   const score = await client.score("x");
   assert.equal(score.ok && score.value.score, 94);
   assert.equal(calls.length, 5);
@@ -153,8 +155,8 @@ test("what was read ahead is given out once, for its own attempt, and asked agai
 
 test("ids and filters are escaped into the address and empty filters left out", async () => {
   const { client, calls } = clientThatGets([Response.json({}), Response.json({})]);
-  await client.attempt("../session");
-  await client.attempts({ cohort: "a b", exercise: undefined, limit: 5 });
+  await client.get("/attempts/{id}", { id: "../session" });
+  await client.page("/attempts", { cohort: "a b", exercise: undefined, limit: 5 });
   assert.equal(calls[0]?.path, "/api/v1/attempts/..%2Fsession");
   assert.equal(calls[1]?.path, "/api/v1/attempts?cohort=a+b&limit=5");
 });
@@ -168,21 +170,21 @@ test("a change that needs the password again is sent once more after it was give
     refusal(403, "confirm_password"),
   ]);
   let asked = 0;
-  client.onConfirmPassword(async () => {
+  client.confirm = async () => {
     ++asked;
     return true;
-  });
-  const reset = await client.people.resetPassword("p");
+  };
+  const reset = await client.post("/people/{id}/password", { id: "p" });
   assert.equal(reset.ok && reset.value.password, "once");
   assert.deepEqual(
     calls.map((call) => call.path),
     ["/api/v1/people/p/password", "/api/v1/people/p/password"],
   );
-  const still = await client.people.resetPassword("p");
+  const still = await client.post("/people/{id}/password", { id: "p" });
   assert.equal(!still.ok && still.error.code, "confirm_password");
   assert.equal(asked, 2);
-  client.onConfirmPassword(async () => false);
-  const refused = await client.people.resetPassword("p");
+  client.confirm = async () => false;
+  const refused = await client.post("/people/{id}/password", { id: "p" });
   assert.equal(!refused.ok && refused.error.code, "confirm_password");
   assert.equal(calls.length, 5);
 });
@@ -196,7 +198,7 @@ test("an edit repeats the tag it was read with, and a conflict carries what some
     { status: 412, headers: { ETag: '"8"' } },
   );
   const { client, calls } = clientThatGets([stale]);
-  const result = await client.people.editCohort("c", { name: "mine" }, '"7"');
+  const result = await client.tagged("PATCH", "/cohorts/{id}", { id: "c", body: { name: "mine" }, tag: '"7"' });
   assert.equal(header(calls[0], "If-Match"), '"7"');
   assert.equal(calls[0]?.init.method, "PATCH");
   assert.deepEqual(!result.ok && result.error.current, { value: { name: "theirs" }, tag: '"8"' });
@@ -206,50 +208,28 @@ test("a list gives its rows and the next cursor, and one without rows is an erro
   const { client, calls } = clientThatGets([
     Response.json({ people: [{ id: "a" }], next: "c2" }),
     Response.json({ people: [{ id: "b" }], next: null }),
-    Response.json({ persons: [] }),
+    Response.json({ people: {} }),
   ]);
-  const first = await client.people.list({ text: "x", role: "" });
+  const first = await client.page("/people", { text: "x", cohort: "" });
   assert.ok(first.ok && first.value.next === "c2" && first.value.items.length === 1);
   assert.equal(calls[0]?.path, "/api/v1/people?text=x");
-  assert.ok((await client.people.list({ cursor: "c2" })).ok);
-  const wrong = await client.people.list({});
+  assert.ok((await client.page("/people", { cursor: "c2" })).ok);
+  const wrong = await client.page("/people");
   assert.equal(!wrong.ok && wrong.error.code, "malformed");
 });
 
 test("what a screen shows as a whole is read to its last page", async () => {
-  const lists: ReadonlyArray<
-    readonly [string, (client: Client) => Promise<{ readonly ok: boolean; readonly value?: readonly unknown[] }>]
-  > = [
-    ["exercises", (client) => client.teaching.exercises("draft")],
-    ["versions", (client) => client.teaching.versions("x")],
-    ["references", (client) => client.teaching.references("x")],
-    ["assignments", (client) => client.teaching.assignments({ cohort: "c" })],
-    ["results", (client) => client.teaching.results("x")],
-    ["annotations", (client) => client.teaching.annotations("x")],
-    ["sessions", (client) => client.people.sessions("x")],
-    ["sessions", (client) => client.people.ownSessions()],
-    ["cohorts", (client) => client.people.allCohorts()],
-    ["stations", (client) => client.stations.all()],
-    ["codes", (client) => client.stations.codes()],
-    ["versions", (client) => client.profiles.versions("x")],
-    ["reports", (client) => client.profiles.reports("x")],
-    ["calibrations", (client) => client.profiles.calibrations("x")],
-  ];
-  for (const [name, ask] of lists) {
-    const rows = (first: number, count: number) => Array.from({ length: count }, (_, i) => ({ id: first + i }));
-    const { client, calls } = clientThatGets([
-      Response.json({ [name]: rows(0, 200), next: "c2" }),
-      Response.json({ [name]: rows(200, 200), next: "c3" }),
-      Response.json({ [name]: rows(400, 1), next: null }),
-    ]);
-    const result = await ask(client);
-    assert.equal(result.value?.length, 401, name);
-    assert.deepEqual(
-      calls.map((call) => new URL(call.path, "http://localhost").searchParams.get("cursor")),
-      [null, "c2", "c3"],
-      name,
-    );
-  }
+  const rows = (first: number, count: number) => Array.from({ length: count }, (_, i) => ({ id: first + i }));
+  const { client, calls } = clientThatGets([
+    Response.json({ exercises: rows(0, 200), next: "c2" }),
+    Response.json({ exercises: rows(200, 200), next: "c3" }),
+    Response.json({ exercises: rows(400, 1), next: null }),
+  ]);
+  const result = await client.all("/exercises", { state: "draft" });
+  assert.equal(result.ok && result.value.length, 401);
+  const asked = (name: string) => calls.map((call) => new URL(call.path, "http://localhost").searchParams.get(name));
+  assert.deepEqual(asked("cursor"), [null, "c2", "c3"]);
+  assert.deepEqual(asked("state"), ["draft", "draft", "draft"]);
 });
 
 test("a list of which a page is refused is an error, not a part of it", async () => {
@@ -257,18 +237,18 @@ test("a list of which a page is refused is an error, not a part of it", async ()
     Response.json({ versions: [{ id: "a" }], next: "c2" }),
     refusal(503, "unavailable"),
   ]);
-  const result = await client.teaching.versions("x");
+  const result = await client.all("/exercises/{id}/versions", { id: "x" });
   assert.equal(!result.ok && result.error.code, "unavailable");
 });
 
 test("a state that everybody meets is said in words, whatever the server's sentence", async () => {
   const answer = { error: { code: "conflict", message: "expected X, found Y", field: "marking_given_up" } };
   const { client } = clientThatGets([new Response(JSON.stringify(answer), { status: 409 })]);
-  const result = await client.marking.giveUp("m");
+  const result = await client.delete("/markings/{id}", { id: "m" });
   assert.equal(!result.ok && result.error.message, "This blind marking was given up. Nothing can be marked any more.");
 });
 
-test("a roster with problems is a report, not an error; any other refusal is one", async () => {
+test("a refusal that says what is wrong is a report, not an error; any other is one", async () => {
   const { client } = clientThatGets([
     new Response(
       JSON.stringify({
@@ -280,8 +260,8 @@ test("a roster with problems is a report, not an error; any other refusal is one
     ),
     refusal(415, "unsupported_media_type"),
   ]);
-  const how = { cohort: "", reading: undefined, ignoreUnknown: false, move: false };
-  const report = await client.people.importRoster(new ArrayBuffer(1), how, true);
+  const ask = () => reported(client.post("/roster", { body: "", type: "text/csv" }), "problems");
+  const report = await ask();
   assert.ok(report.ok && report.value.problem_count === 1);
-  assert.ok(!(await client.people.importRoster(new ArrayBuffer(1), how, true)).ok);
+  assert.ok(!(await ask()).ok);
 });

@@ -3,11 +3,9 @@ import { sentence } from "../base/format";
 import { say, sayIf } from "../base/words";
 import { spokenLanguage } from "../base/language";
 import { Ahead } from "./ahead";
-import { apiAddress, type Fetch, type Method, type RequestOptions, requestInit, sendByFetch } from "./request_init";
+import type { Answer, Asked, Item, Method, PathOf, Rest } from "./contract";
+import { apiAddress, type Fetch, fill, type RequestOptions, requestInit, sendByFetch } from "./request_init";
 import type { ErrorCode } from "./types";
-
-export { segment } from "./ahead";
-export type { Fetch, Method, RequestOptions } from "./request_init";
 
 // Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page
 // does not understand; otherwise the server's own code and sentence.
@@ -33,8 +31,6 @@ export interface Page<T> {
   readonly items: readonly T[];
   readonly next: string | null; // cursor of the page after this one
 }
-
-export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
 
 const kMostRows = 200; // that the server gives in a page
 const kMostPages = 200;
@@ -62,72 +58,75 @@ export class Http {
   csrf = ""; // the session's; empty while signed out
   // Asks the person for the password again, where the server wants that for a change; true when it
   // was given, and the change is then sent once more.
-  confirmPassword: () => Promise<boolean> = async () => false;
+  confirm: () => Promise<boolean> = async () => false;
 
   constructor(
     private readonly sessionLost: () => void,
-    private readonly send: Fetch = sendByFetch,
+    private readonly fetch: Fetch = sendByFetch,
     readonly ahead = new Ahead(),
   ) {}
 
-  async json<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<T>> {
-    const tagged = await this.tagged<T>(method, path, options);
-    return tagged.ok ? ok(tagged.value.value) : tagged;
+  readonly get = this.sends("GET");
+  readonly post = this.sends("POST");
+  readonly put = this.sends("PUT");
+  readonly patch = this.sends("PATCH");
+  readonly delete = this.sends("DELETE");
+
+  // What an operation of the contract answers; undefined where it says nothing.
+  private sends<M extends Method>(method: M) {
+    return async <P extends PathOf<M>>(path: P, ...asked: Rest<Asked<M, P>>): Promise<ApiResult<Answer<M, P>>> => {
+      const tagged = await this.tagged(method, path, ...asked);
+      return tagged.ok ? ok(tagged.value.value) : tagged;
+    };
   }
 
-  async tagged<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<Tagged<T>>> {
-    const response = await this.request(method, path, options);
+  async tagged<M extends Method, P extends PathOf<M>>(
+    method: M,
+    path: P,
+    ...[asked]: Rest<Asked<M, P>>
+  ): Promise<ApiResult<Tagged<Answer<M, P>>>> {
+    const response = await this.request(method, ...sent(path, asked));
     if (!response.ok) return response;
-    const value = await received(async () => (await response.value.json()) as T);
+    if (response.value.status === 204) return ok({ value: undefined as Answer<M, P>, tag: "" });
+    const value = await received(async () => (await response.value.json()) as Answer<M, P>);
     if (!value.ok) return value;
     if (typeof value.value !== "object" || value.value === null) return fail(malformed("JSON, but no object"));
     return ok({ value: value.value, tag: response.value.headers.get("ETag") ?? "" });
   }
 
-  // `name`: the member of the answer that holds the list.
-  async page<T>(path: string, name: string, query: Query, signal?: AbortSignal): Promise<ApiResult<Page<T>>> {
-    const result = await this.json<Readonly<Record<string, unknown>>>("GET", path + queryText(query), { signal });
+  // The list in an answer.
+  async page<P extends PathOf<"GET">>(path: P, ...asked: Rest<Asked<"GET", P>>): Promise<ApiResult<Page<Item<P>>>> {
+    const result = await this.get(path, ...asked);
     if (!result.ok) return result;
-    const { [name]: items, next } = result.value;
-    if (!Array.isArray(items)) return fail(malformed(`a list without ${name}`));
-    return ok({ items: items as T[], next: typeof next === "string" ? next : null });
+    const answer = result.value as Readonly<Record<string, unknown>>;
+    const items = Object.values(answer).find(Array.isArray);
+    if (items === undefined) return fail(malformed("an answer without a list"));
+    return ok({ items, next: typeof answer["next"] === "string" ? answer["next"] : null });
   }
-
   // All of a list, page after page.
-  all<T>(path: string, name: string, query: Query, signal?: AbortSignal): Promise<ApiResult<readonly T[]>> {
-    return readAll((cursor) => this.page<T>(path, name, { ...query, limit: kMostRows, cursor }, signal));
+  all<P extends PathOf<"GET">>(path: P, ...[asked]: Rest<Asked<"GET", P>>) {
+    const part = (cursor: string | undefined) =>
+      [{ ...asked, limit: kMostRows, cursor }] as unknown as Rest<Asked<"GET", P>>;
+    return readAll((cursor) => this.page(path, ...part(cursor)));
   }
 
-  async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.read(path, { signal });
+  async bytes<P extends PathOf<"GET">>(path: P, asked: Asked<"GET", P>): Promise<ApiResult<ArrayBuffer>> {
+    const response = await this.request("GET", ...sent(path, asked));
+    return response.ok ? received(() => response.value.arrayBuffer()) : response;
   }
   // Bytes from `from` to before `to`, as they come; fewer where there are no more. The browser keeps them, and asks
   // each time whether they are still the same.
-  async stream(
-    path: string,
-    from: number,
-    to: number,
-    signal?: AbortSignal,
+  async stream<P extends PathOf<"GET">>(
+    path: P,
+    [from, to]: readonly [number, number],
+    asked: Asked<"GET", P>,
   ): Promise<ApiResult<ReadableStream<Uint8Array<ArrayBuffer>>>> {
-    const response = await this.request("GET", path, { signal, range: [from, to], kept: true });
+    const [address, options] = sent(path, asked);
+    const response = await this.request("GET", address, { ...options, range: [from, to], kept: true });
     if (!response.ok) return response;
     if (response.value.status !== 206 && from > 0) return fail(malformed("all of it where a part was asked for"));
     const { body } = response.value;
     return body === null ? fail(malformed("an empty body")) : ok(body);
-  }
-  // From the browser's own cache where the server says that it may be kept.
-  async kept(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.read(path, { signal, kept: true });
-  }
-
-  private async read(path: string, options: RequestOptions): Promise<ApiResult<ArrayBuffer>> {
-    const response = await this.request("GET", path, options);
-    return response.ok ? received(() => response.value.arrayBuffer()) : response;
-  }
-
-  async empty(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<undefined>> {
-    const response = await this.request(method, path, options);
-    return response.ok ? ok(undefined) : response;
   }
 
   private async request(
@@ -137,7 +136,7 @@ export class Http {
     confirmed = false,
   ): Promise<ApiResult<Response>> {
     try {
-      const send = () => this.send(apiAddress(path), requestInit(method, options, this.csrf));
+      const send = () => this.fetch(apiAddress(path), requestInit(method, options, this.csrf));
       const early = method === "GET" ? this.ahead.take(path, options) : undefined;
       let response = await (early ?? send());
       // What was not there yet when it was asked for ahead, as the score of an attempt in the queue, may be there now.
@@ -145,7 +144,7 @@ export class Http {
       if (response.ok) return ok(response);
       if (response.status === 401 && options.signingIn !== true) this.sessionLost();
       const error = await refusal(response, method);
-      if (error.code !== "confirm_password" || confirmed || !(await this.confirmPassword())) return fail(error);
+      if (error.code !== "confirm_password" || confirmed || !(await this.confirm())) return fail(error);
       return await this.request(method, path, options, true);
     } catch {
       return fail(unreachable(options.signal));
@@ -153,23 +152,28 @@ export class Http {
   }
 }
 
-// "?a=1&b=2" of what is given; empty when nothing is.
-export function queryText(query: Query): string {
-  const search = new URLSearchParams();
-  for (const [name, value] of Object.entries(query)) {
-    if (value !== undefined && value !== "") search.set(name, String(value));
-  }
-  const text = search.toString();
-  return text === "" ? "" : `?${text}`;
-}
-
-// The ETag of a thing that came in a list, from its revision.
-export function tagOf(revision: number): string {
-  return `"${revision}"`;
-}
+// What is said about a thing is said about it as it was seen.
+export const seen = ({ id, revision }: { readonly id: string; readonly revision: number }) => ({ id, tag: revision });
 
 export function understood<T>(result: Result<T, string>): ApiResult<T> {
   return result.ok ? result : fail(malformed(result.error));
+}
+
+// The answer where a refusal brings it along: what is wrong with what was sent is in `member`.
+export async function reported<T>(asked: Promise<ApiResult<T>>, member: string & keyof T): Promise<ApiResult<T>> {
+  const result = await asked;
+  const answer = result.ok ? undefined : result.error.answer;
+  return Array.isArray(answer?.[member]) ? ok(answer as T) : result;
+}
+
+// Of what the browser itself loads, as a file that is saved.
+export function addressOf<P extends PathOf<"GET">>(path: P, asked: Asked<"GET", P>): string {
+  return apiAddress(fill(path, asked));
+}
+
+function sent(path: string, asked: unknown): [string, RequestOptions] {
+  const { body, type, tag, signal, kept, signingIn, ...given } = { ...(asked as RequestOptions) };
+  return [fill(path, given), { body, type, tag, signal, kept, signingIn }];
 }
 
 function unreachable(signal: AbortSignal | undefined): ApiError {

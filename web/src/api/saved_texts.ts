@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import { ok } from "../base/result";
 import type { Client } from "./client";
-import type { ApiError, ApiResult } from "./http";
+import { type ApiError, type ApiResult, seen } from "./http";
 import type { SavedText } from "./types";
 import { useChange } from "./use_change";
 import { useRequest } from "./use_request";
@@ -27,12 +27,11 @@ interface Made {
 
 export function useSavedTexts(client: Client): SavedTexts {
   const { loaded, reload } = useRequest("saved texts", async (signal) => {
-    const all = await client.teaching.savedTexts(signal);
+    const all = await client.all("/saved-texts", { signal });
     return all.ok ? ok(ownFirst(all.value)) : all;
   });
   const change = useChange();
   const [made, setMade] = useState<Made>();
-  const { teaching } = client;
   const run = async <T>(ask: () => Promise<ApiResult<T>>, then: (value: T) => Made | undefined) => {
     const result = await change.run(ask);
     // Somebody else changed it, or it is gone: what there is now is shown, with the reason.
@@ -43,12 +42,12 @@ export function useSavedTexts(client: Client): SavedTexts {
   };
   const save = (text: string, shared = false) =>
     run(
-      () => teaching.saveText({ text: text.trim(), shared }),
+      () => client.post("/saved-texts", { body: { text: text.trim(), shared } }),
       () => undefined,
     );
   const replace = (row: SavedText, to: Pick<SavedText, "text" | "shared">): Promise<boolean> =>
     run(
-      () => teaching.replaceText(row, { text: to.text.trim(), shared: to.shared }),
+      () => client.put("/saved-texts/{id}", { ...seen(row), body: { text: to.text.trim(), shared: to.shared } }),
       (now) =>
         row.shared && !now.shared
           ? { what: "unshared", text: now.text, undo: () => replace(now, { text: now.text, shared: true }) }
@@ -56,7 +55,7 @@ export function useSavedTexts(client: Client): SavedTexts {
     );
   const remove = (row: SavedText) =>
     run(
-      () => teaching.removeText(row),
+      () => client.delete("/saved-texts/{id}", seen(row)),
       () => ({ what: "removed", text: row.text, undo: () => save(row.text, row.shared) }),
     );
   const { busy, error } = change;

@@ -17,14 +17,3 @@ export type Criterion = api.Score["criteria"][number];
 export type Region = api.Score["regions"][number];
 export type Mistake = api.Score["mistakes"][number];
 export type Metric = api.Score["metrics"][number];
-
-// An entry's document is schemas/calibration.schema.json; this is what the page reads of it.
-export interface CalibrationDocument {
-  readonly station: string;
-  readonly software: string;
-  readonly method: string;
-  readonly measured: Readonly<
-    Record<string, { readonly value: number; readonly uncertainty: number; readonly samples: number }>
-  >;
-}
-export type Calibration = Omit<api.CalibrationEntry, "document"> & { readonly document: CalibrationDocument };

@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Client } from "../api/client";
-import { queryText } from "../api/http";
+import { queryText } from "../api/request_init";
 import type { Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
 import { draftsOf, eraseDrafts } from "../base/drafts";
@@ -50,16 +50,14 @@ const client = new Client(
 
 // The question for the password that is open, if any, and who waits for its answer.
 const confirming = signal<((confirmed: boolean) => void) | undefined>(undefined);
-client.onConfirmPassword(
-  () =>
-    new Promise((resolve) => {
-      confirming.value?.(false);
-      confirming.value = (confirmed) => {
-        confirming.value = undefined;
-        resolve(confirmed);
-      };
-    }),
-);
+client.confirm = () =>
+  new Promise((resolve) => {
+    confirming.value?.(false);
+    confirming.value = (confirmed) => {
+      confirming.value = undefined;
+      resolve(confirmed);
+    };
+  });
 
 // Begins what the address shows. Returns the parts whose words it needs.
 export function beginParts(): ("attempt_page" | "exercise_page")[] {
@@ -87,7 +85,9 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   const kept =
     chosen === undefined || chosen === begun.language
       ? begun
-      : await client.setLanguage(chosen).then((result) => (result.ok ? result.value : begun));
+      : await client
+          .put("/session/language", { body: { language: chosen } })
+          .then((result) => (result.ok ? result.value : begun));
   // Where its words cannot be loaded, the page keeps its language, and the account page reports
   // that.
   await applyLanguage(kept.language);
@@ -107,7 +107,7 @@ async function chooseBefore(code: Language): Promise<void> {
 
 // Why not, where it could not be kept or its words could not be loaded.
 async function choose(language: Session["language"]): Promise<string | undefined> {
-  const kept = await client.setLanguage(language);
+  const kept = await client.put("/session/language", { body: { language } });
   if (!kept.ok) return kept.error.message;
   if (!(await applyLanguage(language))) return say("account.language_words_failed");
   if (session.value.state === "in") session.value = { ...session.value, language };

@@ -20,8 +20,8 @@ export function useNews(client: Client, role: Role): News {
     const look = async () => {
       if (document.visibilityState === "hidden") return;
       const [appeals, health] = await Promise.all([
-        client.attempts({ appeal: "open", limit: kMostAppeals + 1 }, abort.signal),
-        role === "admin" ? client.operations.health(abort.signal) : undefined,
+        client.page("/attempts", { appeal: "open", limit: kMostAppeals + 1, signal: abort.signal }),
+        role === "admin" ? client.get("/health", { signal: abort.signal }) : undefined,
       ]);
       if (abort.signal.aborted) return;
       const waiting = appeals.ok ? appeals.value.items.length : 0;

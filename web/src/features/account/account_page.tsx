@@ -76,7 +76,7 @@ function LanguageCard({ language, onLanguage }: Pick<Props, "language" | "onLang
 }
 
 function OwnSessions({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("sessions", (signal) => client.people.ownSessions(signal));
+  const { loaded, reload } = useRequest("sessions", (signal) => client.all("/sessions", { signal }));
   return (
     <Card title={say("account.sessions")}>
       {loaded.state === "loading" && <Loading what={say("loading.own_sessions")} />}
@@ -88,7 +88,7 @@ function OwnSessions({ client }: { readonly client: Client }) {
           sessions={loaded.value}
           label={say("account.your_sessions")}
           onEnd={async (id) => {
-            const result = await client.people.endSession(id);
+            const result = await client.delete("/sessions/{id}", { id });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;

@@ -17,7 +17,7 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.confirmPassword(password));
+    const result = await change.run(() => client.post("/session/confirm", { body: { password } }));
     if (result?.ok === true) onAnswer(true);
   };
   return (

@@ -26,7 +26,7 @@ export function PinCard({ client }: { readonly client: Client }) {
   const submit = async (event: Event) => {
     event.preventDefault();
     setChosen(false);
-    const result = await change.run(() => client.people.choosePin(pin));
+    const result = await change.run(() => client.put("/session/pin", { body: { pin } }));
     if (result?.ok !== true) return;
     setPin("");
     setChosen(true);

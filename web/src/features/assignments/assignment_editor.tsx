@@ -31,9 +31,9 @@ const kTerms: Terms = {
 
 // A new assignment: an exercise for a cohort, with its terms.
 export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises("published", signal));
-  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
-  const stations = useRequest("stations", (signal) => client.stations.all(signal));
+  const exercises = useRequest("exercises", (signal) => client.all("/exercises", { state: "published", signal }));
+  const cohorts = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
+  const stations = useRequest("stations", (signal) => client.all("/stations", { signal }));
   const failed = [exercises.loaded, cohorts.loaded, stations.loaded].find((loaded) => loaded.state === "failed");
   return (
     <Dialog title={say("assign.title")} onClose={onClose} wide>
@@ -74,7 +74,9 @@ function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations 
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.teaching.assign({ exercise, cohort_id: into, ...fitting(terms) }));
+    const result = await change.run(() =>
+      client.post("/assignments", { body: { exercise, cohort_id: into, ...fitting(terms) } }),
+    );
     if (result?.ok === true) onMade(result.value);
   };
   const problemOf = (field: string) => (change.error?.field === field ? change.error.message : undefined);

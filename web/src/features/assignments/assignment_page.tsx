@@ -26,7 +26,7 @@ interface Props {
 }
 
 export function AssignmentPage({ client, id, onGone, insight, marking }: Props) {
-  const { loaded, reload } = useRequest(id, (signal) => client.teaching.assignment(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/assignments/{id}", { id, signal }));
   const [newer, setNewer] = useState<Tagged<Assignment>>();
   if (loaded.state === "loading") return <Loading what={say("loading.assignment")} />;
   if (loaded.state === "failed") {
@@ -117,7 +117,7 @@ function EndCard({
   if (before === undefined && phase !== "open" && phase !== "late") return null;
   const save = async (terms: Terms, undo: Terms | undefined) => {
     const result = await change.run(() =>
-      client.teaching.editAssignment(assignment.id, sentTerms(assignment, terms), tag),
+      client.tagged("PUT", "/assignments/{id}", { id: assignment.id, body: sentTerms(assignment, terms), tag }),
     );
     if (result === undefined) return;
     if (result.ok) setBefore(undo);
@@ -232,11 +232,12 @@ function EditTerms({
   readonly read: Tagged<Assignment>;
   readonly onRead: (read: Tagged<Assignment>) => void;
 }) {
-  const stations = useRequest("stations", (signal) => client.stations.all(signal));
+  const stations = useRequest("stations", (signal) => client.all("/stations", { signal }));
   const known = stations.loaded.state === "ready" ? stations.loaded.value : [];
   const edit = useEdit(
     read,
-    (draft, tag) => client.teaching.editAssignment(draft.id, sentTerms(draft, termsOf(draft)), tag),
+    (draft, tag) =>
+      client.tagged("PUT", "/assignments/{id}", { id: draft.id, body: sentTerms(draft, termsOf(draft)), tag }),
     onRead,
   );
   const submit = (event: Event) => {
@@ -335,7 +336,7 @@ function Scores({
           tone="neutral"
           onClose={close}
           onConfirm={async () => {
-            const result = await client.teaching.releaseAssignment(assignment.id);
+            const result = await client.post("/assignments/{id}/release", { id: assignment.id });
             if (!result.ok) return result.error.message;
             setReleased(result.value.released);
             return undefined;
@@ -350,7 +351,7 @@ function Scores({
           action={say("common.delete")}
           onClose={close}
           onConfirm={async () => {
-            const result = await client.teaching.deleteAssignment(assignment.id, tag);
+            const result = await client.delete("/assignments/{id}", { id: assignment.id, tag });
             if (!result.ok) return result.error.message;
             onGone();
             return undefined;

@@ -21,9 +21,9 @@ interface Props {
 export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
   const cohort = query.get("cohort") ?? "";
   const { loaded, reload } = useRequest(`assignments ${cohort}`, (signal) =>
-    client.teaching.assignments({ cohort }, signal),
+    client.all("/assignments", { cohort, signal }),
   );
-  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const cohorts = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value : [];
   const [adding, setAdding] = useState(false);
   const now = Date.now();

@@ -26,14 +26,16 @@ interface Props {
 export function InsightCard({ client, assignment }: Props) {
   const { id, exercise } = assignment;
   const { loaded, reload } = useRequest(`insight ${id}`, async (signal) => {
-    const insight = await client.teaching.insight(id, signal);
+    const insight = await client.get("/assignments/{id}/insight", { id, signal });
     return insight.ok ? ok(wordedInsight(insight.value)) : insight;
   });
   // The figures count them among what is not scored yet, which they are not before an instructor decides.
   const quarantined = useRequest(`set aside ${id}`, (signal) =>
-    client.attempts({ assignment: id, state: "quarantined", limit: kMostSetAside }, signal),
+    client.page("/attempts", { assignment: id, state: "quarantined", limit: kMostSetAside, signal }),
   );
-  const drawn = useRequest(exercise.id ?? undefined, (signal) => client.teaching.exercise(exercise.id ?? "", signal));
+  const drawn = useRequest(exercise.id ?? undefined, (signal) =>
+    client.tagged("GET", "/exercises/{id}", { id: exercise.id ?? "", signal }),
+  );
   const target = drawn.loaded.state === "ready" ? drawn.loaded.value.value.target : undefined;
   const setAside = quarantined.loaded.state === "ready" ? quarantined.loaded.value.items.length : 0;
   const save = (insight: AssignmentInsight) => {

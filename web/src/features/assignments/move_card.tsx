@@ -40,7 +40,11 @@ export function MoveCard({ client, assignment, tag, onMoved }: Props) {
           tone="neutral"
           onClose={() => setOpen(false)}
           onConfirm={async () => {
-            const result = await client.teaching.moveAssignment(assignment.id, newest, tag);
+            const result = await client.post("/assignments/{id}/move", {
+              id: assignment.id,
+              body: { exercise_id: newest },
+              tag: tag,
+            });
             if (!result.ok) return result.error.message;
             onMoved();
             return undefined;
@@ -63,7 +67,7 @@ function WhatMoves({
   readonly newest: string;
 }) {
   const { loaded } = useRequest(`${assignment.id} ${newest}`, (signal) =>
-    client.teaching.lookAtMove(assignment.id, newest, signal),
+    client.post("/assignments/{id}/move", { id: assignment.id, dry_run: true, body: { exercise_id: newest }, signal }),
   );
   if (loaded.state === "loading") return <Loading what={say("loading.move")} />;
   if (loaded.state === "failed") return <ErrorNotice title={say("move.failed")} message={loaded.error.message} />;

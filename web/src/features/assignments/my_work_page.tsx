@@ -12,7 +12,7 @@ const Scores = part("my_progress", () => import("./my_progress"));
 
 // A student's assignments, the earliest due time first.
 export function MyWorkPage({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("assignments", (signal) => client.teaching.assignments({}, signal));
+  const { loaded, reload } = useRequest("assignments", (signal) => client.all("/assignments", { signal }));
   const now = Date.now();
   return (
     <>

@@ -1,5 +1,6 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { seen } from "../../api/http";
 import { useSavedTexts, withText } from "../../api/saved_texts";
 import { fromScene } from "../../api/tooth_number";
 import type { Annotation, Series } from "../../api/types";
@@ -101,7 +102,7 @@ function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
           action={say("remarks.delete")}
           onClose={() => setMode("read")}
           onConfirm={async () => {
-            const result = await client.teaching.deleteAnnotation(annotation);
+            const result = await client.delete("/annotations/{id}", seen(annotation));
             if (!result.ok) return result.error.message;
             remarks.reload();
             return undefined;
@@ -139,10 +140,13 @@ function EditRemark({
   const save = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() =>
-      client.teaching.editAnnotation(annotation, {
-        tick: annotation.tick,
-        point_um: annotation.point_um,
-        text: text.trim(),
+      client.put("/annotations/{id}", {
+        ...seen(annotation),
+        body: {
+          tick: annotation.tick,
+          point_um: annotation.point_um,
+          text: text.trim(),
+        },
       }),
     );
     if (result?.ok !== true) return;
@@ -202,7 +206,7 @@ function NewRemark({ review, series }: Props) {
       point_um: point === undefined ? null : umOf(point),
       text: text.trim(),
     };
-    const result = await change.run(() => client.teaching.annotate(attempt.id, remark));
+    const result = await change.run(() => client.post("/attempts/{id}/annotations", { id: attempt.id, body: remark }));
     // While it is sent the button cannot hold the focus: who did not go elsewhere writes on.
     if (document.activeElement === document.body || form.current?.contains(document.activeElement) === true)
       form.current?.querySelector("textarea")?.focus();

@@ -71,7 +71,9 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.teaching.fileAppeal(attempt.id, text.trim()));
+    const result = await change.run(() =>
+      client.post("/attempts/{id}/appeal", { id: attempt.id, body: { text: text.trim() } }),
+    );
     if (result?.ok !== true) return;
     forget();
     onChanged();
@@ -112,7 +114,8 @@ function AnswerAppeal({ client, attempt, rescore, onChanged }: AnswerProps) {
   const [text, setText, forget] = useDraft(`answer ${attempt.id}`);
   const change = useChange();
   const answer = async (outcome: "regrade" | "reject") => {
-    const send = () => client.teaching.answerAppeal(attempt.id, outcome, text.trim());
+    const send = () =>
+      client.post("/attempts/{id}/appeal/answer", { id: attempt.id, body: { outcome, answer: text.trim() } });
     const result = await change.run(() => (outcome === "regrade" ? rescore.ask(send) : send()));
     if (result?.ok !== true) return;
     forget();

@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { ApiError } from "../../api/http";
+import { type ApiError, seen } from "../../api/http";
 import { anatomyOf } from "../../api/tooth_number";
 import type { AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -47,10 +47,10 @@ interface Props {
 // by itself.
 export function AttemptPage({ client, person, id, onOpen, alone = false }: Props) {
   useEffect(prepareTooth, []);
-  const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.get("/attempts/{id}", { id, signal }));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const exercise = useRequest(attempt?.exercise.id, (signal) =>
-    client.teaching.exercise(attempt?.exercise.id ?? "", signal),
+    client.tagged("GET", "/exercises/{id}", { id: attempt?.exercise.id ?? "", signal }),
   );
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const target = exercise.loaded.state === "ready" ? exercise.loaded.value.value.target : undefined;
@@ -70,8 +70,8 @@ export function AttemptPage({ client, person, id, onOpen, alone = false }: Props
   const release = useRef<() => void>(undefined); // and on to the next one, where that may be done now
   const review = useRef<Review>(undefined); // while there is a score to look at
   const undo = useReleaseUndo(async (released) => {
-    const now = await client.attempt(released); // with what others changed meanwhile
-    return now.ok ? client.teaching.withdrawRelease(now.value) : now;
+    const now = await client.get("/attempts/{id}", { id: released }); // with what others changed meanwhile
+    return now.ok ? client.delete("/attempts/{id}/release", seen(now.value)) : now;
   });
   const keys = useKeys([
     ...playbackKeys(() => review.current?.control),

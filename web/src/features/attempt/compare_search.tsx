@@ -24,10 +24,10 @@ export function CompareSearch({ client, attempt, onFound, onClose }: Props) {
   const [text, setText] = useState("");
   const [exercise, setExercise] = useState(attempt.exercise.id);
   const [name, setName] = useState(""); // that is searched
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const exercises = useRequest("exercises", (signal) => client.all("/exercises", { signal }));
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
   const { loaded, reload } = useRequest(`${exercise} ${name}`, (signal) =>
-    client.attempts({ exercise, name, state: "scored", limit: kMost }, signal),
+    client.page("/attempts", { exercise, name, state: "scored", limit: kMost, signal }),
   );
   const found = loaded.state === "ready" ? loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
   return (

@@ -27,10 +27,10 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const exercise = attempt.exercise.id;
   // The person's own are asked for by themselves: in a large class none of them is among the newest.
   const mine = useRequest(asked ? `${exercise} ${attempt.person.id}` : undefined, (signal) =>
-    client.attempts({ exercise, person: attempt.person.id, state: "scored", limit: kMostOwn }, signal),
+    client.page("/attempts", { exercise, person: attempt.person.id, state: "scored", limit: kMostOwn, signal }),
   );
   const { loaded } = useRequest(asked && staff ? exercise : undefined, (signal) =>
-    client.attempts({ exercise, state: "scored", limit: kMostOthers }, signal),
+    client.page("/attempts", { exercise, state: "scored", limit: kMostOthers, signal }),
   );
   const own = mine.loaded.state === "ready" ? mine.loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
   const others =

@@ -1,6 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
-import { signedResultAddress } from "../../api/client";
 import type { Client } from "../../api/client";
+import { addressOf } from "../../api/http";
 import type { AttemptDetail, Metric, Score } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import {
@@ -92,7 +92,7 @@ export const RecordingPanel = still(function RecordingPanel({
       </dl>
       {attempt.result_fingerprint !== null && !alone && (
         <p class="no-print">
-          <a href={signedResultAddress(attempt.id)} download>
+          <a href={addressOf("/attempts/{id}/signed-result", { id: attempt.id })} download>
             {say("recording.save_signed")}
           </a>
         </p>
@@ -152,7 +152,9 @@ export const RunsPanel = still(function RunsPanel({
   readonly requestKey: string;
   readonly attemptId: string;
 }) {
-  const { loaded } = useRequest(requestKey, (signal) => client.teaching.results(attemptId, signal));
+  const { loaded } = useRequest(requestKey, (signal) =>
+    client.all("/attempts/{id}/results", { id: attemptId, signal }),
+  );
   if (loaded.state !== "ready" || loaded.value.length < 2) return null;
   return (
     <Card title={say("recording.runs")}>

@@ -18,7 +18,9 @@ interface Props {
 
 // Where the attempt lies among several dentists' cuts: first what is outside of theirs.
 export const EnvelopePanel = still(function EnvelopePanel({ client, exercise, envelope, metrics }: Props) {
-  const references = useRequest(exercise, (signal) => client.teaching.references(exercise, signal));
+  const references = useRequest(exercise, (signal) =>
+    client.all("/exercises/{id}/references", { id: exercise, signal }),
+  );
   const known = references.loaded.state === "ready" ? references.loaded.value : [];
   const nameOf = (attempt: string, place: number) =>
     known.find((each) => each.attempt_id === attempt)?.dentist ??

@@ -96,7 +96,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
   plots.more = () => setMore((was) => !was);
   const moreLines = useMemo(() => (more ? moreLinesOf(series) : []), [series, more]);
   const { loaded: asked } = useRequest(more ? attempt.exercise.id : undefined, (signal) =>
-    client.teaching.exercise(attempt.exercise.id, signal),
+    client.tagged("GET", "/exercises/{id}", { id: attempt.exercise.id, signal }),
   );
   const deepLines = useMemo(
     () => (more ? deepLinesOf(series, asked.state === "ready" ? asked.value.value.target : undefined) : []),

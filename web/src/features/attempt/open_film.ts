@@ -11,7 +11,7 @@ export function openFilm(client: Client, film: FilmLink, start: string): Promise
   const known = opened.get(film);
   if (known !== undefined) return known;
   const made = client
-    .startTooth(start)
+    .bytes("/start-teeth/{name}", { name: start, kept: true })
     .then((bytes): Opened | Promise<Opened> =>
       bytes.ok ? film.interior(bytes.value) : { ok: false, error: bytes.error.message },
     );

@@ -48,7 +48,7 @@ export function playbackOf(client: Client, attempt: string, changed: () => void)
   if (ahead?.client !== client || ahead.attempt !== attempt) return new Playback(client, attempt, changed);
   begun = undefined;
   // Refused perhaps because nobody was signed in yet; or for somebody else who was.
-  if (ahead.playback.state.state === "failed" || client.http.ahead.forgotten) {
+  if (ahead.playback.state.state === "failed" || client.ahead.forgotten) {
     ahead.playback.dispose();
     return new Playback(client, attempt, changed);
   }
@@ -132,7 +132,10 @@ export class Playback {
     return from < head.fileBytes ? this.part(from, head.fileBytes) : undefined;
   }
   private async part(from: number, to: number): Promise<ApiError | undefined> {
-    const bytes = await this.client.timeline(this.attempt, from, to, this.abort.signal);
+    const bytes = await this.client.stream("/attempts/{id}/timeline", [from, to], {
+      id: this.attempt,
+      signal: this.abort.signal,
+    });
     if (!bytes.ok) return bytes.error;
     const reader = bytes.value.getReader();
     try {
@@ -196,7 +199,11 @@ export class Playback {
   }
 
   private async loadDeviation(): Promise<void> {
-    const bytes = await this.client.deviation(this.attempt, this.abort.signal);
+    const bytes = await this.client.bytes("/attempts/{id}/deviation", {
+      id: this.attempt,
+      signal: this.abort.signal,
+      kept: true,
+    });
     if (this.abort.signal.aborted) return;
     if (bytes.ok) return this.film?.deviation(bytes.value);
     this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };

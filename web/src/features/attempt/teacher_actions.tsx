@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { ApiError, ApiResult, Tagged } from "../../api/http";
+import { type ApiError, type ApiResult, seen, type Tagged } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { keepDraft } from "../../base/drafts";
@@ -35,7 +35,6 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();
   const change = useChange();
-  const { teaching } = client;
 
   // Closes a form whose text was sent or given up.
   const close = () => {
@@ -64,14 +63,17 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
     else if (result !== undefined && open !== "override") refused(result.error);
   };
   const override = (about: Pick<AttemptDetail, "id" | "revision">, score: number, reason: string) =>
-    void act(() => teaching.override(about, score, reason), say("judge.score_counts", { score: formatScore(score) }));
+    void act(
+      () => client.put("/attempts/{id}/override", { ...seen(about), body: { score, reason } }),
+      say("judge.score_counts", { score: formatScore(score) }),
+    );
   const newer = open === "override" ? (change.error?.current as Tagged<AttemptDetail> | undefined)?.value : undefined;
   const student = attempt.person.display_name;
   const may = (action: AttemptDetail["may"][number]) => attempt.may.includes(action);
 
   const releasable = may("release") && awaitsRelease(attempt, graded);
   const releaseAndNext = async () => {
-    const result = await change.run(() => teaching.release(attempt));
+    const result = await change.run(() => client.post("/attempts/{id}/release", seen(attempt)));
     if (result?.ok === false) refused(result.error);
     if (result?.ok !== true) return;
     releaseMade(attempt);
@@ -92,7 +94,12 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
             type="button"
             class={onNext === undefined ? "button primary" : "button"}
             disabled={change.busy}
-            onClick={() => void act(() => teaching.release(attempt), say("judge.can_see", { name: student }))}
+            onClick={() =>
+              void act(
+                () => client.post("/attempts/{id}/release", seen(attempt)),
+                say("judge.can_see", { name: student }),
+              )
+            }
           >
             {say("judge.release")}
           </button>
@@ -153,7 +160,12 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
                 id={attempt.id}
                 busy={change.busy}
                 onCancel={close}
-                onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))}
+                onReason={(reason) =>
+                  void act(
+                    () => client.post("/attempts/{id}/excuse", { ...seen(attempt), body: { reason } }),
+                    say("judge.excused"),
+                  )
+                }
               />
             )}
           </span>
@@ -163,7 +175,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
             type="button"
             class="button"
             disabled={change.busy}
-            onClick={() => void act(() => teaching.takeExcuseBack(attempt), say("judge.counts_again"))}
+            onClick={() =>
+              void act(() => client.delete("/attempts/{id}/excuse", seen(attempt)), say("judge.counts_again"))
+            }
           >
             {say("judge.unexcuse")}
           </button>
@@ -188,7 +202,11 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
                   onCancel={() => setOpen(undefined)}
                   onName={(dentist, consent, anyway) =>
                     void act(
-                      () => teaching.makeReference(attempt.id, dentist, consent, anyway),
+                      () =>
+                        client.post("/attempts/{id}/reference", {
+                          id: attempt.id,
+                          body: { dentist: dentist, consent: consent, anyway: anyway || undefined },
+                        }),
                       say("judge.reference_done"),
                     )
                   }
@@ -203,7 +221,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
           title={say("judge.withdraw_title")}
           action={say("judge.withdraw")}
           onClose={() => setOpen(undefined)}
-          onConfirm={() => confirm(teaching.withdrawRelease(attempt), say("judge.cannot_see", { name: student }))}
+          onConfirm={() =>
+            confirm(client.delete("/attempts/{id}/release", seen(attempt)), say("judge.cannot_see", { name: student }))
+          }
         >
           <p>{say("judge.withdraw_text", { name: student })}</p>
         </Confirm>
@@ -213,7 +233,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
           title={say("judge.drop_title")}
           action={say("judge.drop")}
           onClose={() => setOpen(undefined)}
-          onConfirm={() => confirm(teaching.dropOverride(attempt), say("judge.computed_counts"))}
+          onConfirm={() =>
+            confirm(client.delete("/attempts/{id}/override", seen(attempt)), say("judge.computed_counts"))
+          }
         >
           <p>{say("judge.drop_text")}</p>
         </Confirm>
@@ -226,7 +248,7 @@ export function TeacherActions({ client, attempt, graded, onChanged, rescore, on
           onClose={() => setOpen(undefined)}
           onConfirm={() =>
             confirm(
-              rescore.ask(() => teaching.rescore(attempt.id)),
+              rescore.ask(() => client.post("/attempts/{id}/rescore", { id: attempt.id })),
               undefined,
             )
           }

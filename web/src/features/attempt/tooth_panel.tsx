@@ -152,7 +152,7 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
   const { section } = choices;
   const aims = choices.target || section !== undefined;
   const { loaded: exercise } = useRequest(aims ? attempt.exercise.id : undefined, (signal) =>
-    client.teaching.exercise(attempt.exercise.id, signal),
+    client.tagged("GET", "/exercises/{id}", { id: attempt.exercise.id, signal }),
   );
   const [draw, setDraw] = useState<typeof import("../../widgets/target_lines")>();
   useEffect(() => {
@@ -335,7 +335,9 @@ function LoadedTooth({ film, played, compared, tissues, missing, busy, review, c
 
 // Five still views, once it is known that this browser draws no picture.
 function Instead({ review: { client, attempt, anatomy } }: { readonly review: Review }) {
-  const { loaded } = useRequest(`still ${attempt.id}`, (signal) => client.surface(attempt.id, signal));
+  const { loaded } = useRequest(`still ${attempt.id}`, (signal) =>
+    client.bytes("/attempts/{id}/surface", { id: attempt.id, signal }),
+  );
   if (loaded.state !== "ready" || anatomy === undefined) return null;
   return <Closer show={({ StillViews }) => <StillViews bytes={loaded.value} anatomy={anatomy} />} />;
 }

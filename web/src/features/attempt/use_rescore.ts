@@ -31,7 +31,7 @@ export interface Rescore {
 }
 
 async function newestRun(client: Client, id: string): Promise<number | undefined> {
-  const runs = await client.teaching.results(id);
+  const runs = await client.all("/attempts/{id}/results", { id });
   return runs.ok ? (runs.value[0]?.run ?? 0) : undefined;
 }
 

@@ -54,7 +54,9 @@ export function useReview(reviewed: Reviewed) {
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
   const [begun, setBegun] = useState(false); // something of the tooth was drawn: it comes first
   const series = useRequest(removed || !begun ? undefined : key, (signal) => client.series(id, signal));
-  const remarks = useRequest(begun ? key : undefined, (signal) => client.teaching.annotations(id, signal));
+  const remarks = useRequest(begun ? key : undefined, (signal) =>
+    client.all("/attempts/{id}/annotations", { id, signal }),
+  );
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
@@ -174,7 +176,9 @@ function useMoment(
   const { state } = control?.playback.state ?? { state: "loading" };
   // Some megabytes more, and nothing moves.
   const still = state === "waiting" || state === "failed";
-  const surface = useRequest(still ? key : undefined, (signal) => client.surface(id ?? "", signal));
+  const surface = useRequest(still ? key : undefined, (signal) =>
+    client.bytes("/attempts/{id}/surface", { id: id ?? "", signal }),
+  );
   const endS = control?.clock?.endS ?? (recorded === undefined ? undefined : seriesEndS(recorded));
   const settled = control?.playback.whole === true || still;
   // A link may name the moment; it is opened as soon as the recording is there.

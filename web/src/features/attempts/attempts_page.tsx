@@ -1,6 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
-import type { AttemptQuery, Client } from "../../api/client";
+import type { Client } from "../../api/client";
+import type { Asked } from "../../api/contract";
 import type { Attempt, AttemptFlag, AttemptState, ExerciseSummary, ListedCohort } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
@@ -52,7 +53,7 @@ export function AttemptsPage({ client, mine, query, onQuery }: Props) {
     name: query.get("name") ?? "",
     by: query.get("by") ?? "",
   };
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const exercises = useRequest("exercises", (signal) => client.all("/exercises", { signal }));
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
   return (
     <>
@@ -73,8 +74,10 @@ interface ListProps {
 }
 
 function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { readonly onQuery: Props["onQuery"] }) {
-  const { loaded, reload } = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
-  const appeals = useRequest("appeals", (signal) => client.attempts({ appeal: "open", limit: kMostAppeals }, signal));
+  const { loaded, reload } = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
+  const appeals = useRequest("appeals", (signal) =>
+    client.page("/attempts", { appeal: "open", limit: kMostAppeals, signal }),
+  );
   const appealed = useMemo(
     () => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []),
     [appeals.loaded],
@@ -183,7 +186,7 @@ function Filters({
   );
 }
 
-function queryOf({ cohort, exercise, state, special, assignment, person, by }: Filter): AttemptQuery {
+function queryOf({ cohort, exercise, state, special, assignment, person, by }: Filter): Asked<"GET", "/attempts"> {
   return {
     cohort,
     exercise,
@@ -205,7 +208,7 @@ function AttemptList({
 }: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
   const name = useSettled(filter.name, kTypingMs);
   const pages = usePages(JSON.stringify([queryOf(filter), name]), (cursor, signal) =>
-    client.attempts({ ...queryOf(filter), name, cursor, limit: kPageSize }, signal),
+    client.page("/attempts", { ...queryOf(filter), name, cursor, limit: kPageSize, signal }),
   );
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));

@@ -22,7 +22,7 @@ interface Props {
 }
 
 export function CohortPage({ client, id, admin }: Props) {
-  const { loaded, reload } = useRequest(id, (signal) => client.people.cohort(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/cohorts/{id}", { id, signal }));
   if (loaded.state === "loading") return <Loading what={say("loading.cohort")} />;
   if (loaded.state === "failed") {
     return (
@@ -89,7 +89,11 @@ function Details({
   const edit = useEdit(
     read,
     ({ name, archived_ms }, tag) =>
-      client.people.editCohort(read.value.id, { name: name.trim(), archived: archived_ms > 0 }, tag),
+      client.tagged("PATCH", "/cohorts/{id}", {
+        id: read.value.id,
+        body: { name: name.trim(), archived: archived_ms > 0 },
+        tag,
+      }),
     onRead,
   );
   const submit = (event: Event) => {
@@ -190,7 +194,10 @@ function Members({
           action={say("common.remove")}
           onClose={() => setLeaving(undefined)}
           onConfirm={async () => {
-            const result = await client.people.removeMember(cohort.id, leaving.id);
+            const result = await client.post("/cohorts/{id}/members", {
+              id: cohort.id,
+              body: { remove: [leaving.id] },
+            });
             if (!result.ok) return result.error.message;
             onChanged();
             return undefined;
@@ -216,7 +223,7 @@ function AddMember({
   const [text, setText] = useState("");
   const [asked, setAsked] = useState("");
   const found = useRequest(asked === "" ? undefined : asked, (signal) =>
-    client.people.list({ text: asked, limit: 20 }, signal),
+    client.page("/people", { text: asked, limit: 20, signal }),
   );
   const change = useChange();
   const submit = (event: Event) => {
@@ -225,7 +232,7 @@ function AddMember({
   };
   const inside = new Set(cohort.members.map((member) => member.id));
   const add = async (id: string) => {
-    const result = await change.run(() => client.people.addMember(cohort.id, id));
+    const result = await change.run(() => client.post("/cohorts/{id}/members", { id: cohort.id, body: { add: [id] } }));
     if (result?.ok === true) onAdded();
   };
   const items = found.loaded.state === "ready" ? found.loaded.value.items : [];

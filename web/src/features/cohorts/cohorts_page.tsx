@@ -12,7 +12,7 @@ import { DataTable } from "../../widgets/table";
 const kPageSize = 100;
 
 export function CohortsPage({ client, admin }: { readonly client: Client; readonly admin: boolean }) {
-  const pages = usePages("cohorts", (cursor, signal) => client.people.cohorts({ cursor, limit: kPageSize }, signal));
+  const pages = usePages("cohorts", (cursor, signal) => client.page("/cohorts", { cursor, limit: kPageSize, signal }));
   const [adding, setAdding] = useState(false);
   return (
     <>
@@ -71,7 +71,7 @@ function AddCohort({
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.people.addCohort(name.trim()));
+    const result = await change.run(() => client.post("/cohorts", { body: { name: name.trim() } }));
     if (result?.ok !== true) return;
     onAdded();
     onClose();

@@ -1,5 +1,6 @@
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { addressOf } from "../../api/http";
 import type { Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { fileName } from "../../base/download";
@@ -15,7 +16,7 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
   // Who is in it decides what is shown: read again with every change of the cohort.
   const { loaded, reload } = useRequest(
     `${cohort.id} ${cohort.members.map((member) => member.id).join(" ")}`,
-    (signal) => client.teaching.grades(cohort.id, signal),
+    (signal) => client.get("/cohorts/{id}/grades", { id: cohort.id, signal }),
   );
   return (
     <Card title={say("grades.title")}>
@@ -23,17 +24,15 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
       {loaded.state === "failed" && (
         <ErrorNotice title={say("grades.failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Grades client={client} cohort={cohort} grades={loaded.value} />}
+      {loaded.state === "ready" && <Grades cohort={cohort} grades={loaded.value} />}
     </Card>
   );
 }
 
 function Grades({
-  client,
   cohort,
   grades: { assignments, students },
 }: {
-  readonly client: Client;
   readonly cohort: Cohort;
   readonly grades: CohortGrades;
 }) {
@@ -104,14 +103,14 @@ function Grades({
       <div class="button-row">
         <a
           class="button"
-          href={client.teaching.gradesFile(cohort.id)}
+          href={addressOf("/cohorts/{id}/grades.csv", { id: cohort.id })}
           download={`${fileName(cohort.name, "grades")}.csv`}
         >
           {say("grades.save")}
         </a>
         <a
           class="button"
-          href={client.teaching.attemptsFile(cohort.id)}
+          href={addressOf("/cohorts/{id}/attempts.csv", { id: cohort.id })}
           download={`${fileName(cohort.name, "attempts")}.csv`}
         >
           {say("grades.save_attempts")}

@@ -10,20 +10,21 @@ import { SelectField } from "../../widgets/form";
 
 // One of the teeth that the program can make, with its exercises.
 export function BuiltinTooth({ client, onDone }: { readonly client: Client; readonly onDone: () => void }) {
-  const teeth = useRequest("teeth", (signal) => client.operations.teeth(signal));
+  const teeth = useRequest("teeth", (signal) => client.get("/builtin-teeth", { signal }));
   const [chosen, setChosen] = useState("");
   const [put, setPut] = useState<string>();
   const change = useChange();
   if (teeth.loaded.state !== "ready") return null;
-  const name = chosen === "" ? (teeth.loaded.value[0]?.name ?? "") : chosen;
+  const known = teeth.loaded.value.teeth;
+  const name = chosen === "" ? (known[0]?.name ?? "") : chosen;
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.operations.putTooth(name));
+    const result = await change.run(() => client.post("/builtin-teeth", { body: { name } }));
     if (result?.ok !== true) return;
     setPut(say("add_tooth.added", { title: wordedTitle(result.value.title), count: result.value.exercises.length }));
     onDone();
   };
-  const summary = teeth.loaded.value.find((tooth) => tooth.name === name)?.summary;
+  const summary = known.find((tooth) => tooth.name === name)?.summary;
   return (
     <form class="filters" onSubmit={(event) => void submit(event)}>
       <SelectField
@@ -31,7 +32,7 @@ export function BuiltinTooth({ client, onDone }: { readonly client: Client; read
         value={name}
         onValue={setChosen}
         hint={summary === undefined ? undefined : wordedTitle(summary)}
-        options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))}
+        options={known.map((tooth) => ({ value: tooth.name, title: tooth.name }))}
       />
       <Button busy={change.busy} blocked={needed({ [say("add_tooth.title")]: name })}>
         {change.busy ? say("add_tooth.making") : say("add_tooth.add")}

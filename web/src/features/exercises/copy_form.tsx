@@ -11,6 +11,7 @@ import { ErrorNotice, Loading } from "../../widgets/basics";
 import { needed } from "../../widgets/button";
 import { FormButtons } from "../../widgets/dialog";
 import { SelectField, TextField } from "../../widgets/form";
+import { putDraft } from "./document_form";
 import { copied, isName, nameFor } from "./copied";
 
 interface Props {
@@ -22,7 +23,9 @@ interface Props {
 
 // A draft of one's own, made of an exercise that is there.
 export function CopyForm({ client, from, onDone, onCancel }: Props) {
-  const { loaded, reload } = useRequest("published", (signal) => client.teaching.exercises("published", signal));
+  const { loaded, reload } = useRequest("published", (signal) =>
+    client.all("/exercises", { state: "published", signal }),
+  );
   const [chosen, setChosen] = useState(from);
   const [title, setTitle] = useState("");
   const [typed, setTyped] = useState<string>(); // undefined: the name follows the title
@@ -36,10 +39,8 @@ export function CopyForm({ client, from, onDone, onCancel }: Props) {
     event.preventDefault();
     if (source === undefined) return;
     const result = await change.run(async () => {
-      const document = await client.teaching.document(source);
-      return document.ok
-        ? client.teaching.putDraft(JSON.stringify(copied(document.value, name, title.trim())))
-        : document;
+      const document = await client.get("/exercises/{id}/document", { id: source });
+      return document.ok ? putDraft(client, JSON.stringify(copied(document.value, name, title.trim()))) : document;
     });
     if (result?.ok === true) onDone(result.value);
   };

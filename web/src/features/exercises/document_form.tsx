@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import { placedMessage } from "../../api/placed";
 import type { Exercise } from "../../api/types";
@@ -11,6 +12,11 @@ import { ErrorNotice } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
 
 const kMaxBytes = 1 << 20;
+
+// `text`: an exercise document (schemas/exercise.schema.json). Without a dry run, the answer is the draft.
+export function putDraft(client: Client, text: string) {
+  return client.post("/exercises", { body: text }) as Promise<ApiResult<Exercise>>;
+}
 
 interface Props {
   readonly action: string;

@@ -2,7 +2,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { Tagged } from "../../api/http";
+import type { ApiResult, Tagged } from "../../api/http";
 import type { Exercise, ScoringMetric } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { type Checked, useCheck } from "../../api/use_check";
@@ -24,6 +24,7 @@ import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
 import { BurFields, OtherBurs } from "./bur_fields";
+import { putDraft } from "./document_form";
 import { placeTitle, placeWords, rubricProblems } from "./editor_text";
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
@@ -48,21 +49,26 @@ interface Read {
   readonly draft: string | undefined; // another one of that name
 }
 
+interface Warnings {
+  readonly warnings: readonly string[];
+}
+
 // An exercise in a form: a draft is changed, a published version gives a new draft.
 export function ExerciseEditorPage({ client, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${id}`, async (signal) => {
     const [exercise, document, metrics, versions] = await Promise.all([
-      client.teaching.exercise(id, signal),
-      client.teaching.document(id, signal),
-      client.teaching.metrics(signal),
-      client.teaching.versions(id, signal),
+      client.tagged("GET", "/exercises/{id}", { id, signal }),
+      client.get("/exercises/{id}/document", { id, signal }),
+      client.get("/scoring-metrics", { signal }),
+      client.all("/exercises/{id}/versions", { id, signal }),
     ]);
     if (!exercise.ok) return exercise;
     if (!document.ok) return document;
     if (!metrics.ok) return metrics;
     if (!versions.ok) return versions;
     const newest = versions.value.find((version) => version.state !== "draft");
-    const before = newest === undefined ? undefined : await client.teaching.document(newest.id, signal);
+    const before =
+      newest === undefined ? undefined : await client.get("/exercises/{id}/document", { id: newest.id, signal });
     if (before !== undefined && !before.ok) return before;
     const published =
       newest === undefined || before === undefined
@@ -71,7 +77,7 @@ export function ExerciseEditorPage({ client, id, onOpen }: Props) {
     return ok<Read>({
       exercise: exercise.value,
       document: document.value,
-      metrics: metrics.value,
+      metrics: metrics.value.metrics,
       published,
       draft: versions.value.find((version) => version.state === "draft" && version.id !== id)?.id,
     });
@@ -104,14 +110,17 @@ function Editor({
   const isDraft = exercise.state === "draft";
   const edit = useDocument(`exercise ${exercise.id}`, read.document);
   const text = JSON.stringify(edit.now);
-  const check = useCheck(text, (asked, signal) => client.teaching.checkExercise(asked, signal));
+  const check = useCheck(
+    text,
+    (body, signal) => client.post("/exercises", { dry_run: true, body, signal }) as Promise<ApiResult<Warnings>>,
+  );
   const change = useChange();
   const own = useMemo(() => rubricProblems(edit.now, ["rubric"]), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
   const wrong = check.error !== undefined || own.size > 0 ? say("rubric.mend_first") : undefined;
   const save = async () => {
     const result = await change.run(() =>
-      isDraft ? client.teaching.replaceDraft(exercise.id, text, tag) : client.teaching.putDraft(text),
+      isDraft ? client.put("/exercises/{id}", { id: exercise.id, body: text, tag }) : putDraft(client, text),
     );
     if (result?.ok !== true) return;
     edit.forget();
@@ -222,7 +231,7 @@ export function Problem({
   check,
   form: { edit, wrong, own },
 }: {
-  readonly check: Checked<{ readonly warnings: readonly string[] }>;
+  readonly check: Checked<Warnings>;
   readonly form: DocumentForm;
 }) {
   const placed = (field: string) => placeWords(pathOf(field), edit.now);

@@ -44,7 +44,7 @@ interface Props {
 }
 
 export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
-  const { loaded, reload } = useRequest(id, (signal) => client.teaching.exercise(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/exercises/{id}", { id, signal }));
   if (loaded.state === "loading") return <Loading what={say("loading.exercise")} />;
   if (loaded.state === "failed") {
     return (
@@ -259,7 +259,7 @@ function OwnAttempts({
   readonly personId: string;
 }) {
   const { loaded, reload } = useRequest(exercise.id, (signal) =>
-    client.attempts({ exercise: exercise.id, person: personId, limit: kAttemptsShown }, signal),
+    client.page("/attempts", { exercise: exercise.id, person: personId, limit: kAttemptsShown, signal }),
   );
   return (
     <>

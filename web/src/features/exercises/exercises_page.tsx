@@ -10,14 +10,14 @@ import { Dialog } from "../../widgets/dialog";
 import { part } from "../../widgets/part";
 import { DataTable } from "../../widgets/table";
 import { Copying } from "./copying";
-import { DocumentForm } from "./document_form";
+import { DocumentForm, putDraft } from "./document_form";
 
 // Most people never add one.
 const ToothImport = part("tooth_import", () => import("./tooth_import"));
 import { burText, ownerText, timeLimitText, versionText } from "./exercise_text";
 
 export function ExercisesPage({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const { loaded, reload } = useRequest("exercises", (signal) => client.all("/exercises", { signal }));
   return (
     <>
       <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
@@ -97,7 +97,7 @@ interface StaffProps {
 export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: StaffProps) {
   const asked = query.get("state");
   const state: ExerciseState = asked === "draft" || asked === "retired" ? asked : "published";
-  const { loaded, reload } = useRequest(state, (signal) => client.teaching.exercises(state, signal));
+  const { loaded, reload } = useRequest(state, (signal) => client.all("/exercises", { state, signal }));
   const [adding, setAdding] = useState(false);
   const importing = admin && query.get("import") === "tooth";
   const closeImport = () => onQuery({ import: "" });
@@ -196,7 +196,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
               <DocumentForm
                 action={say("common.add")}
                 onCancel={() => setAdding(false)}
-                send={(text) => client.teaching.putDraft(text)}
+                send={(text) => putDraft(client, text)}
                 onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)}
               />
             )}

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { addressOf } from "../../api/http";
 import type { Exercise, Reference } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
@@ -17,7 +18,7 @@ interface Props {
 // Every version of the exercise, the draft first.
 export function VersionsCard({ client, exercise }: Props) {
   const { loaded, reload } = useRequest(`${exercise.id} ${exercise.revision} ${exercise.state}`, (signal) =>
-    client.teaching.versions(exercise.id, signal),
+    client.all("/exercises/{id}/versions", { id: exercise.id, signal }),
   );
   return (
     <Card title={say("version.title")}>
@@ -52,7 +53,7 @@ export function VersionsCard({ client, exercise }: Props) {
               title: say("version.document"),
               cell: (version) => (
                 <a
-                  href={client.teaching.documentAddress(version.id)}
+                  href={addressOf("/exercises/{id}/document", { id: version.id })}
                   download={`${exercise.name}_${version.version}.json`}
                 >
                   <Brief shown="JSON" full={say("version.json_of", { version: versionText(version) })} />
@@ -70,7 +71,9 @@ const kMostCounting = 8; // as ReferenceRows::kMostCounting of the server
 
 // The dentists' cuts that attempts are compared with: those that are not withdrawn.
 export function ReferencesCard({ client, exercise }: Props) {
-  const { loaded, reload } = useRequest(exercise.id, (signal) => client.teaching.references(exercise.id, signal));
+  const { loaded, reload } = useRequest(exercise.id, (signal) =>
+    client.all("/exercises/{id}/references", { id: exercise.id, signal }),
+  );
   const [leaving, setLeaving] = useState<Reference>();
   const references = loaded.state === "ready" ? loaded.value : [];
   const counting = references.filter((reference) => reference.withdrawn_ms === 0).slice(0, kMostCounting);
@@ -145,7 +148,7 @@ export function ReferencesCard({ client, exercise }: Props) {
           action={say("references.withdraw")}
           onClose={() => setLeaving(undefined)}
           onConfirm={async () => {
-            const result = await client.teaching.withdrawReference(leaving.id);
+            const result = await client.post("/references/{id}/withdraw", { id: leaving.id });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;

@@ -26,7 +26,7 @@ interface Props {
 // What one will find at the station: the tooth or block before anything is cut.
 export function InitialTooth({ client, exercise, title, lines, children }: Props) {
   const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) =>
-    client.teaching.initialSurface(exercise.id, signal),
+    client.bytes("/exercises/{id}/initial-surface", { id: exercise.id, signal }),
   );
   return (
     <Card title={title} className="tooth-card">

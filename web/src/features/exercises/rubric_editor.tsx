@@ -41,14 +41,18 @@ interface Read {
 export function RubricEditorPage({ client, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(`rubric ${id}`, async (signal) => {
     const [exercise, rubrics, metrics] = await Promise.all([
-      client.teaching.exercise(id, signal),
-      client.teaching.rubrics(id, signal),
-      client.teaching.metrics(signal),
+      client.tagged("GET", "/exercises/{id}", { id, signal }),
+      client.tagged("GET", "/exercises/{id}/rubrics", { id, signal }),
+      client.get("/scoring-metrics", { signal }),
     ]);
     if (!exercise.ok) return exercise;
     if (!rubrics.ok) return rubrics;
     return metrics.ok
-      ? ok<Read>({ exercise: exercise.value.value, rubrics: rubrics.value, metrics: metrics.value })
+      ? ok<Read>({
+          exercise: exercise.value.value,
+          rubrics: { value: rubrics.value.value.rubrics, tag: rubrics.value.tag },
+          metrics: metrics.value.metrics,
+        })
       : metrics;
   });
   if (loaded.state === "loading") return <Loading what={say("loading.rubric")} />;
@@ -77,7 +81,12 @@ function Editor({
   const document = (counting?.document as unknown as Json) ?? null;
   const edit = useDocument(`rubric ${exercise.id}`, document);
   const check = useCheck(JSON.stringify(edit.now), (text, signal) =>
-    client.teaching.checkRubric(exercise.id, text, signal),
+    client.post("/exercises/{id}/rubrics/preview", {
+      id: exercise.id,
+      attempts: false,
+      body: text,
+      signal,
+    }),
   );
   const own = useMemo(() => rubricProblems(edit.now, []), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
@@ -87,7 +96,11 @@ function Editor({
   const anyway = useAnyway(change.error, JSON.stringify(edit.now));
   const publish = async () => {
     const result = await change.run(() =>
-      client.teaching.publishRubric(exercise.id, edit.now, reason.trim(), anyway.reason, rubrics.tag),
+      client.post("/exercises/{id}/rubrics", {
+        id: exercise.id,
+        body: { reason: reason.trim(), rubric: edit.now as never, anyway: anyway.reason || undefined },
+        tag: rubrics.tag,
+      }),
     );
     if (result?.ok !== true) return;
     edit.forget();

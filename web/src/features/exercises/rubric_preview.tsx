@@ -26,7 +26,9 @@ export function RubricPreviewCard({
   const change = useChange();
   const [preview, setPreview] = useState<{ readonly of: Json; readonly value: RubricPreview }>();
   const look = async () => {
-    const result = await change.run(() => client.teaching.previewRubric(exercise, rubric));
+    const result = await change.run(() =>
+      client.post("/exercises/{id}/rubrics/preview", { id: exercise, body: JSON.stringify(rubric) }),
+    );
     if (result?.ok === true) setPreview({ of: rubric, value: result.value });
   };
   return (

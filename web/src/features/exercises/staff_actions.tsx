@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { ApiResult } from "../../api/http";
+import { addressOf, type ApiResult } from "../../api/http";
 import type { Exercise } from "../../api/types";
 import { say, sayWith } from "../../base/words";
 import { Notice } from "../../widgets/basics";
@@ -25,7 +25,6 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();
   const close = () => setOpen(undefined);
-  const { teaching } = client;
   const confirm = async (ask: Promise<ApiResult<unknown>>, then: () => void) => {
     const result = await ask;
     if (!result.ok)
@@ -119,7 +118,9 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           action={say("staff.publish")}
           tone="neutral"
           onClose={close}
-          onConfirm={() => confirm(teaching.publish(exercise.id, tag), said(say("staff.published")))}
+          onConfirm={() =>
+            confirm(client.post("/exercises/{id}/publish", { id: exercise.id, tag }), said(say("staff.published")))
+          }
         >
           <p>{sayWith("staff.publish_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
@@ -129,7 +130,9 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           title={say("staff.retire_title", { title: wordedTitle(exercise.title) })}
           action={say("staff.retire")}
           onClose={close}
-          onConfirm={() => confirm(teaching.retire(exercise.id), said(say("staff.retired")))}
+          onConfirm={() =>
+            confirm(client.post("/exercises/{id}/retire", { id: exercise.id }), said(say("staff.retired")))
+          }
         >
           <p>{sayWith("staff.retire_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
@@ -146,7 +149,7 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           onClose={close}
           onConfirm={() =>
             confirm(
-              teaching.share(exercise.id, { shared: !exercise.shared }),
+              client.put("/exercises/{id}/sharing", { id: exercise.id, body: { shared: !exercise.shared } }),
               said(exercise.shared ? say("staff.private") : say("staff.shared")),
             )
           }
@@ -163,11 +166,16 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           title={say("staff.delete_title")}
           action={say("staff.delete")}
           onClose={close}
-          onConfirm={() => confirm(teaching.deleteDraft(exercise.id, tag), () => onOpen("/exercises"))}
+          onConfirm={() =>
+            confirm(client.delete("/exercises/{id}", { id: exercise.id, tag }), () => onOpen("/exercises"))
+          }
         >
           <p>{say("staff.delete_text")}</p>
           <p>
-            <a href={teaching.documentAddress(exercise.id)} download={`${exercise.name}_draft.json`}>
+            <a
+              href={addressOf("/exercises/{id}/document", { id: exercise.id })}
+              download={`${exercise.name}_draft.json`}
+            >
               {say("staff.save_document")}
             </a>
           </p>
@@ -178,7 +186,7 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           <DocumentForm
             onCancel={close}
             action={say("staff.replace")}
-            send={(text) => teaching.replaceDraft(exercise.id, text, tag)}
+            send={(text) => client.put("/exercises/{id}", { id: exercise.id, body: text, tag })}
             onDone={() => {
               close();
               setDone(say("staff.replaced"));

@@ -1,8 +1,9 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { ApiResult } from "../../api/http";
 import { placedMessage } from "../../api/placed";
 import { mesialX } from "../../api/tooth_number";
-import type { ToothImport } from "../../api/types";
+import type { ToothImport, ToothWanted } from "../../api/types";
 import { say } from "../../base/words";
 import { ErrorNotice, Notice, Progress } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
@@ -12,12 +13,44 @@ import { type Shown, ToothUpright, uprightOf } from "./tooth_upright";
 import { directionText, type Upright } from "./upright";
 
 const kPollMs = 700;
+const kPartBytes = 512 * 1024; // of a mesh, in one request: the server takes 1 MiB
 const kUnits = ["mm", "um", "cm", "m", "inch"] as const;
 type Scale = (typeof kUnits)[number] | "factor" | "longest";
 // ISO 3950, quadrant by quadrant: permanent teeth, then deciduous ones.
 const kTeeth = [1, 2, 3, 4, 5, 6, 7, 8].flatMap((quadrant) =>
   [1, 2, 3, 4, 5, 6, 7, 8].slice(0, quadrant <= 4 ? 8 : 5).map((tooth) => `${quadrant}${tooth}`),
 );
+
+// Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. If the person leaves
+// before all of it was sent, the server forgets the upload.
+async function importTooth(
+  client: Client,
+  file: File,
+  about: ToothWanted,
+  onChange: (now: ToothImport) => void,
+  signal: AbortSignal,
+): Promise<ApiResult<ToothImport>> {
+  let now: ApiResult<ToothImport> = await client.post("/tooth-imports", {
+    body: { file_name: file.name, bytes: file.size, ...about },
+  });
+  while (now.ok) {
+    const { id, state, received: offset } = now.value;
+    if (signal.aborted) {
+      if (state === "receiving") await client.delete("/tooth-imports/{id}", { id });
+      return now;
+    }
+    onChange(now.value);
+    if (state === "done" || state === "refused") return now;
+    if (state === "receiving") {
+      const body = file.slice(offset, offset + kPartBytes);
+      now = await client.put("/tooth-imports/{id}/bytes", { id, offset, body, type: "application/octet-stream" });
+    } else {
+      await new Promise((done) => setTimeout(done, kPollMs));
+      now = await client.get("/tooth-imports/{id}", { id });
+    }
+  }
+  return now;
+}
 
 interface Props {
   readonly client: Client;
@@ -47,7 +80,8 @@ export function AddTooth({ client, onDone, onClose }: Props) {
   const send = async (publish: boolean, as: Upright | undefined) => {
     if (file === undefined || busy) return;
     setRefused(undefined);
-    const sent = await client.operations.importTooth(
+    const sent = await importTooth(
+      client,
       file,
       {
         title: title.trim(),
@@ -60,7 +94,6 @@ export function AddTooth({ client, onDone, onClose }: Props) {
         practice,
       },
       setNow,
-      kPollMs,
       leaving.current.signal,
     );
     if (leaving.current.signal.aborted) return;

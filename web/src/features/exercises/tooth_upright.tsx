@@ -53,7 +53,7 @@ function pointOf([x = 0, y = 0, z = 0]: readonly number[]): PointMm {
 export function ToothUpright(props: Props) {
   const { client, shown, title, busy, mesial, upright, onTurn, onAgain } = props;
   const { id, stance, found } = shown;
-  const { loaded, reload } = useRequest(id, (signal) => client.operations.shownTooth(id, "surface", signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.bytes("/tooth-imports/{id}/surface", { id, signal }));
   const [x, y, z] = pointOf(stance.size_mm);
   const size = (mm: number) => formatNumber(mm, 1);
   const heading = useRef<HTMLHeadingElement>(null);
@@ -149,7 +149,7 @@ function Picture({ client, shown, surface, mesial, upright }: Props & { readonly
   const cut = async () => {
     setSection(section === undefined ? kOpen : undefined);
     if (inside !== undefined) return;
-    const bytes = await client.operations.shownTooth(id, "start-tooth");
+    const bytes = await client.bytes("/tooth-imports/{id}/start-tooth", { id });
     const told = bytes.ok ? await film.interior(bytes.value) : bytes;
     if (told.ok) setInside(told.value);
     else setProblem(typeof told.error === "string" ? told.error : told.error.message);

@@ -1,8 +1,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { ApiResult } from "../../api/http";
 import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
-import { tryExercise } from "../../api/trial";
 import type { ExerciseTrial, TrialScore } from "../../api/types";
 import { formatDuration, formatPoints, formatScore, kScoreStep } from "../../base/format";
 import { say, sayIf } from "../../base/words";
@@ -11,6 +11,28 @@ import { Button } from "../../widgets/button";
 import { priceTitle } from "./price";
 
 const kPollMs = 500;
+
+// Tries an exercise document and asks until it is done or failed; `onChange` hears of each step. If the person leaves
+// before, the server ends it.
+async function tryExercise(
+  client: Client,
+  text: string,
+  onChange: (now: ExerciseTrial) => void,
+  signal: AbortSignal,
+): Promise<ApiResult<ExerciseTrial>> {
+  let now: ApiResult<ExerciseTrial> = await client.post("/exercise-trials", { body: text });
+  while (now.ok && (now.value.state === "waiting" || now.value.state === "working")) {
+    const { id } = now.value;
+    if (!signal.aborted) onChange(now.value);
+    await new Promise((done) => setTimeout(done, kPollMs));
+    if (signal.aborted) {
+      await client.delete("/exercise-trials/{id}", { id });
+      return now;
+    }
+    now = await client.get("/exercise-trials/{id}", { id });
+  }
+  return now;
+}
 
 interface Props {
   readonly client: Client;
@@ -32,7 +54,7 @@ export function TrialCard({ client, text, blocked }: Props) {
     running.current = controller;
     setOf(text);
     setRefused(undefined);
-    const result = await tryExercise(client, text, setNow, kPollMs, controller.signal);
+    const result = await tryExercise(client, text, setNow, controller.signal);
     if (controller.signal.aborted) return;
     setNow(result.ok ? result.value : undefined);
     if (!result.ok) setRefused(placedMessage(result.error, placeText(result.error.field)));

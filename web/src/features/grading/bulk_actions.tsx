@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { ApiResult } from "../../api/http";
+import { type ApiResult, seen } from "../../api/http";
 import type { Attempt, AttemptDetail } from "../../api/types";
 import { say } from "../../base/words";
 import { Notice } from "../../widgets/basics";
@@ -30,7 +30,6 @@ export function BulkActions({ client, chosen, onDone }: Props) {
   const [reason, setReason] = useState("");
   const [running, setRunning] = useState<string>();
   const [told, setTold] = useState<Told>();
-  const { teaching } = client;
   const run = async (
     items: readonly Chosen[],
     doing: "taking_back" | "releasing" | "excusing" | "rescoring",
@@ -48,7 +47,7 @@ export function BulkActions({ client, chosen, onDone }: Props) {
   };
   // Each change counts: an attempt is read again before one is taken back.
   const onNow = async ({ id }: Chosen, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
-    const now = await client.attempt(id);
+    const now = await client.get("/attempts/{id}", { id });
     return now.ok ? change(now.value) : now;
   };
   const offerUndo = (
@@ -69,12 +68,12 @@ export function BulkActions({ client, chosen, onDone }: Props) {
       releasable,
       "releasing",
       (count) => say("bulk.released", { count: count }),
-      (attempt) => teaching.release(attempt),
+      (attempt) => client.post("/attempts/{id}/release", seen(attempt)),
     );
     offerUndo(
       done,
       (count) => say("bulk.release_undone", { count: count }),
-      (now) => teaching.withdrawRelease(now),
+      (now) => client.delete("/attempts/{id}/release", seen(now)),
     );
   };
   const excuse = async () => {
@@ -82,12 +81,12 @@ export function BulkActions({ client, chosen, onDone }: Props) {
       chosen,
       "excusing",
       (count) => say("bulk.excused", { count: count }),
-      (attempt) => teaching.excuse(attempt, reason.trim()),
+      (attempt) => client.post("/attempts/{id}/excuse", { ...seen(attempt), body: { reason: reason.trim() } }),
     );
     offerUndo(
       done,
       (count) => say("bulk.count_again", { count }),
-      (now) => teaching.takeExcuseBack(now),
+      (now) => client.delete("/attempts/{id}/excuse", seen(now)),
     );
   };
   const rescore = async () => {
@@ -98,17 +97,17 @@ export function BulkActions({ client, chosen, onDone }: Props) {
       "rescoring",
       (count) => say("bulk.rescored", { count: count }),
       async ({ id }) => {
-        const runs = await teaching.results(id);
+        const runs = await client.all("/attempts/{id}/results", { id });
         if (!runs.ok) return runs;
         const newest = runs.value[0];
         if (newest !== undefined) before.set(id, newest.run);
-        return teaching.rescore(id);
+        return client.post("/attempts/{id}/rescore", { id });
       },
     );
     offerUndo(
       done.filter(({ id }) => before.has(id)),
       (count) => say("bulk.earlier_score", { count: count }),
-      (now) => teaching.restoreResult(now, before.get(now.id)!),
+      (now) => client.post("/attempts/{id}/restore-result", { ...seen(now), body: { run: before.get(now.id)! } }),
     );
   };
   return (

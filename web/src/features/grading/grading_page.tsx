@@ -1,7 +1,8 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { queryText } from "../../api/http";
+import { seen } from "../../api/http";
+import { queryText } from "../../api/request_init";
 import type { Grading } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { criterionTitle } from "../../api/worded";
@@ -50,7 +51,9 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const [assignment, cohort] = [query.get("assignment") ?? "", query.get("cohort") ?? ""];
   const key = `${assignment} ${cohort}`;
   const { loaded, reload } = useRequest(key, (signal) =>
-    client.teaching.grading(assignment !== "" ? { assignment } : { cohort }, signal),
+    assignment !== ""
+      ? client.get("/assignments/{id}/grading", { id: assignment, signal })
+      : client.get("/cohorts/{id}/grading", { id: cohort, signal }),
   );
   const grading = loaded.state === "ready" ? loaded.value : kNothing;
   const attempts = useMemo(() => attemptsOf(grading), [grading]);
@@ -107,8 +110,8 @@ function GradingTable({ client, query, onQuery, onOpen }: Props) {
     if (last >= 0) rows.current?.focus(Math.min(Math.max(at < 0 ? (by > 0 ? 0 : last) : at + by, 0), last));
   };
   const undo = useReleaseUndo(async (released) => {
-    const now = await client.attempt(released); // with what others changed meanwhile
-    const result = now.ok ? await client.teaching.withdrawRelease(now.value) : now;
+    const now = await client.get("/attempts/{id}", { id: released }); // with what others changed meanwhile
+    const result = now.ok ? await client.delete("/attempts/{id}/release", seen(now.value)) : now;
     reload();
     return result;
   });

@@ -24,7 +24,7 @@ export function ChairRemarks({
   readonly attempt: string;
   readonly rateHz: number;
 }) {
-  const { loaded, reload } = useRequest(attempt, (signal) => client.liveRemarks(attempt, signal));
+  const { loaded, reload } = useRequest(attempt, (signal) => client.get("/live/{id}/remarks", { id: attempt, signal }));
   useRefresh(true, kPollMs, reload);
   return (
     <Card title={say("chair.title")}>
@@ -69,7 +69,7 @@ function Speak({
       </Notice>
     );
   const send = async () => {
-    const sent = await change.run(() => client.sendLiveRemark(attempt, text));
+    const sent = await change.run(() => client.post("/live/{id}/remarks", { id: attempt, body: { text } }));
     if (sent?.ok !== true) return;
     setText("");
     onSent();

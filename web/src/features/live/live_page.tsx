@@ -26,7 +26,7 @@ const kMostShown = 100;
 // What is being made at the stations now, of the cohorts the caller may see.
 export function LivePage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("live", (signal) =>
-    client.attempts({ state: "recording", limit: kMostShown }, signal),
+    client.page("/attempts", { state: "recording", limit: kMostShown, signal }),
   );
   useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];
@@ -78,7 +78,7 @@ export function LivePage({ client }: { readonly client: Client }) {
 function useExercises(client: Client, attempts: readonly Attempt[]): ReadonlyMap<string, Exercise> {
   const ids = [...new Set(attempts.map((attempt) => attempt.exercise.id))].sort();
   const { loaded, reload } = useRequest(ids.length === 0 ? undefined : ids.join(" "), async (signal) => {
-    const read = await Promise.all(ids.map((id) => client.teaching.exercise(id, signal)));
+    const read = await Promise.all(ids.map((id) => client.tagged("GET", "/exercises/{id}", { id, signal })));
     return ok(
       new Map(read.flatMap((result) => (result.ok ? [[result.value.value.id, result.value.value] as const] : []))),
     );

@@ -1,7 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { segment } from "../../api/http";
-import type { LiveCut } from "../../api/types";
 import { type Cut, withColumns } from "./cut";
 
 const kPollMs = 500; // one attempt at a time, each in turn: one that is watched alone twice a second
@@ -20,8 +18,7 @@ export function useCuts(client: Client, watched: readonly string[]): ReadonlyMap
       if (id === undefined) return;
       if (!document.hidden) {
         const before = known.current.get(id);
-        const path = `/attempts/${segment(id)}/live-cut?from=${before?.chunks ?? 0}`;
-        const answer = await client.http.json<LiveCut>("GET", path);
+        const answer = await client.get("/attempts/{id}/live-cut", { id, from: before?.chunks ?? 0 });
         if (left) return;
         if (answer.ok) {
           known.current.set(id, withColumns(before, answer.value));

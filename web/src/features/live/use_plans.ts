@@ -36,7 +36,7 @@ export function usePlans(client: Client, exercises: readonly Exercise[]): Readon
 }
 
 async function readPlans(client: Client, id: string): Promise<ToothPlans | undefined> {
-  const surface = await client.teaching.initialSurface(id);
+  const surface = await client.bytes("/exercises/{id}/initial-surface", { id });
   if (!surface.ok) return undefined;
   const film = studio().film(() => undefined);
   const plans = await film.plans(surface.value, [kFromAbove, kFromSide]);

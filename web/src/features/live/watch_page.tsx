@@ -19,7 +19,7 @@ const kPollMs = 5000;
 
 // One attempt in progress.
 export function WatchPage({ client, id }: { readonly client: Client; readonly id: string }) {
-  const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.get("/attempts/{id}", { id, signal }));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const recording = attempt?.state === "recording" || attempt?.state === "ticketed";
   useRefresh(recording, kPollMs, reload);
@@ -63,7 +63,9 @@ function Watched({
   readonly onEnd: () => void;
 }) {
   const rateHz = rateOf(attempt);
-  const { loaded } = useRequest(attempt.exercise.id, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
+  const { loaded } = useRequest(attempt.exercise.id, (signal) =>
+    client.tagged("GET", "/exercises/{id}", { id: attempt.exercise.id, signal }),
+  );
   const exercise = loaded.state === "ready" ? loaded.value.value : undefined;
   const plans = usePlans(client, exercise === undefined ? [] : [exercise]).get(attempt.exercise.id);
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;

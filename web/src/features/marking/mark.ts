@@ -1,5 +1,6 @@
-import type { CriterionMark, Rating } from "../../api/marking";
 import type { Marking } from "../../api/types";
+
+export type Rating = 1 | 2 | 3 | 4 | 5; // clear fail, borderline, clear pass, good, excellent
 
 // What somebody has entered for one work and not sent yet.
 export interface MarkDraft {
@@ -58,7 +59,12 @@ export function shownPoints(points: number | undefined): number | "" {
 export function complete(
   draft: MarkDraft,
   criteria: Criteria,
-): { readonly rating: Rating; readonly criteria: Record<string, CriterionMark> } | undefined {
+):
+  | {
+      readonly rating: Rating;
+      readonly criteria: Record<string, { readonly points: number; readonly comment: string }>;
+    }
+  | undefined {
   if (draft.rating === undefined || missing(draft, criteria).length > 0) return undefined;
   return {
     rating: draft.rating,

@@ -1,6 +1,5 @@
 import { useId, useLayoutEffect } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Rating } from "../../api/marking";
 import type { Marking } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { criterionTitle } from "../../api/worded";
@@ -10,7 +9,17 @@ import { ErrorNotice } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { DataTable } from "../../widgets/table";
 import { useDraft } from "../../widgets/use_draft";
-import { complete, draftFrom, filled, kNoMark, type MarkDraft, missing, shownPoints, totalOf } from "./mark";
+import {
+  complete,
+  draftFrom,
+  filled,
+  kNoMark,
+  type MarkDraft,
+  missing,
+  type Rating,
+  shownPoints,
+  totalOf,
+} from "./mark";
 
 export const kRatings: readonly Rating[] = [1, 2, 3, 4, 5];
 const kMostComment = 500;
@@ -42,7 +51,9 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
   const send = async (event: Event) => {
     event.preventDefault();
     if (ready === undefined) return;
-    const result = await change.run(() => client.marking.mark(work, ready.rating, ready.criteria));
+    const result = await change.run(() =>
+      client.post("/marking-works/{id}/marks", { id: work, body: { rating: ready.rating, criteria: ready.criteria } }),
+    );
     if (result?.ok !== true) return;
     forget();
     onSent();

@@ -19,7 +19,9 @@ interface Props {
 
 // Blind markings of an assignment's attempts: those that there are, and a new one.
 export function MarkingCard({ client, assignment, self }: Props) {
-  const { loaded, reload } = useRequest(assignment.id, (signal) => client.marking.of(assignment.id, signal));
+  const { loaded, reload } = useRequest(assignment.id, (signal) =>
+    client.all("/assignments/{id}/markings", { id: assignment.id, signal }),
+  );
   const [open, setOpen] = useState<"begin" | { readonly marking: MarkingSummary; readonly to: "give_up" | "change" }>();
   const close = () => setOpen(undefined);
   const markings = loaded.state === "ready" ? loaded.value : [];
@@ -86,7 +88,7 @@ export function MarkingCard({ client, assignment, self }: Props) {
           action={say("marking.give_up")}
           onClose={close}
           onConfirm={async () => {
-            const result = await client.marking.giveUp(open.marking.id);
+            const result = await client.delete("/markings/{id}", { id: open.marking.id });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
@@ -111,12 +113,12 @@ type Candidate = Pick<Person, "id" | "display_name">;
 async function candidates(client: Client, { cohort }: Assignment, self: Person, signal: AbortSignal) {
   const found = new Map<string, Candidate>([[self.id, self]]);
   if (cohort !== null) {
-    const read = await client.people.cohort(cohort.id, signal);
+    const read = await client.tagged("GET", "/cohorts/{id}", { id: cohort.id, signal });
     if (!read.ok) return read;
     for (const member of read.value.value.members) if (member.role !== "student") found.set(member.id, member);
   }
   if (self.role === "admin") {
-    const read = await client.people.list({ role: "instructor", limit: 200 }, signal);
+    const read = await client.page("/people", { role: "instructor", limit: 200, signal });
     if (!read.ok) return read;
     for (const person of read.value.items) if (!person.disabled) found.set(person.id, person);
   }
@@ -144,8 +146,8 @@ function ChooseMarkers({ client, assignment, self, marking, onClose, onDone }: C
         if (chosen.length < 2) return say("marking.two_at_least");
         const result =
           marking === undefined
-            ? await client.marking.begin(assignment.id, chosen)
-            : await client.marking.setMarkers(marking.id, chosen);
+            ? await client.post("/assignments/{id}/markings", { id: assignment.id, body: { marker_ids: chosen } })
+            : await client.put("/markings/{id}/markers", { id: marking.id, body: { marker_ids: chosen } });
         if (!result.ok) return result.error.message;
         onDone();
         return undefined;

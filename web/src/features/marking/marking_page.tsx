@@ -1,7 +1,6 @@
 import { useMemo, useRef, useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { Rating } from "../../api/marking";
 import { anatomyOf } from "../../api/tooth_number";
 import type { Marking } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -11,14 +10,14 @@ import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/bas
 import { Button } from "../../widgets/button";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { progressText } from "./how_far";
-import { nextOf } from "./mark";
+import { nextOf, type Rating } from "./mark";
 import { kRatings, MarkForm, ratingTitle } from "./mark_form";
 import { MarkingResultsView } from "./marking_results";
 import { WorkTooth } from "./work_tooth";
 
 // A blind marking: the caller's work one by one, and, once everybody has marked everything, what came of it.
 export function MarkingPage({ client, id }: { readonly client: Client; readonly id: string }) {
-  const { loaded, reload } = useRequest(id, (signal) => client.marking.get(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.get("/markings/{id}", { id, signal }));
   if (loaded.state === "loading") return <Loading what={say("loading.marking")} />;
   if (loaded.state === "failed")
     return (
@@ -82,7 +81,7 @@ function MyWork({
     { key: "p", what: say("marking.previous"), act: () => go(-1) },
   ]);
   const details = useRequest(mine.length === 0 ? undefined : exercise.id, (signal) =>
-    client.teaching.exercise(exercise.id, signal),
+    client.tagged("GET", "/exercises/{id}", { id: exercise.id, signal }),
   );
   const target = details.loaded.state === "ready" ? details.loaded.value.value.target : undefined;
   const anatomy = useMemo(() => (target === undefined ? undefined : anatomyOf(target)), [target]);

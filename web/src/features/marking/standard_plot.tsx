@@ -1,7 +1,7 @@
 import { formatPoints } from "../../base/format";
 import { say } from "../../base/words";
-import type { Rating } from "../../api/marking";
 import { lineWithin, type RatedPoints } from "./results";
+import type { Rating } from "./mark";
 
 const kWidth = 420;
 const kHeight = 240;

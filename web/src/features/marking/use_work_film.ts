@@ -26,7 +26,9 @@ const kNothing: Told = { head: undefined, drawn: false, tissues: [], problem: ""
 
 // The work as it was cut, without anything that it was compared with.
 export function useWorkFilm(client: Client, work: string): WorkFilmState {
-  const { loaded, reload } = useRequest(work, (signal) => client.marking.timeline(work, signal));
+  const { loaded, reload } = useRequest(work, (signal) =>
+    client.bytes("/marking-works/{id}/timeline", { id: work, signal }),
+  );
   const bytes = loaded.state === "ready" ? loaded.value : undefined;
   const [told, setTold] = useState<Told>(kNothing);
   const film = useMemo(() => {

@@ -44,18 +44,16 @@ export function AuditPage({ client, query, onQuery }: Props) {
     until_ms: Number(query.get("until_ms") ?? 0),
   };
   const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
-    client.operations.audit(
-      {
-        actor: filter.actor,
-        action: filter.action,
-        object: filter.object,
-        from_ms: filter.from_ms || undefined,
-        until_ms: filter.until_ms || undefined,
-        cursor,
-        limit: kPageSize,
-      },
+    client.page("/audit", {
+      actor: filter.actor,
+      action: filter.action,
+      object: filter.object,
+      from_ms: filter.from_ms || undefined,
+      until_ms: filter.until_ms || undefined,
+      cursor,
+      limit: kPageSize,
       signal,
-    ),
+    }),
   );
   return (
     <>
@@ -85,7 +83,7 @@ export function AuditPage({ client, query, onQuery }: Props) {
 function Entries({ client, entries }: { readonly client: Client; readonly entries: readonly AuditEntry[] }) {
   const ids = peopleIn(entries);
   const names = useRequest(ids.join(" "), async (signal) => {
-    const found = await Promise.all(ids.map((id) => client.people.get(id, signal)));
+    const found = await Promise.all(ids.map((id) => client.tagged("GET", "/people/{id}", { id, signal })));
     return ok(
       new Map(
         found.flatMap((person) =>
@@ -244,7 +242,7 @@ function Filters({
 }
 
 async function idOf(client: Client, login: string): Promise<string | undefined> {
-  const found = await client.people.list({ text: login });
+  const found = await client.page("/people", { text: login });
   return found.ok ? found.value.items.find((person) => person.login === login)?.id : undefined;
 }
 

@@ -24,7 +24,7 @@ export function BackupCard({
   const change = useChange();
   const ago = (at: number) => <span title={formatDateTime(at)}>{relativeTime(at, health.now_ms)}</span>;
   const start = async () => {
-    if ((await change.run(() => client.operations.startBackup()))?.ok === true) onStart();
+    if ((await change.run(() => client.post("/backups")))?.ok === true) onStart();
   };
   return (
     <Card title={say("health.backup")}>

@@ -23,10 +23,10 @@ export function FirstSteps({
 }) {
   const { loaded } = useRequest("first steps", async (signal) => {
     const [exercises, students, cohorts, assignments] = await Promise.all([
-      client.teaching.exercises("published", signal),
-      client.people.list({ role: "student", limit: 1 }, signal),
-      client.people.allCohorts(signal),
-      client.teaching.assignments({}, signal),
+      client.all("/exercises", { state: "published", signal }),
+      client.page("/people", { role: "student", limit: 1, signal }),
+      client.all("/cohorts", { signal }),
+      client.all("/assignments", { signal }),
     ]);
     if (!exercises.ok) return exercises;
     if (!students.ok) return students;

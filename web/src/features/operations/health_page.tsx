@@ -17,7 +17,7 @@ const kBackupPollMs = 1000; // while one runs here, which somebody watches
 
 // How the server does: what is wrong first, then the figures.
 export function HealthPage({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("health", (signal) => client.operations.health(signal));
+  const { loaded, reload } = useRequest("health", (signal) => client.get("/health", { signal }));
   const now = loaded.state === "ready" ? loaded.value : undefined;
   useRefresh(true, now?.backups.running?.here === true ? kBackupPollMs : kPollMs, reload);
   const before = useRef<ServerHealth | undefined>(undefined);

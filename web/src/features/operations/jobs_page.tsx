@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Job } from "../../api/types";
+import type { Job, JobState } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { say } from "../../base/words";
@@ -62,10 +62,8 @@ interface Props {
 
 // Background work of the server.
 export function JobsPage({ client, query, onQuery }: Props) {
-  const state = query.get("state") ?? "";
-  const pages = usePages(state, (cursor, signal) =>
-    client.operations.jobs({ state, cursor, limit: kPageSize }, signal),
-  );
+  const state = (query.get("state") ?? "") as JobState;
+  const pages = usePages(state, (cursor, signal) => client.page("/jobs", { state, cursor, limit: kPageSize, signal }));
   const [cancelling, setCancelling] = useState<Job>();
   const polling = pages.onlyFirst && pages.items.some((job) => job.state === "queued" || job.state === "running");
   useRefresh(polling, kPollMs, pages.reload);
@@ -126,7 +124,7 @@ export function JobsPage({ client, query, onQuery }: Props) {
           action={say("jobs.cancel")}
           onClose={() => setCancelling(undefined)}
           onConfirm={async () => {
-            const result = await client.operations.cancelJob(cancelling.id);
+            const result = await client.post("/jobs/{id}/cancel", { id: cancelling.id });
             if (!result.ok) return result.error.message;
             pages.reload();
             return undefined;

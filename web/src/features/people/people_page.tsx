@@ -41,9 +41,13 @@ interface Props {
 }
 
 export function PeoplePage({ client, query, onQuery }: Props) {
-  const filter = { text: query.get("text") ?? "", role: query.get("role") ?? "", cohort: query.get("cohort") ?? "" };
+  const filter = {
+    text: query.get("text") ?? "",
+    role: (query.get("role") ?? "") as Role,
+    cohort: query.get("cohort") ?? "",
+  };
   const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
-    client.people.list({ ...filter, cursor, limit: kPageSize }, signal),
+    client.page("/people", { ...filter, cursor, limit: kPageSize, signal }),
   );
   const [adding, setAdding] = useState(false);
   return (
@@ -113,9 +117,9 @@ function Filters({
   filter,
   onQuery,
 }: Omit<Props, "query"> & {
-  readonly filter: { readonly text: string; readonly role: string; readonly cohort: string };
+  readonly filter: { readonly text: string; readonly role: Role; readonly cohort: string };
 }) {
-  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const cohorts = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
   const [text, setText] = useState(filter.text);
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value : [];
   const submit = (event: Event) => {
@@ -164,7 +168,7 @@ function AddPerson({
   const submit = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() =>
-      client.people.create({ login: login.trim(), display_name: name.trim(), role }),
+      client.post("/people", { body: { login: login.trim(), display_name: name.trim(), role } }),
     );
     if (result?.ok !== true) return;
     setMade({ login: result.value.login, password: result.value.password, untilMs: result.value.password_until_ms });

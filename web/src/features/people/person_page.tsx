@@ -22,7 +22,7 @@ interface Props {
 }
 
 export function PersonPage({ client, id, self, onGone }: Props) {
-  const { loaded, reload } = useRequest(id, (signal) => client.people.get(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/people/{id}", { id, signal }));
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
@@ -132,7 +132,11 @@ function Details({
   const edit = useEdit(
     read,
     ({ display_name, role }, tag) =>
-      client.people.edit(read.value.id, { display_name: display_name.trim(), role }, tag),
+      client.tagged("PATCH", "/people/{id}", {
+        id: read.value.id,
+        body: { display_name: display_name.trim(), role },
+        tag,
+      }),
     onRead,
   );
   const submit = (event: Event) => {
@@ -183,13 +187,13 @@ function Access({
   const [made, setMade] = useState<{ readonly password: string; readonly untilMs: number }>();
   const close = () => setOpen(undefined);
   const setDisabled = async (disabled: boolean) => {
-    const result = await client.people.edit(person.id, { disabled }, read.tag);
+    const result = await client.tagged("PATCH", "/people/{id}", { id: person.id, body: { disabled }, tag: read.tag });
     if (!result.ok) return result.error.message;
     onChanged();
     return undefined;
   };
   const reset = async () => {
-    const result = await client.people.resetPassword(person.id);
+    const result = await client.post("/people/{id}/password", { id: person.id });
     if (!result.ok) return result.error.message;
     setMade({ password: result.value.password, untilMs: result.value.password_until_ms });
     return undefined;
@@ -255,7 +259,9 @@ function Access({
 }
 
 function PersonSessions({ client, person }: { readonly client: Client; readonly person: PersonDetail }) {
-  const { loaded, reload } = useRequest(person.id, (signal) => client.people.sessions(person.id, signal));
+  const { loaded, reload } = useRequest(person.id, (signal) =>
+    client.all("/people/{id}/sessions", { id: person.id, signal }),
+  );
   const sessions = loaded.state === "ready" ? loaded.value : [];
   const [endingAll, setEndingAll] = useState(false);
   return (
@@ -280,7 +286,7 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
           sessions={sessions}
           label={say("person.sessions_of", { name: person.display_name })}
           onEnd={async (session) => {
-            const result = await client.people.endSession(session);
+            const result = await client.delete("/sessions/{id}", { id: session });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
@@ -293,7 +299,7 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
           action={say("person.end_all")}
           onClose={() => setEndingAll(false)}
           onConfirm={async () => {
-            const result = await client.people.endSessions(person.id);
+            const result = await client.delete("/people/{id}/sessions", { id: person.id });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
@@ -377,7 +383,10 @@ function Erase({
           action={say("person.erase_for_ever")}
           onClose={() => setOpen(false)}
           onConfirm={async () => {
-            const result = await client.people.erase(person.id, login.trim(), withReferences);
+            const result = await client.post("/people/{id}/erase", {
+              id: person.id,
+              body: { login: login.trim(), with_references: withReferences },
+            });
             if (!result.ok) return result.error.message;
             if (result.value.mentions.length === 0) onGone();
             setOpen(false);

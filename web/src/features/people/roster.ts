@@ -1,9 +1,34 @@
+import type { Client } from "../../api/client";
+import type { Asked } from "../../api/contract";
+import { reported } from "../../api/http";
 import type { RosterOutcome } from "../../api/types";
 import type { Option } from "../../widgets/form";
 import { say } from "../../base/words";
 
 export type RosterReading = RosterOutcome["reading"];
 export type Others = "" | "keep" | "leave"; // empty: not chosen yet
+
+export interface RosterImport {
+  readonly cohort: string; // of rows without one; empty: none
+  readonly reading: RosterReading | undefined; // of the bytes; undefined: the server recognises it
+  readonly ignoreUnknown: boolean; // columns
+  readonly move: boolean; // students who join a cohort leave their other ones
+}
+
+// With `trial` nothing is changed: the answer says what would be. A roster with problems is
+// refused as a whole; the report then says what they are.
+export function importRoster(client: Client, body: ArrayBuffer, how: RosterImport, trial: boolean) {
+  const asked: Asked<"POST", "/roster"> = {
+    dry_run: trial,
+    cohort: how.cohort,
+    reading: how.reading,
+    unknown_columns: how.ignoreUnknown ? "ignore" : undefined,
+    other_cohorts: how.move ? "leave" : undefined,
+    body,
+    type: "application/octet-stream",
+  };
+  return reported(client.post("/roster", asked), "problems");
+}
 
 export function readings(): readonly Option<RosterReading>[] {
   return [

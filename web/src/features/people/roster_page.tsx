@@ -1,6 +1,5 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { RosterImport } from "../../api/people";
 import type { RosterOutcome } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
@@ -13,7 +12,15 @@ import { Button } from "../../widgets/button";
 import { CheckField, FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { PrintSlips } from "./password_slips";
-import { asksAboutOthers, detailText, leftOutText, type Others, readings } from "./roster";
+import {
+  asksAboutOthers,
+  detailText,
+  importRoster,
+  leftOutText,
+  type Others,
+  readings,
+  type RosterImport,
+} from "./roster";
 
 const kMaxBytes = 1 << 20; // of a request's body
 const kShownRows = 500;
@@ -30,14 +37,14 @@ export function RosterPage({ client }: { readonly client: Client }) {
   const [trial, setTrial] = useState<RosterOutcome>();
   const [done, setDone] = useState<RosterOutcome>();
   const change = useChange();
-  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const cohorts = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value.map((item) => item.name) : [];
 
   // The last trial stays until the next is there: the focus is in one of its fields.
   const check = async (bytes: ArrayBuffer | undefined, next: RosterImport) => {
     setHow(next);
     if (bytes === undefined) return setTrial(undefined);
-    const result = await change.run(() => client.people.importRoster(bytes, next, true));
+    const result = await change.run(() => importRoster(client, bytes, next, true));
     setTrial(result?.ok === true ? result.value : undefined);
   };
   const choose = async (chosen: File | undefined) => {
@@ -56,7 +63,7 @@ export function RosterPage({ client }: { readonly client: Client }) {
   const carryOut = async () => {
     if (file === undefined) return;
     const move = others === "leave";
-    const result = await change.run(() => client.people.importRoster(file, { ...how, move }, false));
+    const result = await change.run(() => importRoster(client, file, { ...how, move }, false));
     if (result?.ok === true) setDone(result.value);
   };
 

@@ -43,14 +43,14 @@ export function SearchPage({ client, query, onQuery }: Props) {
   }, [text, asked, onQuery]);
   const enough = asked.trim().length >= kLeastLetters;
   const people = useRequest(enough ? asked : undefined, (signal) =>
-    client.people.list({ text: asked, limit: kMost }, signal),
+    client.page("/people", { text: asked, limit: kMost, signal }),
   );
   const first = people.loaded.state === "ready" ? people.loaded.value.items.slice(0, kMostPeople) : undefined;
   const attempts = useRequest(first?.map(({ id }) => id).join(" "), (signal) =>
     attemptsOf(client, first ?? [], signal),
   );
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises("published", signal));
-  const stations = useRequest("stations", (signal) => client.stations.all(signal));
+  const exercises = useRequest("exercises", (signal) => client.all("/exercises", { state: "published", signal }));
+  const stations = useRequest("stations", (signal) => client.all("/stations", { signal }));
   return (
     <>
       <PageTitle document={say("search.title")}>{say("search.title")}</PageTitle>
@@ -149,7 +149,7 @@ async function attemptsOf(
 ): Promise<ApiResult<readonly Attempt[]>> {
   const out: Attempt[] = [];
   for (const { id: person } of people) {
-    const read = await client.attempts({ person, limit: kMost }, signal);
+    const read = await client.page("/attempts", { person, limit: kMost, signal });
     if (!read.ok) return read;
     out.push(...read.value.items);
   }

@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Calibration } from "../../api/types";
-import { calibrationSeries } from "./calibration_series";
+import { type Calibration, calibrationSeries } from "./calibration_series";
 
 const calibration = (measuredMs: number, measured: object) =>
   ({ measured_ms: measuredMs, document: { measured } }) as unknown as Calibration;

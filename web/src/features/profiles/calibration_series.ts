@@ -1,6 +1,16 @@
-import type { Calibration } from "../../api/types";
+import type { CalibrationEntry } from "../../api/types";
 import { say } from "../../base/words";
 import type { TrendPoint } from "../../widgets/trend";
+
+// With what the page reads of its document (schemas/calibration.schema.json).
+export type Calibration = Omit<CalibrationEntry, "document"> & {
+  readonly document: {
+    readonly station: string;
+    readonly software: string;
+    readonly method: string;
+    readonly measured: Readonly<Record<string, { readonly value: number; readonly uncertainty: number }>>;
+  };
+};
 
 // The quantities of a calibration document (schemas/calibration.schema.json), as the page draws
 // them: in units people read, next to what the profile says.

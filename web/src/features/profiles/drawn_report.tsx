@@ -17,7 +17,7 @@ export function DrawnReport({
   readonly id: string;
   readonly onClose: () => void;
 }) {
-  const { loaded, reload } = useRequest(id, (signal) => client.profiles.report(id, signal));
+  const { loaded, reload } = useRequest(id, (signal) => client.get("/profile-reports/{id}", { id, signal }));
   const drawable = useMemo(() => (loaded.state === "ready" ? drawableIn(loaded.value) : undefined), [loaded]);
   const close = (
     <button type="button" class="button small" onClick={onClose}>

@@ -1,5 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { reported } from "../../api/http";
 import { placeText } from "../../api/place_text";
 import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
@@ -25,7 +26,7 @@ interface Props {
 // A device profile in a form: each number with its source, and whether the device would be stable
 // with them.
 export function ProfileEditorPage({ client, name, onOpen }: Props) {
-  const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.profiles.get(name, signal));
+  const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.get("/profiles/{name}", { name, signal }));
   if (loaded.state === "loading") return <Loading what={say("loading.profile")} />;
   if (loaded.state === "failed")
     return (
@@ -66,12 +67,14 @@ function Editor({
 }) {
   const edit = useDocument(`profile ${name}`, read);
   const text = JSON.stringify(edit.now);
-  const check = useCheck(text, (asked, signal) => client.profiles.upload(asked, { check: true, signal }));
+  const check = useCheck(text, (asked, signal) =>
+    reported(client.post("/profiles", { dry_run: true, body: asked, signal }), "criteria"),
+  );
   const change = useChange();
   const refused = check.value?.acceptable === false;
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now) };
   const save = async () => {
-    const result = await change.run(() => client.profiles.upload(text));
+    const result = await change.run(() => reported(client.post("/profiles", { body: text }), "criteria"));
     if (result?.ok !== true || !result.value.acceptable) return;
     edit.forget();
     onOpen(`/profiles/${name}`);

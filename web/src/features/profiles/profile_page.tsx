@@ -1,9 +1,9 @@
 import { useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { ApiResult } from "../../api/http";
+import { addressOf, type ApiResult } from "../../api/http";
 import { placedMessage } from "../../api/placed";
-import type { Calibration, Profile, ProfileDetail } from "../../api/types";
+import type { Profile, ProfileDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatNumber, unitText } from "../../base/format";
@@ -14,7 +14,7 @@ import { FileField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { Trend } from "../../widgets/trend";
 import { DrawnReport } from "./drawn_report";
-import { calibrationSeries, type CalibrationSeries } from "./calibration_series";
+import { type Calibration, calibrationSeries, type CalibrationSeries } from "./calibration_series";
 import { CriteriaPanel } from "./criteria_panel";
 import { FeelCard } from "./feel_card";
 import { numberTitle } from "./profile_text";
@@ -28,7 +28,7 @@ export function ProfilePage({
   readonly name: string;
   readonly admin: boolean;
 }) {
-  const { loaded, reload } = useRequest(name, (signal) => client.profiles.get(name, signal));
+  const { loaded, reload } = useRequest(name, (signal) => client.get("/profiles/{name}", { name, signal }));
   const title = loaded.state === "ready" ? wordedTitle(loaded.value.title) : say("profile.one");
   return (
     <>
@@ -117,7 +117,7 @@ function Numbers({ profile }: { readonly profile: Profile }) {
 
 function Versions({ client, profile }: { readonly client: Client; readonly profile: ProfileDetail }) {
   const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) =>
-    client.profiles.versions(profile.name, signal),
+    client.all("/profiles/{name}/versions", { name: profile.name, signal }),
   );
   if (loaded.state === "loading") return <Loading what={say("loading.versions")} />;
   if (loaded.state === "failed")
@@ -145,7 +145,9 @@ interface ReportsProps {
 }
 
 function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
-  const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.reports(profile.name, signal));
+  const { loaded, reload } = useRequest(profile.name, (signal) =>
+    client.all("/profiles/{name}/reports", { name: profile.name, signal }),
+  );
   return (
     <>
       {loaded.state === "loading" && <Loading what={say("loading.reports")} />}
@@ -164,7 +166,7 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
               {
                 title: say("profile.report"),
                 cell: (report) => (
-                  <a href={client.profiles.reportAddress(report.id)} download>
+                  <a href={addressOf("/profile-reports/{id}", { id: report.id })} download>
                     {formatDateTime(report.created_ms)}
                   </a>
                 ),
@@ -200,11 +202,11 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
           accept=".json,.html,application/json,text/html"
           hint={say("profile.attach_hint")}
           send={(text, file) =>
-            client.profiles.addReport(
-              profile.name,
-              text,
-              file.name.endsWith(".html") ? "text/html" : "application/json",
-            )
+            client.post("/profiles/{name}/reports", {
+              name: profile.name,
+              body: text,
+              type: file.name.endsWith(".html") ? "text/html" : "application/json",
+            })
           }
           onDone={reload}
         />
@@ -222,7 +224,9 @@ function Calibrations({
   readonly profile: ProfileDetail;
   readonly admin: boolean;
 }) {
-  const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.calibrations(profile.name, signal));
+  const { loaded, reload } = useRequest(profile.name, (signal) =>
+    client.all("/profiles/{name}/calibrations", { name: profile.name, signal }),
+  );
   return (
     <Card title={say("calibration.title")}>
       {loaded.state === "loading" && <Loading what={say("loading.calibrations")} />}
@@ -233,14 +237,17 @@ function Calibrations({
         (loaded.value.length === 0 ? (
           <Empty>{say("calibration.none")}</Empty>
         ) : (
-          <CalibrationHistory calibrations={loaded.value} profile={profile} />
+          <CalibrationHistory
+            calibrations={loaded.value as readonly unknown[] as readonly Calibration[]}
+            profile={profile}
+          />
         ))}
       {admin && (
         <UploadForm
           label={say("calibration.add")}
           accept=".json,application/json"
           hint={say("calibration.add_hint")}
-          send={(text) => client.profiles.addCalibration(profile.name, text)}
+          send={(text) => client.post("/profiles/{name}/calibrations", { name: profile.name, body: text })}
           onDone={reload}
         />
       )}

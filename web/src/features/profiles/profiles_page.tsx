@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { reported } from "../../api/http";
 import type { Profile, ProfileJudgement } from "../../api/types";
 import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
@@ -17,7 +18,9 @@ const kPageSize = 100;
 
 // The haptic devices the school has, and what each may be asked for.
 export function ProfilesPage({ client, admin }: { readonly client: Client; readonly admin: boolean }) {
-  const pages = usePages("profiles", (cursor, signal) => client.profiles.list({ cursor, limit: kPageSize }, signal));
+  const pages = usePages("profiles", (cursor, signal) =>
+    client.page("/profiles", { cursor, limit: kPageSize, signal }),
+  );
   return (
     <>
       <PageTitle document={say("profiles.title")}>{say("profiles.title")}</PageTitle>
@@ -57,7 +60,7 @@ function UploadProfile({ client, onDone }: { readonly client: Client; readonly o
     event.preventDefault();
     if (file === undefined) return;
     const text = await file.text();
-    const result = await change.run(() => client.profiles.upload(text));
+    const result = await change.run(() => reported(client.post("/profiles", { body: text }), "criteria"));
     setStored(result?.ok === true ? result.value : undefined);
     if (result?.ok === true && result.value.stored) onDone();
   };

@@ -28,11 +28,14 @@ export function FirstAdmin({ client, token, onSignedIn }: Props) {
   const submit = async (event: Event) => {
     event.preventDefault();
     const made = await change.run(async () => {
-      const result = await client.people.makeFirstAdmin({
-        token,
-        login: login.trim(),
-        display_name: name.trim(),
-        password,
+      const result = await client.post("/first-admin", {
+        body: {
+          token,
+          login: login.trim(),
+          display_name: name.trim(),
+          password,
+        },
+        signingIn: true,
       });
       return result.ok ? client.signIn(login.trim(), password) : result;
     });

@@ -15,7 +15,7 @@ const kLongest = 128;
 
 // Haptic devices that graded work and exams are done with, unless the assignment allows more.
 export function ListedDevices({ client, admin }: { readonly client: Client; readonly admin: boolean }) {
-  const { loaded, reload } = useRequest("devices", (signal) => client.stations.devices(signal));
+  const { loaded, reload } = useRequest("devices", (signal) => client.get("/listed-devices", { signal }));
   const [open, setOpen] = useState<"add" | ListedDevice>();
   const close = () => setOpen(undefined);
   return (
@@ -85,7 +85,7 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
           action={say("common.remove")}
           onClose={close}
           onConfirm={async () => {
-            const result = await client.stations.unlistDevice(open.name);
+            const result = await client.post("/listed-devices/remove", { body: { name: open.name } });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
@@ -113,7 +113,9 @@ function Add({
   const problemOf = (field: string) => (change.error?.field === field ? change.error.message : undefined);
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.stations.listDevice(name.trim(), title.trim()));
+    const result = await change.run(() =>
+      client.post("/listed-devices", { body: { name: name.trim(), title: title.trim() } }),
+    );
     if (result?.ok !== true) return;
     onDone();
     onClose();

@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { seen } from "../../api/http";
 import type { EnrolCode, MadeEnrolCode, Station } from "../../api/types";
-import { tagOf } from "../../api/http";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
@@ -23,7 +23,9 @@ const kSeenNowMs = 2 * 60_000;
 
 // The workstations; an admin enrols, renames and revokes them.
 export function StationsPage({ client, admin }: { readonly client: Client; readonly admin: boolean }) {
-  const pages = usePages("stations", (cursor, signal) => client.stations.list({ cursor, limit: kPageSize }, signal));
+  const pages = usePages("stations", (cursor, signal) =>
+    client.page("/stations", { cursor, limit: kPageSize, signal }),
+  );
   const [open, setOpen] = useState<{ readonly what: "rename" | "revoke"; readonly station: Station }>();
   const close = () => setOpen(undefined);
   const columns: readonly Column<Station>[] = [
@@ -98,7 +100,7 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
           action={say("stations.revoke")}
           onClose={close}
           onConfirm={async () => {
-            const result = await client.stations.revoke(open.station.id);
+            const result = await client.post("/stations/{id}/revoke", { id: open.station.id });
             if (!result.ok) return result.error.message;
             pages.reload();
             return undefined;
@@ -135,7 +137,9 @@ function Rename({
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.stations.rename(station.id, name.trim(), tagOf(station.revision)));
+    const result = await change.run(() =>
+      client.patch("/stations/{id}", { ...seen(station), body: { name: name.trim() } }),
+    );
     if (result?.ok !== true) return;
     onDone();
     onClose();
@@ -161,12 +165,12 @@ function Rename({
 }
 
 function EnrolmentCodes({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("codes", (signal) => client.stations.codes(signal));
+  const { loaded, reload } = useRequest("codes", (signal) => client.all("/enrolment-codes", { signal }));
   const [made, setMade] = useState<MadeEnrolCode>();
   const [ending, setEnding] = useState<EnrolCode>();
   const change = useChange();
   const make = async () => {
-    const result = await change.run(() => client.stations.makeCode(kCodeMinutes));
+    const result = await change.run(() => client.post("/enrolment-codes", { body: { minutes: kCodeMinutes } }));
     if (result?.ok !== true) return;
     setMade(result.value);
     reload();
@@ -220,7 +224,7 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
           action={say("stations.withdraw")}
           onClose={() => setEnding(undefined)}
           onConfirm={async () => {
-            const result = await client.stations.withdrawCode(ending.id);
+            const result = await client.delete("/enrolment-codes/{id}", { id: ending.id });
             if (!result.ok) return result.error.message;
             reload();
             return undefined;
