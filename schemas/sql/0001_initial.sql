@@ -1,5 +1,5 @@
--- Schema 1 of the server's store, in SQLite. schemas/sql/pg/0001_initial.sql has the same tables, columns, keys, checks
--- and indexes for PostgreSQL; a test compares the two files.
+-- Schema 1 of the server's store, in SQLite. The server makes its tables and indexes for PostgreSQL from it and adds
+-- schemas/sql/pg/0001_initial.sql.
 --
 -- The tenant leads every key. Ids are UUIDv7 (16 bytes, sort by age), times are milliseconds since the Unix epoch,
 -- hashes are SHA-256 (32 bytes). Large content is in blobs, which rows name by their hash. Migrations are numbered and
@@ -723,6 +723,8 @@ CREATE TABLE move_marks (
   mark   TEXT NOT NULL CHECK (mark IN ('moved', 'moving')),
   PRIMARY KEY (tenant, mark)
 ) STRICT, WITHOUT ROWID;
+
+-- For SQLite alone, from here on.
 
 CREATE TRIGGER audit_is_not_deleted BEFORE DELETE ON audit
 BEGIN

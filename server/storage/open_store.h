@@ -31,7 +31,7 @@ struct PostgresOptions {
   StoreOptions folder{};
 };
 
-// The same store with its rows in PostgreSQL 15 (schemas/sql/pg) instead of enamel.db. Errors also:
+// The same store with its rows in PostgreSQL 15 instead of enamel.db. Errors also:
 // kUnavailable (the server or its client library is missing).
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options);
 // Whether a server already has its rows there. Creates nothing. Errors: those of OpenPostgresStore.

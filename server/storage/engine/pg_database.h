@@ -14,8 +14,11 @@
 // The store's tables in PostgreSQL, as the server opens them.
 namespace enamel::server {
 
-// In order; generated from schemas/sql/pg. The newest has the same number as SQLite's.
+// SQLite's (schemas/sql) in PostgreSQL's words, each with what PostgreSQL has beside (schemas/sql/pg).
 const std::vector<sql::Migration>& PgMigrations();
+const std::vector<sql::Migration>& OwnPgMigrations();
+// Errors: kInternal (a word that is in no list of pg_migrations.cpp).
+Result<std::string> InPostgres(const std::string& sqlite);
 
 // A failure gives the caller the remedy, without host and PostgreSQL's words: those go to the log.
 // While opening, whoever started the program sees them too. `fail_next`, `newest`: PgDbOptions.
