@@ -93,69 +93,33 @@ export interface NavItem {
   readonly title: string;
 }
 
-const kAttempts = {
-  path: "/attempts",
-  get title() {
-    return say("nav.attempts");
-  },
-};
-const kAssignments = {
-  path: "/assignments",
-  get title() {
-    return say("nav.assignments");
-  },
-};
-const kExercises = {
-  path: "/exercises",
-  get title() {
-    return say("nav.exercises");
-  },
-};
-const kCohorts = {
-  path: "/cohorts",
-  get title() {
-    return say("nav.cohorts");
-  },
-};
-const kLive = {
-  path: "/live",
-  get title() {
-    return say("nav.live");
-  },
-};
-const kStations = {
-  path: "/stations",
-  get title() {
-    return say("nav.stations");
-  },
-};
-const kDevices = {
-  path: "/profiles",
-  get title() {
-    return say("nav.devices");
-  },
-};
-
 export function navigation(role: Role): readonly NavItem[] {
+  const attempts = { path: "/attempts", title: say("nav.attempts") };
+  const assignments = { path: "/assignments", title: say("nav.assignments") };
+  const exercises = { path: "/exercises", title: say("nav.exercises") };
+  const cohorts = { path: "/cohorts", title: say("nav.cohorts") };
+  const live = { path: "/live", title: say("nav.live") };
+  const stations = { path: "/stations", title: say("nav.stations") };
+  const devices = { path: "/profiles", title: say("nav.devices") };
   switch (role) {
     case "student":
       return [
         { path: "/assignments", title: say("nav.my_work") },
-        kExercises,
+        exercises,
         { path: "/attempts", title: say("nav.my_attempts") },
       ];
     case "instructor":
-      return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
+      return [attempts, assignments, exercises, cohorts, live, stations, devices];
     case "admin":
       return [
         { path: "/people", title: say("nav.people") },
-        kCohorts,
-        kAttempts,
-        kAssignments,
-        kExercises,
-        kLive,
-        kStations,
-        kDevices,
+        cohorts,
+        attempts,
+        assignments,
+        exercises,
+        live,
+        stations,
+        devices,
         { path: "/health", title: say("nav.health") },
         { path: "/jobs", title: say("nav.jobs") },
         { path: "/audit", title: say("nav.audit") },

@@ -1,8 +1,7 @@
 import type { Attempt, AttemptFlag, AttemptState, Hand, Mistake, Score } from "../api/types";
 import { isWorthAdvice } from "../api/worth";
-import { unreachable } from "../base/assert";
 import { formatNumber } from "../base/format";
-import { say } from "../base/words";
+import { say, sayIf } from "../base/words";
 import { Badge, type Tone } from "./basics";
 
 interface StateText {
@@ -10,25 +9,18 @@ interface StateText {
   readonly tone: Tone;
 }
 
+const kStateTones: Readonly<Record<AttemptState, Tone>> = {
+  ticketed: "neutral",
+  recording: "neutral",
+  sealed: "neutral",
+  scoring: "neutral",
+  scored: "good",
+  failed: "bad",
+  quarantined: "bad",
+};
+
 export function stateText(state: AttemptState): StateText {
-  switch (state) {
-    case "ticketed":
-      return { title: say("attempt_state.ticketed"), tone: "neutral" };
-    case "recording":
-      return { title: say("attempt_state.recording"), tone: "neutral" };
-    case "sealed":
-      return { title: say("attempt_state.sealed"), tone: "neutral" };
-    case "scoring":
-      return { title: say("attempt_state.scoring"), tone: "neutral" };
-    case "scored":
-      return { title: say("attempt_state.scored"), tone: "good" };
-    case "failed":
-      return { title: say("attempt_state.failed"), tone: "bad" };
-    case "quarantined":
-      return { title: say("attempt_state.quarantined"), tone: "bad" };
-    default:
-      return unreachable(state);
-  }
+  return { title: say(`attempt_state.${state}`), tone: kStateTones[state] };
 }
 
 export function isUnderWay(state: AttemptState): boolean {
@@ -68,85 +60,20 @@ function sizeOf({ mistakes }: Pick<Score, "mistakes">, kind: Mistake["kind"]): n
 }
 
 // What is to be known about an attempt before it is judged.
-export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
-  late: {
-    get title() {
-      return say("attempt_flag.late");
-    },
-    tone: "warning",
-  },
-  late_upload: {
-    get title() {
-      return say("attempt_flag.late_upload");
-    },
-    tone: "neutral",
-  },
-  faster_than_time: {
-    get title() {
-      return say("attempt_flag.faster_than_time");
-    },
-    tone: "neutral",
-  },
-  over_time: {
-    get title() {
-      return say("attempt_flag.over_time");
-    },
-    tone: "warning",
-  },
-  resumed: {
-    get title() {
-      return say("attempt_flag.resumed");
-    },
-    tone: "neutral",
-  },
-  readmitted: {
-    get title() {
-      return say("attempt_flag.readmitted");
-    },
-    tone: "neutral",
-  },
-  excused: {
-    get title() {
-      return say("attempt_flag.excused");
-    },
-    tone: "neutral",
-  },
-  returned: {
-    get title() {
-      return say("attempt_flag.returned");
-    },
-    tone: "neutral",
-  },
-  other_hand: {
-    get title() {
-      return say("attempt_flag.other_hand");
-    },
-    tone: "bad",
-  },
-  contradicted: {
-    get title() {
-      return say("attempt_flag.contradicted");
-    },
-    tone: "bad",
-  },
-  shook: {
-    get title() {
-      return say("attempt_flag.shook");
-    },
-    tone: "warning",
-  },
-  borderline_score: {
-    get title() {
-      return say("attempt_flag.borderline_score");
-    },
-    tone: "warning",
-  },
-  near_another: {
-    get title() {
-      return say("attempt_flag.near_another");
-    },
-    tone: "warning",
-  },
+export const kFlagTones: Readonly<Record<AttemptFlag, Tone>> = {
+  late: "warning",
+  late_upload: "neutral",
+  faster_than_time: "neutral",
+  over_time: "warning",
+  resumed: "neutral",
+  readmitted: "neutral",
+  excused: "neutral",
+  returned: "neutral",
+  other_hand: "bad",
+  contradicted: "bad",
+  shook: "warning",
+  borderline_score: "warning",
+  near_another: "warning",
 };
 
 // Only people who judge the attempt see how the station ran: a student cannot change that.
@@ -158,7 +85,7 @@ export function shownFlags(flags: readonly AttemptFlag[], staff: boolean): reado
 }
 
 export function flagText(flag: AttemptFlag): StateText {
-  return kFlagTexts[flag] ?? { title: flag, tone: "neutral" };
+  return { title: sayIf(`attempt_flag.${flag}`) ?? flag, tone: kFlagTones[flag] ?? "neutral" };
 }
 
 // What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a

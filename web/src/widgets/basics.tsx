@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Loaded } from "../api/use_request";
 import { say } from "../base/words";
 
 // Small building blocks without any state of the application.
@@ -78,6 +79,26 @@ export function Loading({ what }: { readonly what: string }) {
       <span class="spinner" aria-hidden="true" />
       {what}
     </p>
+  );
+}
+
+interface WaitsProps {
+  readonly loaded: Loaded<unknown>;
+  readonly reload?: () => void;
+  readonly what: string; // as of Loading
+  readonly failed: string; // title of the notice
+  readonly children?: ComponentChildren; // above the notice
+}
+
+// Instead of what is not there yet, or could not be loaded.
+export function Waits({ loaded, reload, what, failed, children }: WaitsProps) {
+  if (loaded.state === "loading") return <Loading what={what} />;
+  if (loaded.state === "ready") return null;
+  return (
+    <>
+      {children}
+      <ErrorNotice title={failed} message={loaded.error.message} onRetry={reload} />
+    </>
   );
 }
 

@@ -4,7 +4,7 @@ import type { Person, Session } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { kLanguages } from "../../base/language";
 import { say, sayWith } from "../../base/words";
-import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Badge, Card, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 import { SessionsTable } from "../../widgets/sessions_table";
 import { PasswordForm } from "./password_form";
@@ -79,10 +79,12 @@ function OwnSessions({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("sessions", (signal) => client.all("/sessions", { signal }));
   return (
     <Card title={say("account.sessions")}>
-      {loaded.state === "loading" && <Loading what={say("loading.own_sessions")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("account.sessions_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits
+        loaded={loaded}
+        reload={reload}
+        what={say("loading.own_sessions")}
+        failed={say("account.sessions_failed")}
+      />
       {loaded.state === "ready" && (
         <SessionsTable
           sessions={loaded.value}

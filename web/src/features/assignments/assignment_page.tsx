@@ -8,7 +8,7 @@ import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Badge, Card, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
@@ -28,15 +28,12 @@ interface Props {
 export function AssignmentPage({ client, id, onGone, insight, marking }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/assignments/{id}", { id, signal }));
   const [newer, setNewer] = useState<Tagged<Assignment>>();
-  if (loaded.state === "loading") return <Loading what={say("loading.assignment")} />;
-  if (loaded.state === "failed") {
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.assignment")} failed={say("assignments.failed")}>
         <PageTitle document={say("assignments.one")}>{say("assignments.one")}</PageTitle>
-        <ErrorNotice title={say("assignments.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
-  }
   const { value: assignment, tag } = newer ?? loaded.value;
   return (
     <>
@@ -166,59 +163,41 @@ function sentTerms({ exercise, cohort }: Assignment, terms: Terms) {
 
 type Draft = Assignment;
 
-const kCompared = [
+const compared = () => [
   {
-    get title() {
-      return say("assignments.opens");
-    },
+    title: say("assignments.opens"),
     text: (item: Draft) => (item.opens_ms === 0 ? say("assignments.at_once") : formatDateTime(item.opens_ms)),
   },
   {
-    get title() {
-      return say("assignments.due");
-    },
+    title: say("assignments.due"),
     text: (item: Draft) => (item.due_ms === 0 ? say("assignments.never") : formatDateTime(item.due_ms)),
   },
   {
-    get title() {
-      return say("nav.attempts");
-    },
+    title: say("nav.attempts"),
     text: limitText,
   },
   {
-    get title() {
-      return say("assignments.late_attempts");
-    },
+    title: say("assignments.late_attempts"),
     text: (item: Draft) => (item.late_allowed ? say("assignments.accepted") : say("assignments.refused")),
   },
   {
-    get title() {
-      return say("assignments.devices");
-    },
+    title: say("assignments.devices"),
     text: handsText,
   },
   {
-    get title() {
-      return say("assignments.counts");
-    },
+    title: say("assignments.counts"),
     text: (item: Draft) => countingText(item.counting),
   },
   {
-    get title() {
-      return say("attempt_flag.exam");
-    },
+    title: say("attempt_flag.exam"),
     text: (item: Draft) => (item.exam ? say("common.yes") : say("common.no")),
   },
   {
-    get title() {
-      return say("terms.sign_off");
-    },
+    title: say("terms.sign_off"),
     text: (item: Draft) => (item.sign_off ? say("common.yes") : say("common.no")),
   },
   {
-    get title() {
-      return say("nav.stations");
-    },
+    title: say("nav.stations"),
     text: (item: Draft) => item.stations.map((station) => station.name).join(", "),
   },
 ];
@@ -263,7 +242,7 @@ function EditTerms({
           (station) => !station.revoked || edit.draft.stations.some((item) => item.id === station.id),
         )}
       />
-      <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
+      <EditNotices edit={edit} compared={compared()} fields={["opens_ms", "due_ms", "attempt_limit"]} />
       <div class="button-row">
         <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}

@@ -52,35 +52,10 @@ export function leftText({ attempts_left: left }: { readonly attempts_left: numb
 }
 
 // What may hold the tool in graded work, each also what stands before it.
-export const kHands: readonly { readonly value: HandsAllowed; readonly title: string }[] = [
-  {
-    value: "listed",
-    get title() {
-      return say("hands.listed");
-    },
-  },
-  {
-    value: "haptic",
-    get title() {
-      return say("hands.haptic");
-    },
-  },
-  {
-    value: "pointer",
-    get title() {
-      return say("hands.pointer");
-    },
-  },
-  {
-    value: "any",
-    get title() {
-      return say("hands.any");
-    },
-  },
-];
+export const kHands: readonly HandsAllowed[] = ["listed", "haptic", "pointer", "any"];
 
 export function handsText({ hands }: Pick<Assignment, "hands">): string {
-  return kHands.find((each) => each.value === hands)?.title ?? hands;
+  return say(`hands.${hands}`);
 }
 
 export const kCountings: readonly Counting[] = ["best", "last", "mean", "median"];

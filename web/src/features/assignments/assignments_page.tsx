@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
-import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { AssignmentEditor } from "./assignment_editor";
@@ -46,10 +46,12 @@ export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
           ]}
         />
       </div>
-      {loaded.state === "loading" && <Loading what={say("loading.assignments")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("assignments.list_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits
+        loaded={loaded}
+        reload={reload}
+        what={say("loading.assignments")}
+        failed={say("assignments.list_failed")}
+      />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
           <Empty>{say("assignments.none")}</Empty>

@@ -8,7 +8,7 @@ import { formatDateTime, formatDuration, formatPoints, formatQuantity, formatSco
 import { namesIn } from "../../base/names";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Badge, Card, Empty, ErrorNotice, Folded, Loading, Notice } from "../../widgets/basics";
+import { Badge, Card, Empty, Folded, Notice, Waits } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { Tenths } from "../../widgets/tenths";
 import { exerciseTitle } from "./assignment_text";
@@ -50,10 +50,7 @@ export function InsightCard({ client, assignment }: Props) {
     ) : undefined;
   return (
     <Card title={say("insight.title")} aside={aside} className="insight">
-      {loaded.state === "loading" && <Loading what={say("loading.insight")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("insight.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.insight")} failed={say("insight.failed")} />
       {setAside > 0 && (
         <Notice tone="warning">
           <p>

@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
-import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { Card, Waits } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 
 interface Props {
@@ -69,8 +69,7 @@ function WhatMoves({
   const { loaded } = useRequest(`${assignment.id} ${newest}`, (signal) =>
     client.post("/assignments/{id}/move", { id: assignment.id, dry_run: true, body: { exercise_id: newest }, signal }),
   );
-  if (loaded.state === "loading") return <Loading what={say("loading.move")} />;
-  if (loaded.state === "failed") return <ErrorNotice title={say("move.failed")} message={loaded.error.message} />;
+  if (loaded.state !== "ready") return <Waits loaded={loaded} what={say("loading.move")} failed={say("move.failed")} />;
   const { attempts, tickets, to_version: to } = loaded.value;
   return (
     <p>

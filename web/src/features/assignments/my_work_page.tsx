@@ -4,7 +4,7 @@ import { useRequest } from "../../api/use_request";
 import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Brief, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, Brief, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { part } from "../../widgets/part";
 import { dueText, exerciseTitle, leftText, phaseOf, resultText } from "./assignment_text";
 
@@ -17,10 +17,7 @@ export function MyWorkPage({ client }: { readonly client: Client }) {
   return (
     <>
       <PageTitle document={say("nav.my_work")}>{say("nav.my_work")}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.my_work")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("my_work.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.my_work")} failed={say("my_work.failed")} />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
           <Empty>{say("my_work.none")}</Empty>

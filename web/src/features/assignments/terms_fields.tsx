@@ -1,7 +1,7 @@
 import type { AssignmentTerms, Counting } from "../../api/types";
 import { say } from "../../base/words";
 import { CheckField, NumberField, SelectField, TimeField } from "../../widgets/form";
-import { countingText, dueProblem, kCountings, kHands } from "./assignment_text";
+import { countingText, dueProblem, handsText, kCountings, kHands } from "./assignment_text";
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
@@ -61,7 +61,7 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
         hint={say("terms.devices_hint")}
         value={terms.hands}
         onValue={(hands) => onTerms({ hands })}
-        options={kHands}
+        options={kHands.map((hands) => ({ value: hands, title: handsText({ hands }) }))}
         problem={problemOf("hands")}
       />
       <CheckField

@@ -5,7 +5,7 @@ import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { Brief, Empty, ErrorNotice, Loading } from "../../widgets/basics";
+import { Brief, Empty, Waits } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
 import { SelectField, TextField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -54,10 +54,7 @@ export function CompareSearch({ client, attempt, onFound, onClose }: Props) {
           {say("people.search")}
         </button>
       </form>
-      {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.attempts")} failed={say("list_failed.attempts")} />
       {loaded.state === "ready" &&
         (found.length === 0 ? (
           <Empty>{say(name === "" ? "attempts.none" : "common.nobody_named")}</Empty>

@@ -121,27 +121,6 @@ export const MetricsPanel = still(function MetricsPanel({ metrics }: { readonly 
   );
 });
 
-const kCauses: Readonly<Record<string, string>> = {
-  get seal() {
-    return say("run_cause.seal");
-  },
-  get reference() {
-    return say("run_cause.reference");
-  },
-  get rescore() {
-    return say("run_cause.rescore");
-  },
-  get appeal() {
-    return say("run_cause.appeal");
-  },
-  get rubric() {
-    return say("run_cause.rubric");
-  },
-  get restore() {
-    return say("run_cause.restore");
-  },
-};
-
 // Every time the attempt was scored; nothing to say as long as that was once.
 export const RunsPanel = still(function RunsPanel({
   client,
@@ -164,7 +143,7 @@ export const RunsPanel = still(function RunsPanel({
         dense
         columns={[
           { title: say("common.when"), cell: (run) => formatDateTime(run.scored_ms) },
-          { title: say("jobs.why"), cell: (run) => kCauses[run.cause] ?? run.cause },
+          { title: say("jobs.why"), cell: (run) => say(`run_cause.${run.cause}`) },
           {
             title: say("common.score"),
             number: true,

@@ -7,7 +7,7 @@ import { formatDuration, formatFixed, formatMoment, formatQuantity, unitText } f
 import { say } from "../../base/words";
 import type { FilmLink } from "../../tooth/link";
 import type { ModelFormat } from "../../tooth/messages";
-import { Card, ErrorNotice, Folded, Loading, TableFrame } from "../../widgets/basics";
+import { Card, Folded, TableFrame, Waits } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { stepAt, stepIn } from "./clock";
@@ -32,10 +32,7 @@ export function ForcePanel({ review }: { readonly review: Review }) {
   const { loaded, reload } = review.series;
   return (
     <Card title={say("force.title")} className="force-card">
-      {loaded.state === "loading" && <Loading what={say("loading.force")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("force.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.force")} failed={say("force.failed")} />
       {loaded.state === "ready" &&
         (loaded.value.t_s.length === 0 ? (
           <p class="empty">{say("force.no_step")}</p>

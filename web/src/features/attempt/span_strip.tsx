@@ -5,40 +5,9 @@ import { kContactN, type Span, type SpanKind } from "./spans";
 
 const kKinds: readonly SpanKind[] = ["contact", "limit", "late", "gap", "lost"];
 
-const kTitles: Readonly<Record<SpanKind, string>> = {
-  get contact() {
-    return say("span_kind.contact");
-  },
-  get limit() {
-    return say("span_kind.limit");
-  },
-  get late() {
-    return say("span_kind.late");
-  },
-  get gap() {
-    return say("span_kind.gap");
-  },
-  get lost() {
-    return say("span_kind.lost");
-  },
-};
-const kMeanings: Readonly<Record<SpanKind, string>> = {
-  get contact() {
-    return say("span_meaning.contact", { force: formatNumber(kContactN, 2) });
-  },
-  get limit() {
-    return say("span_meaning.limit");
-  },
-  get late() {
-    return say("span_meaning.late");
-  },
-  get gap() {
-    return say("span_meaning.gap");
-  },
-  get lost() {
-    return say("span_meaning.lost");
-  },
-};
+const titleOf = (kind: SpanKind) => say(`span_kind.${kind}`);
+const meaningOf = (kind: SpanKind) =>
+  kind === "contact" ? say("span_meaning.contact", { force: formatNumber(kContactN, 2) }) : say(`span_meaning.${kind}`);
 
 interface Props {
   readonly spans: readonly Span[];
@@ -77,9 +46,9 @@ export const SpanLegend = still(function SpanLegend({ spans }: { readonly spans:
       {kKinds
         .filter((kind) => spans.some((span) => span.kind === kind))
         .map((kind) => (
-          <span key={kind} class="legend-item" title={kMeanings[kind]}>
+          <span key={kind} class="legend-item" title={meaningOf(kind)}>
             <span class={`span-sample ${kind}`} />
-            {kTitles[kind]}
+            {titleOf(kind)}
           </span>
         ))}
     </p>
@@ -88,12 +57,12 @@ export const SpanLegend = still(function SpanLegend({ spans }: { readonly spans:
 
 function spanText({ kind, fromS, toS }: Span): string {
   const [from, to] = [formatMoment(fromS), formatMoment(toS)];
-  return kind === "lost" ? `${kTitles[kind]}, ${from}` : say("span_kind.from_to", { title: kTitles[kind], from, to });
+  return kind === "lost" ? `${titleOf(kind)}, ${from}` : say("span_kind.from_to", { title: titleOf(kind), from, to });
 }
 
 function stripText(spans: readonly Span[]): string {
   const counts = kKinds
-    .map((kind) => [kTitles[kind], spans.filter((span) => span.kind === kind).length] as const)
+    .map((kind) => [titleOf(kind), spans.filter((span) => span.kind === kind).length] as const)
     .filter(([, count]) => count > 0);
   return say("span_kind.strip", {
     counts: counts.map(([title, count]) => `${title}: ${formatNumber(count, 0)}`).join(", "),

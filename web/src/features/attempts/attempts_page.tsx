@@ -9,8 +9,8 @@ import { useRequest } from "../../api/use_request";
 import { useSettled } from "../../api/use_settled";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
-import { Badge, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { flagText, Flags, isUnderWay, kFlagTones, StateBadge, stateText } from "../../widgets/attempt_state";
+import { Badge, PageTitle, Waits } from "../../widgets/basics";
 import { SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
@@ -82,9 +82,8 @@ function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { re
     () => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []),
     [appeals.loaded],
   );
-  if (loaded.state === "loading") return <Loading what={say("loading.cohorts")} />;
-  if (loaded.state === "failed")
-    return <ErrorNotice title={say("list_failed.cohorts")} message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state !== "ready")
+    return <Waits loaded={loaded} reload={reload} what={say("loading.cohorts")} failed={say("list_failed.cohorts")} />;
   return (
     <>
       <Filters cohorts={loaded.value} exercises={exercises} filter={filter} onQuery={onQuery} />
@@ -168,7 +167,7 @@ function Filters({
         options={[
           { value: "", title: "–" },
           { value: "appeal", title: say("attempts.open_appeal") },
-          ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title })),
+          ...Object.keys(kFlagTones).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title })),
         ]}
       />
       <SelectField

@@ -7,7 +7,7 @@ import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { compareNames, namesIn } from "../../base/names";
 import { say } from "../../base/words";
-import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, ErrorNotice, PageTitle, Waits } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
@@ -23,15 +23,12 @@ interface Props {
 
 export function CohortPage({ client, id, admin }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/cohorts/{id}", { id, signal }));
-  if (loaded.state === "loading") return <Loading what={say("loading.cohort")} />;
-  if (loaded.state === "failed") {
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.cohort")} failed={say("cohort.failed")}>
         <PageTitle document={say("common.cohort")}>{say("common.cohort")}</PageTitle>
-        <ErrorNotice title={say("cohort.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
-  }
   const cohort = loaded.value.value;
   return (
     <>
@@ -62,17 +59,13 @@ export function CohortPage({ client, id, admin }: Props) {
   );
 }
 
-const kCompared = [
+const compared = () => [
   {
-    get title() {
-      return say("account.name");
-    },
+    title: say("account.name"),
     text: (cohort: Cohort) => cohort.name,
   },
   {
-    get title() {
-      return say("cohort.archived");
-    },
+    title: say("cohort.archived"),
     text: (cohort: Cohort) => (cohort.archived_ms > 0 ? "yes" : "no"),
   },
 ];
@@ -116,7 +109,7 @@ function Details({
         value={edit.draft.archived_ms > 0}
         onValue={(archived) => edit.set({ archived_ms: archived ? read.value.archived_ms || Date.now() : 0 })}
       />
-      <EditNotices edit={edit} compared={kCompared} fields={["name"]} />
+      <EditNotices edit={edit} compared={compared()} fields={["name"]} />
       <div>
         <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}

@@ -7,7 +7,7 @@ import { fileName } from "../../base/download";
 import { formatScore } from "../../base/format";
 import { namesIn } from "../../base/names";
 import { say } from "../../base/words";
-import { Card, Empty, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
+import { Card, Empty, TableFrame, Waits } from "../../widgets/basics";
 import { Rows } from "../../widgets/rows";
 import { rowCount } from "../../widgets/table";
 
@@ -20,10 +20,7 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
   );
   return (
     <Card title={say("grades.title")}>
-      {loaded.state === "loading" && <Loading what={say("loading.grades")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("grades.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.grades")} failed={say("grades.failed")} />
       {loaded.state === "ready" && <Grades cohort={cohort} grades={loaded.value} />}
     </Card>
   );
@@ -70,9 +67,9 @@ function Grades({
             }}
           />
           <tfoot>
-            {kFigures.map(({ name, title }) => (
+            {kFigures.map((name) => (
               <tr key={name}>
-                <th scope="row">{title}</th>
+                <th scope="row">{say(`grades.${name}`)}</th>
                 {assignments.map(({ id, summary }) => (
                   <td key={id} class="number">
                     {formatScore(summary[name])}
@@ -120,32 +117,7 @@ function Grades({
   );
 }
 
-const kFigures = [
-  {
-    name: "mean",
-    get title() {
-      return say("grades.mean");
-    },
-  },
-  {
-    name: "median",
-    get title() {
-      return say("grades.median");
-    },
-  },
-  {
-    name: "lowest",
-    get title() {
-      return say("grades.lowest");
-    },
-  },
-  {
-    name: "highest",
-    get title() {
-      return say("grades.highest");
-    },
-  },
-] as const;
+const kFigures = ["mean", "median", "lowest", "highest"] as const;
 
 function GradeCell({ grade }: { readonly grade: Grade }) {
   if (grade.score === null) return <span class="hint">{grade.attempts === 0 ? "–" : say("grades.not_scored")}</span>;

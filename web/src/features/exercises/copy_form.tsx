@@ -7,7 +7,7 @@ import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
-import { ErrorNotice, Loading } from "../../widgets/basics";
+import { ErrorNotice, Waits } from "../../widgets/basics";
 import { needed } from "../../widgets/button";
 import { FormButtons } from "../../widgets/dialog";
 import { SelectField, TextField } from "../../widgets/form";
@@ -30,9 +30,10 @@ export function CopyForm({ client, from, onDone, onCancel }: Props) {
   const [title, setTitle] = useState("");
   const [typed, setTyped] = useState<string>(); // undefined: the name follows the title
   const change = useChange();
-  if (loaded.state === "loading") return <Loading what={say("loading.exercises")} />;
-  if (loaded.state === "failed")
-    return <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state !== "ready")
+    return (
+      <Waits loaded={loaded} reload={reload} what={say("loading.exercises")} failed={say("exercise_list.failed")} />
+    );
   const source = chosen ?? loaded.value[0]?.id;
   const name = typed ?? nameFor(title);
   const submit = async (event: Event) => {

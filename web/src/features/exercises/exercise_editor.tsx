@@ -11,7 +11,7 @@ import { placedMessage } from "../../api/placed";
 import { type Json, pathOf, valueAt } from "../../base/document";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
-import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Card, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import {
   type DocumentForm,
   DocumentFlag,
@@ -82,13 +82,11 @@ export function ExerciseEditorPage({ client, id, onOpen }: Props) {
       draft: versions.value.find((version) => version.state === "draft" && version.id !== id)?.id,
     });
   });
-  if (loaded.state === "loading") return <Loading what={say("loading.exercise")} />;
-  if (loaded.state === "failed")
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.exercise")} failed={say("exercise_page.failed")}>
         <PageTitle document={say("editor.document")}>{say("editor.title")}</PageTitle>
-        <ErrorNotice title={say("exercise_page.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
   return (
     <Editor key={loaded.value.exercise.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />

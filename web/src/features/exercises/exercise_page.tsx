@@ -12,12 +12,12 @@ import {
 } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
-import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, Card, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import {
   burText,
   fullMarksText,
-  kStateTexts,
+  stateText,
   noMarksText,
   ownerText,
   shankText,
@@ -45,17 +45,14 @@ interface Props {
 
 export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/exercises/{id}", { id, signal }));
-  if (loaded.state === "loading") return <Loading what={say("loading.exercise")} />;
-  if (loaded.state === "failed") {
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.exercise")} failed={say("exercise_page.failed")}>
         <PageTitle document={say("common.exercise")}>{say("common.exercise")}</PageTitle>
-        <ErrorNotice title={say("exercise_page.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
-  }
   const exercise = loaded.value.value;
-  const state = kStateTexts[exercise.state];
+  const state = stateText(exercise.state);
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
@@ -265,10 +262,7 @@ function OwnAttempts({
     <>
       {loaded.state === "ready" && <ProgressCard client={client} attempts={loaded.value.items} />}
       <Card title={say("nav.my_attempts")}>
-        {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
-        {loaded.state === "failed" && (
-          <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
-        )}
+        <Waits loaded={loaded} reload={reload} what={say("loading.attempts")} failed={say("list_failed.attempts")} />
         {loaded.state === "ready" &&
           (loaded.value.items.length === 0 ? (
             <Empty>{say("exercise_page.none")}</Empty>

@@ -45,26 +45,11 @@ export function timeLimitText(seconds: number): string {
   return seconds === 0 ? say("common.none_there") : formatDuration(seconds);
 }
 
-export const kStateTexts: Readonly<Record<ExerciseState, { readonly title: string; readonly tone: Tone }>> = {
-  draft: {
-    get title() {
-      return say("exercise_state.draft");
-    },
-    tone: "warning",
-  },
-  published: {
-    get title() {
-      return say("exercise_state.published");
-    },
-    tone: "good",
-  },
-  retired: {
-    get title() {
-      return say("exercise_state.retired");
-    },
-    tone: "neutral",
-  },
-};
+const kStateTones: Readonly<Record<ExerciseState, Tone>> = { draft: "warning", published: "good", retired: "neutral" };
+
+export function stateText(state: ExerciseState): { readonly title: string; readonly tone: Tone } {
+  return { title: say(`exercise_state.${state}`), tone: kStateTones[state] };
+}
 
 export function versionText({ version }: { readonly version: number }): string {
   return version === 0 ? say("version.draft") : say("version.number", { number: String(version) });

@@ -5,7 +5,7 @@ import type { ExerciseState, ExerciseSummary } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Card, Empty, ErrorNotice, Folded, Loading, PageTitle, Segmented } from "../../widgets/basics";
+import { Badge, Card, Empty, Folded, PageTitle, Segmented, Waits } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
 import { part } from "../../widgets/part";
 import { DataTable } from "../../widgets/table";
@@ -21,10 +21,7 @@ export function ExercisesPage({ client }: { readonly client: Client }) {
   return (
     <>
       <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.exercises")} failed={say("exercise_list.failed")} />
       {loaded.state === "ready" && loaded.value.length === 0 && <Empty>{say("exercise_list.none_mine")}</Empty>}
       {loaded.state === "ready" && (
         <ul class="card-list">
@@ -73,17 +70,11 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
   );
 }
 
-const kEmpty: Readonly<Record<ExerciseState, string>> = {
-  get draft() {
-    return say("exercise_list.no_draft");
-  },
-  get published() {
-    return say("exercise_list.none_published");
-  },
-  get retired() {
-    return say("exercise_list.none_retired");
-  },
-};
+const empty = (): Readonly<Record<ExerciseState, string>> => ({
+  draft: say("exercise_list.no_draft"),
+  published: say("exercise_list.none_published"),
+  retired: say("exercise_list.none_retired"),
+});
 
 interface StaffProps {
   readonly client: Client;
@@ -127,13 +118,10 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
           { value: "retired", title: say("exercise_state.retired") },
         ]}
       />
-      {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.exercises")} failed={say("exercise_list.failed")} />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
-          <Empty>{kEmpty[state]}</Empty>
+          <Empty>{empty()[state]}</Empty>
         ) : (
           <Card className="flush">
             <DataTable

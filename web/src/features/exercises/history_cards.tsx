@@ -5,10 +5,10 @@ import type { Exercise, Reference } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Brief, Card, Empty, ErrorNotice, Loading } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, Waits } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { DataTable } from "../../widgets/table";
-import { kStateTexts, versionText } from "./exercise_text";
+import { stateText, versionText } from "./exercise_text";
 
 interface Props {
   readonly client: Client;
@@ -22,10 +22,7 @@ export function VersionsCard({ client, exercise }: Props) {
   );
   return (
     <Card title={say("version.title")}>
-      {loaded.state === "loading" && <Loading what={say("loading.versions")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.versions")} failed={say("version.failed")} />
       {loaded.state === "ready" && (
         <DataTable
           label={say("version.title")}
@@ -44,9 +41,7 @@ export function VersionsCard({ client, exercise }: Props) {
             },
             {
               title: say("common.state"),
-              cell: (version) => (
-                <Badge tone={kStateTexts[version.state].tone}>{kStateTexts[version.state].title}</Badge>
-              ),
+              cell: (version) => <Badge tone={stateText(version.state).tone}>{stateText(version.state).title}</Badge>,
             },
             { title: say("listed.since"), cell: (version) => formatDateTime(version.published_ms) },
             {
@@ -79,10 +74,7 @@ export function ReferencesCard({ client, exercise }: Props) {
   const counting = references.filter((reference) => reference.withdrawn_ms === 0).slice(0, kMostCounting);
   return (
     <Card title={say("references.title")}>
-      {loaded.state === "loading" && <Loading what={say("loading.references")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("references.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.references")} failed={say("references.failed")} />
       {loaded.state === "ready" &&
         (references.length === 0 ? (
           <Empty>{say("references.none")}</Empty>

@@ -5,7 +5,7 @@ import { type Anatomy, anatomyOf, toScene } from "../../api/tooth_number";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { Card, ErrorNotice, Loading, Waits } from "../../widgets/basics";
 import { angledFrom } from "../../widgets/tooth/angled";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, Extent, PointMm, ToothLines } from "../../tooth/messages";
@@ -30,10 +30,12 @@ export function InitialTooth({ client, exercise, title, lines, children }: Props
   );
   return (
     <Card title={title} className="tooth-card">
-      {loaded.state === "loading" && <Loading what={say("loading.picture")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits
+        loaded={loaded}
+        reload={reload}
+        what={say("loading.picture")}
+        failed={say("exercise_page.picture_failed")}
+      />
       {loaded.state === "ready" && <Tooth surface={loaded.value} target={exercise.target} lines={lines} />}
       {children}
     </Card>

@@ -11,7 +11,7 @@ import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
-import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Card, ErrorNotice, PageTitle, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { type DocumentForm, stillWrong } from "../../widgets/document_fields";
@@ -55,13 +55,11 @@ export function RubricEditorPage({ client, id, onOpen }: Props) {
         })
       : metrics;
   });
-  if (loaded.state === "loading") return <Loading what={say("loading.rubric")} />;
-  if (loaded.state === "failed")
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.rubric")} failed={say("rubric.failed")}>
         <PageTitle document={say("exercise_page.rubric")}>{say("rubric.correct")}</PageTitle>
-        <ErrorNotice title={say("rubric.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
   return <Editor key={loaded.value.rubrics.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />;
 }

@@ -6,7 +6,7 @@ import { useRequest } from "../../api/use_request";
 import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import type { Extent, PointMm, SectionPlane, ToothLines } from "../../tooth/messages";
-import { ErrorNotice, Loading } from "../../widgets/basics";
+import { ErrorNotice, Loading, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import { SectionTools } from "../../widgets/tooth/section_tools";
@@ -63,10 +63,12 @@ export function ToothUpright(props: Props) {
       <h3 ref={heading} tabIndex={-1}>
         {title}
       </h3>
-      {loaded.state === "loading" && <Loading what={say("loading.picture")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits
+        loaded={loaded}
+        reload={reload}
+        what={say("loading.picture")}
+        failed={say("exercise_page.picture_failed")}
+      />
       {loaded.state === "ready" && <Picture key={id} {...props} surface={loaded.value} />}
       {!busy && (
         <div class="form-grid">

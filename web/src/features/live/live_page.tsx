@@ -10,7 +10,7 @@ import { relativeTime } from "../../base/local_time";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
 import type { ToothPlan } from "../../tooth/messages";
-import { Badge, Bar, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, Bar, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { ForceStrip } from "./force_strip";
 import { liveTime, recentFaults } from "./live_time";
 import type { Cut } from "./cut";
@@ -46,10 +46,7 @@ export function LivePage({ client }: { readonly client: Client }) {
   return (
     <>
       <PageTitle document={say("nav.live")}>{say("nav.live")}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.live")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("live.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.live")} failed={say("live.failed")} />
       {loaded.state === "ready" &&
         (attempts.length === 0 ? (
           <Empty>{say("live.none")}</Empty>

@@ -5,7 +5,7 @@ import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { formatDuration, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
-import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Card, Empty, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { ForceNow, LiveState } from "./live_page";
 import { ChairRemarks } from "./chair_remarks";
 import { ForceStrip } from "./force_strip";
@@ -29,10 +29,7 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
         <a href="/live">{say("nav.live")}</a>
       </nav>
       <PageTitle document={say("nav.live")}>{attempt === undefined ? say("nav.live") : attempt.station.name}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.attempt")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("attempt.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.attempt")} failed={say("attempt.failed")} />
       {attempt !== undefined && (
         <>
           <p class="byline">

@@ -5,7 +5,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading } from "../../widgets/basics";
+import { Card, Waits } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { CheckField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -29,10 +29,7 @@ export function MarkingCard({ client, assignment, self }: Props) {
   return (
     <Card title={say("marking.title")}>
       <p class="hint">{say("marking.card_hint")}</p>
-      {loaded.state === "loading" && <Loading what={say("loading.markings")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("marking.list_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.markings")} failed={say("marking.list_failed")} />
       {markings.length > 0 && (
         <DataTable
           label={say("marking.title")}
@@ -154,10 +151,7 @@ function ChooseMarkers({ client, assignment, self, marking, onClose, onDone }: C
       }}
     >
       <p>{say(marking === undefined ? "marking.begin_text" : "marking.change_text")}</p>
-      {loaded.state === "loading" && <Loading what={say("loading.short")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("marking.no_people")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.short")} failed={say("marking.no_people")} />
       {loaded.state === "ready" && (
         <fieldset class="form">
           <legend>{say("marking.who")}</legend>

@@ -6,7 +6,7 @@ import type { Marking } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Card, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { progressText } from "./how_far";
@@ -18,13 +18,11 @@ import { WorkTooth } from "./work_tooth";
 // A blind marking: the caller's work one by one, and, once everybody has marked everything, what came of it.
 export function MarkingPage({ client, id }: { readonly client: Client; readonly id: string }) {
   const { loaded, reload } = useRequest(id, (signal) => client.get("/markings/{id}", { id, signal }));
-  if (loaded.state === "loading") return <Loading what={say("loading.marking")} />;
-  if (loaded.state === "failed")
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.marking")} failed={say("marking.failed")}>
         <PageTitle document={say("marking.title")}>{say("marking.title")}</PageTitle>
-        <ErrorNotice title={say("marking.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
   const marking = loaded.value;
   const title = say("marking.of", { exercise: exerciseTitle(marking.exercise) });

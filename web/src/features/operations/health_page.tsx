@@ -6,7 +6,7 @@ import { useRequest } from "../../api/use_request";
 import { formatBytes, formatNumber } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Card, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { BackupCard } from "./backup_card";
 import { Facts } from "./facts";
 import { FirstSteps } from "./first_steps";
@@ -26,10 +26,7 @@ export function HealthPage({ client }: { readonly client: Client }) {
   return (
     <>
       <PageTitle document={say("nav.health")}>{say("nav.health")}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.health")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("health.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.health")} failed={say("health.failed")} />
       {now !== undefined && (
         <>
           <Findings health={now} />

@@ -163,21 +163,15 @@ export function countText(count: number, upTo: number): string {
   return count >= upTo ? say("health.or_more", { count: formatNumber(upTo, 0) }) : formatNumber(count, 0);
 }
 
-const kKept: Readonly<Record<string, string>> = {
-  get unfinished() {
-    return say("retention.unfinished");
-  },
-  get recordings() {
-    return say("health.recordings");
-  },
-  get attempts() {
-    return say("retention.attempts");
-  },
-};
+const kept = (): Readonly<Record<string, string>> => ({
+  unfinished: say("retention.unfinished"),
+  recordings: say("health.recordings"),
+  attempts: say("retention.attempts"),
+});
 
 // What a rule removes, and when.
 export function retentionText({ what, days }: ServerHealth["retention"][number]): readonly [string, string] {
-  return [kKept[what] ?? what, say("retention.after", { count: days })];
+  return [kept()[what] ?? what, say("retention.after", { count: days })];
 }
 
 // A budget: what the party that uses most uses, which one that is, and how often one wanted more.

@@ -19,40 +19,13 @@ const kTones: Readonly<Record<Job["state"], Tone>> = {
   failed: "bad",
   cancelled: "warning",
 };
-const kTitles: Readonly<Record<Job["state"], string>> = {
-  get queued() {
-    return say("job_state.queued");
-  },
-  get running() {
-    return say("job_state.running");
-  },
-  get done() {
-    return say("job_state.done");
-  },
-  get failed() {
-    return say("job_state.failed");
-  },
-  get cancelled() {
-    return say("job_state.cancelled");
-  },
-};
-const kCauses: Readonly<Record<string, string>> = {
-  get seal() {
-    return say("cause.seal");
-  },
-  get reference() {
-    return say("cause.reference");
-  },
-  get rescore() {
-    return say("cause.instructor");
-  },
-  get appeal() {
-    return say("cause.appeal");
-  },
-  get rubric() {
-    return say("cause.cohort");
-  },
-};
+const causes = (): Readonly<Record<string, string>> => ({
+  seal: say("cause.seal"),
+  reference: say("cause.reference"),
+  rescore: say("cause.instructor"),
+  appeal: say("cause.appeal"),
+  rubric: say("cause.cohort"),
+});
 
 interface Props {
   readonly client: Client;
@@ -72,14 +45,14 @@ export function JobsPage({ client, query, onQuery }: Props) {
       title: say("jobs.job"),
       cell: (job) => <a href={`/attempts/${job.attempt_id}`}>{say("jobs.score", { id: job.attempt_id.slice(-8) })}</a>,
     },
-    { title: say("jobs.why"), cell: (job) => kCauses[job.cause] ?? job.cause },
+    { title: say("jobs.why"), cell: (job) => causes()[job.cause] ?? job.cause },
     {
       title: say("common.state"),
       cell: (job) =>
         job.state === "running" ? (
           <Progress label={say("job_state.running")} share={job.progress} />
         ) : (
-          <Badge tone={kTones[job.state]}>{kTitles[job.state]}</Badge>
+          <Badge tone={kTones[job.state]}>{say(`job_state.${job.state}`)}</Badge>
         ),
     },
     { title: say("jobs.tries"), number: true, cell: (job) => job.tries },
@@ -107,7 +80,7 @@ export function JobsPage({ client, query, onQuery }: Props) {
           onValue={(value) => onQuery({ state: value })}
           options={[
             { value: "", title: say("common.any") },
-            ...Object.entries(kTitles).map(([value, title]) => ({ value, title })),
+            ...(Object.keys(kTones) as JobState[]).map((value) => ({ value, title: say(`job_state.${value}`) })),
           ]}
         />
       </div>

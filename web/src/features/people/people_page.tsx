@@ -7,32 +7,15 @@ import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
-import { type Option, SelectField, TextField } from "../../widgets/form";
+import { SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { DataTable } from "../../widgets/table";
 import { OneTimePassword } from "./one_time_password";
 
 const kPageSize = 50;
-export const kRoles: readonly Option<Role>[] = [
-  {
-    value: "student",
-    get title() {
-      return say("people.student");
-    },
-  },
-  {
-    value: "instructor",
-    get title() {
-      return say("people.instructor");
-    },
-  },
-  {
-    value: "admin",
-    get title() {
-      return say("people.admin");
-    },
-  },
-];
+export const roles = () =>
+  (["student", "instructor", "admin"] as const).map((value) => ({ value, title: roleTitle(value) }));
+const roleTitle = (role: Role) => say(`people.${role}`);
 
 interface Props {
   readonly client: Client;
@@ -67,7 +50,7 @@ export function PeoplePage({ client, query, onQuery }: Props) {
       <PagedList pages={pages} list="people" empty={say("people.none")}>
         {(people) => (
           <Card className="flush">
-            <DataTable label={say("nav.people")} items={people} rowKey={(person) => person.id} columns={kColumns} />
+            <DataTable label={say("nav.people")} items={people} rowKey={(person) => person.id} columns={columns()} />
           </Card>
         )}
       </PagedList>
@@ -76,29 +59,21 @@ export function PeoplePage({ client, query, onQuery }: Props) {
   );
 }
 
-const kColumns = [
+const columns = () => [
   {
-    get title() {
-      return say("account.name");
-    },
+    title: say("account.name"),
     cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a>,
   },
   {
-    get title() {
-      return say("account.login");
-    },
+    title: say("account.login"),
     cell: (person: PersonDetail) => <code>{person.login}</code>,
   },
   {
-    get title() {
-      return say("account.role");
-    },
-    cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role,
+    title: say("account.role"),
+    cell: (person: PersonDetail) => roleTitle(person.role),
   },
   {
-    get title() {
-      return say("common.state");
-    },
+    title: say("common.state"),
     cell: (person: PersonDetail) => <PersonState person={person} />,
   },
 ];
@@ -133,7 +108,7 @@ function Filters({
         label={say("account.role")}
         value={filter.role}
         onValue={(role) => onQuery({ ...filter, role })}
-        options={[{ value: "", title: say("common.any") }, ...kRoles]}
+        options={[{ value: "", title: say("common.any") }, ...roles()]}
       />
       <SelectField
         label={say("common.cohort")}
@@ -206,7 +181,7 @@ function AddPerson({
           label={say("account.role")}
           value={role}
           onValue={setRole}
-          options={kRoles}
+          options={roles()}
           problem={problem("role")}
         />
         {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && (

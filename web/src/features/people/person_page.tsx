@@ -5,14 +5,14 @@ import type { Mentions, PersonDetail, PersonWithCohorts } from "../../api/types"
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
-import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Card, ErrorNotice, Loading, PageTitle, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { Confirm, Dialog } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
 import { CheckField, SelectField, TextField } from "../../widgets/form";
 import { SessionsTable } from "../../widgets/sessions_table";
 import { OneTimePassword } from "./one_time_password";
-import { kRoles, PersonState } from "./people_page";
+import { PersonState, roles } from "./people_page";
 
 interface Props {
   readonly client: Client;
@@ -97,23 +97,17 @@ function LoadedPerson({
   );
 }
 
-const kCompared = [
+const compared = () => [
   {
-    get title() {
-      return say("account.name");
-    },
+    title: say("account.name"),
     text: (person: PersonDetail) => person.display_name,
   },
   {
-    get title() {
-      return say("account.role");
-    },
+    title: say("account.role"),
     text: (person: PersonDetail) => person.role as string,
   },
   {
-    get title() {
-      return say("people.disabled");
-    },
+    title: say("people.disabled"),
     text: (person: PersonDetail) => (person.disabled ? "yes" : "no"),
   },
 ];
@@ -157,11 +151,11 @@ function Details({
         label={say("account.role")}
         value={edit.draft.role}
         onValue={(role) => edit.set({ role })}
-        options={kRoles}
+        options={roles()}
         problem={edit.problemOf("role")}
         {...(self ? { hint: say("person.own_account") } : {})}
       />
-      <EditNotices edit={edit} compared={kCompared} fields={["display_name", "role"]} />
+      <EditNotices edit={edit} compared={compared()} fields={["display_name", "role"]} />
       <div>
         <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
@@ -277,10 +271,7 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
             ),
           })}
     >
-      {loaded.state === "loading" && <Loading what={say("loading.sessions")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("person.sessions_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.sessions")} failed={say("person.sessions_failed")} />
       {loaded.state === "ready" && (
         <SessionsTable
           sessions={sessions}

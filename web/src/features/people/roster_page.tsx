@@ -7,7 +7,7 @@ import { csvText } from "../../base/csv";
 import { downloadFile } from "../../base/download";
 import { formatNumber } from "../../base/format";
 import { say, sayWith } from "../../base/words";
-import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
+import { Badge, Card, ErrorNotice, Notice, PageTitle } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { CheckField, FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -213,18 +213,7 @@ function Trial({ report, busy, others, onOthers, onReading, onImport }: TrialPro
   );
 }
 
-const kTones: Readonly<Record<string, Tone>> = { create: "good", update: "warning", unchanged: "neutral" };
-const kTitles: Readonly<Record<string, string>> = {
-  get create() {
-    return say("roster.create");
-  },
-  get update() {
-    return say("roster.update");
-  },
-  get unchanged() {
-    return say("roster.unchanged");
-  },
-};
+const kTones = { create: "good", update: "warning", unchanged: "neutral" } as const;
 
 function Rows({ report, others }: { readonly report: RosterOutcome; readonly others: Others }) {
   const shown = report.people.slice(0, kShownRows);
@@ -242,9 +231,7 @@ function Rows({ report, others }: { readonly report: RosterOutcome; readonly oth
           { title: say("common.cohort"), cell: (item) => item.cohort || "–" },
           {
             title: say("roster.happens"),
-            cell: (item) => (
-              <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge>
-            ),
+            cell: (item) => <Badge tone={kTones[item.change]}>{say(`roster.${item.change}`)}</Badge>,
           },
           { title: say("roster.detail"), cell: (item) => detailText(item, others) },
         ]}

@@ -9,7 +9,7 @@ import { formatDateTime, formatScore } from "../../base/format";
 import { nameHas } from "../../base/names";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
-import { Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Card, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
 
 const kMost = 10; // of each kind
@@ -124,9 +124,8 @@ function Results<T>({
   return <Card title={title}>{shown()}</Card>;
 
   function shown(): ComponentChildren {
-    if (loaded.state === "loading") return <Loading what={say("loading.short")} />;
-    if (loaded.state === "failed")
-      return <ErrorNotice title={say("search.failed")} message={loaded.error.message} onRetry={reload} />;
+    if (loaded.state !== "ready")
+      return <Waits loaded={loaded} reload={reload} what={say("loading.short")} failed={say("search.failed")} />;
     const all = found(loaded.value).slice(0, kMost);
     if (all.length === 0) return <Empty>{say("search.nothing")}</Empty>;
     return (

@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import { drawableIn } from "../../api/drawable";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
-import { Card, ErrorNotice, Loading, Notice } from "../../widgets/basics";
+import { Card, Notice, Waits } from "../../widgets/basics";
 import { DrawnView } from "../../widgets/lab_report/drawn_view";
 
 // What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick
@@ -27,10 +27,7 @@ export function DrawnReport({
   if (drawable?.ok === true) return <DrawnView drawable={drawable.value} aside={close} />;
   return (
     <Card title={say("strokes.title")} aside={close}>
-      {loaded.state === "loading" && <Loading what={say("loading.report")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("drawn.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.report")} failed={say("drawn.failed")} />
       {drawable?.ok === false && (
         <Notice tone="neutral" title={say("drawn.nothing")}>
           <p>

@@ -8,7 +8,7 @@ import { useCheck } from "../../api/use_check";
 import { useRequest } from "../../api/use_request";
 import type { Json } from "../../base/document";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Card, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { type DocumentForm, DocumentNumber, DocumentText, stillWrong } from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
@@ -27,13 +27,11 @@ interface Props {
 // with them.
 export function ProfileEditorPage({ client, name, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.get("/profiles/{name}", { name, signal }));
-  if (loaded.state === "loading") return <Loading what={say("loading.profile")} />;
-  if (loaded.state === "failed")
+  if (loaded.state !== "ready")
     return (
-      <>
+      <Waits loaded={loaded} reload={reload} what={say("loading.profile")} failed={say("profile.failed")}>
         <PageTitle document={say("editor.document")}>{say("profile_editor.title")}</PageTitle>
-        <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />
-      </>
+      </Waits>
     );
   const { version, document } = loaded.value;
   const title = wordedTitle(loaded.value.title);

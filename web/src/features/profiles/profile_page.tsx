@@ -8,7 +8,7 @@ import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatNumber, unitText } from "../../base/format";
 import { say, sayWith } from "../../base/words";
-import { Brief, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Brief, Card, Empty, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { FileField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -36,10 +36,7 @@ export function ProfilePage({
         <a href="/profiles">{say("profiles.title")}</a>
       </nav>
       <PageTitle document={title}>{title}</PageTitle>
-      {loaded.state === "loading" && <Loading what={say("loading.profile")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.profile")} failed={say("profile.failed")} />
       {loaded.state === "ready" && <LoadedProfile client={client} profile={loaded.value} admin={admin} />}
     </>
   );
@@ -119,9 +116,8 @@ function Versions({ client, profile }: { readonly client: Client; readonly profi
   const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) =>
     client.all("/profiles/{name}/versions", { name: profile.name, signal }),
   );
-  if (loaded.state === "loading") return <Loading what={say("loading.versions")} />;
-  if (loaded.state === "failed")
-    return <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state !== "ready")
+    return <Waits loaded={loaded} reload={reload} what={say("loading.versions")} failed={say("version.failed")} />;
   return (
     <DataTable
       label={say("version.title")}
@@ -150,10 +146,7 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
   );
   return (
     <>
-      {loaded.state === "loading" && <Loading what={say("loading.reports")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("profile.reports_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.reports")} failed={say("profile.reports_failed")} />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
           <Empty>{say("profile.no_report")}</Empty>
@@ -229,10 +222,7 @@ function Calibrations({
   );
   return (
     <Card title={say("calibration.title")}>
-      {loaded.state === "loading" && <Loading what={say("loading.calibrations")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("calibration.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.calibrations")} failed={say("calibration.failed")} />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
           <Empty>{say("calibration.none")}</Empty>

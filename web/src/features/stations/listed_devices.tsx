@@ -5,7 +5,7 @@ import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { say, sayWith } from "../../base/words";
-import { Badge, Brief, Card, Empty, ErrorNotice, Loading } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, ErrorNotice, Waits } from "../../widgets/basics";
 import { needed } from "../../widgets/button";
 import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
@@ -30,10 +30,7 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
       }
     >
       <p class="hint">{say("listed.hint")}</p>
-      {loaded.state === "loading" && <Loading what={say("loading.devices")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("listed.failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.devices")} failed={say("listed.failed")} />
       {loaded.state === "ready" &&
         (loaded.value.devices.length === 0 ? (
           <Empty>{say("listed.none")}</Empty>

@@ -8,7 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { say, sayWith } from "../../base/words";
-import { Badge, Brief, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Badge, Brief, Card, Empty, ErrorNotice, Notice, PageTitle, Waits } from "../../widgets/basics";
 import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { CopyText } from "../../widgets/copy";
 import { TextField } from "../../widgets/form";
@@ -187,10 +187,7 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
       {change.error !== undefined && (
         <ErrorNotice title={say("stations.no_code_made")} message={change.error.message} />
       )}
-      {loaded.state === "loading" && <Loading what={say("loading.codes")} />}
-      {loaded.state === "failed" && (
-        <ErrorNotice title={say("stations.codes_failed")} message={loaded.error.message} onRetry={reload} />
-      )}
+      <Waits loaded={loaded} reload={reload} what={say("loading.codes")} failed={say("stations.codes_failed")} />
       {loaded.state === "ready" &&
         (loaded.value.length === 0 ? (
           <Empty>{say("stations.no_code")}</Empty>
