@@ -7,6 +7,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { Person, until } from "../contract/client.mjs";
+import { kLanguages } from "../../web/scripts/words.mjs";
 import { chromiumIsThere, launch } from "./browser.mjs";
 import { allOf, covering } from "./covering.mjs";
 import { findings } from "./layout_findings.mjs";
@@ -15,7 +16,7 @@ import { kSchool, openSchool } from "./school/open.mjs";
 const kSkipped = 77;
 const kFactors = {
   width: [360, 768, 1280, 3840],
-  language: ["en", "de", "zh"],
+  language: kLanguages,
   theme: ["light", "dark", "contrast"],
   zoom: [1, 2],
 };

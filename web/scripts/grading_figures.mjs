@@ -2,6 +2,7 @@
 import { accessibilityViolations } from "../../tests/e2e/browser.mjs";
 import { signedInPage } from "./opening.mjs";
 import { instructor, kClass, kCohort } from "./real_school.mjs";
+import { kLanguages } from "./words.mjs";
 
 const kMostLost = "Outline";
 const kFine = ".tooth-frame[data-tooth=fine]";
@@ -88,7 +89,7 @@ export async function axeViolations(browser, url, attempt) {
       ++found;
     }
   };
-  for (const language of ["en", "de", "zh"]) {
+  for (const language of kLanguages) {
     await page.evaluate((chosen) => localStorage.setItem("enamel.language", chosen), language);
     for (const colorScheme of ["light", "dark"]) {
       await page.emulateMedia({ colorScheme });

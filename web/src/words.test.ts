@@ -3,11 +3,10 @@ import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import ts from "typescript";
-import { keysIn, placesOf } from "../scripts/words.mjs";
+import { keysIn, kLanguages, placesOf } from "../scripts/words.mjs";
 
 // The catalogues of schemas/words hold all that the page says: schemas/words.md.
 
-const kLanguages = ["en", "de", "zh"] as const;
 const partOf = (language: string, part: string) =>
   (
     JSON.parse(readFileSync(`../schemas/words/${language}/${part}.json`, "utf8")) as {

@@ -1,4 +1,5 @@
 import { fail, ok, type Result } from "../base/result";
+import { addressOf } from "./http";
 import type { LiveEvent } from "./types";
 
 // One moment of an attempt in progress.
@@ -55,7 +56,7 @@ export function watchAttempt(
   listener: LiveListener,
   open: OpenStream = (address) => new EventSource(address),
 ): () => void {
-  const source = open(`/api/v1/attempts/${encodeURIComponent(id)}/live`);
+  const source = open(addressOf("/attempts/{id}/live", { id }));
   source.addEventListener("ticks", (event) => {
     const rows = checkLiveEvent((event as MessageEvent<string>).data);
     if (rows.ok) listener.onRows(rows.value);

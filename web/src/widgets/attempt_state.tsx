@@ -9,7 +9,7 @@ interface StateText {
   readonly tone: Tone;
 }
 
-const kStateTones: Readonly<Record<AttemptState, Tone>> = {
+export const kStateTones: Readonly<Record<AttemptState, Tone>> = {
   ticketed: "neutral",
   recording: "neutral",
   sealed: "neutral",

@@ -1,6 +1,5 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Loaded } from "../api/use_request";
 import { say } from "../base/words";
 
 // Small building blocks without any state of the application.
@@ -83,7 +82,9 @@ export function Loading({ what }: { readonly what: string }) {
 }
 
 interface WaitsProps {
-  readonly loaded: Loaded<unknown>;
+  readonly loaded:
+    | { readonly state: "loading" | "ready" }
+    | { readonly state: "failed"; readonly error: { readonly message: string } };
   readonly reload?: () => void;
   readonly what: string; // as of Loading
   readonly failed: string; // title of the notice
@@ -92,8 +93,7 @@ interface WaitsProps {
 
 // Instead of what is not there yet, or could not be loaded.
 export function Waits({ loaded, reload, what, failed, children }: WaitsProps) {
-  if (loaded.state === "loading") return <Loading what={what} />;
-  if (loaded.state === "ready") return null;
+  if (loaded.state !== "failed") return loaded.state === "loading" ? <Loading what={what} /> : null;
   return (
     <>
       {children}

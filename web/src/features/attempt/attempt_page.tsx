@@ -13,7 +13,6 @@ import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
-import { useSteps } from "../../widgets/use_steps";
 import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
@@ -443,4 +442,16 @@ function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly o
       )}
     </>
   );
+}
+
+// Counts up to `last` once `begun`, one a frame: parts of a screen that come one after the other leave room for what
+// cannot wait, as a keystroke or a picture.
+function useSteps(begun: boolean, last: number): number {
+  const [step, setStep] = useState(0);
+  useEffect(() => {
+    if (!begun || step >= last) return undefined;
+    const handle = requestAnimationFrame(() => setStep(step + 1));
+    return () => cancelAnimationFrame(handle);
+  }, [begun, step, last]);
+  return step;
 }

@@ -5,7 +5,7 @@ import { type Look, sameLook } from "../../base/moment_link";
 import { keepTrying } from "../../base/keep_trying";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Folded, Loading } from "../../widgets/basics";
+import { Card, ErrorNotice, Folded, Waits } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { FilmLink } from "../../tooth/link";
 import type { AngledView, ColorMode, Compared, PointMm, SurfacePoint } from "../../tooth/messages";
@@ -86,9 +86,8 @@ function PlayedTooth(props: Shown & { readonly film: FilmLink }) {
 // `surface`: undefined while it is loading.
 function StillTooth({ surface, ...props }: Shown & { readonly surface: ArrayBuffer | undefined }) {
   const still = useStillFilm(surface);
-  if (still.state === "loading") return <Loading what={say("loading.picture")} />;
-  if (still.state === "failed")
-    return <ErrorNotice title={say("exercise_page.picture_failed")} message={still.message} />;
+  if (still.state !== "ready")
+    return <Waits loaded={still} what={say("loading.picture")} failed={say("exercise_page.picture_failed")} />;
   const { film, tissues, compared } = still.value;
   return (
     <LoadedTooth

@@ -1,4 +1,4 @@
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { exerciseTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Asked } from "../../api/contract";
@@ -6,10 +6,17 @@ import type { Attempt, AttemptFlag, AttemptState, ExerciseSummary, ListedCohort 
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
-import { useSettled } from "../../api/use_settled";
 import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { flagText, Flags, isUnderWay, kFlagTones, StateBadge, stateText } from "../../widgets/attempt_state";
+import {
+  flagText,
+  Flags,
+  isUnderWay,
+  kFlagTones,
+  kStateTones,
+  StateBadge,
+  stateText,
+} from "../../widgets/attempt_state";
 import { Badge, PageTitle, Waits } from "../../widgets/basics";
 import { SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
@@ -20,15 +27,6 @@ const kMostAppeals = 200; // that are told of at once
 const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
 const kTypingMs = 250; // after which somebody has finished typing
-const kStates: readonly AttemptState[] = [
-  "ticketed",
-  "recording",
-  "sealed",
-  "scoring",
-  "scored",
-  "failed",
-  "quarantined",
-];
 
 interface Props {
   readonly client: Client;
@@ -157,7 +155,7 @@ function Filters({
         onValue={(state) => onQuery({ ...filter, state })}
         options={[
           { value: "", title: say("common.any") },
-          ...kStates.map((state) => ({ value: state as string, title: stateText(state).title })),
+          ...Object.keys(kStateTones).map((state) => ({ value: state, title: stateText(state as AttemptState).title })),
         ]}
       />
       <SelectField
@@ -263,4 +261,14 @@ function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
       {set && <span class="sub">{say("attempts.computed", { score: formatScore(attempt.computed_score) })}</span>}
     </span>
   );
+}
+
+// The value once it has stayed the same for a while: what somebody types is asked for once and not letter by letter.
+function useSettled<T>(value: T, afterMs: number): T {
+  const [settled, setSettled] = useState(value);
+  useEffect(() => {
+    const timer = setTimeout(() => setSettled(value), afterMs);
+    return () => clearTimeout(timer);
+  }, [value, afterMs]);
+  return settled;
 }

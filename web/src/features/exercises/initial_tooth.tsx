@@ -5,7 +5,7 @@ import { type Anatomy, anatomyOf, toScene } from "../../api/tooth_number";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
-import { Card, ErrorNotice, Loading, Waits } from "../../widgets/basics";
+import { Card, Waits } from "../../widgets/basics";
 import { angledFrom } from "../../widgets/tooth/angled";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, Extent, PointMm, ToothLines } from "../../tooth/messages";
@@ -61,9 +61,8 @@ function Tooth({
     }),
     [extent, anatomy],
   );
-  if (still.state === "loading") return <Loading what={say("loading.picture")} />;
-  if (still.state === "failed")
-    return <ErrorNotice title={say("exercise_page.picture_failed")} message={still.message} />;
+  if (still.state !== "ready")
+    return <Waits loaded={still} what={say("loading.picture")} failed={say("exercise_page.picture_failed")} />;
   const { film, tissues } = still.value;
   return (
     <>

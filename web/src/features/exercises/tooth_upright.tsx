@@ -6,7 +6,7 @@ import { useRequest } from "../../api/use_request";
 import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import type { Extent, PointMm, SectionPlane, ToothLines } from "../../tooth/messages";
-import { ErrorNotice, Loading, Waits } from "../../widgets/basics";
+import { Waits } from "../../widgets/basics";
 import { Button } from "../../widgets/button";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import { SectionTools } from "../../widgets/tooth/section_tools";
@@ -142,9 +142,8 @@ function Picture({ client, shown, surface, mesial, upright }: Props & { readonly
   const extent = still.state === "ready" ? still.value.extent : undefined;
   const arrows = useMemo(() => (extent === undefined ? [] : arrowsOf(extent, anatomy)), [extent, anatomy]);
   const lines = useMemo((): ToothLines => ({ solid: arrows.flatMap(({ lines }) => lines), faint: [] }), [arrows]);
-  if (still.state === "loading") return <Loading what={say("loading.picture")} />;
-  if (still.state === "failed")
-    return <ErrorNotice title={say("exercise_page.picture_failed")} message={still.message} />;
+  if (still.state !== "ready")
+    return <Waits loaded={still} what={say("loading.picture")} failed={say("exercise_page.picture_failed")} />;
   const { film, tissues } = still.value;
   // Tissues were laid by the way it stood.
   const turned = upright !== found;

@@ -12,7 +12,7 @@ export interface StillFilm {
 }
 export type StillFilmState =
   | { readonly state: "loading" }
-  | { readonly state: "failed"; readonly message: string }
+  | { readonly state: "failed"; readonly error: { readonly message: string } }
   | { readonly state: "ready"; readonly value: StillFilm };
 
 // Of a surface as the server sends it (tooth/surface.ts); undefined: it is not here yet.
@@ -26,12 +26,12 @@ export function useStillFilm(bytes: ArrayBuffer | undefined): StillFilmState {
       film = studio().film((told) => {
         if (told.told === "detail") there = { film, extent: told.extent, tissues: told.tissues };
         if (told.told === "failed")
-          setShown({ state: "failed", message: say("error.malformed", { found: told.message }) });
+          setShown({ state: "failed", error: { message: say("error.malformed", { found: told.message }) } });
         if (told.told === "compared" && told.compared.ok && there !== undefined)
           setShown({ state: "ready", value: { ...there, compared: told.compared.value } });
       });
     } catch {
-      setShown({ state: "failed", message: say("tooth.no_webgl") });
+      setShown({ state: "failed", error: { message: say("tooth.no_webgl") } });
       return undefined;
     }
     film.surface(bytes.slice(0));
