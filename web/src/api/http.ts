@@ -159,6 +159,14 @@ export function understood<T>(result: Result<T, string>): ApiResult<T> {
   return result.ok ? result : fail(malformed(result.error));
 }
 
+// Why it failed (as widgets/dialog.tsx asks for it), or goes on.
+export async function failed<T>(asked: Promise<ApiResult<T>>, then: (value: T) => void): Promise<string | undefined> {
+  const result = await asked;
+  if (!result.ok) return result.error.message;
+  then(result.value);
+  return undefined;
+}
+
 // The answer where a refusal brings it along: what is wrong with what was sent is in `member`.
 export async function reported<T>(asked: Promise<ApiResult<T>>, member: string & keyof T): Promise<ApiResult<T>> {
   const result = await asked;

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { failed } from "../../api/http";
 import type { Person, Session } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { kLanguages } from "../../base/language";
@@ -89,12 +90,7 @@ function OwnSessions({ client }: { readonly client: Client }) {
         <SessionsTable
           sessions={loaded.value}
           label={say("account.your_sessions")}
-          onEnd={async (id) => {
-            const result = await client.delete("/sessions/{id}", { id });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onEnd={(id) => failed(client.delete("/sessions/{id}", { id }), reload)}
         />
       )}
       <p class="hint">

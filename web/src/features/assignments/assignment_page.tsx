@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Tagged } from "../../api/http";
+import { failed, type Tagged } from "../../api/http";
 import type { Assignment } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
@@ -314,12 +314,11 @@ function Scores({
           action={say("assignments.release_all")}
           tone="neutral"
           onClose={close}
-          onConfirm={async () => {
-            const result = await client.post("/assignments/{id}/release", { id: assignment.id });
-            if (!result.ok) return result.error.message;
-            setReleased(result.value.released);
-            return undefined;
-          }}
+          onConfirm={() =>
+            failed(client.post("/assignments/{id}/release", { id: assignment.id }), (done) =>
+              setReleased(done.released),
+            )
+          }
         >
           <p>{say("assignments.release_text")}</p>
         </Confirm>
@@ -329,12 +328,7 @@ function Scores({
           title={say("assignments.delete_title")}
           action={say("common.delete")}
           onClose={close}
-          onConfirm={async () => {
-            const result = await client.delete("/assignments/{id}", { id: assignment.id, tag });
-            if (!result.ok) return result.error.message;
-            onGone();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.delete("/assignments/{id}", { id: assignment.id, tag }), onGone)}
         >
           <p>{say("assignments.delete_text")}</p>
         </Confirm>

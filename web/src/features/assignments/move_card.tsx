@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { failed } from "../../api/http";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say, sayWith } from "../../base/words";
@@ -39,16 +40,12 @@ export function MoveCard({ client, assignment, tag, onMoved }: Props) {
           action={say("move.move")}
           tone="neutral"
           onClose={() => setOpen(false)}
-          onConfirm={async () => {
-            const result = await client.post("/assignments/{id}/move", {
-              id: assignment.id,
-              body: { exercise_id: newest },
-              tag: tag,
-            });
-            if (!result.ok) return result.error.message;
-            onMoved();
-            return undefined;
-          }}
+          onConfirm={() =>
+            failed(
+              client.post("/assignments/{id}/move", { id: assignment.id, body: { exercise_id: newest }, tag }),
+              onMoved,
+            )
+          }
         >
           <WhatMoves client={client} assignment={assignment} newest={newest} />
         </Confirm>

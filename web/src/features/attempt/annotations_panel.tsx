@@ -1,6 +1,6 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { seen } from "../../api/http";
+import { failed, seen } from "../../api/http";
 import { useSavedTexts, withText } from "../../api/saved_texts";
 import { fromScene } from "../../api/tooth_number";
 import type { Annotation, Series } from "../../api/types";
@@ -101,12 +101,7 @@ function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
           title={say("remarks.delete_title", { number: String(number) })}
           action={say("remarks.delete")}
           onClose={() => setMode("read")}
-          onConfirm={async () => {
-            const result = await client.delete("/annotations/{id}", seen(annotation));
-            if (!result.ok) return result.error.message;
-            remarks.reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.delete("/annotations/{id}", seen(annotation)), remarks.reload)}
         >
           <p class="quote">{annotation.text}</p>
           <p>{say("remarks.delete_text")}</p>
@@ -142,11 +137,7 @@ function EditRemark({
     const result = await change.run(() =>
       client.put("/annotations/{id}", {
         ...seen(annotation),
-        body: {
-          tick: annotation.tick,
-          point_um: annotation.point_um,
-          text: text.trim(),
-        },
+        body: { tick: annotation.tick, point_um: annotation.point_um, text: text.trim() },
       }),
     );
     if (result?.ok !== true) return;

@@ -1,6 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Tagged } from "../../api/http";
+import { failed, type Tagged } from "../../api/http";
 import type { Cohort, CohortMember } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
@@ -186,15 +186,9 @@ function Members({
           title={say("cohort.remove_title", { name: leaving.display_name, cohort: cohort.name })}
           action={say("common.remove")}
           onClose={() => setLeaving(undefined)}
-          onConfirm={async () => {
-            const result = await client.post("/cohorts/{id}/members", {
-              id: cohort.id,
-              body: { remove: [leaving.id] },
-            });
-            if (!result.ok) return result.error.message;
-            onChanged();
-            return undefined;
-          }}
+          onConfirm={() =>
+            failed(client.post("/cohorts/{id}/members", { id: cohort.id, body: { remove: [leaving.id] } }), onChanged)
+          }
         >
           <p>{leaving.role === "instructor" ? say("cohort.remove_instructor") : say("cohort.remove_student")}</p>
         </Confirm>

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { addressOf } from "../../api/http";
+import { addressOf, failed } from "../../api/http";
 import type { Exercise, Reference } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
@@ -139,12 +139,7 @@ export function ReferencesCard({ client, exercise }: Props) {
           title={say("references.withdraw_title")}
           action={say("references.withdraw")}
           onClose={() => setLeaving(undefined)}
-          onConfirm={async () => {
-            const result = await client.post("/references/{id}/withdraw", { id: leaving.id });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.post("/references/{id}/withdraw", { id: leaving.id }), reload)}
         >
           <p>{say("references.withdraw_text")}</p>
         </Confirm>

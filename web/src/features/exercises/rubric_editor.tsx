@@ -79,12 +79,7 @@ function Editor({
   const document = (counting?.document as unknown as Json) ?? null;
   const edit = useDocument(`rubric ${exercise.id}`, document);
   const check = useCheck(JSON.stringify(edit.now), (text, signal) =>
-    client.post("/exercises/{id}/rubrics/preview", {
-      id: exercise.id,
-      attempts: false,
-      body: text,
-      signal,
-    }),
+    client.post("/exercises/{id}/rubrics/preview", { id: exercise.id, attempts: false, body: text, signal }),
   );
   const own = useMemo(() => rubricProblems(edit.now, []), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };

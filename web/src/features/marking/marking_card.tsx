@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { failed } from "../../api/http";
 import type { Assignment, MarkingSummary, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
@@ -84,12 +85,7 @@ export function MarkingCard({ client, assignment, self }: Props) {
           title={say("marking.give_up_title")}
           action={say("marking.give_up")}
           onClose={close}
-          onConfirm={async () => {
-            const result = await client.delete("/markings/{id}", { id: open.marking.id });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.delete("/markings/{id}", { id: open.marking.id }), reload)}
         >
           <p>{say("marking.give_up_text")}</p>
         </Confirm>
@@ -141,13 +137,12 @@ function ChooseMarkers({ client, assignment, self, marking, onClose, onDone }: C
       onClose={onClose}
       onConfirm={async () => {
         if (chosen.length < 2) return say("marking.two_at_least");
-        const result =
+        return failed(
           marking === undefined
-            ? await client.post("/assignments/{id}/markings", { id: assignment.id, body: { marker_ids: chosen } })
-            : await client.put("/markings/{id}/markers", { id: marking.id, body: { marker_ids: chosen } });
-        if (!result.ok) return result.error.message;
-        onDone();
-        return undefined;
+            ? client.post("/assignments/{id}/markings", { id: assignment.id, body: { marker_ids: chosen } })
+            : client.put("/markings/{id}/markers", { id: marking.id, body: { marker_ids: chosen } }),
+          onDone,
+        );
       }}
     >
       <p>{say(marking === undefined ? "marking.begin_text" : "marking.change_text")}</p>

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { failed } from "../../api/http";
 import type { Job, JobState } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
@@ -96,12 +97,7 @@ export function JobsPage({ client, query, onQuery }: Props) {
           title={say("jobs.cancel_title")}
           action={say("jobs.cancel")}
           onClose={() => setCancelling(undefined)}
-          onConfirm={async () => {
-            const result = await client.post("/jobs/{id}/cancel", { id: cancelling.id });
-            if (!result.ok) return result.error.message;
-            pages.reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.post("/jobs/{id}/cancel", { id: cancelling.id }), pages.reload)}
         >
           <p>{say("jobs.cancel_text")}</p>
         </Confirm>

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Tagged } from "../../api/http";
+import { failed, type Tagged } from "../../api/http";
 import type { Mentions, PersonDetail, PersonWithCohorts } from "../../api/types";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
@@ -180,18 +180,12 @@ function Access({
   const [open, setOpen] = useState<"reset" | "disable">();
   const [made, setMade] = useState<{ readonly password: string; readonly untilMs: number }>();
   const close = () => setOpen(undefined);
-  const setDisabled = async (disabled: boolean) => {
-    const result = await client.tagged("PATCH", "/people/{id}", { id: person.id, body: { disabled }, tag: read.tag });
-    if (!result.ok) return result.error.message;
-    onChanged();
-    return undefined;
-  };
-  const reset = async () => {
-    const result = await client.post("/people/{id}/password", { id: person.id });
-    if (!result.ok) return result.error.message;
-    setMade({ password: result.value.password, untilMs: result.value.password_until_ms });
-    return undefined;
-  };
+  const setDisabled = (disabled: boolean) =>
+    failed(client.patch("/people/{id}", { id: person.id, body: { disabled }, tag: read.tag }), onChanged);
+  const reset = () =>
+    failed(client.post("/people/{id}/password", { id: person.id }), (done) =>
+      setMade({ password: done.password, untilMs: done.password_until_ms }),
+    );
   return (
     <>
       <div class="button-row">
@@ -276,12 +270,7 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
         <SessionsTable
           sessions={sessions}
           label={say("person.sessions_of", { name: person.display_name })}
-          onEnd={async (session) => {
-            const result = await client.delete("/sessions/{id}", { id: session });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onEnd={(session) => failed(client.delete("/sessions/{id}", { id: session }), reload)}
         />
       )}
       {endingAll && (
@@ -289,12 +278,7 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
           title={say("person.end_all_title", { name: person.display_name })}
           action={say("person.end_all")}
           onClose={() => setEndingAll(false)}
-          onConfirm={async () => {
-            const result = await client.delete("/people/{id}/sessions", { id: person.id });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.delete("/people/{id}/sessions", { id: person.id }), reload)}
         >
           <p>{say("person.end_all_text")}</p>
         </Confirm>

@@ -29,12 +29,7 @@ export function FirstAdmin({ client, token, onSignedIn }: Props) {
     event.preventDefault();
     const made = await change.run(async () => {
       const result = await client.post("/first-admin", {
-        body: {
-          token,
-          login: login.trim(),
-          display_name: name.trim(),
-          password,
-        },
+        body: { token, login: login.trim(), display_name: name.trim(), password },
         signingIn: true,
       });
       return result.ok ? client.signIn(login.trim(), password) : result;

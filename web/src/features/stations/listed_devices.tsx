@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { failed } from "../../api/http";
 import type { ListedDevice } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
@@ -81,12 +82,7 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
           title={say("listed.remove_title", { name: open.title })}
           action={say("common.remove")}
           onClose={close}
-          onConfirm={async () => {
-            const result = await client.post("/listed-devices/remove", { body: { name: open.name } });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.post("/listed-devices/remove", { body: { name: open.name } }), reload)}
         >
           <p>{say("listed.remove_text")}</p>
         </Confirm>

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { seen } from "../../api/http";
+import { failed, seen } from "../../api/http";
 import type { EnrolCode, MadeEnrolCode, Station } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
@@ -99,12 +99,7 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
           title={say("stations.revoke_title", { name: open.station.name })}
           action={say("stations.revoke")}
           onClose={close}
-          onConfirm={async () => {
-            const result = await client.post("/stations/{id}/revoke", { id: open.station.id });
-            if (!result.ok) return result.error.message;
-            pages.reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.post("/stations/{id}/revoke", { id: open.station.id }), pages.reload)}
         >
           <p>{say("stations.revoke_text")}</p>
         </Confirm>
@@ -220,12 +215,7 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
           title={say("stations.withdraw_title")}
           action={say("stations.withdraw")}
           onClose={() => setEnding(undefined)}
-          onConfirm={async () => {
-            const result = await client.delete("/enrolment-codes/{id}", { id: ending.id });
-            if (!result.ok) return result.error.message;
-            reload();
-            return undefined;
-          }}
+          onConfirm={() => failed(client.delete("/enrolment-codes/{id}", { id: ending.id }), reload)}
         >
           <p>{say("stations.withdraw_text")}</p>
         </Confirm>
