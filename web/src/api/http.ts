@@ -33,24 +33,7 @@ export interface Page<T> {
 }
 
 const kMostRows = 200; // that the server gives in a page
-const kMostPages = 200;
-
-// The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what
-// comes after is left out. Ends early with an error of any of them.
-export async function readAll<T>(
-  ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>,
-): Promise<ApiResult<readonly T[]>> {
-  const items: T[] = [];
-  let cursor: string | undefined;
-  for (let page = 0; page < kMostPages; ++page) {
-    const result = await ask(cursor);
-    if (!result.ok) return result;
-    items.push(...result.value.items);
-    if (result.value.next === null) break;
-    cursor = result.value.next;
-  }
-  return ok(items);
-}
+const kMostPages = 200; // of a list that is read to its end
 
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
 // Result. `sessionLost` is called when a request needs a session and the server reports none.
@@ -103,11 +86,23 @@ export class Http {
     if (items === undefined) return fail(malformed("an answer without a list"));
     return ok({ items, next: typeof answer["next"] === "string" ? answer["next"] : null });
   }
-  // All of a list, page after page.
-  all<P extends PathOf<"GET">>(path: P, ...[asked]: Rest<Asked<"GET", P>>) {
-    const part = (cursor: string | undefined) =>
-      [{ ...asked, limit: kMostRows, cursor }] as unknown as Rest<Asked<"GET", P>>;
-    return readAll((cursor) => this.page(path, ...part(cursor)));
+  // All of a list, page after page, up to kMostPages of them (40 000 rows): what comes after is left out. Ends early with
+  // an error of any of them.
+  async all<P extends PathOf<"GET">>(
+    path: P,
+    ...[asked]: Rest<Asked<"GET", P>>
+  ): Promise<ApiResult<readonly Item<P>[]>> {
+    const items: Item<P>[] = [];
+    let cursor: string | undefined;
+    for (let page = 0; page < kMostPages; ++page) {
+      const part = [{ ...asked, limit: kMostRows, cursor }] as unknown as Rest<Asked<"GET", P>>;
+      const result = await this.page(path, ...part);
+      if (!result.ok) return result;
+      items.push(...result.value.items);
+      if (result.value.next === null) break;
+      cursor = result.value.next;
+    }
+    return ok(items);
   }
 
   async bytes<P extends PathOf<"GET">>(path: P, asked: Asked<"GET", P>): Promise<ApiResult<ArrayBuffer>> {
