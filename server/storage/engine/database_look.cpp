@@ -67,7 +67,7 @@ Status DatabaseLook::WriteRow(sql::Db& db, int64_t theirs_ms) {
       "(tenant, server) DO UPDATE SET at_ms = ?3, ahead_ms = ?4, beats = write_probe.beats + 1, "
       "host = CASE WHEN ?6 = 0 THEN write_probe.host ELSE excluded.host END, port = CASE WHEN ?6 "
       "= 0 THEN write_probe.port ELSE ?6 END RETURNING beats");
-  q.Bind(server_).Bind(theirs_ms).Bind(clock_ahead_ms_.load()).Bind(host_).Bind(int64_t{port_});
+  q.Bind(server_, theirs_ms, clock_ahead_ms_.load(), host_, port_);
   if (!q.Next()) return q.status();
   const int64_t beats = q.Int(0), on = timeline();
   // A standby that takes over may lack the last ones: they were committed on the primary alone.

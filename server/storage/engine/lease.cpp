@@ -33,7 +33,7 @@ Lease::~Lease() {
   thread_.request_stop();
   thread_.join();
   Query q(*db_, "DELETE FROM leases WHERE tenant = ?1 AND name = ?2 AND lease = ?3");
-  const Status given_back = q.Bind(name_).Bind(lease_).Run();
+  const Status given_back = q.Bind(name_, lease_).Run();
   if (!given_back.ok()) {
     spdlog::warn("the lease \"{}\" ends by itself in {} s: {}", name_, times_.good.count() / 1000,
                  given_back.message());
@@ -45,15 +45,14 @@ Status Lease::Acquire() {
           "INSERT INTO leases (tenant, name, lease, until_ms) VALUES (?1, ?2, ?3, ?4) ON CONFLICT "
           "(tenant, name) DO UPDATE SET lease = ?3, until_ms = ?4 WHERE leases.until_ms < ?5");
   const int64_t now_ms = NowMs();
-  q.Bind(name_).Bind(lease_).Bind(now_ms + times_.good.count());
-  ENAMEL_RETURN_IF_ERROR(q.Bind(now_ms).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(name_, lease_, now_ms + times_.good.count(), now_ms).Run());
   if (db_->Changes() > 0) return Status::Ok();
   return LeaseIsHeld();
 }
 
 Status Lease::Renew() {
   Query q(*db_, "UPDATE leases SET until_ms = ?4 WHERE tenant = ?1 AND name = ?2 AND lease = ?3");
-  return q.Bind(name_).Bind(lease_).Bind(NowMs() + times_.good.count()).Run();
+  return q.Bind(name_, lease_, NowMs() + times_.good.count()).Run();
 }
 
 void Lease::KeepUp(const std::stop_token& stop) {

@@ -12,10 +12,7 @@ std::string NameOf(MoveRow row) { return row == MoveRow::kAway ? "moved" : "movi
 }  // namespace
 
 Status PutMoveRow(Db& db, MoveRow row) {
-  Query q(db,
-          "INSERT INTO move_marks (tenant, mark) VALUES (?1, ?2) ON CONFLICT (tenant, mark) DO "
-          "NOTHING");
-  return q.Bind(NameOf(row)).Run();
+  return Insert(db, "move_marks", "mark", NameOf(row), " ON CONFLICT (tenant, mark) DO NOTHING");
 }
 
 Status DropMoveRow(Db& db, MoveRow row) {
@@ -25,9 +22,7 @@ Status DropMoveRow(Db& db, MoveRow row) {
 
 Result<bool> HasMoveRow(Db& db, MoveRow row) {
   Query q(db, "SELECT 1 FROM move_marks WHERE tenant = ?1 AND mark = ?2");
-  const bool found = q.Bind(NameOf(row)).Next();
-  if (!q.status().ok()) return q.status();
-  return found;
+  return q.Bind(NameOf(row)).Any();
 }
 
 Status MustNotBeMoved(Db& db) {

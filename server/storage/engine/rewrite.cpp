@@ -28,7 +28,7 @@ Status Rewriter::UpkeepIsFree() {
   if (!rows_.shared()) return Status::Ok();
   return rows_.Read([](sql::Db& db) -> Status {
     Query q(db, "SELECT 1 FROM leases WHERE tenant = ?1 AND name = ?2 AND until_ms >= ?3");
-    q.Bind("upkeep").Bind(NowMs());
+    q.Bind("upkeep", NowMs());
     if (q.Next()) return LeaseIsHeld();
     return q.status();
   });
@@ -37,11 +37,8 @@ Status Rewriter::UpkeepIsFree() {
 Status Rewriter::Mark() {
   if (!rows_.shared()) return WriteFileDurably(folder_ / kRewriteMark, {});
   return rows_.Write([mark = Uuid::New()](sql::Db& db) {
-    Query q(db,
-            "INSERT INTO rewrite_due (tenant, since_ms, mark) VALUES (?1, ?2, ?3) ON CONFLICT "
-            "(tenant) DO "
-            "UPDATE SET mark = ?3");
-    return q.Bind(NowMs()).Bind(mark).Run();
+    return Insert(db, "rewrite_due", "since_ms", NowMs(), "mark", mark,
+                  " ON CONFLICT (tenant) DO UPDATE SET mark = excluded.mark");
   });
 }
 

@@ -41,7 +41,7 @@ Status MatchIdentityRow(sql::Db& db, ServerPart part, const std::optional<Sha256
     Query put(db,
               "INSERT INTO server_identity (tenant, name, fingerprint) VALUES (?1, ?2, ?3) "
               "ON CONFLICT DO NOTHING");
-    ENAMEL_RETURN_IF_ERROR(put.Bind(words.name).Bind(*fingerprint).Run());
+    ENAMEL_RETURN_IF_ERROR(put.Bind(words.name, *fingerprint).Run());
   }
   Query q(db, "SELECT fingerprint FROM server_identity WHERE tenant = ?1 AND name = ?2");
   const bool there = q.Bind(words.name).Next();

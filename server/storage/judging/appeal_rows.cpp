@@ -20,10 +20,8 @@ Status AppealRows::FileAppeal(const Uuid& attempt, const std::string& text, cons
                     "the score of attempt " + attempt.Text() +
                         " is not released; there is nothing to appeal against yet");
     }
-    Query q(db,
-            "INSERT INTO appeals (tenant, attempt, filed_ms, text, state) VALUES (?1, ?2, ?3, ?4, "
-            "'open')");
-    ENAMEL_RETURN_IF_ERROR(Explain(q.Bind(attempt).Bind(NowMs()).Bind(text).Run(),
+    ENAMEL_RETURN_IF_ERROR(Explain(Insert(db, "appeals", "attempt", attempt, "filed_ms", NowMs(),
+                                          "text", text, "state", "open"),
                                    "an appeal against this attempt was filed before; there is one "
                                    "per attempt"));
     return WriteAudit(db, by, "appeal.file", attempt.Text(), "{}", JsonOf({{"text", text}}));
@@ -50,8 +48,7 @@ Status AppealRows::AnswerAppeal(const Uuid& attempt, bool regrade, const std::st
       Query q(db,
               "UPDATE appeals SET state = ?3, answer = ?4, answered_by = ?5, answered_ms = ?6 "
               "WHERE tenant = ?1 AND attempt = ?2");
-      q.Bind(attempt).Bind(outcome).Bind(answer).Bind(by.person).Bind(NowMs());
-      ENAMEL_RETURN_IF_ERROR(q.Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, outcome, answer, by.person, NowMs()).Run());
     }
     // A regrade is a run by the same rules; what an instructor thinks of it is an override.
     if (regrade) ENAMEL_RETURN_IF_ERROR(QueueAgain(db, attempt, "appeal"));
@@ -65,12 +62,7 @@ Result<std::optional<AppealRow>> AppealRows::AppealOf(const Uuid& attempt) {
     Query q(db,
             "SELECT attempt, filed_ms, text, state, answer, answered_by, answered_ms FROM appeals "
             "WHERE tenant = ?1 AND attempt = ?2");
-    std::optional<AppealRow> out;
-    if (q.Bind(attempt).Next()) {
-      out = AppealRow{q.Id(0), q.Int(1), q.Text(2), q.Text(3), q.Text(4), q.Id(5), q.Int(6)};
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt).Maybe<AppealRow>();
   });
 }
 

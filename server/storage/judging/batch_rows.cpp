@@ -19,9 +19,7 @@ Result<bool> IsScoredAndIdle(Db& db, const Uuid& attempt) {
                   Sql(AttemptState::kScored) +
                   " AND trace_blob IS NOT NULL AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant "
                   "= ?1 AND j.attempt = ?2 AND j.state IN ('queued', 'running'))");
-  const bool can = q.Bind(attempt).Next();
-  if (!q.status().ok()) return q.status();
-  return can;
+  return q.Bind(attempt).Any();
 }
 
 // One, or all, newest first, with their jobs counted by state.
@@ -37,17 +35,7 @@ Result<std::vector<BatchRow>> FindBatches(Db& db, const std::optional<Uuid>& id)
           "WHERE b.tenant = ?1 AND (b.id = ?2 OR ?2 = ?3) "
           "GROUP BY b.tenant, b.id, b.title, b.cause, b.cohort, b.queued_ms "
           "ORDER BY b.id DESC LIMIT 100");
-  q.Bind(id.value_or(Uuid{})).Bind(Uuid{});
-  std::vector<BatchRow> out;
-  while (q.Next()) {
-    BatchRow row{q.Id(0), q.Text(1), q.Text(2), {}, q.Int(4)};
-    if (!q.IsNull(3)) row.cohort = q.Id(3);
-    uint32_t* counts[] = {&row.queued, &row.running, &row.done, &row.failed, &row.cancelled};
-    for (int i = 0; i < 5; ++i) *counts[i] = static_cast<uint32_t>(q.Int(5 + i));
-    out.push_back(std::move(row));
-  }
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(id.value_or(Uuid{}), Uuid{}).All<BatchRow>();
 }
 
 }  // namespace
@@ -57,13 +45,8 @@ Result<BatchRow> BatchRows::RescoreTogether(const BatchRow& row, const std::vect
   const Uuid id = Uuid::New();
   Status status = rows_.Write([&](Db& db) -> Status {
     left_out = 0;
-    {
-      Query q(db,
-              "INSERT INTO job_batches (tenant, id, title, cause, queued_ms, cohort) VALUES (?1, "
-              "?2, ?3, ?4, ?5, ?6)");
-      ENAMEL_RETURN_IF_ERROR(
-          q.Bind(id).Bind(row.title).Bind(row.cause).Bind(NowMs()).Bind(row.cohort).Run());
-    }
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "job_batches", "id", id, "title", row.title, "cause",
+                                  row.cause, "queued_ms", NowMs(), "cohort", row.cohort));
     for (const Uuid& attempt : attempts) {
       ENAMEL_ASSIGN_OR_RETURN(auto can, IsScoredAndIdle(db, attempt));
       left_out += can ? 0 : 1;

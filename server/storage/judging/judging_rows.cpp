@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "server/storage/attempts/attempt_flags.h"
 #include "server/storage/attempts/attempt_rows.h"
@@ -96,15 +95,9 @@ Status JudgingRows::OverrideScore(const Uuid& attempt, const std::optional<Score
       Query q(db,
               "UPDATE attempts SET override_score = ?3, override_reason = ?4, override_by = ?5, "
               "override_ms = ?6 WHERE tenant = ?1 AND id = ?2");
-      q.Bind(attempt);
-      if (score) {
-        q.Bind(score->score).Bind(score->reason).Bind(by.person).Bind(NowMs());
-      } else {
-        q.BindNull(sql::Type::kReal)
-            .Bind(std::string())
-            .BindNull(sql::Type::kBlob)
-            .Bind(int64_t{0});
-      }
+      q.Bind(attempt, score ? std::optional(score->score) : std::nullopt,
+             score ? score->reason : std::string(), score ? std::optional(by.person) : std::nullopt,
+             score ? NowMs() : 0);
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }
     ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
@@ -132,7 +125,7 @@ Status JudgingRows::ClearExcuse(const Uuid& attempt, const Actor& by,
     if ((row.flags & kExcused) == 0) return Status::Ok();
     {
       Query q(db, "UPDATE attempts SET flags = flags - ?3 WHERE tenant = ?1 AND id = ?2");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kExcused}).Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, kExcused).Run());
     }
     ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
     return WriteAudit(db, by, "attempt.unflag", attempt.Text(), JsonOf({{"flags", "excused"}}),
@@ -158,16 +151,10 @@ Result<uint32_t> JudgingRows::ReleaseAssignment(const Uuid& id, const Actor& by)
   uint32_t released = 0;
   Status status = rows_.Write([&](Db& db) -> Status {
     if (auto known = FindAssignment(db, id); !known.ok()) return known.status();
-    std::vector<Uuid> attempts;
-    {
-      Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = " +
-                      Sql(AttemptState::kScored) +
-                      " AND "
-                      "released = 0");
-      q.Bind(id);
-      while (q.Next()) attempts.push_back(q.Id(0));
-      ENAMEL_RETURN_IF_ERROR(q.status());
-    }
+    Query scored(db, "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = " +
+                         Sql(AttemptState::kScored) +
+                         " AND released = 0");
+    ENAMEL_ASSIGN_OR_RETURN(const auto attempts, scored.Bind(id).All<Uuid>());
     for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(Release(db, attempt, by));
     released = static_cast<uint32_t>(attempts.size());
     return Status::Ok();

@@ -42,20 +42,14 @@ Result<std::vector<Uuid>> IdsOfMarkings(Db& db, const Uuid& assignment) {
   Query q(db,
           "SELECT id FROM markings WHERE tenant = ?1 AND assignment = ?2 ORDER BY created_ms DESC, "
           "id DESC");
-  std::vector<Uuid> out;
-  for (q.Bind(assignment); q.Next();) out.push_back(q.Id(0));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(assignment).All<Uuid>();
 }
 
 Result<std::vector<MarkingWork>> FindWorks(Db& db, const Uuid& marking) {
   Query q(db,
           "SELECT id, marking, attempt FROM marking_works WHERE tenant = ?1 AND marking = ?2 "
           "ORDER BY id");
-  std::vector<MarkingWork> out;
-  for (q.Bind(marking); q.Next();) out.push_back({q.Id(0), q.Id(1), q.Id(2)});
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(marking).All<MarkingWork>();
 }
 
 Result<bool> IsUnderWay(Db& db, const Uuid& marking) {
@@ -64,8 +58,7 @@ Result<bool> IsUnderWay(Db& db, const Uuid& marking) {
 }
 
 Status AddMarker(Db& db, const Uuid& marking, const Uuid& person) {
-  Query q(db, "INSERT INTO marking_people (tenant, marking, person) VALUES (?1, ?2, ?3)");
-  return Explain(q.Bind(marking).Bind(person).Run(),
+  return Explain(Insert(db, "marking_people", "marking", marking, "person", person),
                  "person " + person.Text() +
                      " was removed from this blind marking before, and may have seen scores since");
 }
@@ -74,7 +67,7 @@ Status RemoveMarker(Db& db, const Uuid& marking, const Uuid& person) {
   Query q(db,
           "UPDATE marking_people SET removed_ms = ?4 WHERE tenant = ?1 AND marking = ?2 AND person "
           "= ?3");
-  return q.Bind(marking).Bind(person).Bind(NowMs()).Run();
+  return q.Bind(marking, person, NowMs()).Run();
 }
 
 Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt, const Actor& by) {
@@ -84,12 +77,12 @@ Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt, const Actor& by
                                        " is released: its score is known, and marks of it are not "
                                        "blind any more");
   }
-  Query q(db, "INSERT INTO marking_works (tenant, id, marking, attempt) VALUES (?1, ?2, ?3, ?4)");
   // Random, and not the time's as other ids: it would tell the order in which they were made.
   Uuid id;
   const Sha256 hash = HashSha256(Uuid::New().view());
   std::copy_n(hash.bytes.begin(), id.bytes.size(), id.bytes.begin());
-  ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(marking).Bind(attempt).Run());
+  ENAMEL_RETURN_IF_ERROR(
+      Insert(db, "marking_works", "id", id, "marking", marking, "attempt", attempt));
   // Without the attempt: an admin who marks as well reads the trail.
   return WriteAudit(db, by, "marking.work", id.Text(), "{}", "{}");
 }
@@ -97,12 +90,8 @@ Status AddWork(Db& db, const Uuid& marking, const Uuid& attempt, const Actor& by
 }  // namespace
 
 Status MustNotBeMarkedNow(Db& db, const Uuid& attempt) {
-  std::vector<Uuid> markings;
-  {
-    Query q(db, "SELECT marking FROM marking_works WHERE tenant = ?1 AND attempt = ?2");
-    for (q.Bind(attempt); q.Next();) markings.push_back(q.Id(0));
-    ENAMEL_RETURN_IF_ERROR(q.status());
-  }
+  Query q(db, "SELECT marking FROM marking_works WHERE tenant = ?1 AND attempt = ?2");
+  ENAMEL_ASSIGN_OR_RETURN(const auto markings, q.Bind(attempt).All<Uuid>());
   for (const Uuid& marking : markings) {
     ENAMEL_ASSIGN_OR_RETURN(const bool under_way, IsUnderWay(db, marking));
     if (!under_way) continue;
@@ -128,11 +117,8 @@ Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
                     "a blind marking of this assignment is under way; finish it or give it up",
                     "marking_under_way");
     }
-    {
-      Query q(db,
-              "INSERT INTO markings (tenant, id, assignment, created_ms) VALUES (?1, ?2, ?3, ?4)");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(assignment).Bind(NowMs()).Run());
-    }
+    ENAMEL_RETURN_IF_ERROR(
+        Insert(db, "markings", "id", id, "assignment", assignment, "created_ms", NowMs()));
     for (const Uuid& marker : markers) ENAMEL_RETURN_IF_ERROR(AddMarker(db, id, marker));
     for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(AddWork(db, id, attempt, by));
     return WriteAudit(db, by, "marking.begin", id.Text(), "{}",
@@ -180,7 +166,7 @@ Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
               "w.tenant AND m.id = w.marking JOIN marking_people p ON p.tenant = w.tenant AND "
               "p.marking = w.marking WHERE w.tenant = ?1 AND w.id = ?2 AND p.person = ?3 AND "
               "p.removed_ms = 0");
-      if (!q.Bind(mark.work).Bind(mark.marker).Next()) {
+      if (!q.Bind(mark.work, mark.marker).Next()) {
         ENAMEL_RETURN_IF_ERROR(q.status());
         return NoSuchWork(mark.work);
       }
@@ -189,13 +175,11 @@ Status MarkingRows::AddMark(const BlindMark& mark, const Actor& by) {
                       "marking_given_up");
       }
     }
-    Query q(db,
-            "INSERT INTO marks (tenant, work, marker, rating, criteria, made_ms) VALUES (?1, ?2, "
-            "?3, ?4, ?5, ?6)");
-    q.Bind(mark.work).Bind(mark.marker).Bind(int64_t{mark.rating}).Bind(mark.criteria);
-    ENAMEL_RETURN_IF_ERROR(Explain(q.Bind(NowMs()).Run(),
-                                   "you have marked this work; a mark is given once, before any "
-                                   "other is seen"));
+    ENAMEL_RETURN_IF_ERROR(
+        Explain(Insert(db, "marks", "work", mark.work, "marker", mark.marker, "rating", mark.rating,
+                       "criteria", mark.criteria, "made_ms", NowMs()),
+                "you have marked this work; a mark is given once, before any "
+                "other is seen"));
     // Hashes: an admin who marks as well reads the trail.
     const std::string rated = mark.marker.Text() + " " + std::to_string(mark.rating);
     return WriteAudit(db, by, "marking.mark", mark.work.Text(), "{}",
@@ -210,12 +194,7 @@ Result<std::vector<BlindMark>> MarkingRows::MarksOf(const Uuid& marking) {
             "marking_works w ON w.tenant = k.tenant AND w.id = k.work JOIN marking_people p ON "
             "p.tenant = w.tenant AND p.marking = w.marking AND p.person = k.marker AND "
             "p.removed_ms = 0 WHERE k.tenant = ?1 AND w.marking = ?2 ORDER BY k.work, k.marker");
-    std::vector<BlindMark> out;
-    for (q.Bind(marking); q.Next();) {
-      out.push_back({q.Id(0), q.Id(1), static_cast<int32_t>(q.Int(2)), q.Text(3), q.Int(4)});
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(marking).All<BlindMark>();
   });
 }
 
@@ -224,10 +203,7 @@ Result<std::vector<std::string>> MarkingRows::CriteriaBy(const Uuid& marker) {
     Query q(db,
             "SELECT criteria FROM marks WHERE tenant = ?1 AND marker = ?2 ORDER BY made_ms DESC, "
             "work LIMIT 500");
-    std::vector<std::string> out;
-    for (q.Bind(marker); q.Next();) out.push_back(q.Text(0));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(marker).All<std::string>();
   });
 }
 
@@ -273,23 +249,18 @@ Status MarkingRows::EndMarking(const Uuid& id, const Actor& by) {
                           "marking_given_up");
     }
     Query q(db, "UPDATE markings SET ended_ms = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, NowMs()).Run());
     return WriteAudit(db, by, "marking.end", id.Text(), "{}", "{}");
   });
 }
 
 Result<std::map<Uuid, MarkingRows::Hidden>> MarkingRows::HiddenFrom(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::map<Uuid, Hidden>> {
-    std::vector<Uuid> markings;
-    {
-      Query q(
-          db,
-          "SELECT m.id FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id = "
-          "p.marking WHERE p.tenant = ?1 AND p.person = ?2 AND p.removed_ms = 0 AND m.ended_ms = "
-          "0");
-      for (q.Bind(person); q.Next();) markings.push_back(q.Id(0));
-      if (!q.status().ok()) return q.status();
-    }
+    Query q(db,
+            "SELECT m.id FROM marking_people p JOIN markings m ON m.tenant = p.tenant AND m.id = "
+            "p.marking WHERE p.tenant = ?1 AND p.person = ?2 AND p.removed_ms = 0 AND m.ended_ms = "
+            "0");
+    ENAMEL_ASSIGN_OR_RETURN(const auto markings, q.Bind(person).All<Uuid>());
     std::map<Uuid, Hidden> out;
     for (const Uuid& id : markings) {
       ENAMEL_ASSIGN_OR_RETURN(const auto row, FindMarking(db, id));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/storage/engine/query.h"
+#include "server/storage/engine/sql_names.h"
 #include "server/storage/judging/result_rows.h"
 
 // Motions of attempts, and what lies nearest to them.
@@ -17,19 +18,14 @@ Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result) {
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Run());
   }
   const NearAttempt near = result.near.value_or(NearAttempt{});
-  Query q(db,
-          "INSERT INTO motions (tenant, attempt, content, nearest, others, nearest_um, median_um, "
-          "size_um, preset, presets, preset_um, tremor_nm, still_ppm, late_ppm, gap_ppm) VALUES "
-          "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)");
-  q.Bind(attempt).Bind(result.motion);
-  q.Bind(result.near ? std::optional(near.attempt) : std::nullopt);
-  q.Bind(int64_t{near.others}).Bind(near.nearest_um).Bind(near.median_um).Bind(near.size_um);
-  q.Bind(near.presets > 0 ? std::optional(near.preset) : std::nullopt);
-  q.Bind(int64_t{near.presets}).Bind(near.preset_um);
   const scoring::HandFigures& hand = result.hand;
-  q.Bind(int64_t{hand.tremor_nm}).Bind(int64_t{hand.still_ppm});
-  q.Bind(int64_t{hand.late_ppm}).Bind(int64_t{hand.gap_ppm});
-  ENAMEL_RETURN_IF_ERROR(q.Run());
+  ENAMEL_RETURN_IF_ERROR(
+      Insert(db, "motions", "attempt", attempt, "content", result.motion, "nearest",
+             result.near ? std::optional(near.attempt) : std::nullopt, "others", near.others,
+             "nearest_um", near.nearest_um, "median_um", near.median_um, "size_um", near.size_um,
+             "preset", near.presets > 0 ? std::optional(near.preset) : std::nullopt, "presets",
+             near.presets, "preset_um", near.preset_um, "tremor_nm", hand.tremor_nm, "still_ppm",
+             hand.still_ppm, "late_ppm", hand.late_ppm, "gap_ppm", hand.gap_ppm));
   return PutFlag(db, attempt, kNearAnother, near.worth_a_look);
 }
 
@@ -51,11 +47,7 @@ Result<std::vector<MotionRow>> MotionRows::MotionsBefore(const Uuid& attempt, ui
             "o.id <> a.id AND (o.sealed_ms < a.sealed_ms OR (o.sealed_ms = a.sealed_ms AND o.id < "
             "a.id)) JOIN motions m ON m.tenant = o.tenant AND m.attempt = o.id WHERE a.tenant = "
             "?1 AND a.id = ?2 ORDER BY 3 DESC, o.sealed_ms DESC, o.id DESC LIMIT ?3");
-    q.Bind(attempt).Bind(int64_t{limit}).Bind(static_cast<int64_t>(HandKind::kProgram));
-    std::vector<MotionRow> out;
-    while (q.Next()) out.push_back({q.Id(0), q.Hash(1), q.Int(2) != 0});
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt, limit, HandKind::kProgram).All<MotionRow>();
   });
 }
 
@@ -67,7 +59,7 @@ Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignm
             "m.gap_ppm FROM attempts a JOIN motions m ON m.tenant = a.tenant AND m.attempt = a.id "
             "WHERE a.tenant = ?1 AND a.assignment = "
             "?2 AND a.flags & ?3 = 0 ORDER BY a.id DESC LIMIT ?4");
-    q.Bind(assignment).Bind(int64_t{kExcused}).Bind(int64_t{limit});
+    q.Bind(assignment, kExcused, limit);
     std::vector<AssignedMotion> out;
     while (q.Next()) {
       auto figure = [&](int column) { return static_cast<int32_t>(q.Int(column)); };
@@ -83,25 +75,12 @@ Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignm
 Result<std::optional<NearAttempt>> MotionRows::NearestTo(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::optional<NearAttempt>> {
     Query q(db,
-            "SELECT m.nearest, m.others, m.nearest_um, m.median_um, m.size_um, a.flags, m.preset, "
-            "m.presets, m.preset_um FROM motions m JOIN attempts a ON a.tenant = m.tenant AND a.id "
-            "= m.attempt WHERE m.tenant "
-            "= ?1 AND m.attempt = ?2 AND m.others > 0");
-    std::optional<NearAttempt> out;
-    if (q.Bind(attempt).Next()) {
-      out.emplace();
-      if (!q.IsNull(0)) out->attempt = q.Id(0);
-      out->others = static_cast<uint32_t>(q.Int(1));
-      out->nearest_um = q.Int(2);
-      out->median_um = q.Int(3);
-      out->size_um = q.Int(4);
-      out->worth_a_look = (q.Int(5) & kNearAnother) != 0;
-      if (!q.IsNull(6)) out->preset = q.Id(6);
-      out->presets = static_cast<uint32_t>(q.Int(7));
-      out->preset_um = q.Int(8);
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+            "SELECT m.nearest, m.others, m.nearest_um, m.median_um, m.size_um, (a.flags & " +
+                Sql(kNearAnother) +
+                ") <> 0, m.preset, m.presets, m.preset_um FROM motions m JOIN attempts a ON "
+                "a.tenant = m.tenant AND a.id = m.attempt WHERE m.tenant = ?1 AND m.attempt = ?2 "
+                "AND m.others > 0");
+    return q.Bind(attempt).Maybe<NearAttempt>();
   });
 }
 

@@ -19,22 +19,17 @@ namespace {
 // references before this one was added; and where it is the only one that counts, attempts that the
 // exercise's own target has judged for want of one.
 Status QueueScoredWithout(Db& db, const ReferenceRow& row) {
-  std::vector<Uuid> waiting;
-  {
-    Query q(
-        db,
-        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.expired_ms = "
-        "0 AND (a.id = ?3 OR a.state IN (" +
-            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) +
-            ") OR (a.state = " + Sql(AttemptState::kScored) +
-            " AND a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE "
-            "r.tenant = a.tenant AND r.exercise = a.exercise AND r.id <> ?4 AND r.withdrawn_ms "
-            "= 0))) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
-            "j.attempt = a.id AND j.state = 'queued')");
-    q.Bind(row.exercise).Bind(row.attempt).Bind(row.id);
-    while (q.Next()) waiting.push_back(q.Id(0));
-    ENAMEL_RETURN_IF_ERROR(q.status());
-  }
+  Query q(db,
+          "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.expired_ms = "
+          "0 AND (a.id = ?3 OR a.state IN (" +
+              Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) +
+              ") OR (a.state = " + Sql(AttemptState::kScored) +
+              " AND a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE "
+              "r.tenant = a.tenant AND r.exercise = a.exercise AND r.id <> ?4 AND r.withdrawn_ms "
+              "= 0))) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
+              "j.attempt = a.id AND j.state = 'queued')");
+  ENAMEL_ASSIGN_OR_RETURN(const auto waiting,
+                          q.Bind(row.exercise, row.attempt, row.id).All<Uuid>());
   for (const Uuid& attempt : waiting) {
     ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt, "reference"));
   }
@@ -42,30 +37,20 @@ Status QueueScoredWithout(Db& db, const ReferenceRow& row) {
 }
 
 Status InsertReference(Db& db, ReferenceRow& row) {
-  {
-    Query q(
-        db,
-        "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
-    // Counted in the writing transaction, so that no two get the same.
-    row.version = q.Bind(row.exercise).Next() ? static_cast<int32_t>(q.Int(0)) + 1 : 1;
-    ENAMEL_RETURN_IF_ERROR(q.status());
-  }
   Query q(
       db,
-      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms, "
-      "consent) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
-  q.Bind(row.id).Bind(row.exercise).Bind(row.attempt).Bind(row.dentist).Bind(int64_t{row.version});
-  return q.Bind(row.created_ms).Bind(int64_t{row.consent}).Run();
+      "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
+  // Counted in the writing transaction, so that no two get the same.
+  ENAMEL_ASSIGN_OR_RETURN(const int32_t newest, q.Bind(row.exercise).Value<int32_t>());
+  row.version = newest + 1;
+  return Insert(db, "reference_cuts", "id", row.id, "exercise", row.exercise, "attempt",
+                row.attempt, "dentist", row.dentist, "version", row.version, "created_ms",
+                row.created_ms, "consent", row.consent);
 }
 
 #define ENAMEL_REFERENCE_SELECT                                                             \
   "SELECT id, exercise, attempt, dentist, version, created_ms, consent, withdrawn_ms FROM " \
   "reference_cuts WHERE tenant = ?1"
-
-ReferenceRow ReferenceOf(const Query& q) {
-  return ReferenceRow{q.Id(0),  q.Id(1),       q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
-                      q.Int(5), q.Int(6) != 0, q.Int(7)};
-}
 
 // A cut that does not do the task would make everybody's score 0.
 Status MustDoTheTask(const AttemptRow& attempt) {
@@ -83,14 +68,12 @@ Status WithdrawEarlier(Db& db, const Uuid& attempt) {
   Query q(db,
           "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
           "withdrawn_ms = 0");
-  return q.Bind(attempt).Bind(NowMs()).Run();
+  return q.Bind(attempt, NowMs()).Run();
 }
 
 Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
   Query q(db, ENAMEL_REFERENCE_SELECT " AND id = ?2");
-  if (q.Bind(id).Next()) return ReferenceOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no reference " + id.Text());
+  return q.Bind(id).One<ReferenceRow>("no reference " + id.Text());
 }
 
 }  // namespace
@@ -164,11 +147,7 @@ Result<ReferenceRow> ReferenceRows::ReferenceById(const Uuid& id) {
 Result<std::vector<ReferenceRow>> ReferenceRows::References(const Uuid& exercise) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ReferenceRow>> {
     Query q(db, ENAMEL_REFERENCE_SELECT " AND exercise = ?2 ORDER BY version DESC");
-    q.Bind(exercise);
-    std::vector<ReferenceRow> out;
-    while (q.Next()) out.push_back(ReferenceOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(exercise).All<ReferenceRow>();
   });
 }
 
@@ -178,7 +157,7 @@ Status ReferenceRows::WithdrawReference(const Uuid& id, const Actor& by) {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindReference(db, id));
     if (row.withdrawn_ms != 0) return Status::Ok();
     Query q(db, "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, NowMs()).Run());
     return WriteAudit(
         db, by, "reference.withdraw", row.attempt.Text(),
         JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}),

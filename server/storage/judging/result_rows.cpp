@@ -34,12 +34,7 @@ constexpr char kIsAnother[] =
     "FROM ?5) AND score_json IS DISTINCT FROM ?6";
 
 void BindAnother(Query& q, const AttemptResult& result) {
-  q.Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
-  if (result.same_judgement_as) {
-    q.Bind(*result.same_judgement_as);
-  } else {
-    q.BindNull(sql::Type::kBlob);
-  }
+  q.Bind(result.score, result.critical_fail, result.score_json, result.same_judgement_as);
 }
 
 // No instructor has seen a released score that changes: graded work and exams need a new release.
@@ -78,14 +73,12 @@ Status KeepResult(Db& db, const Uuid& attempt, const AttemptResult& result, cons
       "?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM jobs WHERE tenant = ?1 AND lease = "
       "?8), "
       "'seal'), ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13");
-  q.Bind(attempt)
-      .Bind(result.scored_ms != 0 ? result.scored_ms : NowMs())
-      .Bind(result.score)
-      .Bind(int64_t{result.critical_fail});
-  q.Bind(result.score_json).Bind(result.reference);
-  q.Bind(lease).Bind(result.replay_realtime_factor).Bind(result.document);
-  q.Bind(result.final_volume).Bind(result.deviation).Bind(result.series);
-  ENAMEL_RETURN_IF_ERROR(q.Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, result.scored_ms != 0 ? result.scored_ms : NowMs(),
+                                result.score, result.critical_fail, result.score_json,
+                                result.reference, lease, result.replay_realtime_factor,
+                                result.document, result.final_volume, result.deviation,
+                                result.series)
+                             .Run());
   return ForgetOldPictures(db, attempt);
 }
 
@@ -97,28 +90,21 @@ struct KeptRun {
 };
 
 Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
-  Query q(db,
-          "SELECT score, critical_fail, score_json, final_volume, deviation, series, reference, "
-          "scored_ms, document, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = ?1 AND "
-          "n.attempt = ?2) FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
-  if (!q.Bind(attempt).Bind(int64_t{run}).Next()) {
+  Query q(
+      db,
+      "SELECT (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = ?1 AND n.attempt = ?2), "
+      "score, critical_fail, score_json, final_volume, deviation, series, reference, "
+      "replay_realtime_factor, scored_ms, document FROM attempt_results WHERE tenant = ?1 AND "
+      "attempt = ?2 AND run = ?3");
+  if (!q.Bind(attempt, run).Next()) {
     if (!q.status().ok()) return q.status();
     return Status(Code::kNotFound,
                   "attempt " + attempt.Text() + " has no scoring run " + std::to_string(run),
                   "run");
   }
-  KeptRun out;
-  out.newest = q.Int(9);
-  out.result.score = q.Real(0);
-  out.result.critical_fail = q.Int(1) != 0;
-  out.result.score_json = q.Hash(2);
-  out.result.final_volume = q.Hash(3);
-  out.result.deviation = q.Hash(4);
-  out.result.series = q.Hash(5);
-  if (!q.IsNull(6)) out.result.reference = q.Id(6);
-  out.result.scored_ms = q.Int(7);
-  out.result.document = q.Blob(8);
-  if (run == out.newest || !q.IsNull(4)) return out;
+  KeptRun out{q.Int(0), {}};
+  q.Read(1, out.result);
+  if (run == out.newest || !out.result.deviation.IsZero()) return out;
   return Status(Code::kConflict,
                 "of run " + std::to_string(run) +
                     " only points and reasons are kept, because it is neither the newest nor the "
@@ -136,7 +122,7 @@ Status RepeatRun(Db& db, const Uuid& attempt, int32_t run) {
       "AND n.attempt = ?2), scored_ms, 'restore', score, critical_fail, score_json, reference, "
       "replay_realtime_factor, document, final_volume, deviation, series FROM attempt_results "
       "WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{run}).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, run).Run());
   return ForgetOldPictures(db, attempt);
 }
 
@@ -149,9 +135,10 @@ Status SetResult(Db& db, const Uuid& attempt, const AttemptResult& result) {
                   "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
                   Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
                   Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) + ")");
-  q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
-  q.Bind(result.score_json).Bind(result.final_volume).Bind(result.deviation).Bind(result.series);
-  ENAMEL_RETURN_IF_ERROR(q.Bind(result.reference).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, result.score, result.critical_fail, result.score_json,
+                                result.final_volume, result.deviation, result.series,
+                                result.reference)
+                             .Run());
   if (db.Changes() > 0) return Status::Ok();
   return Status(Code::kConflict,
                 "attempt " + attempt.Text() + " is not one that waits for a score");
@@ -260,7 +247,7 @@ Status ResultRows::FailAttempt(const Uuid& attempt, const Status& problem, const
                     Sql(AttemptState::kFailed) + " ELSE " + Sql(AttemptState::kScored) +
                     " END, problem = ?3, problem_field = ?4, progress = "
                     "CASE WHEN score IS NULL THEN 0 ELSE 1 END WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, problem.message(), problem.field()).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",
                       JsonOf({{"problem", problem.message()}, {"problem_field", problem.field()}}));
@@ -281,18 +268,7 @@ Result<AttemptResult> ResultRows::ResultOf(const Uuid& attempt) {
     }
     if (q.IsNull(2))
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has no score yet");
-    AttemptResult out;
-    out.score = q.Real(0);
-    out.critical_fail = q.Int(1) != 0;
-    out.score_json = q.Hash(2);
-    out.final_volume = q.Hash(3);
-    out.deviation = q.Hash(4);
-    out.series = q.Hash(5);
-    if (!q.IsNull(6)) out.reference = q.Id(6);
-    out.replay_realtime_factor = q.Real(7);
-    out.scored_ms = q.Int(8);
-    out.document = q.Blob(9);
-    return out;
+    return q.Row<AttemptResult>();
   });
 }
 
@@ -304,7 +280,7 @@ Status ResultRows::SetProgress(const Uuid& lease, double progress) {
                     Sql(AttemptState::kScoring) +
                     " AND id = (SELECT "
                     "attempt FROM jobs WHERE tenant = ?1 AND lease = ?2)");
-    return q.Bind(lease).Bind(std::clamp(progress, 0.0, 1.0)).Run();
+    return q.Bind(lease, std::clamp(progress, 0.0, 1.0)).Run();
   });
 }
 
@@ -316,24 +292,7 @@ Result<std::vector<ResultRow>> ResultRows::ResultsOf(const Uuid& attempt) {
             "tenant = ?1 AND attempt = "
             "?2 ORDER "
             "BY run DESC");
-    q.Bind(attempt);
-    std::vector<ResultRow> out;
-    while (q.Next()) {
-      ResultRow row;
-      row.run = static_cast<int32_t>(q.Int(0));
-      row.scored_ms = q.Int(1);
-      row.cause = q.Text(2);
-      row.score = q.Real(3);
-      row.critical_fail = q.Int(4) != 0;
-      row.score_json = q.Hash(5);
-      if (!q.IsNull(6)) row.reference = q.Id(6);
-      row.replay_realtime_factor = q.Real(7);
-      row.document = q.Blob(8);
-      row.is_whole = q.Int(9) != 0;
-      out.push_back(std::move(row));
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt).All<ResultRow>();
   });
 }
 

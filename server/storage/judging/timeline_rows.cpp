@@ -19,11 +19,9 @@ constexpr int64_t kLeaseMs = 60'000;
 
 Status WaitForTimeline(Db& db, const Uuid& attempt) {
   // Scored again after it was given up: the obstacle may be gone.
-  Query q(
-      db,
-      "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT (tenant, attempt) DO "
-      "UPDATE SET tries = 0, problem = '', lease_until_ms = 0 WHERE timelines.content IS NULL");
-  return q.Bind(attempt).Run();
+  return Insert(db, "timelines", "attempt", attempt,
+                " ON CONFLICT (tenant, attempt) DO UPDATE SET tries = 0, problem = '', "
+                "lease_until_ms = 0 WHERE timelines.content IS NULL");
 }
 
 Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {
@@ -44,10 +42,7 @@ Result<std::optional<Uuid>> TimelineRows::TakeTimeline() {
                         "tries < ?2 AND lease_until_ms < ?3 ORDER BY CASE WHEN asked_ms = 0 THEN 1 "
                         "ELSE 0 END, asked_ms, attempt DESC LIMIT 1") +
                 lock);
-    std::optional<Uuid> out;
-    if (q.Bind(kMaxTries).Bind(now_ms).Next()) out = q.Id(0);
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(kMaxTries, now_ms).Maybe<Uuid>();
   };
   // Most calls find nothing: look on a reader first and leave the writer alone.
   auto any = rows_.Read([&](Db& db) { return next(db, ""); });
@@ -61,7 +56,7 @@ Result<std::optional<Uuid>> TimelineRows::TakeTimeline() {
         db,
         "UPDATE timelines SET tries = tries + 1, owner = ?3, lease_until_ms = ?4 WHERE tenant = "
         "?1 AND attempt = ?2");
-    return q.Bind(*taken).Bind(owner_.id()).Bind(now_ms + kLeaseMs).Run();
+    return q.Bind(*taken, owner_.id(), now_ms + kLeaseMs).Run();
   }));
   return taken;
 }
@@ -72,7 +67,7 @@ Status TimelineRows::KeepTimeline(const Uuid& attempt) {
         db,
         "UPDATE timelines SET lease_until_ms = ?4 WHERE tenant = ?1 AND attempt = ?2 AND owner = "
         "?3 AND content IS NULL");
-    return q.Bind(attempt).Bind(owner_.id()).Bind(NowMs() + kLeaseMs).Run();
+    return q.Bind(attempt, owner_.id(), NowMs() + kLeaseMs).Run();
   });
 }
 
@@ -82,7 +77,7 @@ Status TimelineRows::ReturnTimeline(const Uuid& attempt) {
         db,
         "UPDATE timelines SET tries = tries - 1, lease_until_ms = 0 WHERE tenant = ?1 AND attempt "
         "= ?2 AND owner = ?3 AND tries > 0 AND content IS NULL");
-    return q.Bind(attempt).Bind(owner_.id()).Run();
+    return q.Bind(attempt, owner_.id()).Run();
   });
 }
 
@@ -90,7 +85,7 @@ Status TimelineRows::PutTimeline(const Uuid& attempt, const Sha256& content) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db,
             "UPDATE timelines SET content = ?3, problem = '' WHERE tenant = ?1 AND attempt = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(content).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, content).Run());
     if (db.Changes() > 0) return blobs_.Hold(db, {content});
     return Status(Code::kConflict,
                   "attempt " + attempt.Text() + " no longer has a recording to be played back");
@@ -104,8 +99,7 @@ Status TimelineRows::FailTimeline(const Uuid& attempt, const std::string& proble
             "UPDATE timelines SET problem = ?4, lease_until_ms = 0, tries = CASE WHEN ?5 = 1 THEN "
             "tries "
             "ELSE ?6 END WHERE tenant = ?1 AND attempt = ?2 AND owner = ?3 AND content IS NULL");
-    q.Bind(attempt).Bind(owner_.id()).Bind(problem);
-    return q.Bind(int64_t{again ? 1 : 0}).Bind(kMaxTries).Run();
+    return q.Bind(attempt, owner_.id(), problem, again ? 1 : 0, kMaxTries).Run();
   });
 }
 
@@ -136,7 +130,7 @@ Result<TimelineRow> TimelineRows::AskForTimeline(const Uuid& attempt) {
     Query q(db,
             "UPDATE timelines SET asked_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND asked_ms = "
             "0 AND content IS NULL");
-    return q.Bind(attempt).Bind(NowMs()).Run();
+    return q.Bind(attempt, NowMs()).Run();
   });
   return row;
 }
@@ -144,28 +138,21 @@ Result<TimelineRow> TimelineRows::AskForTimeline(const Uuid& attempt) {
 Result<Sha256> TimelineRows::StartToothOf(const Sha256& volume) {
   return rows_.Read([&](Db& db) -> Result<Sha256> {
     Query q(db, "SELECT content FROM start_teeth WHERE tenant = ?1 AND volume = ?2");
-    Sha256 out;
-    if (q.Bind(volume).Next()) out = q.Hash(0);
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(volume).Value<Sha256>();
   });
 }
 
 Status TimelineRows::PutStartTooth(const Sha256& volume, const Sha256& content) {
   return rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO start_teeth (tenant, volume, content) VALUES (?1, ?2, ?3) ON CONFLICT DO "
-            "NOTHING");
-    return q.Bind(volume).Bind(content).Run();
+    return Insert(db, "start_teeth", "volume", volume, "content", content,
+                  " ON CONFLICT DO NOTHING");
   });
 }
 
 Result<bool> TimelineRows::IsStartTooth(const Sha256& content) {
   return rows_.Read([&](Db& db) -> Result<bool> {
     Query q(db, "SELECT 1 FROM start_teeth WHERE tenant = ?1 AND content = ?2 LIMIT 1");
-    const bool found = q.Bind(content).Next();
-    if (!q.status().ok()) return q.status();
-    return found;
+    return q.Bind(content).Any();
   });
 }
 
