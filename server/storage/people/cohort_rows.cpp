@@ -15,20 +15,10 @@
 namespace enamel::server {
 namespace {
 
-Result<std::vector<Cohort>> CohortsIn(Query& q) {
-  std::vector<Cohort> out;
-  while (q.Next()) out.push_back(CohortOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
 Result<Cohort> FindCohort(Db& db, const Uuid& id) {
-  static const std::string kSql =
-      std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1 AND id = ?2";
-  Query q(db, kSql.c_str());
-  if (q.Bind(id).Next()) return CohortOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no cohort " + id.Text());
+  Query q(db, std::string("SELECT ") + kCohortColumns +
+                  " FROM cohorts c WHERE tenant = ?1 AND id = ?2");
+  return q.Bind(id).One<Cohort>("no cohort " + id.Text());
 }
 
 Status UpdateCohort(Db& db, const Cohort& before, Cohort& after, const Actor& by) {
@@ -37,7 +27,7 @@ Status UpdateCohort(Db& db, const Cohort& before, Cohort& after, const Actor& by
   Query q(db,
           "UPDATE cohorts SET name = ?3, archived_ms = ?4, revision = ?5 WHERE tenant = ?1 AND "
           "id = ?2");
-  q.Bind(after.id).Bind(after.name).Bind(after.archived_ms).Bind(int64_t{after.revision});
+  q.Bind(after.id, after.name, after.archived_ms, after.revision);
   ENAMEL_RETURN_IF_ERROR(
       Explain(q.Run(), "there is already a cohort named \"" + after.name + "\""));
   auto json = [](const Cohort& cohort) {
@@ -52,15 +42,10 @@ std::string MemberSubject(const Uuid& cohort, const Uuid& person) {
 
 }  // namespace
 
-Cohort CohortOf(const Query& q) {
-  return {q.Id(0), q.Text(1), q.Int(2), static_cast<int32_t>(q.Int(3))};
-}
-
 Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by) {
   Uuid id = Uuid::New();
-  Query q(db, "INSERT INTO cohorts (tenant, id, name) VALUES (?1, ?2, ?3)");
-  ENAMEL_RETURN_IF_ERROR(
-      Explain(q.Bind(id).Bind(name).Run(), "there is already a cohort named \"" + name + "\""));
+  ENAMEL_RETURN_IF_ERROR(Explain(Insert(db, "cohorts", "id", id, "name", name),
+                                 "there is already a cohort named \"" + name + "\""));
   ENAMEL_RETURN_IF_ERROR(
       WriteAudit(db, by, "cohort.create", id.Text(), "{}", JsonOf({{"name", name}})));
   return id;
@@ -68,17 +53,15 @@ Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by) {
 
 Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
   Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(cohort, person).Run());
   if (db.Changes() == 0) return Status::Ok();
   return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.remove", cohort.Text(),
                          JsonOf({{"person", person.Text()}}), "{}");
 }
 
 Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
-  Query q(db,
-          "INSERT INTO cohort_members (tenant, cohort, person) VALUES (?1, ?2, ?3) "
-          "ON CONFLICT DO NOTHING");
-  Status status = q.Bind(cohort).Bind(person).Run();
+  Status status =
+      Insert(db, "cohort_members", "cohort", cohort, "person", person, " ON CONFLICT DO NOTHING");
   // The foreign keys show that one of the two is missing, but not which.
   if (status.code() == Code::kConflict) {
     return Status(Code::kNotFound, "no cohort " + cohort.Text() + " or no person " + person.Text());
@@ -147,21 +130,19 @@ Status CohortRows::AddToCohort(const Uuid& cohort, const Uuid& person, const Act
 
 Result<std::vector<Cohort>> CohortRows::CohortsOf(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<Cohort>> {
-    static const std::string kSql =
-        std::string("SELECT ") + kCohortColumns +
-        " FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort "
-        "WHERE m.tenant = ?1 AND m.person = ?2 ORDER BY c.name";
-    Query q(db, kSql.c_str());
-    return CohortsIn(q.Bind(person));
+    Query q(db,
+            std::string("SELECT ") + kCohortColumns +
+                " FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort "
+                "WHERE m.tenant = ?1 AND m.person = ?2 ORDER BY c.name");
+    return q.Bind(person).All<Cohort>();
   });
 }
 
 Result<std::vector<Cohort>> CohortRows::Cohorts() {
   return rows_.Read([&](Db& db) -> Result<std::vector<Cohort>> {
-    static const std::string kSql =
-        std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1 ORDER BY name";
-    Query q(db, kSql.c_str());
-    return CohortsIn(q);
+    Query q(db, std::string("SELECT ") + kCohortColumns +
+                    " FROM cohorts c WHERE tenant = ?1 ORDER BY name");
+    return q.All<Cohort>();
   });
 }
 
@@ -196,12 +177,11 @@ Result<std::vector<CohortSize>> CohortRows::SizesOf(const std::vector<Uuid>& coh
 // Those who teach come before those who are taught.
 Result<std::vector<Person>> CohortRows::CohortMembers(const Uuid& cohort) {
   return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
-    static const std::string kSql =
-        std::string("SELECT ") + kPersonColumns +
-        " FROM cohort_members m JOIN people p ON p.tenant = m.tenant AND p.id = m.person "
-        "WHERE m.tenant = ?1 AND m.cohort = ?2 ORDER BY p.role DESC, p.display_name";
-    Query q(db, kSql.c_str());
-    return PeopleIn(q.Bind(cohort));
+    Query q(db,
+            std::string("SELECT ") + kPersonColumns +
+                " FROM cohort_members m JOIN people p ON p.tenant = m.tenant AND p.id = m.person "
+                "WHERE m.tenant = ?1 AND m.cohort = ?2 ORDER BY p.role DESC, p.display_name");
+    return q.Bind(cohort).All<Person>();
   });
 }
 

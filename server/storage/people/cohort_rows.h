@@ -45,7 +45,6 @@ class CohortRows {
 
 // Inside a transaction, for other rows.
 inline constexpr char kCohortColumns[] = "c.id, c.name, c.archived_ms, c.revision";
-Cohort CohortOf(const Query& q);
 // Each leaves its audit row.
 Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by);
 Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by);

@@ -12,9 +12,7 @@ namespace enamel::server {
 Result<bool> IsListedIn(Db& db, const Hand& hand) {
   if (hand.kind != HandKind::kHaptic || ListedAs(hand).empty()) return false;
   Query q(db, "SELECT 1 FROM listed_devices WHERE tenant = ?1 AND name = ?2");
-  const bool found = q.Bind(ListedAs(hand)).Next();
-  if (!q.status().ok()) return q.status();
-  return found;
+  return q.Bind(ListedAs(hand)).Any();
 }
 
 Result<std::vector<ListedDevice>> DeviceRows::ListedDevices() {
@@ -26,11 +24,7 @@ Result<std::vector<ListedDevice>> DeviceRows::ListedDevices() {
             "MAX(ticketed_ms) AS shook_ms FROM (SELECT hand_unit, hand_device, flags, ticketed_ms "
             "FROM attempts WHERE tenant = ?1 ORDER BY id DESC LIMIT 1000) newest WHERE (flags & "
             "?2) <> 0 GROUP BY 1) s ON s.name = d.name WHERE d.tenant = ?1 ORDER BY d.name");
-    q.Bind(int64_t{kShook});
-    std::vector<ListedDevice> out;
-    while (q.Next()) out.push_back({q.Text(0), q.Text(1), q.Int(2), q.Int(3)});
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(kShook).All<ListedDevice>();
   });
 }
 
@@ -43,10 +37,9 @@ Status DeviceRows::ListDevice(const std::string& name, const std::string& title,
                   checked_name.size() > kMaxHandTextBytes ? "name" : "title");
   }
   return rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO listed_devices (tenant, name, title, added_ms) VALUES (?1, ?2, ?3, ?4) ON "
-            "CONFLICT (tenant, name) DO UPDATE SET title = excluded.title");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(checked_name).Bind(checked_title).Bind(NowMs()).Run());
+    ENAMEL_RETURN_IF_ERROR(
+        Insert(db, "listed_devices", "name", checked_name, "title", checked_title, "added_ms",
+               NowMs(), " ON CONFLICT (tenant, name) DO UPDATE SET title = excluded.title"));
     return WriteAudit(db, by, "device.list", checked_name, "{}",
                       JsonOf({{"title", checked_title}}));
   });

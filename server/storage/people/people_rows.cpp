@@ -17,9 +17,7 @@ namespace enamel::server {
 namespace {
 
 Result<Person> OnePerson(Query& q, const std::string& what) {
-  if (q.Next()) return PersonOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no person " + what);
+  return q.One<Person>("no person " + what);
 }
 
 bool Admits(const Person& person) { return person.role == Role::kAdmin && !person.disabled; }
@@ -77,10 +75,9 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
     Query q(db,
             "UPDATE people SET display_name = ?3, role = ?4, disabled = ?5, revision = ?6, "
             "search_name = ?7 WHERE tenant = ?1 AND id = ?2");
-    q.Bind(after.id).Bind(after.display_name).Bind(static_cast<int64_t>(after.role));
-    q.Bind(static_cast<int64_t>(after.disabled)).Bind(int64_t{after.revision});
-    q.Bind(SearchName(after.display_name));
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(after.id, after.display_name, after.role, after.disabled,
+                                  after.revision, SearchName(after.display_name))
+                               .Run());
   }
   if (ends_sessions) ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, after.id));
   return WriteAudit(db, by, action, after.id.Text(), EditJson(before, after),
@@ -88,22 +85,6 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
 }
 
 }  // namespace
-
-Person PersonOf(const Query& q) {
-  Person out;
-  out.id = q.Id(0);
-  out.login = q.Text(1);
-  out.display_name = q.Text(2);
-  out.role = static_cast<Role>(q.Int(3));
-  out.disabled = q.Int(4) != 0;
-  out.created_ms = q.Int(5);
-  out.must_change_password = q.Int(6) != 0;
-  out.revision = static_cast<int32_t>(q.Int(7));
-  out.password_ms = q.Int(8);
-  out.language = q.Text(9);
-  out.pin_locked = q.Int(10) >= PeopleRows::kMostWrongPins;
-  return out;
-}
 
 std::string NameHas(const std::string& word) {
   // A text that shrinks when the word is taken out holds the word. The databases share no function
@@ -114,17 +95,9 @@ std::string NameHas(const std::string& word) {
   return "(" + has("p.login") + " OR " + has("p.search_name") + ")";
 }
 
-Result<std::vector<Person>> PeopleIn(Query& q) {
-  std::vector<Person> out;
-  while (q.Next()) out.push_back(PersonOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
 Result<Person> FindPerson(Db& db, const Uuid& id) {
-  static const std::string kSql =
-      std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND id = ?2";
-  Query q(db, kSql.c_str());
+  Query q(db,
+          std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND id = ?2");
   return OnePerson(q.Bind(id), id.Text());
 }
 
@@ -142,18 +115,13 @@ Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
 
 Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(MustNotLookLikeAnother(db, person));
-  Query q(
-      db,
-      "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
-      "verifier, must_change_password, password_ms, search_name) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
-      "?7, ?8, ?9, ?10, ?11)");
-  q.Bind(person.id).Bind(person.login).Bind(person.display_name);
-  q.Bind(static_cast<int64_t>(person.role)).Bind(static_cast<int64_t>(person.disabled));
-  q.Bind(person.created_ms != 0 ? person.created_ms : NowMs()).Bind(verifier);
-  q.Bind(static_cast<int64_t>(person.must_change_password)).Bind(NowMs());
-  q.Bind(SearchName(person.display_name));
   ENAMEL_RETURN_IF_ERROR(
-      Explain(q.Run(), "there is already a person with the login \"" + person.login + "\""));
+      Explain(Insert(db, "people", "id", person.id, "login", person.login, "display_name",
+                     person.display_name, "role", person.role, "disabled", person.disabled,
+                     "created_ms", person.created_ms != 0 ? person.created_ms : NowMs(), "verifier",
+                     verifier, "must_change_password", person.must_change_password, "password_ms",
+                     NowMs(), "search_name", SearchName(person.display_name)),
+              "there is already a person with the login \"" + person.login + "\""));
   return WriteAudit(db, by, "person.create", person.id.Text(), "{}",
                     JsonOf({{"role", RoleName(person.role)}}));
 }
@@ -194,9 +162,8 @@ Result<Person> PeopleRows::PersonById(const Uuid& id) {
 
 Result<Person> PeopleRows::PersonByLogin(const std::string& login) {
   return rows_.Read([&](Db& db) -> Result<Person> {
-    static const std::string kSql =
-        std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND login = ?2";
-    Query q(db, kSql.c_str());
+    Query q(db, std::string("SELECT ") + kPersonColumns +
+                    " FROM people p WHERE tenant = ?1 AND login = ?2");
     return OnePerson(q.Bind(login), "with the login \"" + login + "\"");
   });
 }
@@ -205,9 +172,7 @@ namespace {
 
 Result<std::string> VerifierIn(Db& db, const char* sql, const Uuid& person) {
   Query q(db, sql);
-  if (q.Bind(person).Next()) return q.Text(0);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no person " + person.Text());
+  return q.Bind(person).One<std::string>("no person " + person.Text());
 }
 
 }  // namespace
@@ -226,7 +191,7 @@ Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
       Query q(db,
               "UPDATE people SET wrong_pins = wrong_pins + 1 WHERE tenant = ?1 AND id = ?2 AND "
               "pin <> '' AND wrong_pins < ?3");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(int64_t{kMostWrongPins}).Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(person, kMostWrongPins).Run());
     }
     const bool may = db.Changes() > 0;
     Query q(db, "SELECT pin, wrong_pins FROM people WHERE tenant = ?1 AND id = ?2");
@@ -263,7 +228,7 @@ Status PeopleRows::NotePinLocked(const Uuid& person, const Actor& by) {
 Status PeopleRows::SetPin(const Uuid& person, const std::string& verifier, const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE people SET pin = ?3, wrong_pins = 0 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(verifier).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person, verifier).Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
     return WriteAudit(db, by, "person.pin", person.Text(), "{}", "{}");
   });
@@ -275,8 +240,7 @@ Status PeopleRows::SetPassword(const Uuid& person, const std::string& verifier, 
     Query q(db,
             "UPDATE people SET verifier = ?3, must_change_password = ?4, password_ms = ?5 "
             "WHERE tenant = ?1 AND id = ?2");
-    q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use)).Bind(NowMs());
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person, verifier, for_one_use, NowMs()).Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
     // Whoever knew the old password may be signed in with it.
     ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
@@ -288,7 +252,7 @@ Status PeopleRows::SetPassword(const Uuid& person, const std::string& verifier, 
 Status PeopleRows::SetLanguage(const Uuid& person, const std::string& language) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE people SET language = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(language).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person, language).Run());
     return MustHaveChanged(db, "person " + person.Text());
   });
 }
@@ -320,10 +284,9 @@ Result<Person> PeopleRows::EditPerson(const Uuid& id, const PersonEdit& edit, in
 
 Result<std::vector<Person>> PeopleRows::People() {
   return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
-    static const std::string kSql =
-        std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 ORDER BY login";
-    Query q(db, kSql.c_str());
-    return PeopleIn(q);
+    Query q(db, std::string("SELECT ") + kPersonColumns +
+                    " FROM people p WHERE tenant = ?1 ORDER BY login");
+    return q.All<Person>();
   });
 }
 
@@ -345,10 +308,10 @@ Result<std::vector<Person>> PeopleRows::FindPeople(const PeopleFilter& filter) {
   sql += " ORDER BY login LIMIT ?3";
   return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
     Query q(db, sql.c_str());
-    q.Bind(filter.after_login).Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 1000)});
+    q.Bind(filter.after_login, std::clamp<uint32_t>(filter.limit, 1, 1000));
     for (const std::string& word : words) q.Bind(word);
     if (filter.cohort) q.Bind(*filter.cohort);
-    return PeopleIn(q);
+    return q.All<Person>();
   });
 }
 

@@ -68,14 +68,13 @@ class PeopleRows {
 
 // Inside a transaction, for other rows.
 //
-// Of the table as `p`.
+// A Person of the table as `p`.
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
-    "p.revision, p.password_ms, p.language, p.wrong_pins";
+    "p.password_ms, p.revision, p.language, p.wrong_pins >= 10";
+static_assert(PeopleRows::kMostWrongPins == 10);
 // A condition: the login or the name has the word (SearchWords) that is bound as `word`, "?4".
 std::string NameHas(const std::string& word);
-Person PersonOf(const Query& q);
-Result<std::vector<Person>> PeopleIn(Query& q);
 Result<Person> FindPerson(Db& db, const Uuid& id);
 // Each leaves its audit row.
 Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by);

@@ -20,20 +20,13 @@ Result<RosterFacts> FactsIn(Db& db) {
   static const std::string kPeople =
       std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1";
   Query people(db, kPeople.c_str());
-  while (people.Next()) {
-    Person person = PersonOf(people);
-    std::string login = person.login;
-    out.people.emplace(std::move(login), std::move(person));
-  }
-  if (!people.status().ok()) return people.status();
+  ENAMEL_ASSIGN_OR_RETURN(const auto found, people.All<Person>());
+  for (const Person& person : found) out.people.emplace(person.login, person);
   static const std::string kCohorts =
       std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1";
   Query cohorts(db, kCohorts.c_str());
-  while (cohorts.Next()) {
-    Cohort cohort = CohortOf(cohorts);
-    out.cohorts.emplace(cohort.name, cohort);
-  }
-  if (!cohorts.status().ok()) return cohorts.status();
+  ENAMEL_ASSIGN_OR_RETURN(const auto named, cohorts.All<Cohort>());
+  for (const Cohort& cohort : named) out.cohorts.emplace(cohort.name, cohort);
   Query members(db, "SELECT cohort, person FROM cohort_members WHERE tenant = ?1");
   while (members.Next()) out.members.emplace(members.Id(0), members.Id(1));
   if (!members.status().ok()) return members.status();

@@ -14,21 +14,9 @@ namespace {
   "SELECT t.id, t.owner, p.display_name, t.text, t.shared, t.saved_ms, t.revision FROM " \
   "saved_texts t JOIN people p ON p.tenant = t.tenant AND p.id = t.owner WHERE t.tenant = ?1"
 
-SavedText SavedTextOf(const Query& q) {
-  return {q.Id(0),
-          q.Id(1),
-          q.Text(2),
-          q.Text(3),
-          q.Int(4) != 0,
-          q.Int(5),
-          static_cast<int32_t>(q.Int(6))};
-}
-
 Result<SavedText> FindSavedText(Db& db, const Uuid& id) {
   Query q(db, ENAMEL_SAVED_TEXT_SELECT " AND t.id = ?2");
-  if (q.Bind(id).Next()) return SavedTextOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no saved text " + id.Text());
+  return q.Bind(id).One<SavedText>("no saved text " + id.Text());
 }
 
 // That `row` fits beside the others. Its id counts, for one that replaces itself.
@@ -36,7 +24,7 @@ Status MustFit(Db& db, const SavedText& row) {
   Query own(db,
             "SELECT count(*), coalesce(max(CASE WHEN text = ?3 THEN 1 ELSE 0 END), 0) FROM "
             "saved_texts WHERE tenant = ?1 AND owner = ?2 AND id <> ?4");
-  if (!own.Bind(row.owner).Bind(row.text).Bind(row.id).Next()) return own.status();
+  if (!own.Bind(row.owner, row.text, row.id).Next()) return own.status();
   if (own.Int(1) != 0) {
     return Status(Code::kConflict, "This text is saved already. Change it, or use the saved one.",
                   "text");
@@ -74,11 +62,7 @@ Result<std::vector<SavedText>> SavedTextRows::SavedTexts(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<SavedText>> {
     Query q(db, ENAMEL_SAVED_TEXT_SELECT
             " AND (t.owner = ?2 OR t.shared = 1) ORDER BY t.saved_ms DESC, t.id DESC");
-    q.Bind(person);
-    std::vector<SavedText> out;
-    while (q.Next()) out.push_back(SavedTextOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(person).All<SavedText>();
   });
 }
 
@@ -92,11 +76,8 @@ Result<SavedText> SavedTextRows::AddSavedText(const SavedText& text, const Actor
   row.owner = by.person;
   const Status status = rows_.Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustFit(db, row));
-    Query q(db,
-            "INSERT INTO saved_texts (tenant, id, owner, text, shared, saved_ms) VALUES (?1, ?2, "
-            "?3, ?4, ?5, ?6)");
-    q.Bind(row.id).Bind(row.owner).Bind(row.text).Bind(int64_t{row.shared}).Bind(NowMs());
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "saved_texts", "id", row.id, "owner", row.owner, "text",
+                                  row.text, "shared", row.shared, "saved_ms", NowMs()));
     return WriteAuditAbout(db, SubjectOf(row), by, "person.text_save", row.owner.Text(), "{}",
                            WordsOf(row));
   });
@@ -115,7 +96,7 @@ Result<SavedText> SavedTextRows::ReplaceSavedText(const SavedText& text, const A
     Query q(db,
             "UPDATE saved_texts SET text = ?3, shared = ?4, revision = revision + 1 WHERE tenant = "
             "?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(row.text).Bind(int64_t{row.shared}).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id, row.text, row.shared).Run());
     return WriteAuditAbout(db, SubjectOf(row), by, "person.text_edit", row.owner.Text(),
                            WordsOf(stored), WordsOf(row));
   });

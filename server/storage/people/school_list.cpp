@@ -142,15 +142,9 @@ Status SchoolRows::AddSchool(const SchoolRow& row, const Actor& by) {
     if (std::ranges::count(all, row.name, &SchoolRow::name) > 0) {
       return {Code::kConflict, "there is a school \"" + row.name + "\" already", "name"};
     }
-    Query q(db,
-            "INSERT INTO schools (tenant, name, id, hosts, state, created_ms) VALUES (?1, ?2, "
-            "?3, ?4, ?5, ?6)");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name)
-                               .Bind(row.id)
-                               .Bind(HostsText(row.hosts))
-                               .Bind(std::string(SchoolStateName(row.state)))
-                               .Bind(NowMs())
-                               .Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "schools", "name", row.name, "id", row.id, "hosts",
+                                  HostsText(row.hosts), "state", SchoolStateName(row.state),
+                                  "created_ms", NowMs()));
     return WriteAudit(db, by, "school.add", row.name, "{}", SchoolJson(row));
   });
 }
@@ -170,10 +164,8 @@ Status SchoolRows::ChangeSchool(const SchoolRow& row, const Actor& by) {
               "state"};
     }
     Query q(db, "UPDATE schools SET hosts = ?3, state = ?4 WHERE tenant = ?1 AND name = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name)
-                               .Bind(HostsText(row.hosts))
-                               .Bind(std::string(SchoolStateName(row.state)))
-                               .Run());
+    ENAMEL_RETURN_IF_ERROR(
+        q.Bind(row.name, HostsText(row.hosts), SchoolStateName(row.state)).Run());
     return WriteAudit(db, by, "school.change", row.name, SchoolJson(*before), SchoolJson(row));
   });
 }

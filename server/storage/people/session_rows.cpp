@@ -24,27 +24,14 @@ constexpr char kSessionSelect[] =
     "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms, "
     "address, device FROM sessions WHERE tenant = ?1 AND ";
 
-SessionRow SessionOf(const Query& q) {
-  return {q.Hash(0), q.Id(1), q.Int(2), q.Int(3),  q.Int(4),
-          q.Text(5), q.Id(6), q.Int(7), q.Text(8), q.Text(9)};
-}
-
-Result<SessionRow> OneSession(Query& q) {
-  if (q.Next()) return SessionOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no such session");
-}
-
 Result<SessionRow> FindSessionByToken(Db& db, const Sha256& token_hash) {
-  static const std::string kSql = std::string(kSessionSelect) + "token_hash = ?2";
-  Query q(db, kSql.c_str());
-  return OneSession(q.Bind(token_hash));
+  Query q(db, std::string(kSessionSelect) + "token_hash = ?2");
+  return q.Bind(token_hash).One<SessionRow>("no such session");
 }
 
 Result<SessionRow> FindSessionById(Db& db, const Uuid& id) {
-  static const std::string kSql = std::string(kSessionSelect) + "id = ?2";
-  Query q(db, kSql.c_str());
-  return OneSession(q.Bind(id));
+  Query q(db, std::string(kSessionSelect) + "id = ?2");
+  return q.Bind(id).One<SessionRow>("no such session");
 }
 
 }  // namespace
@@ -60,17 +47,12 @@ Status SessionRows::CreateSession(const SessionRow& session) {
     ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND expires_ms < ?2")
                                .Bind(session.created_ms)
                                .Run());
-    Query q(db,
-            "INSERT INTO sessions (tenant, token_hash, person, created_ms, last_used_ms, "
-            "expires_ms, via, id, confirmed_ms, address, device) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
-            "?7, ?8, "
-            "?9, ?10, ?11)");
-    q.Bind(session.token_hash).Bind(session.person).Bind(session.created_ms);
-    q.Bind(session.last_used_ms).Bind(session.expires_ms).Bind(session.via);
-    q.Bind(id);
-    q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
-    q.Bind(session.address).Bind(session.device);
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(
+        Insert(db, "sessions", "token_hash", session.token_hash, "person", session.person,
+               "created_ms", session.created_ms, "last_used_ms", session.last_used_ms, "expires_ms",
+               session.expires_ms, "via", session.via, "id", id, "confirmed_ms",
+               session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms, "address",
+               session.address, "device", session.device));
     return WriteAuditAbout(db, SubjectOf("session", id.Text()),
                            Actor{session.person, WhereOf(session)}, "session.begin",
                            session.person.Text(), "{}",
@@ -88,14 +70,8 @@ Result<SessionRow> SessionRows::SessionById(const Uuid& id) {
 
 Result<std::vector<SessionRow>> SessionRows::SessionsOf(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<SessionRow>> {
-    static const std::string kSql =
-        std::string(kSessionSelect) + "person = ?2 ORDER BY created_ms DESC, id";
-    Query q(db, kSql.c_str());
-    q.Bind(person);
-    std::vector<SessionRow> out;
-    while (q.Next()) out.push_back(SessionOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    Query q(db, std::string(kSessionSelect) + "person = ?2 ORDER BY created_ms DESC, id");
+    return q.Bind(person).All<SessionRow>();
   });
 }
 
@@ -104,14 +80,14 @@ Status SessionRows::TouchSession(const Sha256& token_hash, UnixMs now_ms) {
   if (look_.ChangesWait()) return Status::Ok();
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE sessions SET last_used_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
-    return q.Bind(token_hash).Bind(now_ms).Run();
+    return q.Bind(token_hash, now_ms).Run();
   });
 }
 
 Status SessionRows::ConfirmSession(const Sha256& token_hash, UnixMs now_ms) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE sessions SET confirmed_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(token_hash).Bind(now_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(token_hash, now_ms).Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "such session"));
     ENAMEL_ASSIGN_OR_RETURN(const auto session, FindSessionByToken(db, token_hash));
     return WriteAuditAbout(db, SubjectOf("session", session.id.Text()),

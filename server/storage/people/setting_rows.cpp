@@ -27,10 +27,7 @@ Result<std::vector<StationSetting>> SettingRows::Settings() {
     Query q(db,
             "SELECT name, scope, value, fixed, changed_ms FROM station_settings WHERE tenant = ?1 "
             "ORDER BY name, scope");
-    std::vector<StationSetting> out;
-    while (q.Next()) out.push_back({q.Text(0), q.Text(1), q.Text(2), q.Int(3) != 0, q.Int(4)});
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.All<StationSetting>();
   });
 }
 
@@ -63,12 +60,11 @@ Status SettingRows::PutSetting(const StationSetting& setting, const Actor& by) {
         "scope");
   }
   return rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO station_settings (tenant, name, scope, value, fixed, changed_ms) VALUES "
-            "(?1, ?2, ?3, ?4, ?5, ?6) ON CONFLICT (tenant, name, scope) DO UPDATE SET value = "
-            "excluded.value, fixed = excluded.fixed, changed_ms = excluded.changed_ms");
-    q.Bind(setting.name).Bind(scope).Bind(setting.value).Bind(int64_t{setting.fixed}).Bind(NowMs());
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(
+        Insert(db, "station_settings", "name", setting.name, "scope", scope, "value", setting.value,
+               "fixed", setting.fixed, "changed_ms", NowMs(),
+               " ON CONFLICT (tenant, name, scope) DO UPDATE SET value = excluded.value, fixed = "
+               "excluded.fixed, changed_ms = excluded.changed_ms"));
     return WriteAudit(db, by, "setting.put", ObjectOf(setting.name, scope), "{}",
                       JsonOf({{"value", setting.value}, {"fixed", setting.fixed ? "yes" : "no"}}));
   });
@@ -78,7 +74,7 @@ Status SettingRows::RemoveSetting(const std::string& name, const std::string& sc
                                   const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "DELETE FROM station_settings WHERE tenant = ?1 AND name = ?2 AND scope = ?3");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(name).Bind(scope).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(name, scope).Run());
     if (db.Changes() == 0) {
       return Status(Code::kNotFound, "\"" + name + "\" is not set for \"" + scope + "\"", "name");
     }

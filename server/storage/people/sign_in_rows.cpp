@@ -43,11 +43,9 @@ Result<bool> ReadCounter(Db& db, const Sha256& key, const char* lock, SignInCoun
 // A missing row cannot be locked: it is inserted first, with nothing counted.
 Status LockCounter(Db& db, const Sha256& key, SignInCounter& out) {
   for (;;) {
-    Query q(
-        db,
-        "INSERT INTO sign_in_counters (tenant, key, failures, first_tries, last_ms, next_try_ms, "
-        "until_ms) VALUES (?1, ?2, 0, 0, 0, 0, 0) ON CONFLICT DO NOTHING");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(key).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "sign_in_counters", "key", key, "failures", 0, "first_tries",
+                                  0, "last_ms", 0, "next_try_ms", 0, "until_ms", 0,
+                                  " ON CONFLICT DO NOTHING"));
     // Another server may have deleted it between the two.
     ENAMEL_ASSIGN_OR_RETURN(const bool locked, ReadCounter(db, key, db.RowLock(), out));
     if (locked) return Status::Ok();
@@ -62,8 +60,10 @@ Status WriteCounter(Db& db, const Sha256& key, const SignInCounter& counter) {
       db,
       "UPDATE sign_in_counters SET failures = ?3, first_tries = ?4, last_ms = ?5, next_try_ms = "
       "?6, until_ms = ?7 WHERE tenant = ?1 AND key = ?2");
-  q.Bind(key).Bind(int64_t{counter.failures}).Bind(int64_t{counter.first_tries});
-  return q.Bind(counter.last_ms).Bind(counter.next_try_ms).Bind(counter.until_ms).Run();
+  return q
+      .Bind(key, counter.failures, counter.first_tries, counter.last_ms, counter.next_try_ms,
+            counter.until_ms)
+      .Run();
 }
 
 // Those that others have locked stay for the next time.
@@ -72,7 +72,7 @@ Status Delete(Db& db, const std::string& which, int64_t value) {
           "DELETE FROM sign_in_counters WHERE tenant = ?1 AND key IN (SELECT key FROM "
           "sign_in_counters WHERE tenant = ?1 AND " +
               which + " ORDER BY until_ms LIMIT ?3" + db.RowLockOrSkip() + ")");
-  return q.Bind(value).Bind(kSweptAtOnce).Run();
+  return q.Bind(value, kSweptAtOnce).Run();
 }
 
 // Those with failures and those without are bounded apart, so that nobody who signs in often makes

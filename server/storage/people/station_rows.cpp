@@ -15,31 +15,9 @@ constexpr char kStationSelect[] =
     "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms, revoked_ms, software, "
     "core_version, revision FROM stations WHERE tenant = ?1";
 
-StationRow StationOf(const Query& q) {
-  StationRow out;
-  out.id = q.Id(0);
-  out.name = q.Text(1);
-  out.public_key = q.Blob(2);
-  out.revoked = q.Int(3) != 0;
-  out.enrolled_ms = q.Int(4);
-  out.last_seen_ms = q.Int(5);
-  out.revoked_ms = q.Int(6);
-  out.software = q.Text(7);
-  out.core_version = static_cast<uint32_t>(q.Int(8));
-  out.revision = static_cast<int32_t>(q.Int(9));
-  return out;
-}
-
-Result<StationRow> OneStation(Query& q, const Uuid& id) {
-  if (q.Next()) return StationOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no station " + id.Text());
-}
-
 Result<StationRow> FindStation(Db& db, const Uuid& id) {
-  static const std::string kSql = std::string(kStationSelect) + " AND id = ?2";
-  Query q(db, kSql.c_str());
-  return OneStation(q.Bind(id), id);
+  Query q(db, std::string(kStationSelect) + " AND id = ?2");
+  return q.Bind(id).One<StationRow>("no station " + id.Text());
 }
 
 // A station comes back under its old id: with the key it had, or where nothing is known of it.
@@ -63,20 +41,17 @@ Status MayComeBack(Db& db, const StationRow& station) {
 // The same id with a new name and credential: its earlier recordings stay its own. The revision
 // rises, so that an edit begun before is refused.
 Status PutStation(Db& db, const StationRow& station, const Sha256& credential_hash) {
-  Query q(db,
-          "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
-          "last_seen_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6) ON CONFLICT (tenant, id) DO UPDATE "
-          "SET name = ?3, credential_hash = ?5, enrolled_ms = ?6, last_seen_ms = ?6, revision = "
-          "stations.revision + 1");
-  q.Bind(station.id).Bind(station.name).Bind(Bytes(station.public_key)).Bind(credential_hash);
-  return q.Bind(station.enrolled_ms).Run();
+  return Insert(db, "stations", "id", station.id, "name", station.name, "public_key",
+                station.public_key, "credential_hash", credential_hash, "enrolled_ms",
+                station.enrolled_ms, "last_seen_ms", station.enrolled_ms,
+                " ON CONFLICT (tenant, id) DO UPDATE SET name = excluded.name, credential_hash = "
+                "excluded.credential_hash, enrolled_ms = excluded.enrolled_ms, last_seen_ms = "
+                "excluded.last_seen_ms, revision = stations.revision + 1");
 }
 
 Result<Uuid> IdOfEnrolCode(Db& db, const Sha256& code_hash) {
   Query q(db, "SELECT id FROM enrol_codes WHERE tenant = ?1 AND code_hash = ?2");
-  if (q.Bind(code_hash).Next()) return q.Id(0);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no such enrolment code");
+  return q.Bind(code_hash).One<Uuid>("no such enrolment code");
 }
 
 }  // namespace
@@ -85,10 +60,8 @@ Result<Uuid> StationRows::AddEnrolCode(const Sha256& code_hash, UnixMs expires_m
                                        const Actor& by) {
   Uuid id = Uuid::New();
   Status status = rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO enrol_codes (tenant, code_hash, id, created_ms, expires_ms) VALUES (?1, "
-            "?2, ?3, ?4, ?5)");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(code_hash).Bind(id).Bind(NowMs()).Bind(expires_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "enrol_codes", "code_hash", code_hash, "id", id, "created_ms",
+                                  NowMs(), "expires_ms", expires_ms));
     return WriteAudit(db, by, "station.code", id.Text(), "{}",
                       JsonOf({{"expires_ms", std::to_string(expires_ms)}}));
   });
@@ -101,11 +74,7 @@ Result<std::vector<EnrolCodeRow>> StationRows::OpenEnrolCodes(UnixMs now_ms) {
     Query q(db,
             "SELECT id, created_ms, expires_ms FROM enrol_codes WHERE tenant = ?1 AND used_ms IS "
             "NULL AND withdrawn_ms IS NULL AND expires_ms >= ?2 ORDER BY expires_ms, id");
-    q.Bind(now_ms);
-    std::vector<EnrolCodeRow> out;
-    while (q.Next()) out.push_back({q.Id(0), q.Int(1), q.Int(2)});
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(now_ms).All<EnrolCodeRow>();
   });
 }
 
@@ -125,7 +94,7 @@ Status StationRows::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
       if (!q.IsNull(1)) return Status::Ok();
     }
     Query q(db, "UPDATE enrol_codes SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, NowMs()).Run());
     return WriteAudit(db, by, "station.code_withdrawn", id.Text(), "{}", "{}");
   });
 }
@@ -133,9 +102,7 @@ Status StationRows::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
 Result<bool> StationRows::IsEnrolCode(const Sha256& code_hash) {
   return rows_.Read([&](Db& db) -> Result<bool> {
     Query q(db, "SELECT 1 FROM enrol_codes WHERE tenant = ?1 AND code_hash = ?2");
-    const bool found = q.Bind(code_hash).Next();
-    if (!q.status().ok()) return q.status();
-    return found;
+    return q.Bind(code_hash).Any();
   });
 }
 
@@ -150,7 +117,7 @@ Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow
     Query use(db,
               "UPDATE enrol_codes SET used_ms = ?3 WHERE tenant = ?1 AND code_hash = ?2 AND "
               "used_ms IS NULL AND withdrawn_ms IS NULL AND expires_ms >= ?3");
-    ENAMEL_RETURN_IF_ERROR(use.Bind(code_hash).Bind(now_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(use.Bind(code_hash, now_ms).Run());
     if (db.Changes() == 0) {
       return Status(Code::kUnauthenticated,
                     "the enrolment code is unknown, used or expired; ask an admin for a new one");
@@ -171,10 +138,8 @@ Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow
 // The database compares: the time it takes reveals a hash at most, and nothing of the credential.
 Result<StationRow> StationRows::StationByCredential(const Uuid& id, const Sha256& credential_hash) {
   return rows_.Read([&](Db& db) -> Result<StationRow> {
-    static const std::string kSql =
-        std::string(kStationSelect) + " AND id = ?2 AND credential_hash = ?3";
-    Query q(db, kSql.c_str());
-    return OneStation(q.Bind(id).Bind(credential_hash), id);
+    Query q(db, std::string(kStationSelect) + " AND id = ?2 AND credential_hash = ?3");
+    return q.Bind(id, credential_hash).One<StationRow>("no station " + id.Text());
   });
 }
 
@@ -189,7 +154,7 @@ Status StationRows::TouchStation(const Uuid& id, const std::string& software, ui
     Query q(db,
             "UPDATE stations SET last_seen_ms = ?3, software = ?4, core_version = ?5 WHERE tenant "
             "= ?1 AND id = ?2");
-    return q.Bind(id).Bind(now_ms).Bind(software).Bind(int64_t{core_version}).Run();
+    return q.Bind(id, now_ms, software, core_version).Run();
   });
 }
 
@@ -212,7 +177,7 @@ Result<StationRow> StationRows::RenameStation(const Uuid& id, const std::string&
     std::string before = std::exchange(after->name, name);
     ++after->revision;
     Query q(db, "UPDATE stations SET name = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(name).Bind(int64_t{after->revision}).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, name, after->revision).Run());
     return WriteAudit(db, by, "station.rename", id.Text(), JsonOf({{"name", before}}),
                       JsonOf({{"name", name}}));
   });
@@ -228,29 +193,22 @@ Status StationRows::RevokeStation(const Uuid& id, const Actor& by) {
     Query q(db,
             "UPDATE stations SET revoked = 1, revoked_ms = ?3, revision = revision + 1 WHERE "
             "tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, NowMs()).Run());
     return WriteAudit(db, by, "station.revoke", id.Text(), JsonOf({{"name", station.name}}), "{}");
   });
 }
 
 Result<std::vector<StationRow>> StationRows::Stations() {
   return rows_.Read([&](Db& db) -> Result<std::vector<StationRow>> {
-    static const std::string kSql = std::string(kStationSelect) + " ORDER BY name, id";
-    Query q(db, kSql.c_str());
-    std::vector<StationRow> out;
-    while (q.Next()) out.push_back(StationOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    Query q(db, std::string(kStationSelect) + " ORDER BY name, id");
+    return q.All<StationRow>();
   });
 }
 
 Result<std::vector<Uuid>> StationRows::RevokedStations() {
   return rows_.Read([&](Db& db) -> Result<std::vector<Uuid>> {
     Query q(db, "SELECT id FROM stations WHERE tenant = ?1 AND revoked = 1");
-    std::vector<Uuid> out;
-    while (q.Next()) out.push_back(q.Id(0));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.All<Uuid>();
   });
 }
 
