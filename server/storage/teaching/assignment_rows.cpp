@@ -27,25 +27,11 @@ constexpr int kAssignmentColumns = 19;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
-  out.id = q.Id(0);
-  out.exercise = q.Text(1);
-  out.cohort = q.Id(2);
-  out.cohort_name = q.Text(3);
-  out.opens_ms = q.Int(4);
-  out.due_ms = q.Int(5);
-  out.attempt_limit = static_cast<uint32_t>(q.Int(6));
-  out.exam = q.Int(7) != 0;
-  out.late_allowed = q.Int(8) != 0;
-  out.revision = static_cast<int32_t>(q.Int(9));
-  out.created_ms = q.Int(10);
-  out.hands = static_cast<HandsAllowed>(q.Int(11));
-  out.version_id = q.Id(12);
-  out.version = static_cast<int32_t>(q.Int(13));
-  out.title = q.Text(14);
-  out.retired = q.Int(15) != 0;
-  out.counting = CountingFromName(q.Text(16)).value_or(Counting::kBest);
-  out.graded = q.Int(17) != 0;
-  out.sign_off = q.Int(18) != 0;
+  std::string counting;
+  q.Read(0, out.id, out.exercise, out.cohort, out.cohort_name, out.opens_ms, out.due_ms,
+         out.attempt_limit, out.exam, out.late_allowed, out.revision, out.created_ms, out.hands,
+         out.version_id, out.version, out.title, out.retired, counting, out.graded, out.sign_off);
+  out.counting = CountingFromName(counting).value_or(Counting::kBest);
   return out;
 }
 
@@ -62,16 +48,9 @@ Status AddStations(Db& db, AssignmentRow& row) {
 }  // namespace
 
 Result<AssignmentRow> FindAssignment(Db& db, const Uuid& id) {
-  AssignmentRow out;
-  {
-    Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
-                " WHERE a.tenant = ?1 AND a.id = ?2");
-    if (!q.Bind(id).Next()) {
-      if (!q.status().ok()) return q.status();
-      return Status(Code::kNotFound, "no assignment " + id.Text());
-    }
-    out = AssignmentOf(q);
-  }
+  Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+              " WHERE a.tenant = ?1 AND a.id = ?2");
+  ENAMEL_ASSIGN_OR_RETURN(auto out, q.Bind(id).One(AssignmentOf, "no assignment " + id.Text()));
   ENAMEL_RETURN_IF_ERROR(AddStations(db, out));
   return out;
 }
@@ -97,12 +76,6 @@ std::string TermsJson(const AssignmentRow& row) {
                  {"sign_off", row.sign_off ? "yes" : "no"}});
 }
 
-Result<bool> Exists(Query& q) {
-  bool found = q.Next();
-  if (!q.status().ok()) return q.status();
-  return found;
-}
-
 // Sets the row to the version offered now.
 Status TakeNewestVersion(Db& db, AssignmentRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto offered, OfferedVersion(db, row.exercise));
@@ -119,9 +92,8 @@ Status TakeNewestVersion(Db& db, AssignmentRow& row) {
 Status CohortMustBeKnown(Db& db, const AssignmentRow& row) {
   if (row.cohort.IsZero()) return Status::Ok();
   Query cohort(db, "SELECT 1 FROM cohorts WHERE tenant = ?1 AND id = ?2");
-  auto known = Exists(cohort.Bind(row.cohort));
-  if (!known.ok()) return known.status();
-  if (*known) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const bool known, cohort.Bind(row.cohort).Any());
+  if (known) return Status::Ok();
   return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort_id");
 }
 
@@ -135,7 +107,7 @@ Status PutStations(Db& db, const AssignmentRow& row) {
             "INSERT INTO assignment_stations (tenant, assignment, station) "
             "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 AND revoked = 0 "
             "ON CONFLICT DO NOTHING");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id, station).Run());
     // Nothing changes too where the list names a station twice.
     if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
       return Status(Code::kNotFound,
@@ -150,8 +122,7 @@ Status PutStations(Db& db, const AssignmentRow& row) {
 Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
   Query q(db, "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & " +
                   Sql(kReturned) + " = 0");
-  int64_t attempts = q.Bind(assignment).Next() ? q.Int(0) : 0;
-  ENAMEL_RETURN_IF_ERROR(q.status());
+  ENAMEL_ASSIGN_OR_RETURN(const int64_t attempts, q.Bind(assignment).Value<int64_t>());
   if (attempts == 0) return Status::Ok();
   return Status(Code::kConflict,
                 std::to_string(attempts) + (attempts == 1 ? " attempt was" : " attempts were") +
@@ -161,23 +132,17 @@ Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
 }
 
 Status InsertAssignment(Db& db, const AssignmentRow& row) {
-  {
-    Query q(db,
-            "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
-            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise, counting, "
-            "sign_off) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15) "
-            "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
-            "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
-            "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
-            "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands, exercise "
-            "= excluded.exercise, counting = excluded.counting, sign_off = excluded.sign_off");
-    q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
-    q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
-    q.Bind(int64_t{row.revision}).Bind(row.created_ms).Bind(static_cast<int64_t>(row.hands));
-    q.Bind(row.version_id).Bind(std::string(CountingName(row.counting)));
-    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.sign_off}).Run());
-  }
+  ENAMEL_RETURN_IF_ERROR(Insert(
+      db, "assignments", "id", row.id, "exercise_name", row.exercise, "cohort", row.cohort,
+      "opens_ms", row.opens_ms, "due_ms", row.due_ms, "attempt_limit", row.attempt_limit, "exam",
+      row.exam, "late_allowed", row.late_allowed, "revision", row.revision, "created_ms",
+      row.created_ms, "hands", row.hands, "exercise", row.version_id, "counting",
+      CountingName(row.counting), "sign_off", row.sign_off,
+      " ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort = "
+      "excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, attempt_limit = "
+      "excluded.attempt_limit, exam = excluded.exam, late_allowed = excluded.late_allowed, "
+      "revision = excluded.revision, hands = excluded.hands, exercise = excluded.exercise, "
+      "counting = excluded.counting, sign_off = excluded.sign_off"));
   return PutStations(db, row);
 }
 
@@ -254,7 +219,7 @@ Result<AssignmentMove> AssignmentRows::MoveAssignment(const Uuid& id, const Uuid
                 " THEN 1 ELSE 0 END), 0) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND "
                 "exercise <> ?3 AND flags & " +
                 Sql(kReturned) + " = 0");
-    q.Bind(id).Bind(version).Next();
+    q.Bind(id, version).Next();
     ENAMEL_RETURN_IF_ERROR(q.status());
     move.attempts = static_cast<uint32_t>(q.Int(0));
     move.tickets = static_cast<uint32_t>(q.Int(1));
@@ -273,8 +238,7 @@ Result<AssignmentMove> AssignmentRows::MoveAssignment(const Uuid& id, const Uuid
     ++move.after.revision;
     Query q(db,
             "UPDATE assignments SET exercise = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
-    q.Bind(id).Bind(move.after.version_id).Bind(int64_t{move.after.revision});
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, move.after.version_id, move.after.revision).Run());
     return WriteAudit(db, by, "assignment.move", id.Text(), TermsJson(move.before),
                       TermsJson(move.after));
   });
@@ -347,10 +311,10 @@ Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& pers
                   "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
                   "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
                   "a.exercise_name, a.id");
-      q.Bind(person).Bind(Uuid{});
+      q.Bind(person, Uuid{});
       while (q.Next()) {
-        out.push_back(AssignedRow{AssignmentOf(q), ExerciseOf(q, kAssignmentColumns + 1),
-                                  static_cast<uint32_t>(q.Int(kAssignmentColumns))});
+        AssignedRow& row = out.emplace_back(AssignedRow{AssignmentOf(q), {}});
+        q.Read(kAssignmentColumns, row.attempts_used, row.exercise);
       }
       if (!q.status().ok()) return q.status();
     }
@@ -370,7 +334,7 @@ Status MustBeNowhereElse(Db& db, const AttemptRow& row) {
               " AND (a.last_chunk_ms >= ?4 OR (a.last_chunk_ms = 0 AND a.ticketed_ms >= ?4)) AND "
               "a.flags & " +
               Sql(kExcused | kReturned) + " = 0 LIMIT 1");
-  q.Bind(row.person).Bind(row.station).Bind(row.ticketed_ms - kElsewhereMs);
+  q.Bind(row.person, row.station, row.ticketed_ms - kElsewhereMs);
   const bool elsewhere = q.Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   if (!elsewhere) return Status::Ok();
@@ -396,7 +360,7 @@ Status MayBeIssued(Db& db, const AttemptRow& row) {
           "(state = " +
           Sql(AttemptState::kRecording) + " OR (state = " + Sql(AttemptState::kTicketed) +
           " AND ticketed_ms >= ?4)) AND flags & " + Sql(kExcused | kReturned) + " = 0 LIMIT 1)");
-  q.Bind(*row.assignment).Bind(row.person).Bind(row.ticketed_ms - kExamTicketValidMs).Next();
+  q.Bind(*row.assignment, row.person, row.ticketed_ms - kExamTicketValidMs).Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   int64_t limit = q.Int(0), used = q.Int(1);
   if (limit > 0 && used >= limit) {

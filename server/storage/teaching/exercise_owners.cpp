@@ -41,12 +41,9 @@ std::string SharingJson(const ExerciseRow& row) {
 Status OwnName(Db& db, const std::string& name, const Actor& by) {
   // What an admin or the command line makes is the school's, and for all who teach there.
   ENAMEL_ASSIGN_OR_RETURN(const bool owns, IsInstructor(db, by.person, true));
-  Query q(db,
-          "INSERT INTO exercise_owners (tenant, name, owner, shared) VALUES (?1, ?2, ?3, ?4) "
-          "ON CONFLICT DO NOTHING");
   const Uuid owner = owns ? by.person : Uuid{};
-  q.Bind(name).Bind(OrNone(owner));
-  ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{!owns}).Run());
+  ENAMEL_RETURN_IF_ERROR(Insert(db, "exercise_owners", "name", name, "owner", OrNone(owner),
+                                "shared", !owns, " ON CONFLICT DO NOTHING"));
   if (db.Changes() == 0) return Status::Ok();
   return WriteAudit(db, by, "owner.set", name, "{}", OwnerJson(name, owner, !owns));
 }
@@ -92,11 +89,10 @@ Status ShareName(Db& db, const Uuid& exercise, const SharingEdit& edit, const Ac
     }
   }
   if (row.shared == before.shared && row.owner == before.owner) return Status::Ok();
-  Query q(db,
-          "INSERT INTO exercise_owners (tenant, name, owner, shared) VALUES (?1, ?2, ?3, ?4) "
-          "ON CONFLICT (tenant, name) DO UPDATE SET owner = excluded.owner, shared = "
-          "excluded.shared");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Bind(OrNone(row.owner)).Bind(int64_t{row.shared}).Run());
+  ENAMEL_RETURN_IF_ERROR(Insert(db, "exercise_owners", "name", row.name, "owner", OrNone(row.owner),
+                                "shared", row.shared,
+                                " ON CONFLICT (tenant, name) DO UPDATE SET owner = excluded.owner, "
+                                "shared = excluded.shared"));
   return WriteAuditAbout(db, SubjectOf("owner", row.name), by, "exercise.share", exercise.Text(),
                          SharingJson(before), SharingJson(row));
 }

@@ -21,32 +21,11 @@ namespace {
 constexpr char kSelect[] = "SELECT " ENAMEL_EXERCISE_COLUMNS
                            " FROM exercises e " ENAMEL_EXERCISE_OWNERS "WHERE e.tenant = ?1";
 
-Result<std::vector<ExerciseRow>> ExercisesFrom(Query& q) {
-  std::vector<ExerciseRow> out;
-  while (q.Next()) out.push_back(ExerciseOf(q, 0));
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
-Result<std::optional<ExerciseRow>> MaybeExercise(Query& q) {
-  std::optional<ExerciseRow> out;
-  if (q.Next()) out = ExerciseOf(q, 0);
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
-Result<ExerciseRow> OneExercise(Query& q, const std::string& what) {
-  ENAMEL_ASSIGN_OR_RETURN(auto found, MaybeExercise(q));
-  if (found) return *found;
-  return Status(Code::kNotFound, "no exercise " + what);
-}
-
 }  // namespace
 
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id) {
-  static const std::string kSql = std::string(kSelect) + " AND e.id = ?2";
-  Query q(db, kSql.c_str());
-  return OneExercise(q.Bind(id), id.Text());
+  Query q(db, std::string(kSelect) + " AND e.id = ?2");
+  return q.Bind(id).One<ExerciseRow>("no exercise " + id.Text());
 }
 
 namespace {
@@ -67,10 +46,9 @@ Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
 
 // The newest version of a name, whatever became of it; drafts are none.
 Result<std::optional<ExerciseRow>> NewestVersion(Db& db, const std::string& name) {
-  static const std::string kSql =
-      std::string(kSelect) + " AND e.name = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1";
-  Query q(db, kSql.c_str());
-  return MaybeExercise(q.Bind(name));
+  Query q(db, std::string(kSelect) +
+                  " AND e.name = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1");
+  return q.Bind(name).Maybe<ExerciseRow>();
 }
 
 std::string VersionJson(const ExerciseRow& row) {
@@ -81,12 +59,9 @@ std::string VersionJson(const ExerciseRow& row) {
 }
 
 Status InsertExercise(Db& db, const ExerciseRow& row) {
-  Query q(db,
-          "INSERT INTO exercises (tenant, id, name, version, title, content, scene, graded, "
-          "published_ms, state) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
-  q.Bind(row.id).Bind(row.name).Bind(int64_t{row.version}).Bind(row.title).Bind(row.content);
-  q.Bind(row.scene).Bind(static_cast<int64_t>(row.graded)).Bind(row.published_ms);
-  return q.Bind(static_cast<int64_t>(row.state)).Run();
+  return Insert(db, "exercises", "id", row.id, "name", row.name, "version", row.version, "title",
+                row.title, "content", row.content, "scene", row.scene, "graded", row.graded,
+                "published_ms", row.published_ms, "state", row.state);
 }
 
 Status NoSuchScene(const ExerciseRow& row) {
@@ -105,7 +80,7 @@ Status SceneMustExist(Db& db, const ExerciseRow& row) {
 Status SetState(Db& db, const Uuid& id, ExerciseState state) {
   Query q(db,
           "UPDATE exercises SET state = ?3, revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
-  return q.Bind(id).Bind(static_cast<int64_t>(state)).Run();
+  return q.Bind(id, state).Run();
 }
 
 Status ChangeState(Db& db, const Uuid& version, ExerciseState to, const char* action,
@@ -125,10 +100,7 @@ Status ChangeState(Db& db, const Uuid& version, ExerciseState to, const char* ac
 Result<std::vector<Uuid>> VersionsIn(Db& db, const std::string& name, ExerciseState state) {
   Query q(db, "SELECT id FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " + Sql(state) +
                   " ORDER BY version");
-  std::vector<Uuid> out;
-  for (q.Bind(name); q.Next();) out.push_back(q.Id(0));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(name).All<Uuid>();
 }
 
 // Publishing a retired exercise offers it again.
@@ -150,8 +122,8 @@ Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort, const 
       "SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
       "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
   const Uuid id = Uuid::New();
-  q.Bind(id).Bind(version.name).Bind(cohort).Bind(NowMs());
-  ENAMEL_RETURN_IF_ERROR(q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Bind(version.id).Run());
+  ENAMEL_RETURN_IF_ERROR(
+      q.Bind(id, version.name, cohort, NowMs(), HandsAllowed::kAny, version.id).Run());
   return db.Changes() == 0 ? Status::Ok() : NoteAssignment(db, id, by);
 }
 
@@ -171,9 +143,9 @@ Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uui
               " = 0)) "
               "LIMIT 1");
   UnixMs now_ms = NowMs();
-  q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs);
+  q.Bind(name, now_ms, now_ms - kExamTicketValidMs);
   // A zero id stands for any.
-  if (!q.Bind(assignment.value_or(Uuid{})).Bind(Uuid{}).Next()) return q.status();
+  if (!q.Bind(assignment.value_or(Uuid{}), Uuid{}).Next()) return q.status();
   std::string cohort = q.Text(1).empty() ? "everybody" : "\"" + q.Text(1) + "\"";
   std::string due = q.Int(2) == 0 ? ", without a due time" : ", due " + TimeText(q.Int(2));
   return Status(Code::kConflict,
@@ -183,29 +155,9 @@ Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uui
 }
 
 Result<std::optional<ExerciseRow>> OfferedVersion(Db& db, const std::string& name) {
-  static const std::string kSql =
-      std::string(kSelect) + " AND e.name = ?2 AND e.state = " + Sql(ExerciseState::kPublished) +
-      " ORDER BY e.version DESC LIMIT 1";
-  Query q(db, kSql.c_str());
-  return MaybeExercise(q.Bind(name));
-}
-
-ExerciseRow ExerciseOf(const Query& q, int first) {
-  ExerciseRow out;
-  out.id = q.Id(first);
-  out.name = q.Text(first + 1);
-  out.version = static_cast<int32_t>(q.Int(first + 2));
-  out.title = q.Text(first + 3);
-  out.content = q.Hash(first + 4);
-  out.scene = q.Hash(first + 5);
-  out.graded = q.Int(first + 6) != 0;
-  out.published_ms = q.Int(first + 7);
-  out.state = static_cast<ExerciseState>(q.Int(first + 8));
-  out.revision = static_cast<int32_t>(q.Int(first + 9));
-  if (!q.IsNull(first + 10)) out.owner = q.Id(first + 10);
-  out.owner_name = q.Text(first + 11);
-  out.shared = q.Int(first + 12) != 0;
-  return out;
+  Query q(db, std::string(kSelect) + " AND e.name = ?2 AND e.state = " +
+                  Sql(ExerciseState::kPublished) + " ORDER BY e.version DESC LIMIT 1");
+  return q.Bind(name).Maybe<ExerciseRow>();
 }
 
 Result<ExerciseRow> ExerciseRows::PublishExercise(ExerciseRow exercise, const Uuid& cohort,
@@ -267,8 +219,8 @@ Result<ExerciseRow> ExerciseRows::ReplaceDraft(const ExerciseRow& draft, const A
     Query q(db,
             "UPDATE exercises SET name = ?3, title = ?4, content = ?5, scene = ?6, graded = ?7, "
             "published_ms = ?8, revision = ?9 WHERE tenant = ?1 AND id = ?2");
-    q.Bind(row.id).Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.scene);
-    q.Bind(static_cast<int64_t>(row.graded)).Bind(row.published_ms).Bind(int64_t{row.revision});
+    q.Bind(row.id, row.name, row.title, row.content, row.scene, row.graded, row.published_ms,
+           row.revision);
     ENAMEL_RETURN_IF_ERROR(
         Explain(q.Run(), "there is another draft named \"" + row.name + "\"; replace that one"));
     if (row.name != found.name) {
@@ -310,8 +262,7 @@ Result<ExerciseRow> ExerciseRows::PublishDraft(const Uuid& id, int32_t revision,
     Query q(db, "UPDATE exercises SET version = ?3, state = " + Sql(ExerciseState::kPublished) +
                     ", published_ms = ?4, revision = ?5 "
                     "WHERE tenant = ?1 AND id = ?2");
-    q.Bind(id).Bind(int64_t{row.version}).Bind(row.published_ms).Bind(int64_t{row.revision});
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id, row.version, row.published_ms, row.revision).Run());
     return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(found), VersionJson(row));
   });
   if (!status.ok()) return status;
@@ -357,11 +308,9 @@ Result<ExerciseRow> ExerciseRows::ExerciseById(const Uuid& id) {
 
 Result<ExerciseRow> ExerciseRows::ExerciseByContent(const Sha256& content) {
   return rows_.Read([&](Db& db) -> Result<ExerciseRow> {
-    static const std::string kSql =
-        std::string(kSelect) +
-        " AND e.content = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1";
-    Query q(db, kSql.c_str());
-    return OneExercise(q.Bind(content), "with the content " + content.Hex());
+    Query q(db, std::string(kSelect) +
+                    " AND e.content = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1");
+    return q.Bind(content).One<ExerciseRow>("no exercise with the content " + content.Hex());
   });
 }
 
@@ -380,7 +329,7 @@ Result<std::vector<ExerciseRow>> ExerciseRows::ExercisesFor(const Uuid& person) 
                     "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = "
                     "m.cohort AND c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) "
                     "ORDER BY e.name, e.version DESC");
-    return ExercisesFrom(q.Bind(person).Bind(Uuid{}).Bind(NowMs()));
+    return q.Bind(person, Uuid{}, NowMs()).All<ExerciseRow>();
   });
 }
 
@@ -390,22 +339,19 @@ Result<std::vector<ExerciseRow>> ExerciseRows::AllExercises() {
 
 Result<std::vector<ExerciseRow>> ExerciseRows::ExercisesIn(ExerciseState state) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
-    static const std::string kSql =
-        std::string(kSelect) +
-        " AND e.state = ?2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
-        "e.tenant AND n.name = e.name AND n.state = ?2) ORDER BY e.name";
-    Query q(db, kSql.c_str());
-    return ExercisesFrom(q.Bind(static_cast<int64_t>(state)));
+    Query q(db, std::string(kSelect) +
+                    " AND e.state = ?2 AND e.version = (SELECT max(version) FROM exercises n WHERE "
+                    "n.tenant = "
+                    "e.tenant AND n.name = e.name AND n.state = ?2) ORDER BY e.name");
+    return q.Bind(state).All<ExerciseRow>();
   });
 }
 
 Result<std::vector<ExerciseRow>> ExerciseRows::ExerciseVersions(const std::string& name) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
-    static const std::string kSql =
-        std::string(kSelect) + " AND e.name = ?2 ORDER BY e.state = " + Sql(ExerciseState::kDraft) +
-        " DESC, e.version DESC";
-    Query q(db, kSql.c_str());
-    return ExercisesFrom(q.Bind(name));
+    Query q(db, std::string(kSelect) + " AND e.name = ?2 ORDER BY e.state = " +
+                    Sql(ExerciseState::kDraft) + " DESC, e.version DESC");
+    return q.Bind(name).All<ExerciseRow>();
   });
 }
 

@@ -59,10 +59,10 @@ class ExerciseRows {
   Transactions& rows_;
 };
 
-// Exercises with their owners, for statements that read ExerciseRow (ExerciseOf below):
+// Exercises with their owners, for statements that read ExerciseRow:
 //   "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS " WHERE …"
 #define ENAMEL_EXERCISE_COLUMNS                                                               \
-  "e.id, e.name, e.version, e.title, e.content, e.scene, e.graded, e.published_ms, e.state, " \
+  "e.id, e.name, e.title, e.version, e.content, e.scene, e.graded, e.published_ms, e.state, " \
   "e.revision, o.owner, coalesce(w.display_name, ''), coalesce(o.shared, 1)"
 #define ENAMEL_EXERCISE_OWNERS                                              \
   "LEFT JOIN exercise_owners o ON o.tenant = e.tenant AND o.name = e.name " \
@@ -70,8 +70,6 @@ class ExerciseRows {
 
 // Inside a transaction, for other rows.
 //
-// Of ENAMEL_EXERCISE_COLUMNS, which begin at `first`.
-ExerciseRow ExerciseOf(const Query& q, int first);
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id);
 // The newest published version of a name; none: no version is offered.
 Result<std::optional<ExerciseRow>> OfferedVersion(Db& db, const std::string& name);

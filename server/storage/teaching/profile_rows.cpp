@@ -20,31 +20,9 @@ constexpr char kCalibrationSelect[] =
     "SELECT id, profile, device, measured_ms, added_ms, document FROM calibrations "
     "WHERE tenant = ?1";
 
-Result<std::vector<ProfileRow>> ProfilesIn(Query& q) {
-  std::vector<ProfileRow> out;
-  while (q.Next()) {
-    out.push_back({q.Text(0), q.Text(1), q.Hash(2), static_cast<int32_t>(q.Int(3)), q.Int(4)});
-  }
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
-ProfileReportRow ReportOf(const Query& q) {
-  return {q.Id(0),   q.Text(1), static_cast<int32_t>(q.Int(2)),
-          q.Text(3), q.Hash(4), static_cast<uint64_t>(q.Int(5)),
-          q.Int(6)};
-}
-
-CalibrationRow CalibrationOf(const Query& q) {
-  return {q.Id(0), q.Text(1), q.Text(2), q.Int(3), q.Int(4), q.Text(5)};
-}
-
 Result<std::optional<ProfileRow>> Newest(Db& db, const std::string& name) {
-  static const std::string kSql =
-      std::string(kVersionSelect) + " AND name = ?2 ORDER BY version DESC LIMIT 1";
-  Query q(db, kSql.c_str());
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, ProfilesIn(q.Bind(name)));
-  return rows.empty() ? std::optional<ProfileRow>() : rows.front();
+  Query q(db, std::string(kVersionSelect) + " AND name = ?2 ORDER BY version DESC LIMIT 1");
+  return q.Bind(name).Maybe<ProfileRow>();
 }
 
 // An addition is about the version that is the newest now.
@@ -58,18 +36,12 @@ Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
 // `profile_versions` keeps them all; `profiles` has the newest of each, which calibrations refer
 // to by its name.
 Status InsertVersion(Db& db, const ProfileRow& row) {
-  {
-    Query q(db,
-            "INSERT INTO profiles (tenant, name, title, content) VALUES (?1, ?2, ?3, ?4) ON "
-            "CONFLICT (tenant, name) DO UPDATE SET title = excluded.title, content = "
-            "excluded.content");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Bind(row.title).Bind(row.content).Run());
-  }
-  Query q(db,
-          "INSERT INTO profile_versions (tenant, name, version, title, content, created_ms) VALUES "
-          "(?1, ?2, ?3, ?4, ?5, ?6)");
-  q.Bind(row.name).Bind(int64_t{row.version}).Bind(row.title).Bind(row.content);
-  return q.Bind(row.created_ms).Run();
+  ENAMEL_RETURN_IF_ERROR(Insert(db, "profiles", "name", row.name, "title", row.title, "content",
+                                row.content,
+                                " ON CONFLICT (tenant, name) DO UPDATE SET title = excluded.title, "
+                                "content = excluded.content"));
+  return Insert(db, "profile_versions", "name", row.name, "version", row.version, "title",
+                row.title, "content", row.content, "created_ms", row.created_ms);
 }
 
 }  // namespace
@@ -93,21 +65,18 @@ Status ProfileRows::PutProfile(const ProfileRow& row, const Actor& by) {
 
 Result<std::vector<ProfileRow>> ProfileRows::Profiles() {
   return rows_.Read([&](Db& db) -> Result<std::vector<ProfileRow>> {
-    static const std::string kSql =
-        std::string(kVersionSelect) +
-        " AND version = (SELECT max(version) FROM profile_versions n WHERE n.tenant = v.tenant AND "
-        "n.name = v.name) ORDER BY name";
-    Query q(db, kSql.c_str());
-    return ProfilesIn(q);
+    Query q(db, std::string(kVersionSelect) +
+                    " AND version = (SELECT max(version) FROM profile_versions n WHERE n.tenant = "
+                    "v.tenant AND "
+                    "n.name = v.name) ORDER BY name");
+    return q.All<ProfileRow>();
   });
 }
 
 Result<std::vector<ProfileRow>> ProfileRows::ProfileVersions(const std::string& name) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ProfileRow>> {
-    static const std::string kSql =
-        std::string(kVersionSelect) + " AND name = ?2 ORDER BY version DESC";
-    Query q(db, kSql.c_str());
-    return ProfilesIn(q.Bind(name));
+    Query q(db, std::string(kVersionSelect) + " AND name = ?2 ORDER BY version DESC");
+    return q.Bind(name).All<ProfileRow>();
   });
 }
 
@@ -124,11 +93,9 @@ Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& r
     // The same report of the same version returns the existing row: it may be sent twice.
     ENAMEL_ASSIGN_OR_RETURN(auto profile, MustBeThere(db, row.profile));
     {
-      static const std::string kSql =
-          std::string(kReportSelect) + " AND name = ?2 AND version = ?3 AND content = ?4";
-      Query q(db, kSql.c_str());
-      if (q.Bind(row.profile).Bind(int64_t{profile.version}).Bind(row.content).Next()) {
-        added = ReportOf(q);
+      Query q(db, std::string(kReportSelect) + " AND name = ?2 AND version = ?3 AND content = ?4");
+      if (q.Bind(row.profile, profile.version, row.content).Next()) {
+        added = q.Row<ProfileReportRow>();
         return Status::Ok();
       }
       ENAMEL_RETURN_IF_ERROR(q.status());
@@ -136,12 +103,10 @@ Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& r
     added.id = Uuid::New();
     added.version = profile.version;
     added.created_ms = NowMs();
-    Query q(db,
-            "INSERT INTO profile_reports (tenant, id, name, version, media_type, content, bytes, "
-            "created_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
-    q.Bind(added.id).Bind(added.profile).Bind(int64_t{added.version}).Bind(added.media_type);
-    q.Bind(added.content).Bind(static_cast<int64_t>(added.bytes)).Bind(added.created_ms);
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "profile_reports", "id", added.id, "name", added.profile,
+                                  "version", added.version, "media_type", added.media_type,
+                                  "content", added.content, "bytes", added.bytes, "created_ms",
+                                  added.created_ms));
     return WriteAudit(
         db, by, "profile.report", row.profile, "{}",
         JsonOf({{"version", std::to_string(added.version)}, {"content", added.content.Hex()}}));
@@ -152,23 +117,15 @@ Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& r
 
 Result<std::vector<ProfileReportRow>> ProfileRows::ProfileReports(const std::string& profile) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ProfileReportRow>> {
-    static const std::string kSql = std::string(kReportSelect) + " AND name = ?2 ORDER BY id DESC";
-    Query q(db, kSql.c_str());
-    q.Bind(profile);
-    std::vector<ProfileReportRow> out;
-    while (q.Next()) out.push_back(ReportOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    Query q(db, std::string(kReportSelect) + " AND name = ?2 ORDER BY id DESC");
+    return q.Bind(profile).All<ProfileReportRow>();
   });
 }
 
 Result<ProfileReportRow> ProfileRows::ProfileReportById(const Uuid& id) {
   return rows_.Read([&](Db& db) -> Result<ProfileReportRow> {
-    static const std::string kSql = std::string(kReportSelect) + " AND id = ?2";
-    Query q(db, kSql.c_str());
-    if (q.Bind(id).Next()) return ReportOf(q);
-    if (!q.status().ok()) return q.status();
-    return Status(Code::kNotFound, "no report " + id.Text());
+    Query q(db, std::string(kReportSelect) + " AND id = ?2");
+    return q.Bind(id).One<ProfileReportRow>("no report " + id.Text());
   });
 }
 
@@ -179,22 +136,18 @@ Result<CalibrationRow> ProfileRows::AddCalibration(const CalibrationRow& row, co
     // Compared as a whole: a document that differs anywhere is another measurement.
     if (auto profile = MustBeThere(db, row.profile); !profile.ok()) return profile.status();
     {
-      static const std::string kSql =
-          std::string(kCalibrationSelect) + " AND profile = ?2 AND document = ?3";
-      Query q(db, kSql.c_str());
-      if (q.Bind(row.profile).Bind(row.document).Next()) {
-        added = CalibrationOf(q);
+      Query q(db, std::string(kCalibrationSelect) + " AND profile = ?2 AND document = ?3");
+      if (q.Bind(row.profile, row.document).Next()) {
+        added = q.Row<CalibrationRow>();
         return Status::Ok();
       }
       ENAMEL_RETURN_IF_ERROR(q.status());
     }
     added.id = Uuid::New();
     added.added_ms = NowMs();
-    Query q(db,
-            "INSERT INTO calibrations (tenant, id, profile, device, measured_ms, added_ms, "
-            "document) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
-    q.Bind(added.id).Bind(added.profile).Bind(added.device).Bind(added.measured_ms);
-    ENAMEL_RETURN_IF_ERROR(q.Bind(added.added_ms).Bind(added.document).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "calibrations", "id", added.id, "profile", added.profile,
+                                  "device", added.device, "measured_ms", added.measured_ms,
+                                  "added_ms", added.added_ms, "document", added.document));
     return WriteAudit(db, by, "profile.calibration", row.profile, "{}",
                       JsonOf({{"id", added.id.Text()}, {"device", added.device}}));
   });
@@ -204,14 +157,9 @@ Result<CalibrationRow> ProfileRows::AddCalibration(const CalibrationRow& row, co
 
 Result<std::vector<CalibrationRow>> ProfileRows::Calibrations(const std::string& profile) {
   return rows_.Read([&](Db& db) -> Result<std::vector<CalibrationRow>> {
-    static const std::string kSql =
-        std::string(kCalibrationSelect) + " AND profile = ?2 ORDER BY measured_ms DESC, id DESC";
-    Query q(db, kSql.c_str());
-    q.Bind(profile);
-    std::vector<CalibrationRow> out;
-    while (q.Next()) out.push_back(CalibrationOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    Query q(db, std::string(kCalibrationSelect) +
+                    " AND profile = ?2 ORDER BY measured_ms DESC, id DESC");
+    return q.Bind(profile).All<CalibrationRow>();
   });
 }
 

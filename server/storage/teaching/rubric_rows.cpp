@@ -17,13 +17,7 @@ Result<std::vector<RubricRow>> FindRubrics(Db& db, const Uuid& exercise) {
   Query q(db,
           "SELECT exercise, version, content, reason, published_ms FROM rubrics WHERE tenant = ?1 "
           "AND exercise = ?2 ORDER BY version DESC");
-  q.Bind(exercise);
-  std::vector<RubricRow> out;
-  while (q.Next()) {
-    out.push_back({q.Id(0), static_cast<int32_t>(q.Int(1)), q.Hash(2), q.Text(3), q.Int(4)});
-  }
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(exercise).All<RubricRow>();
 }
 
 std::string RubricJson(const RubricRow& row) {
@@ -67,11 +61,9 @@ Result<RubricRow> RubricRows::PublishRubric(const RubricRow& row, const Actor& b
                         std::to_string(earlier.front().version) + "); look at it and try again",
                     std::string(kStale));
     }
-    Query q(db,
-            "INSERT INTO rubrics (tenant, exercise, version, content, reason, published_ms) VALUES "
-            "(?1, ?2, ?3, ?4, ?5, ?6)");
-    q.Bind(added.exercise).Bind(int64_t{added.version}).Bind(added.content);
-    ENAMEL_RETURN_IF_ERROR(q.Bind(added.reason).Bind(added.published_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "rubrics", "exercise", added.exercise, "version",
+                                  added.version, "content", added.content, "reason", added.reason,
+                                  "published_ms", added.published_ms));
     return WriteAudit(db, by, "exercise.rubric", row.exercise.Text(),
                       earlier.empty() ? "{}" : RubricJson(earlier.front()), RubricJson(added));
   });

@@ -15,11 +15,8 @@ Status SceneRows::PutScene(const SceneRow& row, const Actor& by) {
                   "the scene's document or volume is not stored; put both blobs first");
   }
   return rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO scenes (tenant, name, title, content, volume) VALUES (?1, ?2, ?3, ?4, ?5) "
-            "ON CONFLICT DO NOTHING");
-    ENAMEL_RETURN_IF_ERROR(
-        q.Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.volume).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "scenes", "name", row.name, "title", row.title, "content",
+                                  row.content, "volume", row.volume, " ON CONFLICT DO NOTHING"));
     // A scene is named by its content: the same content is the existing scene.
     if (db.Changes() == 0) return Status::Ok();
     return WriteAuditAbout(db, SubjectOf("scene", row.content.Hex()), by, "scene.put", row.name,
@@ -32,12 +29,7 @@ Result<std::vector<SceneRow>> SceneRows::Scenes() {
     Query q(
         db,
         "SELECT name, title, content, volume, surface FROM scenes WHERE tenant = ?1 ORDER BY name");
-    std::vector<SceneRow> out;
-    while (q.Next()) {
-      out.push_back(SceneRow{q.Text(0), q.Text(1), q.Hash(2), q.Hash(3), q.Hash(4)});
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.All<SceneRow>();
   });
 }
 
@@ -45,7 +37,7 @@ Result<std::vector<SceneRow>> SceneRows::Scenes() {
 Status SceneRows::PutSceneSurface(const Sha256& volume, const Sha256& surface) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE scenes SET surface = ?3 WHERE tenant = ?1 AND volume = ?2");
-    return q.Bind(volume).Bind(surface).Run();
+    return q.Bind(volume, surface).Run();
   });
 }
 
