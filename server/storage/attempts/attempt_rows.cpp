@@ -15,63 +15,19 @@
 namespace enamel::server {
 namespace {
 
-// Each attempt has its exercise. LEFT keeps SQLite's planner from beginning a second page with all exercises.
+// In the order of AttemptRow. Each attempt has its exercise. LEFT keeps SQLite's planner from beginning a second page with
+// all exercises.
 constexpr char kAttemptSelect[] =
-    "SELECT a.id, a.person, p.display_name, a.station, a.exercise, e.title, e.content, "
-    "a.profile_content, "
-    "a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, a.ticks, "
-    "a.gap_ticks, "
-    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
-    "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
-    "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts, a.hands, "
-    "a.hand_kind, a.hand_device, a.hand_driver, a.hand_unit, a.sign_off, a.problem_field, "
-    "a.score_json, p.login FROM "
+    "SELECT a.id, a.person, p.display_name, p.login, a.station, a.exercise, e.title, e.content, "
+    "a.profile_content, a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, "
+    "a.ticks, a.gap_ticks, a.trace_bytes, a.score, a.score_json, a.critical_fail, "
+    "a.override_score, a.override_reason, a.override_by, a.override_ms, a.progress, a.expired_ms, "
+    "a.problem, a.problem_field, a.assignment, a.exam, a.due_ms, a.rate_hz, a.limit_ticks, "
+    "a.hands, a.sign_off, a.flags, a.last_chunk_ms, a.revision, a.facts, a.hand_kind, "
+    "a.hand_device, a.hand_driver, a.hand_unit FROM "
     "attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "LEFT JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
-
-AttemptRow AttemptOf(const Query& q) {
-  AttemptRow out;
-  out.id = q.Id(0);
-  out.person = q.Id(1);
-  out.person_name = q.Text(2);
-  out.station = q.Id(3);
-  out.exercise = q.Id(4);
-  out.exercise_title = q.Text(5);
-  out.exercise_content = q.Hash(6);
-  out.profile_content = q.Hash(7);
-  out.state = static_cast<AttemptState>(q.Int(8));
-  out.as_reference = q.Int(9) != 0;
-  out.released = q.Int(10) != 0;
-  out.ticketed_ms = q.Int(11);
-  out.sealed_ms = q.Int(12);
-  out.chunks = static_cast<uint32_t>(q.Int(13));
-  out.ticks = static_cast<uint64_t>(q.Int(14));
-  out.gap_ticks = static_cast<uint64_t>(q.Int(15));
-  out.trace_bytes = static_cast<uint64_t>(q.Int(16));
-  if (!q.IsNull(17)) out.score = q.Real(17);
-  out.critical_fail = q.Int(18) != 0;
-  out.progress = q.Real(19);
-  out.problem = q.Text(20);
-  out.expired_ms = q.Int(21);
-  if (!q.IsNull(22)) out.assignment = q.Id(22);
-  out.exam = q.Int(23) != 0;
-  out.due_ms = q.Int(24);
-  out.rate_hz = static_cast<int32_t>(q.Int(25));
-  out.limit_ticks = static_cast<uint64_t>(q.Int(26));
-  out.flags = static_cast<uint32_t>(q.Int(27));
-  out.last_chunk_ms = q.Int(28);
-  if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
-  out.revision = static_cast<int32_t>(q.Int(33));
-  out.facts = q.Text(34);
-  out.hands = static_cast<HandsAllowed>(q.Int(35));
-  out.hand = {static_cast<HandKind>(q.Int(36)), q.Text(37), q.Text(38), q.Text(39)};
-  out.sign_off = q.Int(40) != 0;
-  out.problem_field = q.Text(41);
-  if (!q.IsNull(42)) out.score_document = q.Hash(42);
-  out.person_login = q.Text(43);
-  return out;
-}
 
 // A condition with a place of a value instead of each %1, another instead of each %2.
 std::string With(std::string condition, const std::vector<std::string>& places) {
@@ -177,10 +133,7 @@ class ListSql {
     for (const Value& value : values_) {
       std::visit([&](const auto& each) { q.Bind(each); }, value);
     }
-    std::vector<AttemptRow> out;
-    while (q.Next()) out.push_back(AttemptOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.All<AttemptRow>();
   }
 
  private:
@@ -222,7 +175,7 @@ constexpr uint32_t kMostOfPage = 200;
 
 Result<bool> AreFew(Db& db, const char* ids, const Uuid& of) {
   Query q(db, "SELECT count(*) FROM (" + With(ids, {"?2"}) + " LIMIT ?3) AS counted");
-  if (q.Bind(of).Bind(kFew + 1).Next()) return q.Int(0) <= kFew;
+  if (q.Bind(of, kFew + 1).Next()) return q.Int(0) <= kFew;
   return q.status();
 }
 
@@ -271,11 +224,8 @@ const char* OrderOf(const AttemptFilter& filter, bool few) {
 }  // namespace
 
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
-  static const std::string kSql = std::string(kAttemptSelect) + " AND a.id = ?2";
-  Query q(db, kSql.c_str());
-  if (q.Bind(id).Next()) return AttemptOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no attempt " + id.Text());
+  Query q(db, std::string(kAttemptSelect) + " AND a.id = ?2");
+  return q.Bind(id).One<AttemptRow>("no attempt " + id.Text());
 }
 
 Result<AttemptRow> AttemptRows::AttemptById(const Uuid& id) {
@@ -285,12 +235,9 @@ Result<AttemptRow> AttemptRows::AttemptById(const Uuid& id) {
 // An archived cohort counts too: people still look at its attempts.
 Result<bool> AttemptRows::Teaches(const Uuid& person, const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<bool> {
-    static const std::string kSql =
-        "SELECT 1 FROM attempts a WHERE a.tenant = ?1 AND a.id = ?2 AND " + With(kTaughtBy, {"?3"});
-    Query q(db, kSql.c_str());
-    const bool found = q.Bind(attempt).Bind(person).Next();
-    if (!q.status().ok()) return q.status();
-    return found;
+    Query q(db, "SELECT 1 FROM attempts a WHERE a.tenant = ?1 AND a.id = ?2 AND " +
+                    With(kTaughtBy, {"?3"}));
+    return q.Bind(attempt, person).Any();
   });
 }
 

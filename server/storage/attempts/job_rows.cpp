@@ -20,19 +20,6 @@ constexpr int kMaxTries = 3;
 constexpr char kSelect[] =
     "SELECT id, kind, attempt, state, tries, error, cause, batch FROM jobs j WHERE tenant = ?1";
 
-JobRow JobOf(const Query& q) {
-  JobRow out;
-  out.id = q.Id(0);
-  out.kind = q.Text(1);
-  out.attempt = q.Id(2);
-  out.state = q.Text(3);
-  out.tries = static_cast<uint32_t>(q.Int(4));
-  out.error = q.Text(5);
-  out.cause = q.Text(6);
-  if (!q.IsNull(7)) out.batch = q.Id(7);
-  return out;
-}
-
 // No run of it is under way, and its attempt has none, or the lease of its own ran out.
 constexpr char kMayBeTaken[] =
     "((j.state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
@@ -46,9 +33,9 @@ Status BeginRun(Db& db, const Uuid& attempt) {
           "UPDATE attempts SET state = ?3, problem = '', problem_field = '', progress = 0 WHERE "
           "tenant = ?1 AND id = "
           "?2 AND state IN (?4, ?5, ?6)");
-  q.Bind(attempt).Bind(static_cast<int64_t>(AttemptState::kScoring));
+  q.Bind(attempt, AttemptState::kScoring);
   for (AttemptState from : {AttemptState::kSealed, AttemptState::kScored, AttemptState::kFailed}) {
-    q.Bind(static_cast<int64_t>(from));
+    q.Bind(from);
   }
   return q.Run();
 }
@@ -57,15 +44,14 @@ Status SetJob(Db& db, const JobRow& job) {
   Query q(db,
           "UPDATE jobs SET state = ?3, tries = ?4, lease_until_ms = 0, error = ?5, lease = CASE "
           "WHEN ?3 = 'queued' THEN NULL ELSE lease END WHERE tenant = ?1 AND id = ?2");
-  return q.Bind(job.id).Bind(job.state).Bind(int64_t{job.tries}).Bind(job.error).Run();
+  return q.Bind(job.id, job.state, job.tries, job.error).Run();
 }
 
 Status GiveLease(Db& db, const JobRow& job, UnixMs until_ms, const Uuid& owner) {
   Query q(db,
           "UPDATE jobs SET state = 'running', tries = ?3, lease_until_ms = ?4, lease = ?5, owner = "
           "?6 WHERE tenant = ?1 AND id = ?2");
-  q.Bind(job.id).Bind(int64_t{job.tries}).Bind(until_ms).Bind(job.lease);
-  return q.Bind(owner).Run();
+  return q.Bind(job.id, job.tries, until_ms, job.lease, owner).Run();
 }
 
 // A run that did not come to its end: an earlier one's score counts again.
@@ -76,7 +62,7 @@ Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std
                   "0 ELSE 1 END WHERE "
                   "tenant = ?1 AND id = ?2 AND state = " +
                   Sql(AttemptState::kScoring));
-  return q.Bind(attempt).Bind(problem).Run();
+  return q.Bind(attempt, problem).Run();
 }
 
 // The attempt states the reason, not only the job: people look at the attempt.
@@ -103,10 +89,7 @@ Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms, const std::set<Uuid
                   " ORDER BY CASE WHEN batch IS NULL THEN 0 ELSE 1 END, id LIMIT 1" + lock);
   q.Bind(now_ms);
   for (const Uuid& station : not_of) q.Bind(station);
-  std::optional<JobRow> out;
-  if (q.Next()) out = JobOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Maybe<JobRow>();
 }
 
 Status LockAttempt(Db& db, const Uuid& attempt) {
@@ -117,9 +100,7 @@ Status LockAttempt(Db& db, const Uuid& attempt) {
 
 Result<Uuid> StationOf(Db& db, const Uuid& attempt) {
   Query q(db, "SELECT station FROM attempts WHERE tenant = ?1 AND id = ?2");
-  const Uuid station = q.Bind(attempt).Next() ? q.Id(0) : Uuid{};
-  if (!q.status().ok()) return q.status();
-  return station;
+  return q.Bind(attempt).Value<Uuid>();
 }
 
 // One run of an attempt at a time: two would end in any order. Two jobs of one attempt are two
@@ -132,7 +113,7 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms, const std::se
     ENAMEL_RETURN_IF_ERROR(LockAttempt(db, (*next)->attempt));
     Query still(db, std::string("SELECT 1 FROM jobs j WHERE j.tenant = ?1 AND ") + kMayBeTaken +
                         " AND j.id = ?3");
-    if (still.Bind(now_ms).Bind((*next)->id).Next()) return next;
+    if (still.Bind(now_ms, (*next)->id).Next()) return next;
     if (!still.status().ok()) return still.status();
   }
 }
@@ -170,20 +151,14 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
 }
 
 Result<JobRow> FindJob(Db& db, const Uuid& job) {
-  static const std::string kSql = std::string(kSelect) + " AND id = ?2";
-  Query q(db, kSql.c_str());
-  if (q.Bind(job).Next()) return JobOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no job " + job.Text());
+  Query q(db, std::string(kSelect) + " AND id = ?2");
+  return q.Bind(job).One<JobRow>("no job " + job.Text());
 }
 
 // The job whose run has this lease, locked; none: that run is over and no longer counts.
 Result<std::optional<JobRow>> FindRun(Db& db, const Uuid& lease) {
   Query q(db, std::string(kSelect) + " AND lease = ?2 AND state = 'running'" + db.RowLock());
-  std::optional<JobRow> out;
-  if (q.Bind(lease).Next()) out = JobOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(lease).Maybe<JobRow>();
 }
 
 Status Requeue(Db& db, JobRow job) {
@@ -208,11 +183,7 @@ namespace {
 
 Result<std::vector<JobRow>> OpenJobs(Db& db, const char* whose, const Uuid& id) {
   Query q(db, std::string(kSelect) + " AND state IN ('queued', 'running') AND " + whose + " = ?2");
-  q.Bind(id);
-  std::vector<JobRow> out;
-  while (q.Next()) out.push_back(JobOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(id).All<JobRow>();
 }
 
 }  // namespace
@@ -230,8 +201,7 @@ Status MustBeRunning(Db& db, const Uuid& lease) {
   if (lease.IsZero()) return Status::Ok();
   Query q(db,
           std::string("SELECT state FROM jobs WHERE tenant = ?1 AND lease = ?2") + db.RowLock());
-  std::string state = q.Bind(lease).Next() ? q.Text(0) : "";
-  ENAMEL_RETURN_IF_ERROR(q.status());
+  ENAMEL_ASSIGN_OR_RETURN(const std::string state, q.Bind(lease).Value<std::string>());
   if (state == "running") return Status::Ok();
   return Status(Code::kUnavailable,
                 state == "cancelled" ? "this scoring run was cancelled"
@@ -252,10 +222,8 @@ Status FinishRun(Db& db, const Uuid& lease) {
 
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
                      const std::optional<Uuid>& batch) {
-  Query q(db,
-          "INSERT INTO jobs (tenant, id, kind, attempt, state, cause, batch) VALUES (?1, ?2, "
-          "'score', ?3, 'queued', ?4, ?5)");
-  return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Bind(batch).Run();
+  return Insert(db, "jobs", "id", Uuid::New(), "kind", "score", "attempt", attempt, "state",
+                "queued", "cause", cause, "batch", batch);
 }
 
 Result<std::optional<JobRow>> JobRows::LeaseJob(UnixMs now_ms, UnixMs lease_ms,
@@ -275,7 +243,7 @@ Status JobRows::KeepLease(const Uuid& lease, UnixMs until_ms) {
   return rows_.WriteRow([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
     Query q(db, "UPDATE jobs SET lease_until_ms = ?3 WHERE tenant = ?1 AND lease = ?2");
-    return q.Bind(lease).Bind(until_ms).Run();
+    return q.Bind(lease, until_ms).Run();
   });
 }
 
@@ -309,16 +277,9 @@ Result<std::vector<JobRow>> JobRows::FindJobs(const JobFilter& filter) {
             "ON a.tenant = "
             "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) AND "
             "(j.id < ?3 OR ?3 = ?5) AND (j.batch = ?6 OR ?6 = ?5) ORDER BY j.id DESC LIMIT ?4");
-    q.Bind(filter.state).Bind(filter.before.value_or(Uuid{}));
-    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 200)}).Bind(Uuid{});
-    q.Bind(filter.batch.value_or(Uuid{}));
-    std::vector<JobRow> out;
-    while (q.Next()) {
-      out.push_back(JobOf(q));
-      out.back().progress = q.Real(8);
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    q.Bind(filter.state, filter.before.value_or(Uuid{}), std::clamp<uint32_t>(filter.limit, 1, 200),
+           Uuid{}, filter.batch.value_or(Uuid{}));
+    return q.All<JobRow>();
   });
 }
 

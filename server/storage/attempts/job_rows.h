@@ -24,8 +24,8 @@ struct JobRow {
   uint32_t tries = 0;
   std::string error;
   std::string cause = "seal";  // "seal" | "reference" | "rescore" | "appeal" | "rubric"
-  double progress = 0;         // 0..1 while running
   std::optional<Uuid> batch{};
+  double progress = 0;  // 0..1 while running
   // The lease of the run that LeaseJob began: its holder may report progress and the end. Zero if
   // the row was only read.
   Uuid lease{};

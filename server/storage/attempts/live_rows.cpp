@@ -45,17 +45,15 @@ Status DeleteSilentServers(Db& db, UnixMs before_ms) {
 Status BeHeard(Db& db, const Uuid& server, UnixMs now_ms, bool anew) {
   if (anew) {
     ENAMEL_RETURN_IF_ERROR(DeleteSilentServers(db, now_ms - LiveRows::kServerSilentMs));
-    Query begin(
-        db,
-        "INSERT INTO running_servers (tenant, server, heard_ms) VALUES (?1, ?2, ?3) ON CONFLICT "
-        "(tenant, server) DO UPDATE SET heard_ms = excluded.heard_ms");
-    ENAMEL_RETURN_IF_ERROR(begin.Bind(server).Bind(now_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "running_servers", "server", server, "heard_ms", now_ms,
+                                  " ON CONFLICT (tenant, server) DO UPDATE SET heard_ms = "
+                                  "excluded.heard_ms"));
     return Query(db, "DELETE FROM station_links WHERE tenant = ?1 AND server = ?2")
         .Bind(server)
         .Run();
   }
   Query q(db, "UPDATE running_servers SET heard_ms = ?3 WHERE tenant = ?1 AND server = ?2");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(server).Bind(now_ms).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(server, now_ms).Run());
   if (db.Changes() > 0) return Status::Ok();
   return {Code::kNotFound, "this server was not heard for so long that others took it for gone"};
 }
@@ -89,8 +87,8 @@ Status LiveRows::MoveRemarks(const std::vector<ChairRemark>& moved) {
       Query q(db,
               "UPDATE annotations SET remark_state = ?4, shown_ms = ?5 WHERE tenant = ?1 AND "
               "attempt = ?2 AND remark_id = ?3 AND remark_state <> 'shown' AND remark_state <> ?4");
-      q.Bind(remark.attempt).Bind(static_cast<int64_t>(remark.id)).Bind(NameOf(remark.state));
-      ENAMEL_RETURN_IF_ERROR(q.Bind(remark.shown_ms).Run());
+      ENAMEL_RETURN_IF_ERROR(
+          q.Bind(remark.attempt, remark.id, NameOf(remark.state), remark.shown_ms).Run());
     }
     return Status::Ok();
   });
@@ -101,16 +99,14 @@ Status LiveRows::KeepLinks(const std::vector<StationLink>& come, const std::vect
   return rows_.WriteRow([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(BeHeard(db, owner_.id(), NowMs(), anew));
     for (const StationLink& link : come) {
-      Query q(db,
-              "INSERT INTO station_links (tenant, server, station, shows_remarks) VALUES (?1, ?2, "
-              "?3, ?4) ON CONFLICT (tenant, server, station) DO UPDATE SET shows_remarks = "
-              "excluded.shows_remarks");
-      q.Bind(owner_.id()).Bind(link.station).Bind(int64_t{link.shows_remarks});
-      ENAMEL_RETURN_IF_ERROR(q.Run());
+      ENAMEL_RETURN_IF_ERROR(Insert(db, "station_links", "server", owner_.id(), "station",
+                                    link.station, "shows_remarks", link.shows_remarks,
+                                    " ON CONFLICT (tenant, server, station) DO UPDATE SET "
+                                    "shows_remarks = excluded.shows_remarks"));
     }
     for (const Uuid& station : gone) {
       Query q(db, "DELETE FROM station_links WHERE tenant = ?1 AND server = ?2 AND station = ?3");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(owner_.id()).Bind(station).Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(owner_.id(), station).Run());
     }
     return Status::Ok();
   });
@@ -121,7 +117,7 @@ Result<size_t> LiveRows::OtherServers() {
     Query q(db,
             "SELECT count(*) FROM running_servers WHERE tenant = ?1 AND server <> ?2 AND heard_ms "
             ">= ?3");
-    const bool told = q.Bind(owner_.id()).Bind(NowMs() - LiveRows::kServerSilentMs).Next();
+    const bool told = q.Bind(owner_.id(), NowMs() - LiveRows::kServerSilentMs).Next();
     if (!told) return q.status();
     return static_cast<size_t>(q.Int(0));
   });
@@ -133,12 +129,7 @@ Result<std::vector<StationLink>> LiveRows::LinksElsewhere() {
             "SELECT l.station, max(l.shows_remarks) FROM station_links l JOIN running_servers s ON "
             "s.tenant = l.tenant AND s.server = l.server WHERE l.tenant = ?1 AND l.server <> ?2 "
             "AND s.heard_ms >= ?3 GROUP BY l.station");
-    std::vector<StationLink> out;
-    for (q.Bind(owner_.id()).Bind(NowMs() - LiveRows::kServerSilentMs); q.Next();) {
-      out.push_back({q.Id(0), q.Int(1) != 0});
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(owner_.id(), NowMs() - LiveRows::kServerSilentMs).All<StationLink>();
   });
 }
 

@@ -22,55 +22,33 @@ namespace {
 
 AnnotationRow AnnotationOf(const Query& q) {
   AnnotationRow out;
-  out.id = q.Id(0);
-  out.attempt = q.Id(1);
-  out.author = q.Id(2);
-  out.author_name = q.Text(3);
-  out.tick = static_cast<uint64_t>(q.Int(4));
-  if (!q.IsNull(5)) {
-    out.point_um = {static_cast<int32_t>(q.Int(5)), static_cast<int32_t>(q.Int(6)),
-                    static_cast<int32_t>(q.Int(7))};
-  }
-  out.text = q.Text(8);
-  out.created_ms = q.Int(9);
-  out.edited_ms = q.Int(10);
-  out.revision = static_cast<int32_t>(q.Int(11));
-  out.to_chair = q.Int(12) != 0;
-  out.remark_id = static_cast<uint64_t>(q.Int(13));
+  std::array<int32_t, 3> point{};
+  q.Read(0, out.id, out.attempt, out.author, out.author_name, out.tick, point[0], point[1],
+         point[2], out.text, out.created_ms, out.edited_ms, out.revision, out.to_chair,
+         out.remark_id);
+  if (!q.IsNull(5)) out.point_um = point;
   return out;
 }
 
 Result<AnnotationRow> FindAnnotation(Db& db, const Uuid& id) {
   Query q(db, ENAMEL_ANNOTATION_SELECT " AND n.id = ?2");
-  if (q.Bind(id).Next()) return AnnotationOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no annotation " + id.Text());
+  return q.Bind(id).One(AnnotationOf, "no annotation " + id.Text());
 }
 
-// Binds ?3 and on: tick, point, text.
-Query& BindRemark(Query& q, const AnnotationRow& row) {
-  q.Bind(static_cast<int64_t>(row.tick));
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (row.point_um) {
-      q.Bind(int64_t{(*row.point_um)[axis]});
-    } else {
-      q.BindNull(sql::Type::kInt);
-    }
-  }
-  return q.Bind(row.text);
+std::optional<int32_t> Axis(const AnnotationRow& row, size_t axis) {
+  return row.point_um ? std::optional((*row.point_um)[axis]) : std::nullopt;
 }
 
 Status SendToChair(Db& db, const AnnotationRow& row, int64_t now_ms) {
   Query last(db,
              "SELECT coalesce(max(remark_id), 0) FROM annotations WHERE tenant = ?1 AND attempt = "
              "?2");
-  const int64_t before = last.Bind(row.attempt).Next() ? last.Int(0) : 0;
-  ENAMEL_RETURN_IF_ERROR(last.status());
+  ENAMEL_ASSIGN_OR_RETURN(const int64_t before, last.Bind(row.attempt).Value<int64_t>());
   Query q(db,
           "UPDATE annotations SET remark_id = ?3, remark_state = 'waiting' WHERE tenant = ?1 AND "
           "id = ?2");
   // Time, so that one is not taken for an earlier one that was deleted.
-  return q.Bind(row.id).Bind(std::max({now_ms, before + 1, int64_t{1}})).Run();
+  return q.Bind(row.id, std::max({now_ms, before + 1, int64_t{1}})).Run();
 }
 
 std::string RemarkJson(const AnnotationRow& row) {
@@ -86,12 +64,10 @@ Result<AnnotationRow> RemarkRows::AddAnnotation(const AnnotationRow& annotation,
   Status status = rows_.Write([&](Db& db) -> Status {
     if (auto attempt = FindAttempt(db, row.attempt); !attempt.ok()) return attempt.status();
     const int64_t now_ms = NowMs();
-    Query q(db,
-            "INSERT INTO annotations (tenant, id, tick, x_um, y_um, z_um, text, attempt, author, "
-            "created_ms, to_chair) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)");
-    BindRemark(q.Bind(row.id), row).Bind(row.attempt).Bind(by.person).Bind(now_ms);
-    q.Bind(int64_t{row.to_chair});
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "annotations", "id", row.id, "tick", row.tick, "x_um",
+                                  Axis(row, 0), "y_um", Axis(row, 1), "z_um", Axis(row, 2), "text",
+                                  row.text, "attempt", row.attempt, "author", by.person,
+                                  "created_ms", now_ms, "to_chair", row.to_chair));
     if (row.to_chair) ENAMEL_RETURN_IF_ERROR(SendToChair(db, row, now_ms));
     return WriteAuditAbout(db, SubjectOf("annotation", row.id.Text()), by, "annotation.add",
                            row.attempt.Text(), "{}", RemarkJson(row));
@@ -108,7 +84,7 @@ Result<AnnotationRow> RemarkRows::ReplaceAnnotation(const AnnotationRow& row, co
         db,
         "UPDATE annotations SET tick = ?3, x_um = ?4, y_um = ?5, z_um = ?6, text = ?7, edited_ms "
         "= ?8, revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
-    BindRemark(q.Bind(row.id), row).Bind(NowMs());
+    q.Bind(row.id, row.tick, Axis(row, 0), Axis(row, 1), Axis(row, 2), row.text, NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
     return WriteAuditAbout(db, SubjectOf("annotation", stored.id.Text()), by, "annotation.edit",
                            stored.attempt.Text(), RemarkJson(stored), RemarkJson(row));
@@ -135,11 +111,7 @@ Result<AnnotationRow> RemarkRows::AnnotationById(const Uuid& id) {
 Result<std::vector<AnnotationRow>> RemarkRows::AnnotationsOf(const Uuid& attempt) {
   return rows_.Read([&](Db& db) -> Result<std::vector<AnnotationRow>> {
     Query q(db, ENAMEL_ANNOTATION_SELECT " AND n.attempt = ?2 ORDER BY n.tick, n.id");
-    q.Bind(attempt);
-    std::vector<AnnotationRow> out;
-    while (q.Next()) out.push_back(AnnotationOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt).All(AnnotationOf);
   });
 }
 

@@ -25,10 +25,7 @@ constexpr char kInsertChunk[] =
 
 Result<std::optional<Sha256>> StoredHash(Db& db, const Uuid& attempt, uint32_t seq) {
   Query q(db, "SELECT hash FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq = ?3");
-  std::optional<Sha256> out;
-  if (q.Bind(attempt).Bind(int64_t{seq}).Next()) out = q.Hash(0);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(attempt, seq).Maybe<Sha256>();
 }
 
 // A chunk of a number that is committed already, before the seal. After it: RepeatedAfterSeal.
@@ -43,7 +40,7 @@ Status Repeated(Db& db, const Ingest& ingest, const ChunkPut& chunk, ByteView se
   // Reported once, however often it comes. The flag first: the row that is written last states it.
   if (ingest.state != AttemptState::kQuarantined) {
     Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt, kContradicted).Run());
     ENAMEL_RETURN_IF_ERROR(
         Quarantine(db, chunk.attempt, Status(Code::kConflict, problem, protocol::kContradicted)));
   } else {

@@ -109,11 +109,7 @@ Result<std::vector<Bytes>> RecordingRows::NewestChunks(const Uuid& attempt, uint
         db,
         "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER BY "
         "seq DESC LIMIT ?4");
-    q.Bind(attempt).Bind(int64_t{from}).Bind(int64_t{most});
-    std::vector<Bytes> out;
-    while (q.Next()) out.push_back(q.Blob(0));
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt, from, most).All<Bytes>();
   });
   if (!rows.ok()) return rows;
   std::ranges::reverse(*rows);
@@ -200,11 +196,7 @@ Result<std::vector<ContradictionRow>> RecordingRows::ContradictionsOf(const Uuid
     Query q(db,
             "SELECT seq, hash, received_ms FROM contradicting_chunks WHERE tenant = ?1 AND "
             "attempt = ?2 ORDER BY seq, received_ms, hash");
-    q.Bind(attempt);
-    std::vector<ContradictionRow> out;
-    while (q.Next()) out.push_back({static_cast<uint32_t>(q.Int(0)), q.Hash(1), q.Int(2)});
-    if (!q.status().ok()) return q.status();
-    return out;
+    return q.Bind(attempt).All<ContradictionRow>();
   });
 }
 

@@ -46,8 +46,7 @@ Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Trace
     Query q(db, std::string("UPDATE attempts SET state = ") + Sql(AttemptState::kSealed) +
                     ", sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
                     "WHERE tenant = ?1 AND id = ?2");
-    q.Bind(attempt).Bind(now_ms).Bind(blobs.last);
-    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, now_ms, blobs.last, LateFlags(ingest)).Run());
   }
   // Deleting an hour's chunks here would hold up all who record: SealedRows does it in portions.
   if (keep_rows) return Status::Ok();
@@ -122,7 +121,7 @@ Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
     ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, blobs.All()));
     ENAMEL_RETURN_IF_ERROR(SetParts(db, seal.attempt, blobs.parts));
     Query q(db, "UPDATE attempts SET trace_blob = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(blobs.last).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt, blobs.last).Run());
     return WriteAudit(
         db, Actor{{}, "station link"}, "attempt.heal", seal.attempt.Text(),
         JsonOf({{"trace", before.trace_blob.Hex()}}),

@@ -89,7 +89,7 @@ Status SealedRows::DeleteSome(const Uuid& attempt, bool& gone) {
         "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq IN (SELECT seq "
         "FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq LIMIT ?3) AND EXISTS "
         "(SELECT 1 FROM attempts WHERE tenant = ?1 AND id = ?2 AND trace_blob IS NOT NULL)");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(kPortion).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, kPortion).Run());
     gone = db.Changes() < kPortion;
     return Status::Ok();
   });

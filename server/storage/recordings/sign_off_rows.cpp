@@ -13,7 +13,7 @@ namespace {
 
 Result<std::optional<Uuid>> SignerOf(Db& db, const Uuid& attempt, SignedAt at) {
   Query q(db, "SELECT signer FROM sign_offs WHERE tenant = ?1 AND attempt = ?2 AND stage = ?3");
-  const bool found = q.Bind(attempt).Bind(std::string(SignedAtName(at))).Next();
+  const bool found = q.Bind(attempt, SignedAtName(at)).Next();
   if (!q.status().ok()) return q.status();
   return found ? std::optional(q.Id(0)) : std::nullopt;
 }
@@ -62,11 +62,8 @@ Status SignOffRows::Sign(const Uuid& attempt, SignedAt at, UnixMs now_ms, const 
                     protocol::kSignedAlready);
     }
     ENAMEL_RETURN_IF_ERROR(MayBeSignedNow(row, at, now_ms));
-    Query q(db,
-            "INSERT INTO sign_offs (tenant, attempt, stage, signer, signed_ms) VALUES (?1, ?2, ?3, "
-            "?4, ?5)");
-    q.Bind(attempt).Bind(std::string(SignedAtName(at))).Bind(by.person).Bind(now_ms);
-    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "sign_offs", "attempt", attempt, "stage", SignedAtName(at),
+                                  "signer", by.person, "signed_ms", now_ms));
     return WriteAudit(db, by, "attempt.sign_off", attempt.Text(), "{}",
                       JsonOf({{"at", SignedAtName(at)}}));
   });

@@ -19,9 +19,7 @@ namespace {
 
 Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
   Query q(db, sql);
-  bool there = q.Bind(id).Next();
-  if (!q.status().ok()) return q.status();
-  return there;
+  return q.Bind(id).Any();
 }
 
 // Names the missing thing: after a restore it may come back.
@@ -55,8 +53,7 @@ Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
     Query q(db,
             "UPDATE attempts SET hand_kind = ?3, hand_device = ?4, hand_driver = ?5, hand_unit = "
             "?6 WHERE tenant = ?1 AND id = ?2");
-    q.Bind(attempt).Bind(static_cast<int64_t>(hand.kind)).Bind(hand.device).Bind(hand.driver);
-    ENAMEL_RETURN_IF_ERROR(q.Bind(hand.unit).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, hand.kind, hand.device, hand.driver, hand.unit).Run());
   }
   Query terms(db, "SELECT hands FROM attempts WHERE tenant = ?1 AND id = ?2");
   const bool found = terms.Bind(attempt).Next();
@@ -75,19 +72,14 @@ Status TicketRows::CreateAttempt(const AttemptRow& row, ByteView ticket, const A
   Status status = rows_.Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeHere(db, row));
     ENAMEL_RETURN_IF_ERROR(MayBeIssued(db, row));
-    Query q(db,
-            "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
-            "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
-            "assignment, hands, sign_off) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
-                Sql(AttemptState::kTicketed) +
-                ", ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-                "?15, ?16, ?17)");
-    q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
-    q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
-    q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
-    q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
-    q.Bind(row.assignment).Bind(static_cast<int64_t>(row.hands)).Bind(int64_t{row.sign_off});
-    ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
+    ENAMEL_RETURN_IF_ERROR(
+        Explain(Insert(db, "attempts", "id", row.id, "person", row.person, "station", row.station,
+                       "exercise", row.exercise, "profile_content", row.profile_content, "state",
+                       AttemptState::kTicketed, "as_reference", row.as_reference, "ticketed_ms",
+                       row.ticketed_ms, "ticket", ticket, "exam", row.exam, "due_ms", row.due_ms,
+                       "rate_hz", row.rate_hz, "limit_ticks", row.limit_ticks, "flags", row.flags,
+                       "assignment", row.assignment, "hands", row.hands, "sign_off", row.sign_off),
+                "attempt " + row.id.Text() + " exists"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
                       JsonOf({{"person", row.person.Text()},
                               {"exercise", row.exercise.Text()},
@@ -118,7 +110,7 @@ Status TicketRows::ReturnTicket(const Uuid& attempt, const Actor& by) {
                     "attempt");
     }
     Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kReturned}).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, kReturned).Run());
     return WriteAudit(db, by, "attempt.return", attempt.Text(),
                       JsonOf({{"state", AttemptStateName(row.state)}}),
                       JsonOf({{"returned", "yes"}}));
@@ -158,8 +150,7 @@ Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
                       Sql(AttemptState::kRecording) +
                       ", trace_bytes = ?5 "
                       "WHERE tenant = ?1 AND id = ?2");
-      q.Bind(attempt).Bind(header).Bind(HashSha256(header));
-      ENAMEL_RETURN_IF_ERROR(q.Bind(static_cast<int64_t>(header.size())).Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, header, HashSha256(header), header.size()).Run());
     }
     return KeepHand(db, attempt, header);
   }));
@@ -171,7 +162,7 @@ Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
 Status TicketRows::KeepFacts(const Uuid& attempt, const std::string& facts) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db, "UPDATE attempts SET facts = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(facts).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, facts).Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "attempt " + attempt.Text()));
     return WriteAudit(db, Actor{{}, "station link"}, "attempt.facts", attempt.Text(), "{}", "{}");
   });

@@ -16,20 +16,15 @@ Result<std::vector<TracePart>> PartsOf(sql::Db& db, const Uuid& attempt) {
   Query q(db,
           "SELECT content, next_chunk FROM trace_parts WHERE tenant = ?1 AND attempt = ?2 ORDER BY "
           "next_chunk");
-  std::vector<TracePart> out;
-  for (q.Bind(attempt); q.Next();) out.push_back({q.Hash(0), static_cast<uint32_t>(q.Int(1))});
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(attempt).All<TracePart>();
 }
 
 Status SetParts(sql::Db& db, const Uuid& attempt, const std::vector<TracePart>& parts) {
   Query gone(db, "DELETE FROM trace_parts WHERE tenant = ?1 AND attempt = ?2");
   ENAMEL_RETURN_IF_ERROR(gone.Bind(attempt).Run());
   for (const TracePart& part : parts) {
-    Query q(
-        db,
-        "INSERT INTO trace_parts (tenant, attempt, next_chunk, content) VALUES (?1, ?2, ?3, ?4)");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{part.next_chunk}).Bind(part.content).Run());
+    ENAMEL_RETURN_IF_ERROR(Insert(db, "trace_parts", "attempt", attempt, "next_chunk",
+                                  part.next_chunk, "content", part.content));
   }
   return Status::Ok();
 }

@@ -1,6 +1,5 @@
 #include "server/storage/recordings/trace_rows.h"
 
-#include <bit>
 #include <string>
 #include <vector>
 
@@ -14,10 +13,8 @@ namespace enamel::server {
 Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
   Query q(db, std::string(
                   "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, "
-                  "trace_blob, "
-                  "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, "
-                  "exam, trace_bytes FROM "
-                  "attempts WHERE tenant = ?1 AND id = ?2") +
+                  "trace_blob, expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, "
+                  "flags, exam, trace_bytes FROM attempts WHERE tenant = ?1 AND id = ?2") +
                   (look == Look::kToDecide ? db.RowLock() : ""));
   if (!q.Bind(attempt).Next()) {
     if (!q.status().ok()) return q.status();
@@ -25,22 +22,9 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
                   "no attempt " + attempt.Text() + "; its ticket was not issued here");
   }
   Ingest out;
-  out.state = static_cast<AttemptState>(q.Int(0));
-  out.has_header = q.Int(1) != 0;
-  out.head = q.Hash(2);
-  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(3));
-  out.chunks = static_cast<uint32_t>(q.Int(4));
-  out.ticks = static_cast<uint64_t>(q.Int(5));
-  out.trace_blob = q.Hash(6);
-  out.expired = q.Int(7) != 0;
-  out.gap_ticks = static_cast<uint64_t>(q.Int(8));
-  out.ticketed_ms = q.Int(9);
-  out.due_ms = q.Int(10);
-  out.last_chunk_ms = q.Int(11);
-  out.rate_hz = q.Int(12);
-  out.flags = static_cast<uint32_t>(q.Int(13));
-  out.exam = q.Int(14) != 0;
-  out.trace_bytes = static_cast<uint64_t>(q.Int(15));
+  q.Read(0, out.state, out.has_header, out.head, out.head_state_hash, out.chunks, out.ticks,
+         out.trace_blob, out.expired, out.gap_ticks, out.ticketed_ms, out.due_ms, out.last_chunk_ms,
+         out.rate_hz, out.flags, out.exam, out.trace_bytes);
   return out;
 }
 
@@ -58,11 +42,7 @@ Result<std::vector<Bytes>> ChunkRowsFrom(Db& db, const Uuid& attempt, uint32_t f
   Query q(db,
           "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER "
           "BY seq LIMIT ?4");
-  q.Bind(attempt).Bind(int64_t{from}).Bind(kRowsAtOnce);
-  std::vector<Bytes> out;
-  while (q.Next()) out.push_back(q.Blob(0));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(attempt, from, kRowsAtOnce).All<Bytes>();
 }
 
 Result<ChunkEnd> EndOfRows(Db& db, const Uuid& attempt) {
@@ -79,7 +59,7 @@ Status InsertChunk(Db& db, const ChunkPut& chunk, ByteView sealed) {
   Query row(db,
             "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) VALUES (?1, "
             "?2, ?3, ?4, ?5, ?6)");
-  row.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
+  row.Bind(chunk.attempt, chunk.head.seq, chunk.hash, sealed);
   return row.Bind(chunk.received_ms).Run();
 }
 
@@ -101,8 +81,9 @@ Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed) {
           "INSERT INTO contradicting_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
           "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE (SELECT count(*) FROM contradicting_chunks "
           "WHERE tenant = ?1 AND attempt = ?2) < ?7 ON CONFLICT DO NOTHING");
-  q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
-  ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run());
+  ENAMEL_RETURN_IF_ERROR(
+      q.Bind(chunk.attempt, chunk.head.seq, chunk.hash, sealed, chunk.received_ms, kMaxEvidence)
+          .Run());
   if (db.Changes() == 0) return Status::Ok();
   return WriteAudit(db, Actor{{}, "station link"}, "attempt.evidence", chunk.attempt.Text(), "{}",
                     JsonOf({{"content", chunk.hash.Hex()}}));
@@ -111,7 +92,7 @@ Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed) {
 Status Quarantine(Db& db, const Uuid& attempt, const Status& problem) {
   Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kQuarantined) +
                   ", problem = ?3, problem_field = ?4 WHERE tenant = ?1 AND id = ?2");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem.message()).Bind(problem.field()).Run());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, problem.message(), problem.field()).Run());
   return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
                     JsonOf({{"problem", problem.message()}, {"problem_field", problem.field()}}));
 }
