@@ -63,12 +63,12 @@ Result<std::vector<AuditRow>> AuditRows::FindAudit(const AuditFilter& filter) {
   sql += " ORDER BY id DESC LIMIT " + place();
   return rows_.Read([&](Db& db) -> Result<std::vector<AuditRow>> {
     Query q(db, sql.c_str());
-    q.Bind(filter.from_ms).Bind(filter.until_ms != 0 ? filter.until_ms : INT64_MAX);
+    q.Bind(filter.from_ms, filter.until_ms != 0 ? filter.until_ms : INT64_MAX);
     if (filter.actor) q.Bind(*filter.actor);
     if (!filter.action.empty()) q.Bind(filter.action);
     if (!filter.object.empty()) q.Bind(filter.object);
     if (filter.before) q.Bind(*filter.before);
-    return AuditIn(q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 1000)}));
+    return AuditIn(q.Bind(std::clamp<uint32_t>(filter.limit, 1, 1000)));
   });
 }
 
@@ -83,8 +83,7 @@ Result<std::vector<AuditRow>> AuditRows::AuditAbout(const Uuid& person) {
       while (q.Next()) objects.insert(q.Id(0).Text());
       if (!q.status().ok()) return q.status();
     }
-    static const std::string kSql = std::string(kAuditSelect) + " ORDER BY id";
-    Query q(db, kSql.c_str());
+    Query q(db, std::string(kAuditSelect) + " ORDER BY id");
     return AuditIn(
         q, [&](const Query& row) { return row.Id(1) == person || objects.contains(row.Text(4)); });
   });

@@ -55,10 +55,7 @@ Result<std::optional<AuditHead>> FindHead(Db& db, const Uuid& chain, const char*
                   "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant "
                   "= ?1 AND chain = ?2") +
                   lock);
-  std::optional<AuditHead> out;
-  if (q.Bind(chain).Next()) out = HeadOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(chain).Maybe(HeadOf);
 }
 
 // Where the next row goes, and the id that it has to be above.
@@ -83,26 +80,21 @@ Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
 // Reads only rows about the same subject: servers that write about others at the same time must not
 // conflict here.
 Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
-  Uuid newest;
-  if (subject.empty()) return newest;
-  static const std::string kSql =
-      std::string("SELECT id FROM audit WHERE ") + kAboutSubject + " ORDER BY id DESC LIMIT 1";
-  Query q(db, kSql);
-  if (q.Bind(subject).Next()) newest = q.Id(0);
-  if (!q.status().ok()) return q.status();
-  return newest;
+  if (subject.empty()) return Uuid{};
+  Query q(db,
+          std::string("SELECT id FROM audit WHERE ") + kAboutSubject + " ORDER BY id DESC LIMIT 1");
+  return q.Bind(subject).Value<Uuid>();
 }
 
 Status KeepHead(Db& db, const AuditSigner& signer, const AuditSeal& seal) {
   AuditHead head{seal.link.chain, seal.link.number, seal.id, AuditSealHash(seal)};
   head.signature = SignAuditHead(head, signer.key);
-  Query q(
-      db,
-      "INSERT INTO audit_heads (tenant, chain, number, last_id, hash, signature) VALUES (?1, ?2, "
-      "?3, ?4, ?5, ?6) ON CONFLICT (tenant, chain) DO UPDATE SET number = ?3, last_id = ?4, hash "
-      "= ?5, signature = ?6");
-  q.Bind(head.chain).Bind(static_cast<int64_t>(head.number)).Bind(head.last_id).Bind(head.hash);
-  ENAMEL_RETURN_IF_ERROR(q.Bind(ByteView(head.signature)).Run());
+  ENAMEL_RETURN_IF_ERROR(Insert(db, "audit_heads", "chain", head.chain, "number", head.number,
+                                "last_id", head.last_id, "hash", head.hash, "signature",
+                                ByteView(head.signature),
+                                " ON CONFLICT (tenant, chain) DO UPDATE SET number = "
+                                "excluded.number, last_id = excluded.last_id, hash = "
+                                "excluded.hash, signature = excluded.signature"));
   signer.known = head;
   return Status::Ok();
 }
@@ -117,10 +109,7 @@ Result<std::vector<AuditHead>> AuditHeads(Db& db) {
   Query q(db,
           "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant = ?1 ORDER "
           "BY chain");
-  std::vector<AuditHead> out;
-  while (q.Next()) out.push_back(HeadOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.All(HeadOf);
 }
 
 // In the transaction of the change: neither exists without the other.
@@ -141,15 +130,12 @@ Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, cons
   const AuditSeal seal{id,       NowMs(), by.person, by.via,
                        action,   object,  subject,   AuditContentHash(salt, before, after, state),
                        next.link};
-  Query q(db,
-          "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, "
-          "after_json, subject, state, salt, content_hash, signature, chain, number, previous) "
-          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)");
-  q.Bind(seal.id).Bind(seal.at_ms).Bind(seal.actor).Bind(seal.via).Bind(seal.action);
-  q.Bind(seal.object).Bind(before).Bind(after).Bind(seal.subject).Bind(state);
-  q.Bind(ByteView(salt)).Bind(seal.content).Bind(ByteView(SignAuditSeal(seal, signer->key)));
-  q.Bind(next.link.chain).Bind(static_cast<int64_t>(next.link.number));
-  ENAMEL_RETURN_IF_ERROR(q.Bind(next.link.previous).Run());
+  ENAMEL_RETURN_IF_ERROR(
+      Insert(db, "audit", "id", seal.id, "at_ms", seal.at_ms, "actor", seal.actor, "via", seal.via,
+             "action", seal.action, "object", seal.object, "before_json", before, "after_json",
+             after, "subject", seal.subject, "state", state, "salt", ByteView(salt), "content_hash",
+             seal.content, "signature", ByteView(SignAuditSeal(seal, signer->key)), "chain",
+             next.link.chain, "number", next.link.number, "previous", next.link.previous));
   return KeepHead(db, *signer, seal);
 }
 

@@ -11,38 +11,27 @@ namespace {
 
 constexpr char kFind[] = "SELECT hash, bytes, generation, put_ms FROM blobs WHERE tenant = ?1";
 
-BlobRow RowOf(const Query& q) { return {q.Hash(0), q.Int(1), q.Int(2), q.Int(3)}; }
-
 Status Set(sql::Db& db, const BlobRow& row) {
   Query q(db, "UPDATE blobs SET generation = ?3, put_ms = ?4 WHERE tenant = ?1 AND hash = ?2");
-  return q.Bind(row.hash).Bind(row.generation).Bind(row.put_ms).Run();
+  return q.Bind(row.hash, row.generation, row.put_ms).Run();
 }
 
 // Locked: in a transaction of Isolation::kRowLocks it could change between this and Set.
 Result<std::optional<BlobRow>> FindToChange(sql::Db& db, const Sha256& hash) {
   Query q(db, std::string(kFind) + " AND hash = ?2" + db.RowLock());
-  std::optional<BlobRow> out;
-  if (q.Bind(hash).Next()) out = RowOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(hash).Maybe<BlobRow>();
 }
 
 }  // namespace
 
 Result<std::optional<BlobRow>> FindBlobRow(sql::Db& db, const Sha256& hash) {
   Query q(db, std::string(kFind) + " AND hash = ?2");
-  std::optional<BlobRow> out;
-  if (q.Bind(hash).Next()) out = RowOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.Bind(hash).Maybe<BlobRow>();
 }
 
 Result<std::vector<BlobRow>> AllBlobRows(sql::Db& db) {
   Query q(db, kFind);
-  std::vector<BlobRow> out;
-  while (q.Next()) out.push_back(RowOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.All<BlobRow>();
 }
 
 Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int64_t now_ms) {
@@ -63,11 +52,8 @@ Result<BlobRow> ClaimBlobRow(sql::Db& db, const BlobRow& put, int64_t lost) {
     ENAMEL_RETURN_IF_ERROR(Set(db, row));
     return row;
   }
-  Query q(
-      db,
-      "INSERT INTO blobs (tenant, hash, bytes, generation, put_ms) VALUES (?1, ?2, ?3, ?4, ?5)");
-  ENAMEL_RETURN_IF_ERROR(
-      q.Bind(put.hash).Bind(put.bytes).Bind(put.generation).Bind(put.put_ms).Run());
+  ENAMEL_RETURN_IF_ERROR(Insert(db, "blobs", "hash", put.hash, "bytes", put.bytes, "generation",
+                                put.generation, "put_ms", put.put_ms));
   return put;
 }
 

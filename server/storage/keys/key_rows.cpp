@@ -9,20 +9,11 @@ namespace {
 
 constexpr char kFindKeys[] = "SELECT person, generation, hash FROM person_keys WHERE tenant = ?1";
 
-KeyRow KeyRowOf(const Query& q) { return {q.Id(0), q.Int(1), q.Hash(2)}; }
-
-Result<std::optional<KeyRow>> OneKeyRow(Query& q) {
-  std::optional<KeyRow> out;
-  if (q.Next()) out = KeyRowOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
 }  // namespace
 
 Result<std::optional<KeyRow>> FindKeyRow(sql::Db& db, const Uuid& person) {
   Query q(db, std::string(kFindKeys) + " AND person = ?2");
-  return OneKeyRow(q.Bind(person));
+  return q.Bind(person).Maybe<KeyRow>();
 }
 
 Result<std::optional<KeyRow>> FindLivingKeyRow(sql::Db& db, const Uuid& person) {
@@ -30,22 +21,17 @@ Result<std::optional<KeyRow>> FindLivingKeyRow(sql::Db& db, const Uuid& person) 
           std::string(kFindKeys) +
               " AND person = ?2 AND NOT EXISTS (SELECT 1 FROM erasures e WHERE e.tenant = ?1 AND "
               "e.person_hash = ?3)");
-  return OneKeyRow(q.Bind(person).Bind(TombstoneOf(person)));
+  return q.Bind(person, TombstoneOf(person)).Maybe<KeyRow>();
 }
 
 Result<std::vector<KeyRow>> AllKeyRows(sql::Db& db) {
   Query q(db, kFindKeys);
-  std::vector<KeyRow> out;
-  while (q.Next()) out.push_back(KeyRowOf(q));
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.All<KeyRow>();
 }
 
 Status AddKeyRow(sql::Db& db, const KeyRow& row, int64_t now_ms) {
-  Query q(db,
-          "INSERT INTO person_keys (tenant, person, generation, hash, made_ms) VALUES (?1, ?2, ?3, "
-          "?4, ?5) ON CONFLICT DO NOTHING");
-  return q.Bind(row.person).Bind(row.generation).Bind(row.hash).Bind(now_ms).Run();
+  return Insert(db, "person_keys", "person", row.person, "generation", row.generation, "hash",
+                row.hash, "made_ms", now_ms, " ON CONFLICT DO NOTHING");
 }
 
 Status DeleteKeyRow(sql::Db& db, const Uuid& person) {
@@ -55,24 +41,17 @@ Status DeleteKeyRow(sql::Db& db, const Uuid& person) {
 
 Result<std::vector<Tombstone>> ErasuresIn(sql::Db& db) {
   Query q(db, "SELECT person_hash, erased_ms FROM erasures WHERE tenant = ?1");
-  std::vector<Tombstone> out;
-  while (q.Next()) out.push_back(Tombstone{q.Hash(0), q.Int(1)});
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.All<Tombstone>();
 }
 
 Result<bool> IsErased(sql::Db& db, const Sha256& person) {
   Query q(db, "SELECT 1 FROM erasures WHERE tenant = ?1 AND person_hash = ?2");
-  const bool found = q.Bind(person).Next();
-  if (!q.status().ok()) return q.status();
-  return found;
+  return q.Bind(person).Any();
 }
 
 Status AddErasure(sql::Db& db, const Tombstone& tombstone) {
-  Query q(db,
-          "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
-          "ON CONFLICT DO NOTHING");
-  return q.Bind(tombstone.person).Bind(tombstone.erased_ms).Run();
+  return Insert(db, "erasures", "person_hash", tombstone.person, "erased_ms", tombstone.erased_ms,
+                " ON CONFLICT DO NOTHING");
 }
 
 }  // namespace enamel::server

@@ -50,7 +50,7 @@ Status NoServerMayHave(sql::Db& db, const fs::path& folder) {
   Query q(db,
           "SELECT count(*) FROM running_servers WHERE tenant = ?1 AND server <> ?2 AND "
           "heard_ms >= ?3");
-  const bool told = q.Bind(own).Bind(NowMs() - LiveRows::kServerSilentMs).Next();
+  const bool told = q.Bind(own, NowMs() - LiveRows::kServerSilentMs).Next();
   if (!told) return q.status();
   if (q.Int(0) == 0) return Status::Ok();
   return {Code::kUnavailable, "a server has not let go of " + folder.string() + " yet",

@@ -20,12 +20,7 @@
 namespace enamel::server {
 namespace {
 
-Result<std::vector<Uuid>> Ids(Query& q) {
-  std::vector<Uuid> out;
-  while (q.Next()) out.push_back(q.Id(0));
-  if (!q.status().ok()) return q.status();
-  return out;
-}
+Result<std::vector<Uuid>> Ids(Query& q) { return q.All<Uuid>(); }
 
 Result<std::vector<Uuid>> AttemptsOf(Db& db, const Uuid& person) {
   Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND person = ?2");

@@ -81,10 +81,7 @@ const Rule* FindRule(const std::string& what) {
 
 Result<std::vector<RetentionRule>> RulesIn(Db& db) {
   Query q(db, "SELECT what, days FROM retention_rules WHERE tenant = ?1 ORDER BY what");
-  std::vector<RetentionRule> out;
-  while (q.Next()) out.push_back({q.Text(0), static_cast<int32_t>(q.Int(1))});
-  if (!q.status().ok()) return q.status();
-  return out;
+  return q.All<RetentionRule>();
 }
 
 std::vector<Uuid>& ListOf(RetentionReport& report, const std::string& what) {
@@ -155,7 +152,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
         db,
         "UPDATE attempts SET expired_ms = ?3, trace_blob = NULL, final_volume = NULL, deviation = "
         "NULL, series = NULL WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(now_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt, now_ms).Run());
   }
   return Status::Ok();
 }
@@ -210,8 +207,7 @@ Status RetentionRows::SetRetention(const RetentionRule& rule, const Actor& by) {
       ENAMEL_RETURN_IF_ERROR(q.Bind(rule.what).Run());
     }
     if (rule.days != 0) {
-      Query q(db, "INSERT INTO retention_rules (tenant, what, days) VALUES (?1, ?2, ?3)");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(rule.what).Bind(int64_t{rule.days}).Run());
+      ENAMEL_RETURN_IF_ERROR(Insert(db, "retention_rules", "what", rule.what, "days", rule.days));
     }
     return WriteAudit(db, by, "retention.set", rule.what,
                       JsonOf({{"days", std::to_string(before)}}),

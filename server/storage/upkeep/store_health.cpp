@@ -141,11 +141,9 @@ Status StoreHealthCheck::TryWrite() {
   const Writer& writer = parts_.rows.writer();
   if (writer.last_failure().ok() || writer.damaged()) return Status::Ok();
   return parts_.rows.Write([](Db& db) -> Status {
-    Query q(db,
-            "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms, beats, host, port) VALUES "
-            "(?1, ?2, 0, 0, 0, '', 0) ON CONFLICT (tenant, server) DO UPDATE SET beats = "
-            "write_probe.beats + 1");
-    return q.Bind(Uuid{}).Run();
+    return Insert(db, "write_probe", "server", Uuid{}, "at_ms", 0, "ahead_ms", 0, "beats", 0,
+                  "host", "", "port", 0,
+                  " ON CONFLICT (tenant, server) DO UPDATE SET beats = write_probe.beats + 1");
   });
 }
 

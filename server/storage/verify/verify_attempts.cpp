@@ -1,7 +1,6 @@
 #include "server/storage/verify/verify_attempts.h"
 
 #include <algorithm>
-#include <bit>
 #include <map>
 
 #include "server/storage/engine/query.h"
@@ -31,23 +30,10 @@ struct AttemptFacts {
 
 AttemptFacts FactsOf(const Query& q) {
   AttemptFacts out;
-  out.id = q.Id(0);
-  out.person = q.Id(1);
-  out.station = q.Id(2);
-  out.state = static_cast<AttemptState>(q.Int(3));
+  q.Read(0, out.id, out.person, out.station, out.state, out.header, out.head, out.head_state_hash,
+         out.chunks, out.ticks, out.gap_ticks, out.trace_bytes, out.trace_blob, out.expired,
+         out.hand, out.ticket, out.last_chunk_ms);
   out.has_header = !q.IsNull(4);
-  out.header = q.Blob(4);
-  out.head = q.Hash(5);
-  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(6));
-  out.chunks = static_cast<uint64_t>(q.Int(7));
-  out.ticks = static_cast<uint64_t>(q.Int(8));
-  out.gap_ticks = static_cast<uint64_t>(q.Int(9));
-  out.trace_bytes = static_cast<uint64_t>(q.Int(10));
-  out.trace_blob = q.Hash(11);
-  out.expired = q.Int(12) != 0;
-  out.hand = {static_cast<HandKind>(q.Int(13)), q.Text(14), q.Text(15), q.Text(16)};
-  out.ticket = q.Blob(17);
-  out.last_chunk_ms = q.Int(18);
   return out;
 }
 
@@ -156,7 +142,7 @@ class AttemptCheck {
     Query q(db_, "SELECT seq, received_ms, hash, bytes FROM " + table +
                      " WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER BY seq LIMIT ?4");
     std::vector<ChunkRow> out;
-    for (q.Bind(attempt).Bind(from).Bind(kRowsAtOnce); q.Next();)
+    for (q.Bind(attempt, from, kRowsAtOnce); q.Next();)
       out.push_back({q.Int(0), q.Int(1), q.Hash(2), q.Blob(3)});
     if (!q.status().ok()) return q.status();
     return out;

@@ -252,7 +252,7 @@ class AuditCheck {
       Query q(db_,
               "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'person.erase' "
               "AND NOT EXISTS (SELECT 1 FROM people WHERE tenant = ?1 AND id = ?3)");
-      gone = q.Bind(TombstoneOf(*id).Hex()).Bind(*id).Next();
+      gone = q.Bind(TombstoneOf(*id).Hex(), *id).Next();
       if (!q.status().ok()) return q.status();
     }
     erased_[object] = gone;
@@ -261,14 +261,10 @@ class AuditCheck {
 
   // The last row about each subject states the present state.
   Status CheckStates() {
-    std::vector<std::string> subjects;
-    {
-      Query q(db_,
-              "SELECT DISTINCT subject FROM audit WHERE tenant = ?1 AND subject <> '' ORDER BY "
-              "subject");
-      while (q.Next()) subjects.push_back(q.Text(0));
-      ENAMEL_RETURN_IF_ERROR(q.status());
-    }
+    Query q(db_,
+            "SELECT DISTINCT subject FROM audit WHERE tenant = ?1 AND subject <> '' ORDER BY "
+            "subject");
+    ENAMEL_ASSIGN_OR_RETURN(const auto subjects, q.All<std::string>());
     uint64_t done = 0;
     for (const std::string& subject : subjects) {
       if (progress_) progress_("decisions", ++done, subjects.size());

@@ -45,38 +45,13 @@ constexpr char kRuns[] =
     "a.id = r.attempt JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE "
     "r.tenant = ?1 ORDER BY r.attempt, r.run";
 
-std::optional<Uuid> OptionalId(const Query& q, int column) {
-  return q.IsNull(column) ? std::nullopt : std::optional(q.Id(column));
-}
-
 Run RunOf(const Query& q) {
   Run out;
-  out.attempt = q.Id(0);
-  out.run = q.Int(1);
-  out.newest = q.Int(2);
-  out.scored_ms = q.Int(3);
-  out.score = q.Real(4);
-  out.critical_fail = q.Int(5) != 0;
-  out.score_json = q.Hash(6);
-  out.reference = OptionalId(q, 7);
-  out.document = q.Blob(8);
-  out.row_score = q.Real(9);
-  out.row_critical_fail = q.Int(10) != 0;
-  out.row_score_json = q.Hash(11);
-  out.row_tooth = q.Hash(12);
-  out.row_deviation = q.Hash(13);
-  out.row_series = q.Hash(14);
-  out.row_reference = OptionalId(q, 15);
-  out.recording = q.Hash(16);
-  out.header = q.Blob(17);
-  out.profile = q.Hash(18);
-  out.exercise = q.Hash(19);
-  out.flags = static_cast<uint32_t>(q.Int(20));
-  out.expired = q.Int(21) != 0;
-  out.cause = q.Text(22);
-  out.tooth = q.Hash(23);
-  out.deviation = q.Hash(24);
-  out.series = q.Hash(25);
+  q.Read(0, out.attempt, out.run, out.newest, out.scored_ms, out.score, out.critical_fail,
+         out.score_json, out.reference, out.document, out.row_score, out.row_critical_fail,
+         out.row_score_json, out.row_tooth, out.row_deviation, out.row_series, out.row_reference,
+         out.recording, out.header, out.profile, out.exercise, out.flags, out.expired, out.cause,
+         out.tooth, out.deviation, out.series);
   return out;
 }
 
@@ -201,7 +176,7 @@ Status CheckTrail(Db& db, const Run& run, VerifyReport& report) {
   Query q(db,
           "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN (?3, ?4) "
           "ORDER BY id DESC LIMIT 1");
-  q.Bind(run.attempt.Text()).Bind(std::string(kAuditScore)).Bind(std::string(kAuditRestore));
+  q.Bind(run.attempt.Text(), kAuditScore, kAuditRestore);
   const std::string told = q.Next() ? q.Text(0) : "{}";
   ENAMEL_RETURN_IF_ERROR(q.status());
   ENAMEL_ASSIGN_OR_RETURN(const auto now,
@@ -224,7 +199,7 @@ Status CheckRuns(Db& db, const Uuid& attempt, const std::map<int64_t, Run>& runs
   Query q(db,
           "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN (?3, ?4) "
           "ORDER BY id");
-  q.Bind(attempt.Text()).Bind(std::string(kAuditScore)).Bind(std::string(kAuditRestore));
+  q.Bind(attempt.Text(), kAuditScore, kAuditRestore);
   const auto find = [&](int64_t run, const std::string& expected, const std::string& found) {
     report.findings.push_back({"result", attempt.Text(),
                                "run " + std::to_string(run) + ": " + expected, found, kScoreAgain});

@@ -22,13 +22,6 @@ constexpr char kStages[] =
     "a.tenant AND j.attempt = a.id AND j.state IN ('queued', 'cancelled')) FROM attempts a WHERE "
     "a.tenant = ?1";
 
-Stage StageOf(const Query& q) {
-  return {q.Id(0),       static_cast<AttemptState>(q.Int(1)),
-          q.Int(2) != 0, q.Int(3) != 0,
-          q.Int(4) != 0, q.Int(5) != 0,
-          q.Int(6) != 0, q.Int(7) != 0};
-}
-
 // Why the stage cannot be this one; empty: it can.
 std::string WhyNot(const Stage& stage) {
   switch (stage.state) {
@@ -59,9 +52,7 @@ std::string WhyNot(const Stage& stage) {
 // A run that failed by its recording ends as done; its row in the trail says that it failed.
 Result<bool> TrailTellsOfFailure(Db& db, const Uuid& attempt) {
   Query q(db, "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'attempt.fail'");
-  const bool told = q.Bind(attempt.Text()).Next();
-  if (!q.status().ok()) return q.status();
-  return told;
+  return q.Bind(attempt.Text()).Any();
 }
 
 }  // namespace
@@ -69,7 +60,7 @@ Result<bool> TrailTellsOfFailure(Db& db, const Uuid& attempt) {
 Status CheckStages(Db& db, VerifyReport& report) {
   Query q(db, kStages);
   while (q.Next()) {
-    Stage stage = StageOf(q);
+    Stage stage = q.Row<Stage>();
     const bool ended = stage.state == AttemptState::kFailed || stage.state == AttemptState::kSealed;
     if (ended && !stage.has_score && !stage.run_failed) {
       ENAMEL_ASSIGN_OR_RETURN(stage.run_failed, TrailTellsOfFailure(db, stage.attempt));
