@@ -12,10 +12,10 @@ struct PriceKind {
   std::string_view unit;  // of its sizes
   // A document's members for the sizes. nullptr: the kind lacks that side.
   const char *over, *left;
-  bool is_region;
+  bool is_needed;  // what has it costs: a rubric without its price cannot score it
 };
 
-inline constexpr std::array<PriceKind, 11> kPriceKinds = {
+inline constexpr std::array<PriceKind, 12> kPriceKinds = {
     {{"floor", "mm", "over_mm", "left_mm", true},
      {"wall", "mm", "over_mm", "left_mm", true},
      {"table", "mm", "over_mm", "left_mm", true},
@@ -26,7 +26,8 @@ inline constexpr std::array<PriceKind, 11> kPriceKinds = {
      {"elsewhere", "mm3", "over_mm3", nullptr, false},
      {"neighbour", "mm", "over_mm", nullptr, false},
      {"pulp", "mm3", "over_mm3", nullptr, false},
-     {"caries", "%", nullptr, "left_percent", false}}};
+     {"caries", "%", nullptr, "left_percent", false},
+     {"contact", "%", nullptr, "left_percent", true}}};
 
 // nullptr: nothing that has a price is called so.
 constexpr const PriceKind* FindPriceKind(std::string_view of) {

@@ -168,6 +168,11 @@ class FaultWalk {
       }
       if (whole_.count(kind) == 0) whole_[kind] = static_cast<int>(i);
     }
+    for (size_t t = 0; r_.contact() && t < r_.contact()->thirds().size(); ++t) {
+      const auto& all = in.found->mistakes;
+      const auto found = std::ranges::find(all, r_.contact()->thirds()[t].name, &Mistake::place);
+      of_third_.push_back(found == all.end() ? -1 : static_cast<int>(found - all.begin()));
+    }
   }
 
   void Run() {
@@ -198,7 +203,7 @@ class FaultWalk {
       if (more > -kLeastFraction && more < kLeastFraction) continue;
       const bool left = more > 0;
       if (!near) near.emplace(r_, b, kDeepest_m);
-      const int mistake = MistakeAt(v, i, left, *near);
+      const int mistake = MistakeAt(b, i, v, left, *near);
       if (mistake < 0) continue;
       Fault fault;
       // Where R took the centre too, the centre's moment is that of what was asked for and not of what went beyond it.
@@ -209,13 +214,15 @@ class FaultWalk {
     }
   }
 
-  int MistakeAt(const ivec3& v, int i, bool left, AcceptableCut::Brick& near) const {
+  int MistakeAt(int b, int i, const ivec3& v, bool left, AcceptableCut::Brick& near) const {
     const Tissue tissue = r_.initial().TissueAt(v);
     if (!left && tissue == Tissue::kNeighbour) return Whole(MistakeKind::kNeighbour);
     if (!left && tissue == Tissue::kPulp && Whole(MistakeKind::kPulp) >= 0)
       return Whole(MistakeKind::kPulp);
     if (left && tissue == Tissue::kCaries && Whole(MistakeKind::kCaries) >= 0)
       return Whole(MistakeKind::kCaries);
+    if (const auto third = left && r_.contact() ? r_.contact()->ThirdAt(b, i) : std::nullopt)
+      return of_third_[*third];
     const auto at = near.At(i);
     if (!at || (!left && at->distance_m > kElsewhereTo_m)) return Whole(MistakeKind::kHole);
     const int by_piece = (left ? in_.found->left : in_.found->over)[at->piece()];
@@ -232,6 +239,7 @@ class FaultWalk {
   std::vector<Gatherer>& gatherers_;
   std::vector<Stroke> strokes_;
   std::map<MistakeKind, int> whole_;  // the first mistake of each kind
+  std::vector<int> of_third_;         // of the contact; -1: not lost
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "common/scoring/crown.h"
 #include "common/scoring/margins.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/mistakes/contact.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
 #include "common/scoring/untouched.h"
@@ -24,7 +25,7 @@ struct Measured {
   LineAngleFigures line_angles;
   MarginFigures margin;
   CrownFigures crown;
-  ContactFigures contact;
+  std::optional<Contact::Figures> contact;  // none: not in the task
   StumpFigures stump;
   std::array<double, 4> sides_done{1, 1, 1, 1};
   bool has_pulp = false, has_neighbour = false;

@@ -189,9 +189,10 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
   ENAMEL_RETURN_IF_ERROR(tell(0.7));
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
-  if (m.has_neighbour && plan.Has(MetricGroup::kCover)) {
-    m.contact =
-        MeasureContact(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
+  // A crown's axial walls say it themselves.
+  if (m.has_neighbour && plan.Has(MetricGroup::kCover) && !IsCrown(exercise.target)) {
+    const Contact contact(initial, *reference.final_volume, scene.tooth, scene.up);
+    if (!contact.thirds().empty()) m.contact = contact.Of(*attempt.final_volume);
   }
   ENAMEL_RETURN_IF_ERROR(tell(0.8));
   if (plan.Has(MetricGroup::kPathInTime) && reference.process) {

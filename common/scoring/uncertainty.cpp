@@ -22,17 +22,10 @@ double OfShare_percent(double area_m2, double whole_m3, double surface_m) {
   return whole_m3 > 0 ? 100 * area_m2 * surface_m / whole_m3 : 0;
 }
 
-double OfContact_percent(const ContactFigures& contact, double surface_m, double voxel_m) {
-  if (!(contact.lines > 0)) return 0;
-  // Lines for a metre that the surface moves: of a voxel's range. Then a border along a row, which counts as a whole.
-  const double moved = contact.near / voxel_m * surface_m;
-  const double counted = kEven * contact.longest_row;
-  return 100 * std::sqrt(moved * moved + counted * counted) / contact.lines;
-}
-
 double OfPercent(std::string_view metric, const Measured& m) {
   const double u = m.surface_u_m;
-  if (metric == "contact_left_percent") return OfContact_percent(m.contact, u, m.voxel_m);
+  if (metric == "contact_left_percent")
+    return m.contact ? m.contact->uncertainty_percent(u, m.voxel_m) : 0;
   if (metric == "reduction_top_percent")
     return m.stump.top_asked_m > 0 ? 100 * u / m.stump.top_asked_m : 0;
   if (metric == "reduction_least_percent") return 100 * u / kLeastReduction_m;

@@ -5,8 +5,7 @@
 #include "common/cutting/volume.h"
 #include "common/scoring/zones.h"
 
-// What an attempt left as it was: a side or the top of the task, the contact with the next tooth; and
-// what it left of a stump.
+// What an attempt left as it was: a side or the top of the task; and what it left of a stump.
 // Formulas: schemas/score.md. Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
@@ -29,21 +28,5 @@ struct StumpFigures {
 StumpFigures MeasureStump(const cutting::Volume& initial, const cutting::Volume& attempt,
                           const cutting::Volume& reference, const OpenBox& target,
                           double bottom_z_m);
-
-// The contact area: lines along x from the middle of the target's box to a neighbouring tooth at
-// most kContactGap_m beyond the tooth's own end, of which the reference took everything. It is
-// broken along a line where the attempt left none of it either.
-struct ContactFigures {
-  bool in_task = false;  // the reference broke 0.1 mm^2 of it
-  double left = 0;       // share of the lines on which some of its outermost 0.5 mm stands
-  // Lines, a voxel apart, and those on which half a voxel more or less would change whether something stands.
-  double lines = 0, near = 0;
-  double longest_row = 0;  // lines at one height
-};
-// Over the whole face of a molar's contact: its curves are 0.3 mm apart 1.5 mm beside its middle.
-inline constexpr double kContactGap_m = 0.3e-3;
-// Requires: equal grids.
-ContactFigures MeasureContact(const cutting::Volume& initial, const cutting::Volume& attempt,
-                              const cutting::Volume& reference, const OpenBox& target);
 
 }  // namespace enamel::scoring

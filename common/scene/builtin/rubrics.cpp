@@ -24,6 +24,8 @@ std::vector<RubricPrice> WithDamage(std::vector<RubricPrice> regions) {
   regions.push_back({"elsewhere", 1, 0, 12, 60, 2, 12, kChosen});
   regions.push_back({"neighbour", 1, 0, 40, 40, 2, 10, kChosen});
   regions.push_back({"pulp", 0.05, 0, 50, 50, 0.5, 5, kChosen});
+  // A third of a contact that is not opened at all costs 8.5 points, and 60 % of one is to be redone.
+  regions.push_back({"contact", 0, 50, 6, 12, 1, 6, kChosen});
   return regions;
 }
 

@@ -68,6 +68,8 @@ AcceptableCut::AcceptableCut(const cutting::Volume& initial, const cutting::Volu
     const auto nearest = inner_query.NearestTriangle(middle, kDeepest_m);
     inner_.push_back(nearest ? nearest->triangle : 0);
   }
+  if (!is_stump()) contact_.emplace(initial, prepared, place.tooth, place.up);
+  if (contact_ && contact_->thirds().empty()) contact_.reset();
   MeasureTask();
   FindPulp();
   surface_u_m_ = SurfaceUncertainty_m(initial_.spec().voxel_m(), place.registration_m);

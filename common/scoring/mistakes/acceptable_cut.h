@@ -10,6 +10,7 @@
 
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
+#include "common/scoring/mistakes/contact.h"
 #include "common/surface/surface.h"
 
 // An acceptable cut R (an exercise's own target, or a reference in use), and what it alone fixes for
@@ -118,6 +119,8 @@ class AcceptableCut {
   // How much touching the pulp is a fault, 0 to 1: 0 where R opens it or leaves less than the leeway over it, 1 where R
   // leaves kPulpCover_m. Without a step, since the grid decides whether a cut that just meets the pulp opens it.
   double pulp_counts() const { return pulp_counts_; }
+  // nullptr: R is a stump, whose axial walls say it, or opens no contact.
+  const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
 
   struct Nearest {
     double distance_m = 0;  // without a side
@@ -190,6 +193,7 @@ class AcceptableCut {
   std::vector<bool> at_rim_;                     // of its triangles, whether they touch the rim
   std::optional<surface::DistanceQuery> edges_;  // of the line angles
   std::vector<uint32_t> piece_of_edge_;          // of its triangles
+  std::optional<Contact> contact_;
   double task_beyond_m3_ = 0, pulp_counts_ = 1, surface_u_m_ = 0;
 };
 

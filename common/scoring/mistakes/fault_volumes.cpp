@@ -42,6 +42,7 @@ class FaultMeter {
     const size_t n = r.pieces().size();
     out_.over.resize(n), out_.left.resize(n);
     out_.elsewhere.resize(n), out_.off_m.resize(n), at_.resize(n), next_m3_.resize(n);
+    if (r.contact()) out_.contact_left_m.resize(r.contact()->row_count());
   }
 
   FaultVolumes Measure() {
@@ -153,12 +154,16 @@ class FaultMeter {
       const Layer layer = Layer::In(-solid_side_m, h_m_, left);
       const double beyond_m3 = left * voxel_m3_ * layer.Beyond();
       out_.left_beyond_m3 += beyond_m3;
-      if (tissue == Tissue::kCaries)
+      const auto row = r_.contact() ? r_.contact()->RowAt(voxel.brick, i) : std::nullopt;
+      if (tissue == Tissue::kCaries) {
         out_.caries_left_m3 += beyond_m3;
-      else
+      } else if (row) {
+        out_.contact_left_m[*row] += left * h_m_;
+      } else {
         for (const auto& [piece, share] : nearest->Payers()) {
           AddTo(out_.left[piece], share * left * voxel_m3_, layer);
         }
+      }
       for (const auto& [piece, share] : nearest->Nearby()) {
         if (!(share > 0)) continue;
         at_[piece].left_m3 += share * left * voxel_m3_;

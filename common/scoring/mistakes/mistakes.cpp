@@ -157,29 +157,6 @@ class Finder {
   size_t MostPaid(size_t group) const {
     return static_cast<size_t>(std::ranges::max_element(paid_[group]) - paid_[group].begin());
   }
-  // What a kind says was done: + cut too far, - left, 0 both.
-  static int SignOf(MistakeKind kind) {
-    switch (kind) {
-      case MistakeKind::kOverExtended:
-      case MistakeKind::kDeep:
-      case MistakeKind::kOverReduced:
-      case MistakeKind::kGroove:
-      case MistakeKind::kPit:
-        return 1;
-      case MistakeKind::kUnderExtended:
-      case MistakeKind::kShallow:
-      case MistakeKind::kUnderReduced:
-      case MistakeKind::kLedge:
-      case MistakeKind::kOverhang:
-      case MistakeKind::kLip:
-      case MistakeKind::kCorner:
-      case MistakeKind::kBump:
-      case MistakeKind::kStanding:
-        return -1;
-      default:
-        return 0;
-    }
-  }
   void CallUneven(size_t group) {
     Mistake& m = out_[group];
     m.kind = MistakeKind::kUneven;
@@ -207,6 +184,8 @@ class Finder {
       case MistakeKind::kNeighbour:
       case MistakeKind::kPulp:
         return Group::kTissuePreserved;
+      case MistakeKind::kContact:
+        return Group::kOutline;
       case MistakeKind::kCaries:
       case MistakeKind::kNotDone:
         return Group::kInternalForm;
@@ -275,8 +254,9 @@ class Finder {
   double PaidForNothing() const {
     double out = 0;
     if (!NothingDone()) return out;
-    for (size_t row = 0; row < r_.regions().size(); ++row) {
-      if (!cost_.rows[row].over) out += cost_.rows[row].lost;
+    for (size_t row = 0; row < measures_.size(); ++row) {
+      const bool counts = row < r_.regions().size() || measures_[row].kind == whole::kContact;
+      if (counts && !cost_.rows[row].over) out += cost_.rows[row].lost;
     }
     return out;
   }
@@ -286,6 +266,7 @@ class Finder {
     const size_t groups = groups_.size();
     for (size_t i = r_.regions().size(); i < measures_.size(); ++i) {
       double lost = cost_.rows[i].lost;
+      if (measures_[i].kind == whole::kContact && NothingDone()) continue;
       if (measures_[i].kind == whole::kNotDone) lost += PaidForNothing();
       if (!(lost > 0)) continue;
       Mistake mistake;
@@ -298,8 +279,9 @@ class Finder {
       mistake.kind = measures_[i].kind == whole::kNeighbour ? MistakeKind::kNeighbour
                      : measures_[i].kind == whole::kPulp    ? MistakeKind::kPulp
                      : measures_[i].kind == whole::kCaries  ? MistakeKind::kCaries
+                     : measures_[i].kind == whole::kContact ? MistakeKind::kContact
                                                             : MistakeKind::kNotDone;
-      mistake.at_m = MiddleOfTask();
+      mistake.at_m = MiddleOf(measures_[i], mistake.place);
       rest_.push_back(mistake);
     }
     for (size_t g = 0; g < groups; ++g) {
@@ -323,6 +305,12 @@ class Finder {
     out_.insert(out_.end(), rest_.begin(), rest_.end());
   }
 
+  // Of the whole, or of a third of a contact, whose name `place` gets.
+  dvec3 MiddleOf(const RegionMeasure& measure, std::string& place) const {
+    if (measure.kind != whole::kContact) return MiddleOfTask();
+    place = measure.name;
+    return std::ranges::find(r_.contact()->thirds(), place, &Contact::Third::name)->at_m;
+  }
   dvec3 MiddleOfTask() const {
     dvec3 sum(0);
     double area = 0;
@@ -378,51 +366,6 @@ class Finder {
 };
 
 }  // namespace
-
-std::string_view NameOf(MistakeKind kind) {
-  constexpr std::array<std::string_view, kMistakeKinds> kNames = {
-      "shifted",       "turned",   "tipped",    "over_extended", "under_extended",
-      "leans_out",     "leans_in", "deep",      "shallow",       "over_reduced",
-      "under_reduced", "slopes",   "groove",    "pit",           "ledge",
-      "overhang",      "lip",      "corner",    "bump",          "standing",
-      "wave",          "hole",     "neighbour", "pulp",          "caries",
-      "not_done",      "uneven"};
-  return kNames[static_cast<size_t>(kind)];
-}
-
-std::string_view UnitOf(MistakeKind kind) {
-  switch (kind) {
-    case MistakeKind::kTurned:
-    case MistakeKind::kTipped:
-    case MistakeKind::kLeansOut:
-    case MistakeKind::kLeansIn:
-    case MistakeKind::kSlopes:
-      return "deg";
-    case MistakeKind::kStanding:
-    case MistakeKind::kHole:
-    case MistakeKind::kPulp:
-      return "mm3";
-    case MistakeKind::kCaries:
-    case MistakeKind::kNotDone:
-      return "%";
-    default:
-      return "mm";
-  }
-}
-
-std::string_view NameOf(Group group) {
-  constexpr std::array<std::string_view, kGroups> kNames = {"outline", "internal_form", "margins",
-                                                            "tissue_preserved", "hand"};
-  return kNames[static_cast<size_t>(group)];
-}
-
-Group GroupOf(std::string_view kind) {
-  if (kind == NameOf(RegionKind::kWall)) return Group::kOutline;
-  if (kind == NameOf(RegionKind::kMargin)) return Group::kMargins;
-  if (kind == whole::kElsewhere || kind == whole::kNeighbour || kind == whole::kPulp)
-    return Group::kTissuePreserved;
-  return Group::kInternalForm;
-}
 
 FoundMistakes FindMistakes(const AcceptableCut& r, const FaultVolumes& faults,
                            const CutCost& cost) {

@@ -42,12 +42,15 @@ enum class MistakeKind : uint8_t {
   kNeighbour,  // mm deep
   kPulp,       // mm^3
   kCaries,     // share left
+  kContact,    // share of a third that was not opened
   kNotDone,    // share of the task left, beyond what the regions paid
   kUneven,     // what nothing of the above explains
 };
-inline constexpr size_t kMistakeKinds = 27;
+inline constexpr size_t kMistakeKinds = 28;
 std::string_view NameOf(MistakeKind kind);  // "shifted", "over_extended"
 std::string_view UnitOf(MistakeKind kind);  // "mm", "deg", "mm3", "%"; of kUneven "mm"
+// What a kind says was done: + cut too far, - left, 0 both.
+int SignOf(MistakeKind kind);
 
 // Under what an examiner writes a mistake down.
 enum class Group : uint8_t { kOutline, kInternalForm, kMargins, kTissuePreserved, kHand };
@@ -59,7 +62,7 @@ Group GroupOf(std::string_view kind);
 
 struct Mistake {
   MistakeKind kind = MistakeKind::kUneven;
-  // "", of the whole; or a region's name, or of all of one kind ("floor", "wall", "table").
+  // "", of the whole; or a name of a region or of a third of a contact, or of all of one kind ("floor", "wall", "table").
   std::string place;
   double size = 0;   // in UnitOf(kind), above 0
   dvec3 at_m{0};     // the middle of where it cost

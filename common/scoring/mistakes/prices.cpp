@@ -125,6 +125,12 @@ std::vector<RegionMeasure> MeasuresOf(const AcceptableCut& r, const FaultVolumes
     add(whole::kCaries, 0, 100 * faults.caries_left_m3 / faults.caries_m3,
         100 * OfVolume_m3(faults.caries_left_m3, u) / faults.caries_m3);
   }
+  for (size_t i = 0; r.contact() && i < r.contact()->thirds().size(); ++i) {
+    const Contact::Figures of = r.contact()->Of(faults.contact_left_m, i);
+    add(whole::kContact, 0, of.closed_percent(),
+        of.uncertainty_percent(u, r.initial().spec().voxel_m()));
+    out.back().name = r.contact()->thirds()[i].name;
+  }
   if (r.task_beyond_m3() > 0) {
     add(whole::kNotDone, 0, 100 * faults.left_beyond_m3 / r.task_beyond_m3(),
         100 * area_m2 * u / r.task_beyond_m3());
@@ -153,7 +159,7 @@ Result<CutCost> CostOf(std::span<const RegionMeasure> measures,
         variance += u * u;
       }
     } else if (const scene::PriceKind* kind = scene::FindPriceKind(measure.kind);
-               kind == nullptr || kind->is_region) {
+               kind == nullptr || kind->is_needed) {
       return Status(Code::kInvalidInput,
                     "rubric: expected a price for \"" + measure.kind + "\", which " + measure.name +
                         " of this exercise is; add one to prices",

@@ -22,15 +22,16 @@ namespace enamel::scoring {
 // Kinds of damage to the whole, beside the kinds of regions.
 namespace whole {
 inline constexpr std::string_view kElsewhere = "elsewhere", kNeighbour = "neighbour",
-                                  kPulp = "pulp", kCaries = "caries", kNotDone = "not_done";
+                                  kPulp = "pulp", kCaries = "caries", kContact = "contact",
+                                  kNotDone = "not_done";
 }  // namespace whole
-// "mm" of regions and a neighbour, "mm3" elsewhere and of the pulp, "%" of caries and what was not
-// done; empty: no such kind.
+// "mm" of regions and a neighbour, "mm3" elsewhere and of the pulp, "%" of caries, of a third of a contact and of what
+// was not done; empty: no such kind.
 std::string_view UnitOf(std::string_view kind);
 
 // The measures of one region, or of the whole.
 struct RegionMeasure {
-  std::string name;  // Region::name; of the whole its kind
+  std::string name;  // Region::name; Contact::Third::name; of the rest of the whole its kind
   std::string kind;  // NameOf(RegionKind), or one of the whole's
   // In UnitOf(kind); a region's as an even layer, beyond the leeway.
   double over = 0, left = 0;

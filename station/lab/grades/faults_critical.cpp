@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scoring/untouched.h"
+#include "common/scoring/mistakes/contact.h"
 #include "station/lab/grades/fault_maker.h"
 
 // The errors of schemas/critical_errors.json, as their made_by describes them, and which of them

@@ -13,7 +13,17 @@ using scoring::AcceptableCut;
 using scoring::MistakeKind;
 
 // What a kind claims of its place.
-enum class Claim { kOver, kLeft, kEither, kElsewhere, kNeighbour, kPulp, kCaries, kNotDone };
+enum class Claim {
+  kOver,
+  kLeft,
+  kEither,
+  kElsewhere,
+  kNeighbour,
+  kPulp,
+  kCaries,
+  kContact,
+  kNotDone
+};
 Claim ClaimOf(MistakeKind kind) {
   using enum MistakeKind;
   switch (kind) {
@@ -41,6 +51,8 @@ Claim ClaimOf(MistakeKind kind) {
       return Claim::kPulp;
     case kCaries:
       return Claim::kCaries;
+    case kContact:
+      return Claim::kContact;
     case kNotDone:
       return Claim::kNotDone;
     case kShifted:
@@ -62,7 +74,7 @@ struct Seen {
 };
 struct SeenCut {
   std::vector<Seen> regions;  // beyond the leeway, each voxel at the nearest region
-  double far_over = 0, neighbour = 0, pulp = 0, caries = 0, left = 0;
+  double far_over = 0, neighbour = 0, pulp = 0, caries = 0, contact = 0, left = 0;
 };
 
 class Looker {
@@ -88,6 +100,7 @@ class Looker {
       if (f0 <= 0 || off == 0) continue;
       if (!places) places.emplace(r_, b, scoring::kDeepest_m);
       Add(*places, i, std::max(0.0, -off), std::max(0.0, off));
+      if (r_.contact() && r_.contact()->RowAt(b, i)) out_.contact += std::max(0.0, off);
     }
   }
 
@@ -135,6 +148,8 @@ class Checker {
         return Whole(scoring::whole::kPulp, seen_.pulp);
       case Claim::kCaries:
         return Whole(scoring::whole::kCaries, seen_.caries);
+      case Claim::kContact:
+        return Whole(scoring::whole::kContact, seen_.contact);
       case Claim::kNotDone:
         return NotDone();
       case Claim::kOver:
@@ -200,6 +215,7 @@ Sides SidesOf(MistakeKind kind) {
       return {true, false};
     case Claim::kLeft:
     case Claim::kCaries:
+    case Claim::kContact:
     case Claim::kNotDone:
       return {false, true};
     case Claim::kEither:

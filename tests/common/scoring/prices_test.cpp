@@ -43,13 +43,14 @@ TEST(PriceOfTest, AtItsSizeItCostsThePointsDampedByTheBound) {
   EXPECT_NEAR(PriceOf(p, 1.2, 0.4), 36 / std::sqrt(2.0), 1e-12);
 }
 
-TEST(PriceOfTest, EveryKindOfRegionHasAPriceKindOfItsName) {
-  size_t regions = 0;
-  for (const scene::PriceKind& kind : scene::kPriceKinds) regions += kind.is_region;
-  EXPECT_EQ(regions, kRegionKinds);
+TEST(PriceOfTest, EveryKindOfRegionAndTheContactNeedTheirPrice) {
+  size_t needed = 0;
+  for (const scene::PriceKind& kind : scene::kPriceKinds) needed += kind.is_needed;
+  EXPECT_EQ(needed, kRegionKinds + 1);
+  EXPECT_TRUE(scene::FindPriceKind(whole::kContact)->is_needed);
   for (size_t i = 0; i < kRegionKinds; ++i) {
     const scene::PriceKind* kind = scene::FindPriceKind(NameOf(static_cast<RegionKind>(i)));
-    EXPECT_TRUE(kind != nullptr && kind->is_region) << i;
+    EXPECT_TRUE(kind != nullptr && kind->is_needed) << i;
   }
   for (const auto of : {whole::kElsewhere, whole::kNeighbour, whole::kPulp, whole::kCaries}) {
     EXPECT_NE(scene::FindPriceKind(of), nullptr) << of;
