@@ -5,7 +5,7 @@
 #include "common/cutting/volume.h"
 #include "common/scoring/zones.h"
 
-// What an attempt left as it was: a side or the top of the task; and what it left of a stump.
+// Measures what an attempt left as it was, a side or the top of the task, and what it left of a stump.
 // Formulas: schemas/score.md. Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 

@@ -16,7 +16,7 @@ using cutting::kBrickSide;
 using cutting::Tissue;
 using cutting::Volume;
 
-// What stands farther inside is a pillar in the box: chosen, a bur's radius.
+// A pillar in the box stands farther inside. Chosen: a bur's radius.
 constexpr double kShell_m = 0.5e-3;
 // A veneer's or a finish line's cut is not as deep as a box.
 constexpr double kDeep_m = 1e-3;

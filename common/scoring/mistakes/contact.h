@@ -40,7 +40,7 @@ class Contact {
   std::optional<uint32_t> RowAt(int brick, int i) const;
   std::optional<uint32_t> ThirdAt(int brick, int i) const;
 
-  // Of a third, or of all of them.
+  // One third's figures, or those of the whole contact.
   struct Figures {
     double rows = 0;
     double closed = 0;  // of them; a row counts less where what was left is thinner than 0.1 mm
@@ -53,7 +53,7 @@ class Contact {
   };
   // `left_m`: of each row, how much of the shell an attempt left.
   Figures Of(const std::vector<double>& left_m, std::optional<size_t> third = {}) const;
-  // The same from the attempt itself.
+  // Measures the attempt itself.
   Figures Of(const cutting::Volume& attempt) const;
 
  private:
@@ -71,7 +71,7 @@ class Contact {
   std::vector<Row> rows_;
   std::vector<uint32_t> third_;  // of each row
   std::vector<Third> thirds_;
-  // Of a brick's samples the row and 1; 0: none.
+  // The row of each sample of a brick, plus 1; 0: none.
   std::unordered_map<int, std::array<uint32_t, cutting::kBrickVoxels>> row_at_;
 };
 

@@ -52,7 +52,7 @@ struct FaultVolumes {
   double left_beyond_m3 = 0;
   // Caries of the task, and what was left of it, farther than the leeway; not in `left`.
   double caries_m3 = 0, caries_left_m3 = 0;
-  // Of each row of AcceptableCut::contact, how much of its shell was left; not in `left`.
+  // How much of the shell was left in each row of AcceptableCut::contact; not in `left`.
   std::vector<double> contact_left_m;
   // The integral, over what was taken from a neighbour, of the square of the depth under its surface,
   // which counts to 0.4 mm.

@@ -305,7 +305,7 @@ class Finder {
     out_.insert(out_.end(), rest_.begin(), rest_.end());
   }
 
-  // Of the whole, or of a third of a contact, whose name `place` gets.
+  // The middle of the whole task, or of a third of a contact, whose name `place` gets.
   dvec3 MiddleOf(const RegionMeasure& measure, std::string& place) const {
     if (measure.kind != whole::kContact) return MiddleOfTask();
     place = measure.name;

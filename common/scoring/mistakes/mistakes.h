@@ -49,7 +49,7 @@ enum class MistakeKind : uint8_t {
 inline constexpr size_t kMistakeKinds = 28;
 std::string_view NameOf(MistakeKind kind);  // "shifted", "over_extended"
 std::string_view UnitOf(MistakeKind kind);  // "mm", "deg", "mm3", "%"; of kUneven "mm"
-// What a kind says was done: + cut too far, - left, 0 both.
+// The side that a kind names: + cut too far, - left, 0 both.
 int SignOf(MistakeKind kind);
 
 // Under what an examiner writes a mistake down.

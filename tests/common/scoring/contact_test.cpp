@@ -39,7 +39,7 @@ Volume Blocks(int32_t voxel_nm, const Gone& gone) {
     const double next = ToBox(p, {kEnd + 0.1, -2.5, -3.5}, {3.5, 2.5, 0});
     return std::min(std::max(tooth, -gone(p)), next) * kMm;
   });
-  // The same with the second block's label.
+  // Labels the second block.
   Volume out(spec);
   for (int b = 0; b < spec.brick_count(); ++b) {
     std::array<uint8_t, cutting::kBrickVoxels> labels;
@@ -129,7 +129,7 @@ TEST(ContactTest, AFilmClosesItByItsThickness) {
   }
 }
 
-// What stands farther in than half a millimetre is a pillar.
+// A pillar stands farther in than half a millimetre.
 TEST(ContactTest, IsOpenBesideAPillar) {
   const auto pillar = [](const dvec3& p) {
     return std::max(Box(p), -ToBox(p, {0.8, -0.5, -9}, {1.3, 0.5, 9}));
