@@ -152,8 +152,7 @@ Result<uint32_t> JudgingRows::ReleaseAssignment(const Uuid& id, const Actor& by)
   Status status = rows_.Write([&](Db& db) -> Status {
     if (auto known = FindAssignment(db, id); !known.ok()) return known.status();
     Query scored(db, "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = " +
-                         Sql(AttemptState::kScored) +
-                         " AND released = 0");
+                         Sql(AttemptState::kScored) + " AND released = 0");
     ENAMEL_ASSIGN_OR_RETURN(const auto attempts, scored.Bind(id).All<Uuid>());
     for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(Release(db, attempt, by));
     released = static_cast<uint32_t>(attempts.size());
