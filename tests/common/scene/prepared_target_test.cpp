@@ -118,8 +118,9 @@ TEST_F(PreparedTargetTest, TheExerciseHasAPriceForEveryFormAndForCariesWhereTher
     for (const RubricPrice& p : PreparedExercise(scene, {}, {}).rubric.prices) out.insert(p.of);
     return out;
   };
-  std::multiset<std::string> every = {"floor", "wall",       "table",     "axial_wall", "margin",
-                                      "face",  "line_angle", "elsewhere", "neighbour",  "pulp"};
+  std::multiset<std::string> every = {"floor",     "wall", "table",      "axial_wall",
+                                      "margin",    "face", "line_angle", "elsewhere",
+                                      "neighbour", "pulp", "contact"};
   EXPECT_EQ(kinds(block_.scene), every);
   const auto molar = BuildBuiltinScene("molar-caries", 200'000);
   ASSERT_TRUE(molar.ok());
