@@ -189,8 +189,8 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
   ENAMEL_RETURN_IF_ERROR(tell(0.7));
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
-  // A crown's axial walls say it themselves.
-  if (m.has_neighbour && plan.Has(MetricGroup::kCover) && !IsCrown(exercise.target)) {
+  // A stump's axial walls say it themselves. What has a price for a table is measured as a crown.
+  if (m.has_neighbour && plan.Has(MetricGroup::kCover) && !m.crown.in_task) {
     const Contact contact(initial, *reference.final_volume, scene.tooth, scene.up);
     if (!contact.thirds().empty()) m.contact = contact.Of(*attempt.final_volume);
   }

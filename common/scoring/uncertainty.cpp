@@ -8,8 +8,6 @@ namespace {
 
 constexpr double kMm = 1e3, kMm2 = 1e6;
 constexpr double kPi = 3.14159265358979323846;
-// Standard deviation of what is even between 0 and 1: 1 / sqrt(12).
-constexpr double kEven = 0.28867513459481287;
 // Angles are measured within half a degree (schemas/score.md, "Accuracy").
 constexpr double kAngle_deg = 0.5 * 2 * kEven;
 // Between two of the 72 places of a finish line.

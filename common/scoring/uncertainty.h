@@ -12,6 +12,9 @@ namespace enamel::scoring {
 // A limit is borderline within so many of them.
 inline constexpr double kBorderlineWithin = 2;
 
+// Standard deviation of what is even between 0 and 1: 1 / sqrt(12).
+inline constexpr double kEven = 0.28867513459481287;
+
 // Of where a surface lies: rectangular within a quarter of a voxel, and within `registration_m` of where it should lie.
 double SurfaceUncertainty_m(double voxel_m, double registration_m);
 

@@ -8,6 +8,7 @@
 #include "common/scene/tooth_number.h"
 #include "common/scoring/brick_samples.h"
 #include "common/scoring/changed.h"
+#include "common/scoring/uncertainty.h"
 
 namespace enamel::scoring {
 namespace {
@@ -24,8 +25,6 @@ constexpr double kLeastContact_m2 = 0.1e-6;
 // Thinner than the first is a grid's rounding, thicker than the second closes a row. Chosen: a strip of 0.1 mm does not
 // pass where an examiner's probe of 0.25 mm should.
 constexpr double kFilm_m = 0.02e-3, kClosed_m = 0.1e-3;
-// Standard deviation of what is even between 0 and 1: 1 / sqrt(12).
-constexpr double kEven = 0.28867513459481287;
 constexpr int32_t kWhole = 65536;
 
 int Voxels(double length_m, double voxel_m) {

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/scene/prepared_target.h"
 #include "common/scoring/mistakes/prices.h"
+#include "common/scoring/trial.h"
+#include "tests/common/scoring/synthetic_cavity.h"
 #include "tests/support/analytic_volume.h"
 
 // Two blocks side by side, 0.1 mm apart, and a box that opens their contact: every share has a closed form.
@@ -138,6 +141,27 @@ TEST(ContactTest, IsOpenBesideAPillar) {
   const Volume r = Blocks(100'000, Box);
   const Contact contact(initial, r, 46, scene::Up::kOcclusal);
   EXPECT_EQ(contact.Of(Blocks(100'000, pillar)).closed, 0);
+}
+
+// A scan of a prepared tooth may be of a crown or of a cavity.
+TEST(ContactTest, IsMeasuredAgainstAPreparedToothUnlessThatIsAStump) {
+  const Volume initial = Blocks(100'000, [](const dvec3&) { return 9.0; });
+  const auto stump = [](const dvec3& p) {
+    return -std::min(ToBox(p, {-0.4, -1.4, -9}, {0.9, 1.4, -0.3}),
+                     ToBox(p, {-9, -9, -9}, {9, 9, -2.8}));
+  };
+  auto left = [&](const Volume& r, const Volume& attempt) {
+    scene::Exercise exercise = BlockExercise();
+    exercise.target = *scene::TargetFromPrepared(BlockScene(), initial, r, Sha256{1}, 200);
+    return CalmAttempts(initial, r).Measure(BlockScene(), exercise, attempt).value();
+  };
+  const MetricSet of_box =
+      left(Blocks(100'000, Box), Blocks(100'000, Plate{.thick = 0.3, .to_z = -kDepth * 2 / 3}));
+  EXPECT_NEAR(ValueOf(of_box, "contact_left_percent"), 100. / 3, 4);
+  const MetricSet of_stump = left(Blocks(100'000, stump), Blocks(100'000, stump));
+  EXPECT_GT(ValueOf(of_stump, "reduction_top_percent"), 99);
+  EXPECT_NE(std::ranges::find(of_stump.missing, "contact_left_percent", &MissingMetric::name),
+            of_stump.missing.end());
 }
 
 TEST(ContactTest, ACutThatOpensNoneHasNone) {
