@@ -7,6 +7,7 @@
 
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
+#include "common/scene/price_kinds.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/trial.h"
@@ -62,12 +63,9 @@ Status CheckRubricWords(const scene::Rubric& rubric) {
 }
 
 Status MustKeepRegions(const scene::Rubric& counting, const scene::Rubric& rubric) {
-  using namespace scoring;
   for (const scene::RubricPrice& price : counting.prices) {
-    const bool of_whole = price.of == scoring::whole::kElsewhere ||
-                          price.of == scoring::whole::kNeighbour ||
-                          price.of == scoring::whole::kPulp || price.of == scoring::whole::kCaries;
-    if (of_whole ||
+    const scene::PriceKind* kind = scene::FindPriceKind(price.of);
+    if ((kind != nullptr && !kind->is_needed) ||
         std::ranges::find(rubric.prices, price.of, &scene::RubricPrice::of) != rubric.prices.end())
       continue;
     return Status(
