@@ -25,7 +25,7 @@ constexpr std::string_view kSameWords[] = {
 }  // namespace
 
 Result<std::string> InPostgres(const std::string& sqlite) {
-  // Comments and what has no counterpart; strings (1); words, functions with their parenthesis (2).
+  // A token is a comment or a word without a counterpart, a string (1), or another word, of a function with its parenthesis (2).
   static const std::regex kTokens(
       "--[^\n]*| STRICT(?:, WITHOUT ROWID)?|('[^']*')|\\b([A-Z]\\w*|[a-z]\\w*\\()");
   const std::string text = sqlite.substr(0, sqlite.find("-- For SQLite alone"));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/bytes.h"
+#include "common/base/check.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/unix_time.h"
@@ -29,26 +30,28 @@ class Query : public sql::Query {
   Query(Db& db, const char* sql) : sql::Query(db, sql) { BindInt(kTenant); }
   Query(Db& db, const std::string& sql) : Query(db, sql.c_str()) {}
 
-  // A bound value has its column's type, without conversion: ids and hashes are BLOB, times, flags
-  // and enumerators INTEGER, scores REAL; an optional without a value is NULL. Other C++ types have
-  // no Bind.
+  // Bind converts nothing: ids and hashes are BLOB, times, flags and enumerators INTEGER, scores
+  // REAL; an optional without a value is NULL. Other C++ types have no Bind.
   template <typename... T>
   Query& Bind(const T&... values) {
     (Put(values), ...);
     return *this;
   }
 
-  // Of the row: the columns from `first` on, each into the next variable, or the next member of a
-  // struct. NULL reads as 0, empty, or an optional without a value. What no column is left for
-  // stays as it is.
+  // Reads the row's columns from `first` on, each into the next variable, or the next member of a
+  // struct. NULL reads as 0, empty, or an optional without a value. Members after the last column
+  // keep their values.
   template <typename... T>
   void Read(int first, T&... out) const {
     (Fill(out, first), ...);
   }
+  // Requires: a member of T for each column.
   template <typename T>
   T Row() const {
     T out{};
-    Read(0, out);
+    int column = 0;
+    Fill(out, column);
+    ENAMEL_CHECK(column >= columns());
     return out;
   }
 
