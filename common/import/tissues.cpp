@@ -22,8 +22,8 @@ constexpr double kLow = 0.4;  // of the crown's height: a hole above is a scanne
 constexpr double kOnCap_mm = 1e-3;
 // Proximal enamel at the largest diameter: 1.22 to 1.39 mm, SD 0.18, in upper first premolars (Munhoz et al. 2012, Braz. J.
 // Oral Sci. 11:1); 10 mm on both sides of four lower posterior teeth (Stroud et al. 1998, Angle Orthod. 68:141). The
-// abstracts were read. The thickness at the top is chosen, so that the model has 1.3 mm at 0.6 of the height. It lies under the
-// smoothed surface: a cusp has more and a fossa less.
+// abstracts were read. The thickness at the top is chosen, so that the model has 1.3 mm at 0.6 of the height. The
+// thickness is measured from the smoothed surface: a cusp has more and a fossa less.
 constexpr double kFullEnamel_mm = 1.6;  // at the top of a molar or premolar
 // Share of the height at which the thickness bends from steep to slow. Chosen.
 constexpr double kBend = 0.5;

@@ -49,7 +49,7 @@ struct Solid {
 // triangles, and more for those that cross others (solid_boundary.h).
 Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options = {});
 
-// Whether a triangle of the mesh closes a hole, and all that do or do not.
+// IsCap tells the triangles that close a hole. Select takes all of them, or all others.
 bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& triangle);
 Triangles Select(const Solid& solid, bool caps);
 

@@ -189,7 +189,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
   ENAMEL_RETURN_IF_ERROR(tell(0.7));
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
-  // A stump's axial walls say it themselves. What has a price for a table is measured as a crown.
+  // A stump's axial walls say it themselves. MetricPlan::For measures a crown wherever a table has a price.
   if (m.has_neighbour && plan.Has(MetricGroup::kCover) && !m.crown.in_task) {
     const Contact contact(initial, *reference.final_volume, scene.tooth, scene.up);
     if (!contact.thirds().empty()) m.contact = contact.Of(*attempt.final_volume);

@@ -40,7 +40,7 @@ class Contact {
   std::optional<uint32_t> RowAt(int brick, int i) const;
   std::optional<uint32_t> ThirdAt(int brick, int i) const;
 
-  // One third's figures, or those of the whole contact.
+  // The figures of one third, or of the whole contact.
   struct Figures {
     double rows = 0;
     double closed = 0;  // of them; a row counts less where what was left is thinner than 0.1 mm

@@ -25,8 +25,8 @@ inline constexpr std::string_view kElsewhere = "elsewhere", kNeighbour = "neighb
                                   kPulp = "pulp", kCaries = "caries", kContact = "contact",
                                   kNotDone = "not_done";
 }  // namespace whole
-// "mm" of regions and a neighbour, "mm3" elsewhere and of the pulp, "%" of caries, of a third of a contact and of what
-// was not done; empty: no such kind.
+// "mm" of regions and a neighbour, "mm3" elsewhere and of the pulp, "%" of caries, of a third of a contact and of the
+// part of the task that was not done; empty: no kind has this name.
 std::string_view UnitOf(std::string_view kind);
 
 // The measures of one region, or of the whole.

@@ -15,7 +15,7 @@
 namespace enamel::server {
 namespace {
 
-// In the order of AttemptRow. Each attempt has its exercise. LEFT keeps SQLite's planner from beginning a second page with
+// In the order of AttemptRow. LEFT finds the same rows, as no attempt is without its exercise. It keeps SQLite's planner from beginning a second page with
 // all exercises.
 constexpr char kAttemptSelect[] =
     "SELECT a.id, a.person, p.display_name, p.login, a.station, a.exercise, e.title, e.content, "
