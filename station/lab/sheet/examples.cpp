@@ -118,6 +118,24 @@ CutPair Lip(const GradedExercise& graded) {
                        {at.middle_x_m + kHalf_m, 1, c.shoulder_z_m + kHigh_m}));
 }
 
+// A fence of the tooth's own surface along the gingival floor, 0.4 mm thick and 1.2 mm high.
+CutPair Fence(const GradedExercise& graded) {
+  constexpr double kThick_m = 0.4e-3, kHigh_m = 1.2e-3;
+  const cutting::Volume& tooth = graded.built().volume;
+  const BoxCavity& b = graded.task().box;
+  const double top = b.centre_m.z - b.depth_m + kHigh_m;
+  dvec3 end(b.centre_m.x, b.centre_m.y, top);  // outwards to where the tooth ends
+  for (const double h = tooth.spec().voxel_m();;) {
+    const cutting::Tissue tissue = tooth.TissueAtPoint(end);
+    if (tissue == cutting::Tissue::kAir || tissue == cutting::Tissue::kNeighbour) break;
+    end.x += b.mesial_x * h;
+  }
+  const double inner = end.x - b.mesial_x * kThick_m;
+  return Leaving(graded.task(), [=, way = b.mesial_x](const dvec3& p) {
+    return std::max(way * (inner - p.x), p.z - top);
+  });
+}
+
 // The floor this far over the highest pulp beneath it.
 CutPair FloorOverPulp(const GradedExercise& graded, double cover_m) {
   constexpr size_t kFloor = 4;
@@ -181,6 +199,7 @@ std::span<const Example> Examples() {
       {kNeighbour, "molar-class-2", "class-2", "neighbour cut"},
       {kPulp, "molar", "class-1", "", 1, IntoPulp},
       {kCaries, "molar-caries", "caries", "caries left"},
+      {kContact, "molar-class-2", "class-2", "", 1, Fence},
       {kNotDone, "molar", "class-1", "stopped early"},
   };
   return examples;
