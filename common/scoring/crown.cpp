@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/math/trig.h"
+#include "common/scoring/half_planes.h"
 #include "common/scoring/planes.h"
 
 namespace enamel::scoring {
@@ -12,15 +13,9 @@ namespace {
 
 using cutting::Tissue;
 using cutting::Volume;
+using namespace half_planes;
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr int kPlaces = 72;
-constexpr int kSections = 8, kHalfPlanes = 2 * kSections;
-// Of 5 degrees: a turn is 72 of them, so that the directions do not depend on libm.
-constexpr double kCosStep = 0.99619469809174553, kSinStep = 0.08715574274765817;
-// And of 22.5: between every other half plane and the one before, which is one of the places.
-constexpr double kCosBetween = 0.92387953251128674, kSinBetween = 0.38268343236508977;
-constexpr double kReach_m = 9e-3;        // a molar's half diagonal and room
 constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
 constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
 // Walls are measured from this far above the finish line, where a shoulder's inner edge is round,
@@ -38,86 +33,6 @@ constexpr double kLeastBevel_m = 0.2e-3;
 constexpr int kBevelPlaces = 5;                  // to either side
 constexpr double kLeastReduction_m = 0.5e-3;     // of a wall that the task reduces
 constexpr double kLeans = 0.034899496702500969;  // sin of 2 degrees
-
-struct Direction {
-  double x = 1, y = 0;
-};
-
-Direction Turned(const Direction& d, double cosine, double sine) {
-  return {d.x * cosine - d.y * sine, d.x * sine + d.y * cosine};
-}
-std::array<Direction, kPlaces> Directions() {
-  std::array<Direction, kPlaces> out;
-  for (size_t k = 1; k < out.size(); ++k) out[k] = Turned(out[k - 1], kCosStep, kSinStep);
-  return out;
-}
-std::array<Direction, kHalfPlanes> HalfPlanes(const std::array<Direction, kPlaces>& places) {
-  std::array<Direction, kHalfPlanes> out;
-  for (size_t k = 0; k < out.size(); ++k) {
-    const Direction& d = places[k / 2 * (kPlaces / kSections)];
-    out[k] = k % 2 == 0 ? d : Turned(d, kCosBetween, kSinBetween);
-  }
-  return out;
-}
-
-// Half planes about an axis through a volume.
-class Profile {
- public:
-  Profile(const Volume& volume, const dvec3& axis_m)
-      : volume_(volume), axis_m_(axis_m), step_m_(0.5 * volume.spec().voxel_m()) {}
-
-  // Where the tooth ends outwards from the axis at a height; none where the axis is in the air.
-  std::optional<double> Radius_m(const Direction& d, double z_m) const {
-    double before = At(d, 0, z_m);
-    if (before >= 0) return std::nullopt;
-    for (double r = step_m_; r < kReach_m; r += step_m_) {
-      const double phi = At(d, r, z_m);
-      // A neighbour that touches is another tooth.
-      if (phi < 0 && IsNeighbour(d, r, z_m)) return r - step_m_;
-      if (phi >= 0) return r - step_m_ * phi / (phi - before);
-      before = phi;
-    }
-    return std::nullopt;
-  }
-
-  // Height of the surface from above, between two heights; none where there is none.
-  std::optional<double> Height_m(const Direction& d, double r_m, double from_z_m,
-                                 double to_z_m) const {
-    return HeightWhere_m(
-        d, [r_m](double) { return r_m; }, from_z_m, to_z_m);
-  }
-  // The same along a line whose distance from the axis follows the height.
-  template <typename RadiusAt>
-  std::optional<double> HeightWhere_m(const Direction& d, const RadiusAt& radius_m, double from_z_m,
-                                      double to_z_m) const {
-    double before = At(d, radius_m(from_z_m), from_z_m);
-    if (before < 0) return std::nullopt;
-    for (double z = from_z_m - step_m_; z > to_z_m; z -= step_m_) {
-      const double phi = At(d, radius_m(z), z);
-      if (phi < 0) return z + step_m_ * phi / (phi - before);
-      before = phi;
-    }
-    return std::nullopt;
-  }
-  bool IsSolid(const Direction& d, double r_m, double z_m) const { return At(d, r_m, z_m) < 0; }
-
-  double step_m() const { return step_m_; }
-
- private:
-  dvec3 Point(const Direction& d, double r_m, double z_m) const {
-    return {axis_m_.x + r_m * d.x, axis_m_.y + r_m * d.y, z_m};
-  }
-  double At(const Direction& d, double r_m, double z_m) const {
-    return volume_.DistanceAt_m(Point(d, r_m, z_m));
-  }
-  bool IsNeighbour(const Direction& d, double r_m, double z_m) const {
-    return volume_.TissueAtPoint(Point(d, r_m, z_m)) == Tissue::kNeighbour;
-  }
-
-  const Volume& volume_;
-  const dvec3 axis_m_;
-  const double step_m_;
-};
 
 // The reference's finish line at one place around the axis.
 struct Place {

@@ -12,7 +12,7 @@ namespace enamel::scoring {
 namespace {
 
 constexpr double kMm = 1e3;
-// A groove is this many times longer than wide.
+// A groove is so many times longer than wide.
 constexpr double kLong = 2.0;
 // Shares of a wall's height: from kRimFrom up is the rim. A ledge is below kLow, and reaches to the foot but for the line
 // angle.
@@ -178,34 +178,6 @@ class Namer {
     return hi > lo ? (z_m - lo) / (hi - lo) : 0.5;
   }
 
-  // Lengths of the patch along its longest and second axis, by the spread of what it moved.
-  double LengthOverWidth(const MotionGroup& group, const dvec3& middle) const {
-    // Second moments, by power iteration twice: 20 steps are enough for a ratio that is compared with 2.
-    glm::dmat3 moments(0.0);
-    double weights = 0;
-    for (size_t i = 0; i < group.d_mm.size(); ++i) {
-      const double weight = std::fabs(group.d_mm[i]) * r_.pieces()[i].area_m2;
-      const dvec3 out = (r_.pieces()[i].at_m - middle) * kMm;
-      weights += weight;
-      for (int a = 0; a < 3; ++a) moments[a] += weight * out[a] * out;
-    }
-    if (!(weights > 0)) return 1;
-    auto largest = [](glm::dmat3& of) {
-      dvec3 v(1, 0.7, 0.4);
-      double value = 0;
-      for (int i = 0; i < 20; ++i) {
-        const dvec3 next = of * v;
-        value = std::sqrt(Dot(next, next));
-        if (!(value > 0)) return 0.0;
-        v = next / value;
-      }
-      for (int a = 0; a < 3; ++a) of[a] -= value * v[a] * v;
-      return value;
-    };
-    const double first = largest(moments), second = largest(moments);
-    return second > 0 ? std::sqrt(first / second) : kLong;
-  }
-
   void NamePatch(const MotionGroup& group, Mistake& m) const {
     std::map<int, double> by_region;
     double all = 0;
@@ -344,7 +316,7 @@ class Namer {
                          const dvec3& middle) const {
     const Region& region = r_.regions()[static_cast<size_t>(number)];
     const Displacement* part = LargestPart(group, all);
-    const bool is_long = LengthOverWidth(group, middle) > kLong;
+    const bool is_long = LengthOverWidth(r_, group.d_mm, middle) > kLong;
     if (IsWall(region.kind)) {
       const RegionFit fit = FitRegion(r_, static_cast<size_t>(number), from_.rest_mm);
       return NameOfCut(fit, part != nullptr || is_long);

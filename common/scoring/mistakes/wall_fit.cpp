@@ -182,4 +182,32 @@ bool IsWavy(const AcceptableCut& r, size_t region, const std::vector<double>& of
   });
 }
 
+double LengthOverWidth(const AcceptableCut& r, const std::vector<double>& d_mm,
+                       const dvec3& middle_m) {
+  glm::dmat3 moments(0.0);
+  double weights = 0;
+  for (size_t i = 0; i < d_mm.size(); ++i) {
+    const double weight = std::fabs(d_mm[i]) * r.pieces()[i].area_m2;
+    const dvec3 out = (r.pieces()[i].at_m - middle_m) * kMm;
+    weights += weight;
+    for (int a = 0; a < 3; ++a) moments[a] += weight * out[a] * out;
+  }
+  if (!(weights > 0)) return 1;
+  // Power iteration, twice: 20 steps are enough for a ratio that is compared with 2.
+  auto largest = [](glm::dmat3& of) {
+    dvec3 v(1, 0.7, 0.4);
+    double value = 0;
+    for (int i = 0; i < 20; ++i) {
+      const dvec3 next = of * v;
+      value = std::sqrt(Dot(next, next));
+      if (!(value > 0)) return 0.0;
+      v = next / value;
+    }
+    for (int a = 0; a < 3; ++a) of[a] -= value * v[a] * v;
+    return value;
+  };
+  const double first = largest(moments), second = largest(moments);
+  return second > 0 ? std::sqrt(first / second) : 1;
+}
+
 }  // namespace enamel::scoring

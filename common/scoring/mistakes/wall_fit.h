@@ -4,7 +4,7 @@
 
 #include "common/scoring/mistakes/acceptable_cut.h"
 
-// How one region is off: moved or leaning as a whole, in waves, or only in a part of it. Private to mistakes.cpp and
+// How one region is off: moved or leaning as a whole, in waves, or only in a part of it, and how long that is. Private to mistakes.cpp and
 // naming.cpp.
 // Thread safety: functions, any thread.
 namespace enamel::scoring {
@@ -27,6 +27,11 @@ struct RegionFit {
 };
 // `off_mm`: by piece, + over.
 RegionFit FitRegion(const AcceptableCut& r, size_t region, const std::vector<double>& off_mm);
+
+// How many times longer a patch is than wide: the root of the ratio of its two largest second moments, weighted by what it
+// moved, |d_mm|. 1 where it has no width.
+double LengthOverWidth(const AcceptableCut& r, const std::vector<double>& d_mm,
+                       const dvec3& middle_m);
 
 // Whether the surface goes up and down twice at the least: of one wall, or of all regions of another kind together, such as
 // a margin's.
