@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-constexpr size_t kMostIdBytes = 64;
+constexpr size_t kMaxIdBytes = 64;
 
 thread_local std::string_view current, attempt;
 
@@ -38,7 +38,7 @@ std::string LogRequest::NewId() {
 }
 
 bool LogRequest::IsId(std::string_view text) {
-  return !text.empty() && text.size() <= kMostIdBytes && std::ranges::all_of(text, [](char c) {
+  return !text.empty() && text.size() <= kMaxIdBytes && std::ranges::all_of(text, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
            c == '_' || c == '-';
   });

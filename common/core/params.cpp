@@ -119,7 +119,7 @@ Status CheckTorqueAndCues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("peak_torque_un_m", p.peak_torque_un_m, 0, 100'000'000));
   const bool torque = p.peak_torque_un_m > 0;
   ENAMEL_RETURN_IF_ERROR(CheckRange("rotation_cell_urad", p.rotation_cell_urad,
-                                    torque ? kLeastRotationCell_urad : 0, 100'000));
+                                    torque ? kMinRotationCell_urad : 0, 100'000));
   if (torque) {
     ENAMEL_RETURN_IF_ERROR(
         CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 1, 100'000'000));

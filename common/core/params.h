@@ -20,7 +20,7 @@ inline constexpr uint32_t kCoreVersion = 1;
 
 // The error of rounding an orientation to four 16-bit numbers alone: |dq| <= 1/32767, and an angle
 // is twice that.
-inline constexpr int32_t kLeastRotationCell_urad = 62;
+inline constexpr int32_t kMinRotationCell_urad = 62;
 
 // A bur that the handpiece can be given in place of the first one (CoreParams::other_burs).
 struct OtherBur {
@@ -76,7 +76,7 @@ struct CoreParams {
   // m, with which the force grows with the feed.
   cutting::FeedExponents feed_exponent = cutting::AllLinear();
   // Largest angle between the true and the measured orientation, urad: what the torque's guard
-  // counts with, kLeastRotationCell_urad of which are the recording's own. Needed where a torque is
+  // counts with, kMinRotationCell_urad of which are the recording's own. Needed where a torque is
   // sent; then rotational_kc_un_m_per_rad is needed too, and peak_torque_un_m >= 2 K cell.
   int32_t rotation_cell_urad = 0;
   // Touch cues: the largest force of the knock on contact and of the bur's chatter, and the energy
@@ -119,8 +119,8 @@ Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
 inline constexpr size_t kOtherBurBytes = 25;
-inline constexpr size_t kLeastParamsBytes = 325;  // with one bur
-inline constexpr size_t kMostParamsBytes = kLeastParamsBytes + (kMaxBurs - 1) * kOtherBurBytes;
+inline constexpr size_t kMinParamsBytes = 325;  // with one bur
+inline constexpr size_t kMaxParamsBytes = kMinParamsBytes + (kMaxBurs - 1) * kOtherBurBytes;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core
 // calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion

@@ -55,7 +55,7 @@ double VoxelForceError(const Bur& bur, int32_t voxel_nm) {
 
 int32_t LargestVoxel_nm(const Bur& bur) {
   const Areas areas = AreasOf(bur);
-  const double front = Scatter(bur.shape) / kMostVoxelForceError;
+  const double front = Scatter(bur.shape) / kMaxVoxelForceError;
   if (front * areas.whole_m2 > EngagementReader::kMaxPoints * areas.front_m2) return 0;
   const double apart_m = std::sqrt(areas.front_m2 / front);
   return static_cast<int32_t>(apart_m / EngagementReader::kSpacing_voxels * 1e6) * 1000;
@@ -76,7 +76,7 @@ std::string BurText(const Bur& bur) {
 
 std::optional<std::string> WhyTooCoarse(const Bur& bur, int32_t voxel_nm, bool graded) {
   const double off = VoxelForceError(bur, voxel_nm);
-  if (off <= kMostVoxelForceError) return std::nullopt;
+  if (off <= kMaxVoxelForceError) return std::nullopt;
   char text[300];
   std::snprintf(
       text, sizeof text,

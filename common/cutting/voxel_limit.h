@@ -20,7 +20,7 @@ namespace enamel::cutting {
 
 // Of the force. Beyond it graded work is refused and practice warned: a person tells 7 % of force apart
 // (fidelity/feel.h), and a grade must not hang on which way a wall was cut.
-inline constexpr double kMostVoxelForceError = 0.10;
+inline constexpr double kMaxVoxelForceError = 0.10;
 
 // Walls below it are not carried. A surface is where the distance changes its sign between two samples. It lies right
 // if the inner one is nearer to it than to the wall's other side, and so everywhere in walls of two voxels and more. A
@@ -30,7 +30,7 @@ inline constexpr double kThinnestWall_voxels = 2;
 
 // The bound c / N, a share of the force.
 double VoxelForceError(const Bur& bur, int32_t voxel_nm);
-// The largest voxel that keeps it within kMostVoxelForceError, in whole micrometres; 0: none, as a bur has no more
+// The largest voxel that keeps it within kMaxVoxelForceError, in whole micrometres; 0: none, as a bur has no more
 // than EngagementReader::kMaxPoints.
 int32_t LargestVoxel_nm(const Bur& bur);
 

@@ -12,8 +12,8 @@ namespace {
 constexpr size_t kBlock = 10;
 constexpr double kBlock_s = kBlock * kWayStep_s;
 // Slower, or with less force, nobody cuts: a bur that rests in its cut.
-constexpr double kLeastSpeed_m_per_s = 0.02e-3, kLeastForce_n = 0.02;
-constexpr size_t kMostRest = 10, kShortest = 30, kLongest = 400;  // blocks
+constexpr double kMinSpeed_m_per_s = 0.02e-3, kMinForce_n = 0.02;
+constexpr size_t kMaxRest = 10, kShortest = 30, kLongest = 400;  // blocks
 constexpr int kStrokes = 8;
 
 dvec3 TipOf(const core::CoreParams& params, const core::TickInput& input) {
@@ -29,8 +29,8 @@ dvec3 TipOf(const core::CoreParams& params, const core::TickInput& input) {
 
 bool CutStrokes::Block::removes() const {
   return turns && Dot(resisted_n, moved_m) > 0 &&
-         glm::length(moved_m) > kLeastSpeed_m_per_s * kBlock_s &&
-         glm::length(resisted_n) > kLeastForce_n;
+         glm::length(moved_m) > kMinSpeed_m_per_s * kBlock_s &&
+         glm::length(resisted_n) > kMinForce_n;
 }
 
 CutStrokes::CutStrokes(const core::CoreParams& params)
@@ -64,7 +64,7 @@ void CutStrokes::EndBlock(const dvec3& bur) {
   filled_ = 0;
   if (blocks_.back().removes()) end_ = blocks_.size();
   // Without one that removes no stroke has begun.
-  if (end_ == 0 || blocks_.size() - end_ > kMostRest || end_ >= kLongest) Close();
+  if (end_ == 0 || blocks_.size() - end_ > kMaxRest || end_ >= kLongest) Close();
 }
 
 void CutStrokes::Close() {
@@ -72,7 +72,7 @@ void CutStrokes::Close() {
   end_ = 0;
   blocks_.clear();
   way_.clear();
-  if (strokes_.size() <= kMostStrokes) return;
+  if (strokes_.size() <= kMaxStrokes) return;
   std::vector<CutStroke> kept;
   for (size_t i = 0; i < strokes_.size(); ++i) {
     if (i % 2 == 0)
@@ -162,7 +162,7 @@ std::optional<double> FeltErrorOf(const scene::DeviceProfile& profile,
     trial.law = params.law;
     const FeltFigures felt = Feel(device, trial, stroke.way_m);
     // So little force is a touch and no cut.
-    if (!(felt.tool_rms_n > kLeastForce_n)) continue;
+    if (!(felt.tool_rms_n > kMinForce_n)) continue;
     error2 += felt.felt_error_rms_n * felt.felt_error_rms_n;
     tool2 += felt.tool_rms_n * felt.tool_rms_n;
   }

@@ -23,11 +23,11 @@ struct CutStroke {
 
 // Finds the strokes of one recording. A stroke lasts while tissue is removed, with rests of at most a tenth of
 // a second, for 0.3 to 4 s. Tissue counts as removed where a turning bur moves, faster than 0.02 mm/s, against more
-// than 0.02 N. Memory: at most kMostStrokes strokes, 6 MB. Beyond them the recorder drops every second stroke
+// than 0.02 N. Memory: at most kMaxStrokes strokes, 6 MB. Beyond them the recorder drops every second stroke
 // and counts its time for the one before.
 class CutStrokes {
  public:
-  static constexpr size_t kMostStrokes = 64;
+  static constexpr size_t kMaxStrokes = 64;
 
   // Requires: ValidateParams(params).ok().
   explicit CutStrokes(const core::CoreParams& params);

@@ -147,7 +147,7 @@ class Coupling {
   // Where the spring is at rest, and what is in the tank: V + E of the proof.
   dvec3 rest_m() const noexcept { return law_->anchored() ? FromBoard(spring_.rest_m) : anchor_; }
   double tank_j() const noexcept { return spring_.tank.energy_j; }
-  // The share of Kc that a swing has left, in [SwingWatch::kLeastShare, 1]. Stays through Reset.
+  // The share of Kc that a swing has left, in [SwingWatch::kMinShare, 1]. Stays through Reset.
   double stiffness_share() const noexcept { return watch_.share(); }
   // The stiffness that the hand feels: Kc less the shares that a swing, soft tissue and a bound take.
   double stiffness_n_per_m() const noexcept { return spring_.guard.kc_n_per_m * spring_.share; }

@@ -64,7 +64,7 @@ dvec3 FrictionRelief::Push(const dvec3& pull, double b, double kc) noexcept {
 double FrictionRelief::NextShare(double b) const noexcept {
   if (!soften_) return 1;
   // Nothing resists: all of the stiffness, for what the bur meets next.
-  const double wanted = b > 0 ? Clamped(b / (own_.softest_s * kc_), kLeastSoftness, 1) : 1;
+  const double wanted = b > 0 ? Clamped(b / (own_.softest_s * kc_), kMinSoftness, 1) : 1;
   return share_ + (wanted - share_) * (tick_s_ / (kRelief_s + tick_s_));
 }
 

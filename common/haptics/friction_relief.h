@@ -37,7 +37,7 @@ struct OwnFriction {
 
 // Chosen: ten ticks, in which no hand reverses, and noise of single readings does not make the motors rattle.
 inline constexpr double kRelief_s = 0.010;
-inline constexpr double kLeastSoftness = 1.0 / 16;
+inline constexpr double kMinSoftness = 1.0 / 16;
 
 // The force asked of the motors for a pull R in tissue of damping b along R. Per axis
 // S_i = sgn(R_i) max(0, |R_i| - phi c_i), phi = tau/(tau + b/Kc), tau = half_s. S is continuous in R: where R changes sign, S is 0

@@ -16,7 +16,7 @@ constexpr double kShock = 0.8;      // time of the shock absorber
 constexpr double kLead = 20;        // time in which the spring becomes stiffer, ...
 constexpr double kLeadOfTau = 0.3;  // ... at most this share of B/Kc: soft tissue is quicker
 constexpr double kGain = 6;         // n = sqrt(B / (kGain sqrt(kHeaviest Kc)))
-constexpr double kMostGain = 3.8;   // n is at most this
+constexpr double kMaxGain = 3.8;    // n is at most this
 constexpr double kShare = 0.5;      // part of the spring that absorbs shocks, from n = 2 on
 // Of the bur's distance to the slow tip, in cells: below it shocks are not absorbed, n is 1. A force of
 // a few counts is the encoder's, and leading it would only amplify the grain.
@@ -30,7 +30,7 @@ double UnitOf(double kc) noexcept { return kc > 0 ? std::sqrt(kHeaviest_kg / kc)
 double GainIn(double b, double from) noexcept {
   if (!(b > from)) return 1;
   const double wall = b / kWall_n_s_per_m;
-  const double gain = LowerOf(std::sqrt(b / from), kMostGain);
+  const double gain = LowerOf(std::sqrt(b / from), kMaxGain);
   return 1 + (gain - 1) / (1 + wall * wall);
 }
 

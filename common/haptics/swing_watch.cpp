@@ -43,7 +43,7 @@ void SwingWatch::EndHalfCycle() noexcept {
   count_ = kept ? count_ + 1 : count_ > 2 ? count_ - 2 : 0;
   if (count_ < params_.half_cycles) return;
   count_ = params_.half_cycles;
-  if (kept) wanted_ = HigherOf(wanted_ * kFall, kLeastShare);
+  if (kept) wanted_ = HigherOf(wanted_ * kFall, kMinShare);
 }
 
 double SwingWatch::Tick(const dvec3& force) noexcept {

@@ -16,7 +16,7 @@
 //  * half_cycles of them, each at most kLongest_s after the last, are a swing. One that is not kept
 //    takes two off the count.
 //
-// From then on every kept half cycle lowers the share of the stiffness by kFall, down to kLeastShare,
+// From then on every kept half cycle lowers the share of the stiffness by kFall, down to kMinShare,
 // until the swing has died away. The share never rises again: the device stays what it is.
 //
 // Feed it the coupling's force without touch cues: those oscillate on purpose. What it catches and
@@ -46,13 +46,13 @@ class SwingWatch {
   // Of the share left, for each kept half cycle of a swing; reached at kFall_per_s, as a hand feels a step.
   static constexpr double kFall = 0.7, kFall_per_s = 16;
   // A third of the damping and an untold tick of delay need 1/12.
-  static constexpr double kLeastShare = 1.0 / 16;
+  static constexpr double kMinShare = 1.0 / 16;
 
   explicit SwingWatch(const SwingWatchParams& params);
 
   // Force is off, or the tip has moved unseen: what was under way is void. The share stays.
   void Forget() noexcept;
-  // One tick. Returns the share of the stiffness to use from the next tick on, in [kLeastShare, 1].
+  // One tick. Returns the share of the stiffness to use from the next tick on, in [kMinShare, 1].
   // Requires: finite numbers.
   ENAMEL_REALTIME double Tick(const dvec3& force_n) noexcept;
 

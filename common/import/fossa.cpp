@@ -86,7 +86,7 @@ class FossaSearch {
       const double room = Room(k);
       if (room > most) most = room, best = k;
     }
-    return {At(best), best == kMiddle ? Centre::kMiddle : Centre::kMostRoom};
+    return {At(best), best == kMiddle ? Centre::kMiddle : Centre::kMaxRoom};
   }
 
  private:
@@ -137,7 +137,7 @@ const char* Words(Centre kind) {
       return "bottom of the pit nearest the middle";
     case Centre::kMiddle:
       return "middle of the occlusal surface, there is no pit near it";
-    case Centre::kMostRoom:
+    case Centre::kMaxRoom:
       return "where a class I outline has most room, it has little everywhere";
   }
   return "";

@@ -6,7 +6,7 @@
 
 namespace enamel::import {
 
-enum class Centre { kPit, kMiddle, kMostRoom };
+enum class Centre { kPit, kMiddle, kMaxRoom };
 const char* Words(Centre kind);
 
 struct Fossa {

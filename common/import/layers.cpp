@@ -15,7 +15,7 @@ constexpr size_t kEnamel = 0, kDentin = 1, kPulp = 2;
 constexpr double kLargestCapShare = 0.47;  // the caps of a dome lie within the dentin
 // A pulp may be some times smaller than the dentin. This catches units a thousand apart; a
 // centimetre for a millimetre it does not.
-constexpr double kMostTimesLarger = 30;
+constexpr double kMaxTimesLarger = 30;
 constexpr int kNestingSamples = 16;  // along an axis
 // Tests hold the lengths and cosines from here on, and those of the boundary (layer_boundary.cpp):
 // shells with known gaps and crossings (layers_test.cpp), and a scanned crown with 0.02 mm of noise,
@@ -24,9 +24,9 @@ constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measur
 constexpr double kFaceToFace = -0.5;  // cosine of their normals
 constexpr double kAcrossCap = -0.5;   // between the ways to a cap and to the dentin across it
 constexpr double kTouching_mm = 1e-4;
-constexpr double kMostBeyond = 0.02;
-constexpr double kLeastMeeting = 0.1;  // of the smaller surface
-constexpr double kLeastShared = 0.1;   // of the smaller volume
+constexpr double kMaxBeyond = 0.02;
+constexpr double kMinMeeting = 0.1;  // of the smaller surface
+constexpr double kMinShared = 0.1;   // of the smaller volume
 constexpr double kBehind_mm = 1.0;
 
 std::string Name(size_t layer) { return std::string(cutting::TissueName(kLayerTissues[layer])); }
@@ -63,7 +63,7 @@ Status CheckTogether(size_t layer, const mesh::Triangles& surface, const mesh::T
   const double ratio = own.extent() / std::max(other.extent(), 1e-12);
   bool apart = false;
   for (int k = 0; k < 3; ++k) apart |= own.lo[k] > other.hi[k] || own.hi[k] < other.lo[k];
-  if (ratio < kMostTimesLarger && ratio > 1 / kMostTimesLarger && !apart) return Status::Ok();
+  if (ratio < kMaxTimesLarger && ratio > 1 / kMaxTimesLarger && !apart) return Status::Ok();
   return Invalid(Name(layer) + ": expected it around or within the dentin (" +
                  mesh::Fixed(other.extent(), 3) + " mm), found a surface of " +
                  mesh::Fixed(own.extent(), 3) + " mm" + (apart ? " apart from it" : "") +
@@ -259,9 +259,9 @@ Status LayeredTooth::FindRelation(Layer outer_layer, Layer inner_layer) {
   const Meeting m = Measure(outer, inner);
   const std::string names = Name(outer) + " and " + Name(inner);
   const double smaller = std::min(m.own_mm2, mesh::SurfaceArea(surfaces_[inner]->solid.mesh));
-  if (m.area_mm2 < kLeastMeeting * smaller) {
+  if (m.area_mm2 < kMinMeeting * smaller) {
     nested_[outer][inner] = true;
-    if (SharedVolume(outer, inner) > kLeastShared) return Status::Ok();
+    if (SharedVolume(outer, inner) > kMinShared) return Status::Ok();
     return Invalid(names + " do not meet: their surfaces face each other within " +
                    mesh::Fixed(kLook_mm, 1) + " mm over " + mesh::Fixed(m.area_mm2) +
                    " mm2 only, and neither is within the other; give surfaces of one tooth, in one "
@@ -270,7 +270,7 @@ Status LayeredTooth::FindRelation(Layer outer_layer, Layer inner_layer) {
   const std::string figures = "gaps of up to " + mesh::Fixed(m.gap_mm, 3) +
                               " mm and crossings of up to " + mesh::Fixed(m.crossing_mm, 3) +
                               " mm over " + mesh::Fixed(m.area_mm2, 1) + " mm2";
-  if (m.beyond_mm2 > kMostBeyond * m.area_mm2) {
+  if (m.beyond_mm2 > kMaxBeyond * m.area_mm2) {
     return Invalid(names + ": expected surfaces that meet to " + mesh::Fixed(bridge_, 2) +
                        " mm, found " + figures + ", " +
                        mesh::Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +

@@ -9,7 +9,7 @@ namespace enamel::import {
 namespace {
 
 // Finding the ears of a polygon takes time with the cube of its corners.
-constexpr size_t kMostEars = 64;
+constexpr size_t kMaxEars = 64;
 
 Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }
 
@@ -102,7 +102,7 @@ void MeshBuilder::AddFace(const uint64_t* corners, size_t count) {
     return;
   }
   std::vector<std::array<uint32_t, 3>>& triangles = out_.mesh.indices;
-  if (count > 3 && count <= kMostEars) {
+  if (count > 3 && count <= kMaxEars) {
     dvec3 facing(0);
     for (size_t i = 1; i + 1 < count; ++i)
       facing += glm::cross(at[left[i]] - at[left[0]], at[left[i + 1]] - at[left[0]]);

@@ -11,8 +11,8 @@
 namespace enamel::import {
 namespace {
 
-constexpr double kLeastRise = 0.03;  // of the enamel's extent, to tell a direction by it
-constexpr double kOnAxis = 0.866;    // 30 degrees
+constexpr double kMinRise = 0.03;  // of the enamel's extent, to tell a direction by it
+constexpr double kOnAxis = 0.866;  // 30 degrees
 
 size_t LongestAxis(const dvec3& v) {
   const dvec3 a = glm::abs(v);
@@ -37,7 +37,7 @@ dvec3 MiddleOf(const mesh::Triangles& mesh, const dmat3& turn) {
 std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double extent) {
   const dvec3 rise = RiseOf(layers);
   const double size = std::sqrt(Dot(rise, rise));
-  if (size < kLeastRise * extent) return std::nullopt;
+  if (size < kMinRise * extent) return std::nullopt;
   mesh::Stance stance;
   stance.up = rise / size;
   const auto k = static_cast<int>(LongestAxis(rise));

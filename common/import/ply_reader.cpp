@@ -111,11 +111,11 @@ Status FindRole(Element& element) {
 Result<Header> ReadHeader(Lines& lines) {
   // A header is some ten lines; without a bound a file of short lines would be a header of all of
   // it.
-  constexpr int kMostLines = 10'000;
+  constexpr int kMaxLines = 10'000;
   Header header;
   std::string_view line;
   if (!lines.Next(line) || Word(line) != "ply") return Invalid("expected a first line 'ply'");
-  for (int i = 0; i < kMostLines && lines.Next(line); ++i) {
+  for (int i = 0; i < kMaxLines && lines.Next(line); ++i) {
     const std::string_view word = Word(line);
     if (word == "end_header") {
       for (Element& element : header.elements) ENAMEL_RETURN_IF_ERROR(FindRole(element));

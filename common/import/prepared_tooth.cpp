@@ -23,15 +23,15 @@ using cutting::kPhiLimit;
 using cutting::kPhiPerVoxel;
 using mesh::Fixed;
 
-constexpr double kOtherAsGood = 1.15;       // cost of another pose over the best one's
-constexpr double kOtherAsExact = 1.25;      // and its RMS
-constexpr double kLeastDeep_mm = 0.06;      // shallower is no preparation but a scan's error
-constexpr double kLeastDeep_mm2 = 0.3;      // less is noise
-constexpr double kAroundDeep_mm = 0.3;      // where the preparation runs out to the surface
-constexpr double kSurelyGone_mm = 0.5;      // so far outside of the scan nothing agrees with it
-constexpr double kMostEdgeInside_mm = 0.5;  // of holes in the preparation
-constexpr double kLeastRemoved_mm3 = 0.05;
-constexpr double kMostRemovedShare = 0.7;
+constexpr double kOtherAsGood = 1.15;      // cost of another pose over the best one's
+constexpr double kOtherAsExact = 1.25;     // and its RMS
+constexpr double kMinDeep_mm = 0.06;       // shallower is no preparation but a scan's error
+constexpr double kMinDeep_mm2 = 0.3;       // less is noise
+constexpr double kAroundDeep_mm = 0.3;     // where the preparation runs out to the surface
+constexpr double kSurelyGone_mm = 0.5;     // so far outside of the scan nothing agrees with it
+constexpr double kMaxEdgeInside_mm = 0.5;  // of holes in the preparation
+constexpr double kMinRemoved_mm3 = 0.05;
+constexpr double kMaxRemovedShare = 0.7;
 
 Status Invalid(const std::string& what, const char* field = "prepared") {
   return Status(Code::kInvalidInput, what, field);
@@ -324,16 +324,16 @@ Status CheckFit(const std::vector<mesh::Fit>& fits) {
   const mesh::Fit& fit = fits.front();
   std::string why;
   auto add = [&](const std::string& text) { why += (why.empty() ? "" : ", ") + text; };
-  if (fit.agree_share < kLeastAgree) {
-    add("at least " + Percent(kLeastAgree) +
+  if (fit.agree_share < kMinAgree) {
+    add("at least " + Percent(kMinAgree) +
         " has to agree, as what was not prepared holds the "
         "scan in its place");
   }
-  if (fit.outside_share > kMostOutside) {
-    add("at most " + Percent(kMostOutside) + " may lie outside, as nothing grows on a tooth");
+  if (fit.outside_share > kMaxOutside) {
+    add("at most " + Percent(kMaxOutside) + " may lie outside, as nothing grows on a tooth");
   }
-  if (fit.rms_mm > kMostRms_mm) add("the RMS may be at most " + Fixed(kMostRms_mm) + " mm");
-  if (fit.p95_mm > kMostP95_mm) add("the p95 may be at most " + Fixed(kMostP95_mm) + " mm");
+  if (fit.rms_mm > kMaxRms_mm) add("the RMS may be at most " + Fixed(kMaxRms_mm) + " mm");
+  if (fit.p95_mm > kMaxP95_mm) add("the p95 may be at most " + Fixed(kMaxP95_mm) + " mm");
   if (!why.empty()) {
     return Invalid("the scan does not fit this tooth: " + Figures(fit) + ". Expected: " + why +
                    ". Is it a scan of this tooth, whole around the preparation, and is --unit "
@@ -341,7 +341,7 @@ Status CheckFit(const std::vector<mesh::Fit>& fits) {
   }
   // A fit that is less exact is no rival: it is the crown slid along its own reduction.
   const auto rival = std::find_if(fits.begin() + 1, fits.end(), [&](const mesh::Fit& other) {
-    return other.cost < kOtherAsGood * fit.cost + 0.002 && other.outside_share <= kMostOutside &&
+    return other.cost < kOtherAsGood * fit.cost + 0.002 && other.outside_share <= kMaxOutside &&
            other.rms_mm < kOtherAsExact * fit.rms_mm + 0.005;
   });
   if (rival != fits.end()) {
@@ -365,13 +365,13 @@ Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Vol
   // Distances in the tooth end at four voxels.
   const double h_mm = tooth.spec().voxel_m() * 1e3;
   const double deep_mm =
-      std::min(std::clamp(5 * out.fit.rms_mm, kLeastDeep_mm, mesh::kAgree_mm), 3.5 * h_mm);
+      std::min(std::clamp(5 * out.fit.rms_mm, kMinDeep_mm, mesh::kAgree_mm), 3.5 * h_mm);
   const PreparedPlaces places(tooth, scan.own, deep_mm);
-  if (places.area_mm2() < kLeastDeep_mm2) {
+  if (places.area_mm2() < kMinDeep_mm2) {
     return Invalid("the scan shows no preparation: " + Fixed(places.area_mm2()) +
                    " mm2 of it are deeper than " + Fixed(deep_mm) + " mm in the tooth");
   }
-  if (const double edge = EdgeInPreparation_mm(scan, tooth, deep_mm); edge > kMostEdgeInside_mm) {
+  if (const double edge = EdgeInPreparation_mm(scan, tooth, deep_mm); edge > kMaxEdgeInside_mm) {
     return Invalid(
         "the preparation is not whole: " + Fixed(edge, 1) +
         " mm of the scan's edge or of a hole are inside it; scan the whole preparation again");
@@ -385,10 +385,10 @@ Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Vol
     if (static_cast<cutting::Tissue>(t) != cutting::Tissue::kNeighbour)
       whole_mm3 += before[t] * 1e9;
   }
-  if (out.removed_mm3 < kLeastRemoved_mm3 || out.removed_mm3 > kMostRemovedShare * whole_mm3) {
+  if (out.removed_mm3 < kMinRemoved_mm3 || out.removed_mm3 > kMaxRemovedShare * whole_mm3) {
     return Invalid("the scan lacks " + Fixed(out.removed_mm3) + " mm3 of the tooth's " +
                    Fixed(whole_mm3, 0) + " mm3: expected a preparation of " +
-                   Fixed(kLeastRemoved_mm3) + " mm3 to " + Percent(kMostRemovedShare) + " of it");
+                   Fixed(kMinRemoved_mm3) + " mm3 to " + Percent(kMaxRemovedShare) + " of it");
   }
   report.push_back(Figures(out.fit));
   DescribeDistances(out.fit, report);

@@ -20,8 +20,8 @@ struct PreparedOptions {
 
 // The limits of a fit. A scanner errs by 0.02 mm, and a model by as much; unrelated surfaces that
 // cross within kAgree_mm have an RMS of 0.087 mm.
-inline constexpr double kMostRms_mm = 0.07, kMostP95_mm = 0.14;
-inline constexpr double kMostOutside = 0.05, kLeastAgree = 0.15;
+inline constexpr double kMaxRms_mm = 0.07, kMaxP95_mm = 0.14;
+inline constexpr double kMaxOutside = 0.05, kMinAgree = 0.15;
 
 struct PreparedTooth {
   // The tooth as it was scanned, on the voxels of the tooth it was made from: its scene is that

@@ -18,7 +18,7 @@ constexpr double kLikenessWeight = 2.5;  // of a cost's logarithm
 constexpr double kFormWeight = 1.0, kHollowWeight = 0.5, kHoleWeight = 1.5;
 constexpr double kSurelyAlike = 1.35;  // cost of another direction over the best one's
 constexpr double kFullHollow = 0.5, kShallow_mm = 0.01, kFullDrift = 0.05;
-constexpr double kLeastHole = 0.04;  // of the surface; smaller ones are a scanner's gaps
+constexpr double kMinHole = 0.04;  // of the surface; smaller ones are a scanner's gaps
 constexpr double kWeakForm = 0.3;
 constexpr double kOnAxis = 0.866;  // 30 degrees
 
@@ -102,7 +102,7 @@ std::optional<dvec3> HoleOf(const mesh::Solid& solid) {
     if (mesh::IsCap(solid, t)) caps += normal;
   }
   const double length = glm::length(caps);
-  return length >= kLeastHole * area ? std::optional(caps / length) : std::nullopt;
+  return length >= kMinHole * area ? std::optional(caps / length) : std::nullopt;
 }
 
 }  // namespace enamel::import

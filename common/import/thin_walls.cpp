@@ -73,7 +73,7 @@ std::optional<ThinWalls> FindThinWalls(const mesh::TriangleTree& surface,
   }
   found.percent = 100.0 * thin / places;
   found.area_mm2 = area * thin / places;
-  if (found.percent < kLeastThin_percent) return std::nullopt;
+  if (found.percent < kMinThin_percent) return std::nullopt;
   return found;
 }
 

@@ -18,12 +18,12 @@ struct ThinWalls {
 
 // `surface`: triangles outward; `inside`: of the solid it bounds. Looks inward along the normal at places
 // spread over the surface, 2 a square millimetre and at least 4000. Nothing where all walls are thicker, or
-// thinner ones cover less than kLeastThin_percent. Deterministic.
+// thinner ones cover less than kMinThin_percent. Deterministic.
 std::optional<ThinWalls> FindThinWalls(const mesh::TriangleTree& surface,
                                        const std::function<bool(const dvec3&)>& inside,
                                        double limit_mm);
 // Less is the feather edge of a scan's margin, which cuts the surface at an acute angle.
-inline constexpr double kLeastThin_percent = 0.2;
+inline constexpr double kMinThin_percent = 0.2;
 
 // For the report, with the voxel that would carry the thinnest.
 std::string Words(const ThinWalls& walls, int32_t voxel_nm);

@@ -35,10 +35,10 @@ std::string StateText(const Words& words, scoring::State state) {
 }
 
 std::string SizeText(const Words& words, const scoring::Mistake& mistake) {
-  constexpr int kMostDigits = 4;
+  constexpr int kMaxDigits = 4;
   const std::string_view unit = UnitOf(mistake.kind);
   int digits = unit == "%" ? 0 : scoring::UsualDigits(unit);
-  while (digits < kMostDigits && words.Decimal(mistake.size, digits) == words.Decimal(0, digits)) {
+  while (digits < kMaxDigits && words.Decimal(mistake.size, digits) == words.Decimal(0, digits)) {
     ++digits;
   }
   return scoring::WithUnit(words.Decimal(mistake.size, digits), unit);

@@ -17,8 +17,8 @@ constexpr int kDirections = 400;
 constexpr double kPatchCosine = 0.96;  // within 16 degrees of the patch's direction
 constexpr double kMeanCosine = 0.9;
 constexpr double kClearly = 1.4;
-constexpr double kLeastDirection = 1e-6, kMostDirection = 1e6;  // its numbers keep their digits
-constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer
+constexpr double kMinDirection = 1e-6, kMaxDirection = 1e6;  // its numbers keep their digits
+constexpr double kHollowFrom_mm = 0.1;                       // the hull of kDirections is no finer
 
 struct Facet {
   dvec3 normal{0};
@@ -162,7 +162,7 @@ Result<dvec3> ParseDirection(std::string_view text) {
     at = read.ec == std::errc() && follows ? read.ptr + (k < 2) : nullptr;
   }
   const double length = glm::length(out);
-  if (at != nullptr && length >= kLeastDirection && length <= kMostDirection) return out / length;
+  if (at != nullptr && length >= kMinDirection && length <= kMaxDirection) return out / length;
   return Status(Code::kInvalidInput,
                 "expected a direction as +x, -x, +y, -y, +z or -z, or three numbers as 0.2,0,-1; "
                 "found '" +

@@ -23,8 +23,8 @@ constexpr double kOutsideCost = 4;
 // A crown is reduced by at most 2 mm, most often by 1 to 1.5.
 constexpr double kSlide_mm = 1.6, kSlideStep_mm = 0.4, kOtherSlide_mm = 0.2;
 constexpr size_t kSlidPoints = 300, kAfterSlide = 12;
-constexpr double kStill_mm = 1e-4;  // a step that moves less is the last; a scan is off by 0.01
-constexpr double kLeastScale_mm = 0.03;  // of Tukey's weight: no scan is better
+constexpr double kStill_mm = 1e-4;     // a step that moves less is the last; a scan is off by 0.01
+constexpr double kMinScale_mm = 0.03;  // of Tukey's weight: no scan is better
 
 // Where the surface is from a point: signed distance, and the direction away from it.
 struct Away {
@@ -357,7 +357,7 @@ double ScaleFor_mm(const std::vector<Away>& aways) {
   if (sizes.empty()) return kAgree_mm;
   const auto middle = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::clamp(4.685 * 1.4826 * *middle, kLeastScale_mm, kAgree_mm);
+  return std::clamp(4.685 * 1.4826 * *middle, kMinScale_mm, kAgree_mm);
 }
 
 void Refine(SurfaceDistance& distances, const std::vector<SurfacePoint>& points, Rigid& pose,

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kSide_mm = 2e-3;   // how far from a triangle its two sides are probed
 constexpr double kTouch_mm = 1e-6;  // nearer to a plane than this lies in it
-constexpr size_t kMostPieces = 1'000'000;
+constexpr size_t kMaxPieces = 1'000'000;
 // On average, of each triangle with others.
-constexpr size_t kMostNear = 400, kMostCrossings = 40, kAllowed = 1'000'000;
+constexpr size_t kMaxNear = 400, kMaxCrossings = 40, kAllowed = 1'000'000;
 
 Facet FacetOf(const Triangles& mesh, uint32_t i) { return Facet::Of(mesh, mesh.indices[i]); }
 
@@ -102,8 +102,8 @@ Result<Crossing> FindCrossings(const Triangles& mesh, const TriangleTree& tree) 
       with[other].push_back(i);
       ++found;
     }
-    if (looked > kMostNear * with.size() + kAllowed ||
-        found > kMostCrossings * with.size() + kAllowed) {
+    if (looked > kMaxNear * with.size() + kAllowed ||
+        found > kMaxCrossings * with.size() + kAllowed) {
       return Status(Code::kInvalidInput,
                     "this mesh is no solid: its triangles overlap everywhere (a soup of triangles)"
                     ": make one closed surface of it in a mesh program");
@@ -196,7 +196,7 @@ double SmallestPiece(const Triangles& mesh, const Crossing& with, double finest_
       pieces += static_cast<double>(with[i].size()) *
                 std::max(1.0, 4 * FacetOf(mesh, i).Radius() / finest_mm);
   }
-  return finest_mm * std::max(1.0, pieces / static_cast<double>(kMostPieces));
+  return finest_mm * std::max(1.0, pieces / static_cast<double>(kMaxPieces));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ using std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kConnect{2};
 constexpr milliseconds kAgain{200};
-constexpr size_t kMostPlaces = 16;
+constexpr size_t kMaxPlaces = 16;
 
 // A socket of this machine ("/run/…", "@…"), or an address that does not leave it.
 bool IsHere(const std::string& host) {
@@ -126,7 +126,7 @@ std::vector<Place> PlacesOf(const Words& words) {
       out.push_back(place);
     }
   }
-  out.resize(std::min(out.size(), kMostPlaces));
+  out.resize(std::min(out.size(), kMaxPlaces));
   return out;
 }
 

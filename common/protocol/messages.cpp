@@ -86,10 +86,10 @@ wire::Error UnsupportedError() {
 }
 
 bool IsPageUrl(std::string_view text) {
-  constexpr size_t kMostBytes = 200;
+  constexpr size_t kMaxBytes = 200;
   for (std::string_view scheme : {"https://", "http://"}) {
     if (text.starts_with(scheme) && text.size() > scheme.size()) {
-      return text.size() <= kMostBytes &&
+      return text.size() <= kMaxBytes &&
              std::ranges::all_of(text, [](char c) { return c > ' ' && c < '\x7f'; });
     }
   }

@@ -12,7 +12,7 @@ namespace enamel::protocol {
 namespace {
 
 constexpr std::string_view kWindow = "window";
-constexpr int kLeastWidth = 320, kLeastHeight = 200, kMostSide = 16'384;
+constexpr int kMinWidth = 320, kMinHeight = 200, kMaxSide = 16'384;
 
 std::optional<int64_t> ReadInteger(std::string_view text) {
   int64_t out = 0;
@@ -87,11 +87,11 @@ Result<WindowSize> ParseWindowSize(std::string_view text) {
   const size_t by = text.find('x');
   const auto side = [&](std::string_view digits, int least) {
     const auto pixels = ReadInteger(digits);
-    return pixels && *pixels >= least && *pixels <= kMostSide ? static_cast<int>(*pixels) : 0;
+    return pixels && *pixels >= least && *pixels <= kMaxSide ? static_cast<int>(*pixels) : 0;
   };
   WindowSize out;
   if (by != text.npos) {
-    out = {side(text.substr(0, by), kLeastWidth), side(text.substr(by + 1), kLeastHeight)};
+    out = {side(text.substr(0, by), kMinWidth), side(text.substr(by + 1), kMinHeight)};
   }
   if (out.width_px > 0 && out.height_px > 0) return out;
   return Status(

@@ -26,7 +26,7 @@ DelayUsed DelayKnown(const DeviceProfile& profile, const Calibration* calibratio
 
 int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz) {
   // Rounded up: too much delay costs stiffness, too little is no longer passive.
-  return std::min((ticks * to_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
+  return std::min((ticks * to_hz + from_hz - 1) / from_hz, kMaxDelay_ticks);
 }
 
 int64_t AnswerTicks(const AnswerTime& answers, int64_t rate_hz) {
@@ -52,7 +52,7 @@ DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calib
   }
   if (answers) {
     const int64_t behind = out.from == DelayUsed::From::kAssumed ? out.ticks - 1 : 0;
-    const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMostDelay_ticks);
+    const int64_t ticks = std::min(AnswerTicks(*answers, rate_hz) + behind, kMaxDelay_ticks);
     if (ticks > out.ticks) {
       out.ticks = ticks;
       out.from = DelayUsed::From::kAnswers;
@@ -60,7 +60,7 @@ DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calib
   }
   out.poses = poses;
   if (poses && StaleTicks(*poses, rate_hz) > 0) {
-    out.ticks = std::min(out.ticks + StaleTicks(*poses, rate_hz), kMostDelay_ticks);
+    out.ticks = std::min(out.ticks + StaleTicks(*poses, rate_hz), kMaxDelay_ticks);
     out.from = DelayUsed::From::kPoses;
   }
   return out;

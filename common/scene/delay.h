@@ -17,7 +17,7 @@ namespace enamel::scene {
 // A device whose delay nobody measured is taken to have this many ticks.
 inline constexpr int64_t kAssumedDelay_ticks = 1;
 // More than any profile may say makes no coupling worth having.
-inline constexpr int64_t kMostDelay_ticks = 100;
+inline constexpr int64_t kMaxDelay_ticks = 100;
 
 // How long a device that answers each force with its pose takes for it: half of its answers, and 99 of
 // 100. What is above the half is jitter.
@@ -68,7 +68,7 @@ struct DelayUsed {
 };
 
 // A delay in ticks of one rate as ticks of another: the same time, rounded up, at most
-// kMostDelay_ticks.
+// kMaxDelay_ticks.
 int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 
 // The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
@@ -88,7 +88,7 @@ struct SpringTime {
 SpringTime SpringTimeOf(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
 // Largest Kc at the spring's time: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping.
-// Requires: rate_hz > 0, delay_ticks in 0..kMostDelay_ticks.
+// Requires: rate_hz > 0, delay_ticks in 0..kMaxDelay_ticks.
 int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);
 

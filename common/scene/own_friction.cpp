@@ -9,7 +9,7 @@ namespace enamel::scene {
 std::optional<int64_t> FrictionOf(const Calibration& calibration) {
   if (!calibration.friction_mn) return std::nullopt;
   const Measured& c = *calibration.friction_mn;
-  if (c.uncertainty * 100 > c.value * kMostUncertainty_percent) return std::nullopt;
+  if (c.uncertainty * 100 > c.value * kMaxUncertainty_percent) return std::nullopt;
   // Both were rounded.
   const int64_t low = c.value - c.uncertainty - 1;
   return low > 0 ? std::optional(low) : std::nullopt;

@@ -12,7 +12,7 @@
 namespace enamel::scene {
 
 // A measured c counts if half the width of its 95 % interval is at most this share of it.
-inline constexpr int64_t kMostUncertainty_percent = 15;
+inline constexpr int64_t kMaxUncertainty_percent = 15;
 
 // c for attempts on a unit with this calibration, mN: the lower end of its interval, so that c left out is
 // not more than there is. None: not measured, or not well enough.

@@ -15,7 +15,7 @@
 namespace enamel::scene {
 namespace {
 
-constexpr int32_t kLeastCueRate_hz = 300;
+constexpr int32_t kMinCueRate_hz = 300;
 constexpr int64_t kStartHeight_nm = 8'000'000;  // plan.h: where count 0 is
 
 Status Refuse(std::string message, std::string field) {
@@ -32,10 +32,10 @@ Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
 
 // Slower loops cannot carry the waves (haptics/touch_cues.h): a cue that is promised must come.
 Status CheckTouchCues(const Exercise& exercise) {
-  if (exercise.touch_cues == TouchCueSpec{} || exercise.rate_hz >= kLeastCueRate_hz) return {};
+  if (exercise.touch_cues == TouchCueSpec{} || exercise.rate_hz >= kMinCueRate_hz) return {};
   return Refuse("exercise '" + exercise.name + "' has touch cues and runs at " +
                     std::to_string(exercise.rate_hz) + " Hz: they need at least " +
-                    std::to_string(kLeastCueRate_hz) + " Hz; raise rate_hz or leave touch_cues out",
+                    std::to_string(kMinCueRate_hz) + " Hz; raise rate_hz or leave touch_cues out",
                 "touch_cues");
 }
 

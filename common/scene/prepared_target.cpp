@@ -17,9 +17,9 @@ using cutting::SolidFraction;
 using cutting::Volume;
 
 // Less than this share of a voxel is rounding.
-constexpr int32_t kLeastFraction = 655;
+constexpr int32_t kMinFraction = 655;
 // A tooth that went through a mesh may have a sample that lies a little higher.
-constexpr int32_t kMostGrown = 6554;
+constexpr int32_t kMaxGrown = 6554;
 
 Status Refuse(const std::string& what) {
   return Status(Code::kInvalidInput, what, "target.prepared_scene_sha256");
@@ -46,10 +46,10 @@ Result<std::shared_ptr<const PreparedTooth>> Compare(const Volume& initial, Volu
     for (int i = 0; i < kBrickVoxels; ++i) {
       const ivec3 v = first + ivec3(i & 7, i >> 3 & 7, i >> 6);
       const int32_t gone = SolidFraction(initial.PhiAt(v)) - SolidFraction(prepared.PhiAt(v));
-      if (gone < -kMostGrown) {
+      if (gone < -kMaxGrown) {
         return Refuse("the target's prepared tooth has solid where the exercise's tooth has none");
       }
-      if (gone < kLeastFraction) continue;
+      if (gone < kMinFraction) continue;
       lo = glm::min(lo, v), hi = glm::max(hi, v);
     }
   }

@@ -29,7 +29,7 @@ struct LargestCoupling {
 };
 
 // min(2 b f/(d + 1)^2, c/S, K, m (2 pi f1/4)^2), rounded down; of equal limits the first in that order.
-// K is taken as the structure's, whatever the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMostDelay_ticks
+// K is taken as the structure's, whatever the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMaxDelay_ticks
 // (delay.h).
 LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);

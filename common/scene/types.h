@@ -165,7 +165,7 @@ struct TorqueSpec {
   Sourced damping_un_m_s_per_rad;  // b_rot of the device itself
   Sourced friction_un_m;           // c_rot, Coulomb
   // Largest angle between the true and the recorded orientation: sensors, driver, and the rounding
-  // of the recording itself (core::kLeastRotationCell_urad).
+  // of the recording itself (core::kMinRotationCell_urad).
   Sourced orientation_cell_urad;
 };
 

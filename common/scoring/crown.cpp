@@ -16,22 +16,22 @@ using cutting::Volume;
 using namespace half_planes;
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
-constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
+constexpr double kSearch_m = 1.5e-3;   // about where the shoulder should be
+constexpr double kMinStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
 // Walls are measured from this far above the finish line, where a shoulder's inner edge is round,
 // to this far below the top, whose edge is round. The top falls towards a premolar's mesial and distal
 // edges: it is the lowest of what lies this far inside the wall.
-constexpr double kWallMargin_m = 0.5e-3, kLeastWall_m = 1e-3;
-constexpr double kMostMissing = 0.3;
+constexpr double kWallMargin_m = 0.5e-3, kMinWall_m = 1e-3;
+constexpr double kMaxMissing = 0.3;
 constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
 constexpr double kWidthAbove_m = 0.3e-3;     // and its width so far above it
 constexpr double kCompleteWidth_m = 0.3e-3;
 constexpr double kNoLine_m = 0.75e-3;  // a ledge so far above it is not the finish line
 // A bevel: between a table's inclines, which fall inwards or are flatter, and the wall.
 constexpr double kBevelLeast = 0.57735026918962573, kBevelMost = 2.1445069205095586;  // tan 30, 65
-constexpr double kLeastBevel_m = 0.2e-3;
+constexpr double kMinBevel_m = 0.2e-3;
 constexpr int kBevelPlaces = 5;                  // to either side
-constexpr double kLeastReduction_m = 0.5e-3;     // of a wall that the task reduces
+constexpr double kMinReduction_m = 0.5e-3;       // of a wall that the task reduces
 constexpr double kLeans = 0.034899496702500969;  // sin of 2 degrees
 
 // The reference's finish line at one place around the axis.
@@ -82,9 +82,9 @@ std::optional<Place> FinishLine(const Profile& initial, const Profile& reference
     const std::optional<double> outer = initial.Radius_m(d, z), inner = reference.Radius_m(d, z);
     if (!outer || !inner) return std::nullopt;
     const double in = *outer - *inner;
-    if (in < kLeastStep_m) {
+    if (in < kMinStep_m) {
       if (above_in < 0) return std::nullopt;  // no wall stands in above it
-      const double t = (kLeastStep_m - in) / (above_in - in);
+      const double t = (kMinStep_m - in) / (above_in - in);
       return Place{z + t * (above_z - z), *outer};
     }
     above_z = z, above_in = in;
@@ -110,13 +110,13 @@ std::optional<Line> WallLine(const Profile& profile, const Direction& d, double 
     radii.push_back(*r);
   }
   const auto n = static_cast<double>(radii.size());
-  if (n < 3 || n < (1 - kMostMissing) * looked) return std::nullopt;
+  if (n < 3 || n < (1 - kMaxMissing) * looked) return std::nullopt;
   return Line{FitPlaneToMost(heights, 0.5 * profile.step_m()).b, Median(std::move(radii))};
 }
 
 // Where the wall of a half plane ends at the top, at least a wall's height above the finish line.
 double WallTop_m(const Profile& reference, const Direction& d, double line_z_m, double top_z_m) {
-  const double least = line_z_m + 2 * kWallMargin_m + kLeastWall_m;
+  const double least = line_z_m + 2 * kWallMargin_m + kMinWall_m;
   const double foot = reference.Radius_m(d, line_z_m + kWallMargin_m).value_or(0);
   double lowest = top_z_m;
   for (double r = 0; r < foot - kWallMargin_m; r += reference.step_m()) {
@@ -166,7 +166,7 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
   size_t stretch = 0, longest = 0;
   for (size_t k = 0; k < 2 * widths.size(); ++k) {
     const size_t at = k % widths.size();
-    const bool none = widths[at] < kLeastStep_m || depths[at] < -kNoLine_m;
+    const bool none = widths[at] < kMinStep_m || depths[at] < -kNoLine_m;
     stretch = none ? stretch + 1 : 0;
     longest = std::max(longest, std::min(stretch, widths.size()));
   }
@@ -174,7 +174,7 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
 }
 
 // The outermost stretch of a half plane's top that falls outwards as a bevel does: its width along
-// the surface and the mean of its slopes; none where there is less than kLeastBevel_m of it.
+// the surface and the mean of its slopes; none where there is less than kMinBevel_m of it.
 struct Stretch {
   double width_m = 0, slope = 0;
 };
@@ -194,7 +194,7 @@ std::optional<Stretch> BevelOf(const Profile& profile, const Direction& d, doubl
       run += step, rise += slope * step;
       gap = 0;
     } else if (run > 0 && ++gap > kBase) {
-      if (run > kLeastBevel_m) break;
+      if (run > kMinBevel_m) break;
       run = rise = 0;  // the wall's foot or its upper edge
       gap = 0;
     }
@@ -204,7 +204,7 @@ std::optional<Stretch> BevelOf(const Profile& profile, const Direction& d, doubl
   // Steps that begin on the bevel and end on the table count to about half; steps that begin on the
   // wall do not count.
   const double width = (run + 0.5 * kBase * step) * std::sqrt(1 + slope * slope);
-  if (width < kLeastBevel_m) return std::nullopt;
+  if (width < kMinBevel_m) return std::nullopt;
   return Stretch{width, slope};
 }
 
@@ -294,7 +294,7 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   const double sky = initial.spec().origin_m().z +
                      static_cast<double>(initial.spec().voxels().z) * initial.spec().voxel_m();
   const std::optional<double> top = asked.Height_m(directions[0], 0, sky, bottom_z_m);
-  if (!top || *top - line_z < 2 * kWallMargin_m + kLeastWall_m) return out;
+  if (!top || *top - line_z < 2 * kWallMargin_m + kMinWall_m) return out;
   static const std::array<Direction, kHalfPlanes> half_planes = HalfPlanes(directions);
   std::array<double, kHalfPlanes> lines_z, tops_z;
   for (size_t k = 0; k < kHalfPlanes; ++k) {
@@ -328,7 +328,7 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   for (size_t k = 0; k < section.size(); ++k) section[k] = lean_deg[k] + lean_deg[k + kSections];
   out.least_wall = 1;
   for (size_t side : {size_t{0}, kToBuccal, 2 * kQuarter, kToLingual}) {
-    if (asked_off[side] >= kLeastReduction_m) {
+    if (asked_off[side] >= kMinReduction_m) {
       out.least_wall = std::min(out.least_wall, taken[side] / asked_off[side]);
     }
   }

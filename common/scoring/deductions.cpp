@@ -14,7 +14,7 @@ using cutting::Tissue;
 using cutting::Volume;
 
 // Less than this share of a voxel is what two cutters may differ by in rounding.
-constexpr int32_t kLeastFraction = 655;
+constexpr int32_t kMinFraction = 655;
 // A fault begins where a stroke took enough of it to count: most strokes graze the tissue beyond by
 // a micrometre. A share of the largest stroke's volume, and at most this much of tissue that must
 // not be touched.
@@ -200,7 +200,7 @@ class FaultWalk {
       const int32_t before = cutting::SolidFraction(initial.PhiAt(v));
       const int32_t more = std::min(before, cutting::SolidFraction(phi)) -
                            std::min(before, cutting::SolidFraction(wanted));
-      if (more > -kLeastFraction && more < kLeastFraction) continue;
+      if (more > -kMinFraction && more < kMinFraction) continue;
       const bool left = more > 0;
       if (!near) near.emplace(r_, b, kDeepest_m);
       const int mistake = MistakeAt(b, i, v, left, *near);

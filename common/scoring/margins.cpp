@@ -14,8 +14,8 @@ using cutting::Volume;
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr int kPlaces = 21;
-constexpr double kMiddle = 0.5;      // of a wall's length
-constexpr double kMostGap_m = 1e-3;  // of a round of 2.4 mm between upright faces
+constexpr double kMiddle = 0.5;     // of a wall's length
+constexpr double kMaxGap_m = 1e-3;  // of a round of 2.4 mm between upright faces
 constexpr double kUnder_voxels = 3, kUnder_m = 0.1e-3;
 
 double Median(std::vector<double> values) {
@@ -93,8 +93,8 @@ LineAngleFigures MeasureLineAngles(const CutSide& attempt, const Walls& walls,
                             glm::cross(axis, a) * floor.facet.reach_m + glm::cross(a, b) * at) /
                            volume;
       ++looked;
-      const double gap = SurfaceAlong_m(*attempt.volume, corner, bisector, kMostGap_m);
-      if (!(std::fabs(gap) < kMostGap_m)) continue;
+      const double gap = SurfaceAlong_m(*attempt.volume, corner, bisector, kMaxGap_m);
+      if (!(std::fabs(gap) < kMaxGap_m)) continue;
       radii.push_back(std::max(0.0, gap) / (1 / half_sine - 1));
     }
   }

@@ -58,7 +58,7 @@ struct MetricValue {
   std::string name;
   double value = 0;
   std::string unit;
-  // A metric of force, and the device was at its limit for more than kMostLimited_percent of the
+  // A metric of force, and the device was at its limit for more than kMaxLimited_percent of the
   // ticks with any force: the hand may have done more than could be rendered.
   bool limited = false;
   // Of a thickness below it: the least that the grid can measure, in the metric's unit. The value
@@ -70,19 +70,19 @@ struct MetricValue {
   bool operator==(const MetricValue&) const = default;
 };
 // Above this, the 95th percentile of the force is the device's bound and not the hand's.
-inline constexpr double kMostLimited_percent = 5;
+inline constexpr double kMaxLimited_percent = 5;
 
 // The station's part in an attempt. Disturbed where one of them is beyond its limit; the limits are
 // chosen, not measured on people.
 struct Disturbance {
-  static constexpr double kMostLate_percent = 1, kMostGaps_percent = 1;
+  static constexpr double kMaxLate_percent = 1, kMaxGaps_percent = 1;
   double late_percent = 0;     // of the ticks
   double gap_percent = 0;      // of the time
   double limited_percent = 0;  // of the ticks with any force: the device's peak bound engaged
 
   bool disturbed() const {
-    return late_percent > kMostLate_percent || gap_percent > kMostGaps_percent ||
-           limited_percent > kMostLimited_percent;
+    return late_percent > kMaxLate_percent || gap_percent > kMaxGaps_percent ||
+           limited_percent > kMaxLimited_percent;
   }
   bool operator==(const Disturbance&) const = default;
 };

@@ -60,11 +60,11 @@ std::string Number(double value, std::string_view unit) {
   return Number(value, unit, UsualDigits(unit));
 }
 
-constexpr int kMostDigits = 4;
+constexpr int kMaxDigits = 4;
 
 int DigitsOfLimit(double limit, std::string_view unit) {
   int digits = UsualDigits(unit);
-  while (digits < kMostDigits && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
+  while (digits < kMaxDigits && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
   return digits;
 }
 
@@ -78,7 +78,7 @@ int DigitsOfFound(double value, std::span<const double> limits, bool missed,
   };
   int digits = UsualDigits(unit);
   for (const double limit : limits) {
-    while (digits < kMostDigits && misleads(limit, digits)) ++digits;
+    while (digits < kMaxDigits && misleads(limit, digits)) ++digits;
   }
   return digits;
 }
@@ -207,7 +207,7 @@ Reason MissingReason(NoValue why) {
 }
 
 Reason LimitReason(const MetricInfo& info, double value) {
-  return {"device_limit", {value, kMostLimited_percent}, {std::string(info.unit), "%"}};
+  return {"device_limit", {value, kMaxLimited_percent}, {std::string(info.unit), "%"}};
 }
 
 Reason BelowGridReason(const MetricInfo& info, double least) {

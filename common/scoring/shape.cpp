@@ -12,10 +12,10 @@ namespace {
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr double kPatch_m2 = 0.02e-6;      // what a bur's tip leaves at the least
-constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
+constexpr double kPatch_m2 = 0.02e-6;    // what a bur's tip leaves at the least
+constexpr double kMinWall_m2 = 0.05e-6;  // smaller faces belong to edges
 // And of the target's face: what stands where a box ends in the open is a flake, no wall.
-constexpr double kLeastOfFace = 0.1;
+constexpr double kMinOfFace = 0.1;
 // The longest line, in units of the largest nearest distance of the wall.
 constexpr double kOtherSurface = 2;
 // The shares of a wall or floor that must be there before it is begun, and before it has a lean: a
@@ -23,7 +23,7 @@ constexpr double kOtherSurface = 2;
 constexpr double kBegunShare = 0.3, kMadeShare = 0.5;
 // A place on a wall counts at most this much in its waviness: deepest_over_mm measures the depth of
 // a gouge.
-constexpr double kMostWave_m = 0.3e-3;
+constexpr double kMaxWave_m = 0.3e-3;
 constexpr double kDeepest_m = 8e-3;  // no floor of a cavity lies deeper
 constexpr double kFitFrom = 0.15, kFitTo = 0.9;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
@@ -101,10 +101,10 @@ void KeepInner(std::vector<Height>& heights, std::initializer_list<double Height
 // The surface there stands upright on the wall, or nearly: it is another's, no part of this one. A
 // wave as steep as voxels can show still faces as its wall does.
 bool IsBeside(const Volume& volume, const dvec3& at_m, const dvec3& normal) {
-  constexpr double kLeastFacing = 0.3;
+  constexpr double kMinFacing = 0.3;
   const dvec3 slope =
       volume.SlopeAtSample((at_m - volume.spec().origin_m()) / volume.spec().voxel_m());
-  return Dot(slope, normal) < kLeastFacing * Length(slope);
+  return Dot(slope, normal) < kMinFacing * Length(slope);
 }
 
 double FaceArea_m2(const OpenBox& target, double depth_m, size_t part) {
@@ -187,11 +187,11 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   std::vector<Height> most_heights = heights;
   const Plane plane = FitPlaneToMost(most_heights, 0.25 * h);
   out.facet = FacetOf(FitPlaneToMost(made_heights, 0.25 * h), patch.normal, up, along);
-  double squares = pit_m2 * kMostWave_m * kMostWave_m, area = pit_m2;
+  double squares = pit_m2 * kMaxWave_m * kMaxWave_m, area = pit_m2;
   // A wall's foot and rim were dropped before.
   floor ? KeepInner(heights, {&Height::s, &Height::t}) : KeepInner(heights, {&Height::t});
   for (const Height& q : heights) {
-    const double rest = std::clamp(q.d - plane.At(q), -kMostWave_m, kMostWave_m);
+    const double rest = std::clamp(q.d - plane.At(q), -kMaxWave_m, kMaxWave_m);
     squares += q.area * rest * rest;
     area += q.area;
   }
@@ -269,7 +269,7 @@ Walls MeasureWalls(const Volume& initial, const CutSide& attempt, const CutSide&
   const auto patches = PatchesOf(reference, target, depth_m);
   Walls out;
   for (size_t p = 0; p < kPartCount; ++p) {
-    const double least_m2 = std::max(kLeastWall_m2, kLeastOfFace * FaceArea_m2(target, depth_m, p));
+    const double least_m2 = std::max(kMinWall_m2, kMinOfFace * FaceArea_m2(target, depth_m, p));
     out[p] = MeasureWall(initial, attempt, reference, patches[p], reference_deviation_m, least_m2,
                          p == kFloor);
   }

@@ -13,7 +13,7 @@ constexpr double kAngle_deg = 0.5 * 2 * kEven;
 // Between two of the 72 places of a finish line.
 constexpr double kPlaces_deg = 5;
 // The least reduction that a share is taken of, and the least height of a stump.
-constexpr double kLeastReduction_m = 0.5e-3, kLeastStump_m = 1e-3;
+constexpr double kMinReduction_m = 0.5e-3, kMinStump_m = 1e-3;
 
 // Of a share of the volume `whole_m3` that a surface bounds which errs by as much everywhere.
 double OfShare_percent(double area_m2, double whole_m3, double surface_m) {
@@ -26,8 +26,8 @@ double OfPercent(std::string_view metric, const Measured& m) {
     return m.contact ? m.contact->uncertainty_percent(u, m.voxel_m) : 0;
   if (metric == "reduction_top_percent")
     return m.stump.top_asked_m > 0 ? 100 * u / m.stump.top_asked_m : 0;
-  if (metric == "reduction_least_percent") return 100 * u / kLeastReduction_m;
-  if (metric == "stump_left_percent") return 100 * u / kLeastStump_m;
+  if (metric == "reduction_least_percent") return 100 * u / kMinReduction_m;
+  if (metric == "stump_left_percent") return 100 * u / kMinStump_m;
   if (metric == "caries_left_percent") {
     const auto caries = static_cast<size_t>(cutting::Tissue::kCaries);
     // A voxel is carious or not, each by itself.

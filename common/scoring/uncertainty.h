@@ -19,7 +19,7 @@ inline constexpr double kEven = 0.28867513459481287;
 double SurfaceUncertainty_m(double voxel_m, double registration_m);
 
 // A prepared tooth was laid on the scene's within this; its own residual is not stored. The largest RMS that an import
-// accepts (import::kMostRms_mm).
+// accepts (import::kMaxRms_mm).
 inline constexpr double kRegistration_m = 0.07e-3;
 
 // In the metric's unit. None where the recording alone has it, which the grid does not touch, or where there is no

@@ -16,7 +16,7 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr double kLeastSide = 0.1;  // of the task: a smaller one is an edge of the next
+constexpr double kMinSide = 0.1;  // of the task: a smaller one is an edge of the next
 
 // The highest solid point of a column, neighbours apart; the grid's bottom where there is none.
 double HighestAt(const Volume& volume, double x_m, double y_m) {
@@ -90,7 +90,7 @@ std::array<double, 4> SidesDone(const Volume& initial, const Volume& attempt,
   std::array<double, 4> out;
   for (size_t s = 0; s < out.size(); ++s) {
     const auto of = static_cast<double>(task[s]);
-    out[s] = of > 0 && of >= kLeastSide * all ? static_cast<double>(done[s]) / of : 1;
+    out[s] = of > 0 && of >= kMinSide * all ? static_cast<double>(done[s]) / of : 1;
   }
   return out;
 }

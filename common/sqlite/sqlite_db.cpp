@@ -171,7 +171,7 @@ bool SqliteDb::WaitOn(bool first) {
   const auto now = std::chrono::steady_clock::now();
   if (first) busy_since_ = counted_since_ = now;
   const bool waited = waits_;
-  waits_ = worth_it_ && now - busy_since_ < kMostWait && worth_it_();
+  waits_ = worth_it_ && now - busy_since_ < kMaxWait && worth_it_();
   // After a wait that was worth it, a statement still has its full usual time.
   if (waits_ || waited) counted_since_ = now;
   if (stopped_ || now - counted_since_ >= busy_wait_) return false;

@@ -73,7 +73,7 @@ struct SqliteDbOptions {
 class SqliteDb final : public Db {
  public:
   static constexpr size_t kMaxStatements = 256;
-  static constexpr std::chrono::minutes kMostWait{15};
+  static constexpr std::chrono::minutes kMaxWait{15};
 
   static Result<std::unique_ptr<SqliteDb>> Open(const std::filesystem::path& path,
                                                 SqliteDbOptions options);
@@ -111,7 +111,7 @@ class SqliteDb final : public Db {
   const std::string& path() const { return path_; }
   size_t kept_statements() const { return statements_.size(); }
 
-  // While `worth_it` returns true, up to kMostWait, a wait does not count.
+  // While `worth_it` returns true, up to kMaxWait, a wait does not count.
   void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {}) override;
   bool waits() const override { return waits_; }
   // A running Rewrite ends with kInterrupted or kUnavailable: at once, except in the last step of

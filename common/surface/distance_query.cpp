@@ -163,8 +163,8 @@ DistanceQuery::Found DistanceQuery::Nearest2(const dvec3& point_m, double limit2
   double best2 = limit2;
   if (guess != kNone) {
     // A little farther than it is, so that it is found in its turn: of equally near ones the first counts.
-    constexpr double kFarther = 1 + 1e-9, kLeast2 = 1e-30;
-    best2 = std::min(best2, TriangleDistance2(point_m, triangles_[guess]) * kFarther + kLeast2);
+    constexpr double kFarther = 1 + 1e-9, kMin2 = 1e-30;
+    best2 = std::min(best2, TriangleDistance2(point_m, triangles_[guess]) * kFarther + kMin2);
   }
   double best = std::sqrt(best2) * kRoundUp;
   for (; ring <= last; ++ring) {

@@ -140,7 +140,7 @@ Result<Header> DecodeHeader(ByteView bytes) {
   Header h;
   h.scene = ReadHash(in);
   h.volume = ReadHash(in);
-  ByteView params_bytes = in.Blob(core::kMostParamsBytes);
+  ByteView params_bytes = in.Blob(core::kMaxParamsBytes);
   h.station_software = in.Text(kMaxSoftwareBytes);
   const uint8_t kind = ReadHand(in, h.hand);
   if (!in.ok()) return EndsEarly("header", bytes.size());

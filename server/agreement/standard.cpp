@@ -63,13 +63,13 @@ Status CheckRated(const std::vector<RatedWork>& works) {
       different.insert(rating);
     }
   }
-  if (works.size() < kLeastRated) {
-    return Status(Code::kInvalidInput, "a cut score needs " + std::to_string(kLeastRated) +
+  if (works.size() < kMinRated) {
+    return Status(Code::kInvalidInput, "a cut score needs " + std::to_string(kMinRated) +
                                            " rated attempts at least, found " +
                                            std::to_string(works.size()) + ": rate more of them");
   }
-  if (different.size() < kLeastRatings) {
-    return Status(Code::kInvalidInput, "a cut score needs " + std::to_string(kLeastRatings) +
+  if (different.size() < kMinRatings) {
+    return Status(Code::kInvalidInput, "a cut score needs " + std::to_string(kMinRatings) +
                                            " different ratings at least, found " +
                                            std::to_string(different.size()) +
                                            ": add better and worse attempts");
@@ -169,7 +169,7 @@ MarkTable TotalsOfPeople(const std::vector<Mark>& marks, std::set<std::string>& 
 }
 
 json::value BorderlineJson(const StandardSetting& s) {
-  json::object needs{{"works", kLeastRated}, {"ratings", kLeastRatings}, {"enough", kEnoughRated}};
+  json::object needs{{"works", kMinRated}, {"ratings", kMinRatings}, {"enough", kEnoughRated}};
   if (!s.borderline) {
     return {{"value", nullptr}, {"why", s.why_no_borderline}, {"needs", std::move(needs)}};
   }

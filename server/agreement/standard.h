@@ -34,7 +34,7 @@ enum Rating : uint8_t {
   kExcellent = 5
 };
 
-inline constexpr size_t kLeastRated = 8, kLeastRatings = 3;
+inline constexpr size_t kMinRated = 8, kMinRatings = 3;
 // Below it a cut score comes with a warning.
 inline constexpr size_t kEnoughRated = 30;
 
@@ -51,7 +51,7 @@ struct BorderlineCut {
   size_t works = 0, ratings = 0;
   bool few = false;  // fewer than kEnoughRated
 };
-// Errors: kInvalidInput with the reason: fewer than kLeastRated works, fewer than kLeastRatings
+// Errors: kInvalidInput with the reason: fewer than kMinRated works, fewer than kMinRatings
 // different ratings, a rating or points that are none, and where better rated work has no more
 // points.
 Result<BorderlineCut> BorderlineRegression(const std::vector<RatedWork>& works);

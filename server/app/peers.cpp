@@ -25,7 +25,7 @@ constexpr milliseconds kSuspicious{1'000};
 constexpr milliseconds kAnswerWithin{1'000};
 // Questions and answers take time on the way.
 constexpr milliseconds kSlack{500};
-constexpr size_t kMostPeers = 16;
+constexpr size_t kMaxPeers = 16;
 // By then every server has noticed an S3 store that fails.
 constexpr milliseconds kBucketsSeen{6'000};
 
@@ -88,7 +88,7 @@ void Peers::Run(const std::stop_token& stop) {
 }
 
 PeersView Peers::Ask(const std::vector<DatabaseLook::Peer>& peers) {
-  std::vector<std::optional<wire::Measured>> answers(std::min(peers.size(), kMostPeers));
+  std::vector<std::optional<wire::Measured>> answers(std::min(peers.size(), kMaxPeers));
   {
     std::vector<std::jthread> each;
     for (size_t i = 0; i < answers.size(); ++i) {

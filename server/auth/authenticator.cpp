@@ -46,7 +46,7 @@ Status RefusedPin() {
 // A right PIN and a wrong one get the same answer.
 Status LockedPin() {
   return Status(Code::kForbidden,
-                "this PIN is locked after " + std::to_string(PeopleRows::kMostWrongPins) +
+                "this PIN is locked after " + std::to_string(PeopleRows::kMaxWrongPins) +
                     " wrong ones: set a new PIN on the page, under your name, where you confirm it "
                     "with your password",
                 kPinLocked);

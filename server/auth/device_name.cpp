@@ -3,7 +3,7 @@
 namespace enamel::server::auth {
 namespace {
 
-constexpr size_t kMostRead = 512;
+constexpr size_t kMaxRead = 512;
 
 struct Known {
   std::string_view mark, name;
@@ -36,7 +36,7 @@ std::string_view FirstOf(const Known (&known)[n], std::string_view text) {
 }  // namespace
 
 std::string DeviceName(std::string_view user_agent) {
-  const std::string_view read = user_agent.substr(0, kMostRead);
+  const std::string_view read = user_agent.substr(0, kMaxRead);
   const std::string_view browser = FirstOf(kBrowsers, read), system = FirstOf(kSystems, read);
   if (system.empty()) return std::string(browser);
   return std::string(browser.empty() ? "a browser" : browser) + " on " + std::string(system);

@@ -17,7 +17,7 @@ constexpr size_t kTokenDigits = 2 * (kTimeBytes + kNameBytes + kHashBytes);
 std::vector<std::string_view> Split(std::string_view tokens) {
   std::vector<std::string_view> out;
   // Bounded before anything is computed: the browser's text is anybody's.
-  while (tokens.size() >= kTokenDigits && out.size() < DeviceTokens::kMostLogins) {
+  while (tokens.size() >= kTokenDigits && out.size() < DeviceTokens::kMaxLogins) {
     out.push_back(tokens.substr(0, kTokenDigits));
     tokens.remove_prefix(std::min(tokens.size(), kTokenDigits + 1));
   }
@@ -74,7 +74,7 @@ std::string DeviceTokens::With(std::string_view login, std::string_view tokens,
     // Its own shorter-lived one is replaced. Others' go along unread: whose they are is not known.
     const bool hex = std::ranges::all_of(
         token, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
-    if (kept >= kMostLogins || !hex || NameIn(token) == name) continue;
+    if (kept >= kMaxLogins || !hex || NameIn(token) == name) continue;
     out += "." + std::string(token);
     ++kept;
   }

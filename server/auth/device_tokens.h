@@ -13,7 +13,7 @@ namespace enamel::server::auth {
 // password is asked for as ever. The server stores nothing for it, so it survives a restart and
 // serves all servers of a school. Thread safety: constant, any thread.
 //
-// The browser keeps, for the last kMostLogins of them, 56 hex digits each, joined by dots:
+// The browser keeps, for the last kMaxLogins of them, 56 hex digits each, joined by dots:
 //
 //   bytes  what
 //       4  until when, in seconds since 1970, big endian
@@ -22,7 +22,7 @@ namespace enamel::server::auth {
 class DeviceTokens {
  public:
   static constexpr int64_t kDays = 30;
-  static constexpr size_t kMostLogins = 5;
+  static constexpr size_t kMaxLogins = 5;
 
   explicit DeviceTokens(const DataKey& key) : key_(key) {}
 

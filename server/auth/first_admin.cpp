@@ -21,7 +21,7 @@ Status FirstAdmin::Take(std::string_view token, UnixMs now_ms) {
   const Sha256 hash = TokenHash(AsBytes(token));
   MutexLock lock(mutex_);
   if (!offered_ || offered_->taken || now_ms >= offered_->until_ms) return refused;
-  if (offered_->wrong >= kMostWrong) return refused;
+  if (offered_->wrong >= kMaxWrong) return refused;
   if (!SameSecret(hash.Hex(), offered_->hash.Hex())) {
     ++offered_->wrong;
     return refused;

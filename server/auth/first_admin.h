@@ -16,12 +16,12 @@ namespace enamel::server::auth {
 // and as a hash: a server that starts again without an admin offers another, and none is in a
 // backup.
 //
-// Good once, for kGoodMs, and no longer after kMostWrong wrong tokens (256 random bits are not
+// Good once, for kGoodMs, and no longer after kMaxWrong wrong tokens (256 random bits are not
 // guessed; who tries is noticed). Thread safety: any thread.
 class FirstAdmin {
  public:
   static constexpr UnixMs kGoodMs = 24ll * 60 * 60 * 1000;
-  static constexpr uint32_t kMostWrong = 100;
+  static constexpr uint32_t kMaxWrong = 100;
 
   // The token, 64 hexadecimal digits; one that was offered before is void.
   std::string Offer(UnixMs now_ms);

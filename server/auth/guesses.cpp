@@ -18,7 +18,7 @@ namespace {
 // times.
 constexpr size_t kLongestLookedAt = 64;
 // Of more pieces the rest counts as characters that nothing explains.
-constexpr size_t kMostPieces = 12;
+constexpr size_t kMaxPieces = 12;
 constexpr size_t kShortestWord = 3;
 constexpr double kYears = 120;
 
@@ -217,12 +217,12 @@ class Reading {
   double Cheapest() const {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     const size_t n = text_.size();
-    std::vector<std::array<double, kMostPieces + 1>> best(n + 1);
+    std::vector<std::array<double, kMaxPieces + 1>> best(n + 1);
     for (auto& row : best) row.fill(kNever);
     best[0][0] = 0;
     for (size_t end = 1; end <= n; ++end) {
       auto take = [&](size_t begin, double log10) {
-        for (size_t k = 0; k < kMostPieces; ++k) {
+        for (size_t k = 0; k < kMaxPieces; ++k) {
           best[end][k + 1] = std::min(best[end][k + 1], best[begin][k] + log10);
         }
       };
@@ -232,7 +232,7 @@ class Reading {
       for (size_t begin = 0; begin < end; ++begin) take(begin, static_cast<double>(end - begin));
     }
     double out = n == 0 ? 0 : kNever, orders_log10 = 0;
-    for (size_t k = 1; k <= kMostPieces; ++k) {
+    for (size_t k = 1; k <= kMaxPieces; ++k) {
       orders_log10 += std::log10(static_cast<double>(k));
       out = std::min(out, best[n][k] + orders_log10);
     }

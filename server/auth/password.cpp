@@ -19,7 +19,7 @@ Status CheckPasswordPolicy(std::string_view password, std::string_view login,
   }
   // The demo's passwords are public, and somebody may have learnt theirs there.
   const std::string of_the_demo = "enamel-demo-" + std::string(login);
-  if (Log10Guesses(password, {login, name, of_the_demo}) < kLeastLog10Guesses) {
+  if (Log10Guesses(password, {login, name, of_the_demo}) < kMinLog10Guesses) {
     return Status(Code::kInvalidInput,
                   "this password is among the first that are guessed: common words and passwords, "
                   "names, rows of keys, dates, and those with a few characters more; take four "

@@ -20,7 +20,7 @@ struct PasswordCost {
 // A password has to withstand this many guesses (guesses.h). At the sign-in that is years: a login
 // gets at most some 650 000 tries a month from all addresses together (throttle.h). Somebody who
 // has stolen the verifiers and does 1000 argon2id a second needs a day for one person.
-inline constexpr double kLeastLog10Guesses = 8;
+inline constexpr double kMinLog10Guesses = 8;
 
 // Refuses passwords that are too short or too long, or that somebody who knows the owner's login
 // and name guesses too soon. No composition rules. For new passwords; accepted ones stay valid.

@@ -19,7 +19,7 @@ std::optional<Turn> SignInPlaces::Take(const std::string& login, const std::stri
   const size_t threads = is_party ? 1 : std::numeric_limits<size_t>::max();
   MutexLock lock(mutex_);
   const bool known = line == Line::kFirst || known_.contains(name);
-  if (known && waiting_[of] < kMostOfLogin) {
+  if (known && waiting_[of] < kMaxOfLogin) {
     ++waiting_[of];
     return Turn(of, Line::kFirst, threads);
   }
@@ -41,7 +41,7 @@ void SignInPlaces::Leave(const Turn& turn) {
 void SignInPlaces::Know(const std::string& login, const std::string& place) {
   MutexLock lock(mutex_);
   // All at once: who signs in next is known again.
-  if (known_.size() >= kMostKnown) known_.clear();
+  if (known_.size() >= kMaxKnown) known_.clear();
   known_.insert(NameOf(login, place));
 }
 

@@ -34,10 +34,10 @@ class SignInPlaces {
   // The login has signed in from there.
   void Know(const std::string& login, const std::string& place);
 
-  static constexpr size_t kMostOfLogin = 2, kAlways = 4, kMost = 256;
+  static constexpr size_t kMaxOfLogin = 2, kAlways = 4, kMost = 256;
 
  private:
-  static constexpr size_t kMostKnown = 20'000;
+  static constexpr size_t kMaxKnown = 20'000;
 
   const size_t of_place_;
   Mutex mutex_;

@@ -24,7 +24,7 @@ namespace {
 constexpr int kPostgres15 = 150000;
 // docs/several_servers.md: of each school and server, and a command beside it.
 constexpr int64_t kConnections = 8;
-constexpr int64_t kMostClockOffMs = 1000;
+constexpr int64_t kMaxClockOffMs = 1000;
 
 Finding OfHost(const sql::PgHost& host) {
   const std::string what = "database " + host.where;
@@ -102,7 +102,7 @@ void OfClock(sql::Db& db, Findings& out) {
   const auto theirs = db.ClockMs();
   if (!theirs.ok() || !*theirs) return;
   const UnixMs off = **theirs - (asked + enamel::UnixMs()) / 2;
-  const bool right = std::abs(off) <= kMostClockOffMs;
+  const bool right = std::abs(off) <= kMaxClockOffMs;
   out.push_back({"database clock", right ? Verdict::kOk : Verdict::kWarn,
                  std::to_string(std::abs(off)) + " ms " + (off < 0 ? "behind" : "ahead of") +
                      " this machine's",

@@ -28,7 +28,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr size_t kMostLines = 5000, kMostLineBytes = 4000;
+constexpr size_t kMaxLines = 5000, kMaxLineBytes = 4000;
 
 json::object System() {
   utsname name{};
@@ -110,9 +110,9 @@ json::value Line(const Scrubber& scrubber, const std::string& line) {
 json::array Lines(const Scrubber& scrubber, std::istream& in) {
   std::deque<std::string> lines;
   for (std::string line; std::getline(in, line);) {
-    line.resize(std::min(line.size(), kMostLineBytes));
+    line.resize(std::min(line.size(), kMaxLineBytes));
     lines.push_back(std::move(line));
-    if (lines.size() > kMostLines) lines.pop_front();
+    if (lines.size() > kMaxLines) lines.pop_front();
   }
   json::array out;
   for (const std::string& line : lines) out.push_back(Line(scrubber, line));

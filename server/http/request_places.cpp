@@ -58,7 +58,7 @@ void RequestPlaces::Know(const Request& request, const Uuid& person) {
   if (!cookie) return;
   MutexLock lock(mutex_);
   // All at once: the next request of each is known again.
-  if (people_.size() >= kMostKnown) people_.clear();
+  if (people_.size() >= kMaxKnown) people_.clear();
   people_[HashSha256(AsBytes(*cookie)).Hex()] = person.Text();
 }
 

@@ -36,7 +36,7 @@ class RequestPlaces {
   void Know(const Request& request, const Uuid& person);
 
  private:
-  static constexpr size_t kMostKnown = 20'000;
+  static constexpr size_t kMaxKnown = 20'000;
   struct Counts {
     Mutex mutex;
     std::map<std::string, size_t> taken ENAMEL_GUARDED_BY(mutex);

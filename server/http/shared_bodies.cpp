@@ -59,7 +59,7 @@ Result<Bytes> SharedBodies::MakeInTurn(const Read& make) {
   {
     MutexLock lock(mutex_);
     if (!finished_.wait_for(mutex_, patience_,
-                            [&]() ENAMEL_REQUIRES(mutex_) { return making_ < kMostMade; })) {
+                            [&]() ENAMEL_REQUIRES(mutex_) { return making_ < kMaxMade; })) {
       return Status(Code::kUnavailable, "others are being made first; try again in a few seconds");
     }
     ++making_;

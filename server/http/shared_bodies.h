@@ -17,7 +17,7 @@
 namespace enamel::server::http {
 
 // Large answers in memory once, however many are being sent: whoever asks while another reads the
-// same waits for that. What was computed stays for a while, and only kMostMade are computed at once.
+// same waits for that. What was computed stays for a while, and only kMaxMade are computed at once.
 // Thread safety: any thread; calls block.
 class SharedBodies {
  public:
@@ -35,7 +35,7 @@ class SharedBodies {
 
   static constexpr size_t kKeptBytes = 32u << 20;
   // Making a surface takes a core, and the memory of a whole tooth.
-  static constexpr size_t kMostMade = 2;
+  static constexpr size_t kMaxMade = 2;
   static constexpr std::chrono::seconds kPatience{10};
   static constexpr std::chrono::minutes kFor{5};
 

@@ -43,7 +43,7 @@ constexpr std::chrono::milliseconds kLook{50};
 // After SIGKILL only a system call that hangs keeps a process.
 constexpr std::chrono::seconds kDies{2};
 constexpr char kDrillFolder[] = "drill";  // in the data folder, while one runs
-constexpr size_t kMostRows = 20;          // of the audit trail's kind "store.", all of them rare
+constexpr size_t kMaxRows = 20;           // of the audit trail's kind "store.", all of them rare
 
 uint64_t Number(const json::object& line, const char* name) {
   const json::value* value = line.if_contains(name);
@@ -261,7 +261,7 @@ Result<BackupRun::State> BackupRun::Look() const {
   if (out.running) return out;
   AuditFilter ours;
   ours.action = "store.";
-  ours.limit = kMostRows;
+  ours.limit = kMaxRows;
   ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.audit.FindAudit(ours));
   for (const AuditRow& row : rows) {
     // A backup has the row of its own beginning: what was restored from one shows no failure.

@@ -27,7 +27,7 @@ using Outline = scene::PreparationPart::Outline;
 
 constexpr double kMm3PerCubicMetre = 1e9;
 // Of the pulp in the target: what voxels of 0.1 mm leave open.
-constexpr double kMostPulp_mm3 = 0.05;
+constexpr double kMaxPulp_mm3 = 0.05;
 
 Status Refused(const std::string& field, const std::string& expected, const std::string& found) {
   return Status(Code::kInvalidInput, "expected " + expected + ", found " + found, field);
@@ -156,7 +156,7 @@ Status CheckVolume(const scene::Scene& scene, const scene::Exercise& exercise,
   ENAMEL_ASSIGN_OR_RETURN(const auto shape, scene::TargetShape(scene, target));
   const auto gone = scoring::RemovedPerTissue_m3(volume, scene::Prepared(volume, shape));
   const double pulp_mm3 = gone[static_cast<size_t>(Tissue::kPulp)] * kMm3PerCubicMetre;
-  if (pulp_mm3 <= kMostPulp_mm3) return Status::Ok();
+  if (pulp_mm3 <= kMaxPulp_mm3) return Status::Ok();
   return Refused("target.depth_um",
                  "a target that leaves the pulp closed, as an open pulp fails the attempt",
                  fmt::format("one that takes {:.2f} mm3 of it at {}", pulp_mm3,
@@ -213,8 +213,8 @@ Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckPrices(exercise));
   if (Status words = CheckRubricWords(exercise.rubric); !words.ok()) return in_rubric(words);
-  if (exercise.time_limit_s != 0 && exercise.time_limit_s < kLeastTime_s) {
-    return Refused("time_limit_s", "none (0) or at least " + std::to_string(kLeastTime_s) + " s",
+  if (exercise.time_limit_s != 0 && exercise.time_limit_s < kMinTime_s) {
+    return Refused("time_limit_s", "none (0) or at least " + std::to_string(kMinTime_s) + " s",
                    std::to_string(exercise.time_limit_s) + " s");
   }
   ENAMEL_RETURN_IF_ERROR(CheckBur(exercise));

@@ -13,7 +13,7 @@
 namespace enamel::server {
 
 // Less time than this is no exercise: a hand needs as long to take the tool up. Chosen.
-inline constexpr int32_t kLeastTime_s = 30;
+inline constexpr int32_t kMinTime_s = 30;
 
 // Errors: kInvalidInput with the member, what was expected and found: the rubric (ValidateRubric,
 // CheckRubricWords; a price for each kind of region that a target like this has), a landmark that the scene does not have, a time limit of seconds, a bur that

@@ -43,7 +43,7 @@ Result<ExerciseTrials::About> ExerciseTrials::Begin(const Uuid& person, scene::E
   std::erase_if(entries_, [&](const Entry& entry) { return entry.person == person; });
   const auto waiting = std::ranges::count(entries_, State::kWaiting,
                                           [](const Entry& entry) { return entry.about.state; });
-  if (static_cast<size_t>(waiting) >= kMostWaiting) {
+  if (static_cast<size_t>(waiting) >= kMaxWaiting) {
     return Status(Code::kUnavailable,
                   "too many exercises are being tried; try again in some minutes");
   }
@@ -117,7 +117,7 @@ void ExerciseTrials::Finish(const Uuid& id, Result<scoring::Trial> trial, double
     entry->about.problem = trial.status();
   }
   // The oldest go first; their readers have long seen them.
-  while (entries_.size() > kMostKept + kMostWaiting && entries_.front().over()) {
+  while (entries_.size() > kMaxKept + kMaxWaiting && entries_.front().over()) {
     entries_.pop_front();
   }
 }

@@ -20,14 +20,14 @@ Result<scoring::Trial> TryStored(StoredBlobs& blobs, scene::Exercise exercise,
 
 // Tries drafts on a thread of its own, which yields to others: one at a time, in the order in which
 // they came. A person has one, so nobody waits for more than one of each other person; the next one
-// ends it. The outcome can be read until then, or until kMostKept newer ones are done.
+// ends it. The outcome can be read until then, or until kMaxKept newer ones are done.
 //
 // Thread safety: any thread. The destructor ends the trial that runs, within a step of its
 // measuring.
 class ExerciseTrials {
  public:
-  static constexpr size_t kMostWaiting = 16;  // five minutes of the costliest built-in exercise
-  static constexpr size_t kMostKept = 64;
+  static constexpr size_t kMaxWaiting = 16;  // five minutes of the costliest built-in exercise
+  static constexpr size_t kMaxKept = 64;
 
   enum class State { kWaiting, kWorking, kDone, kFailed };
   struct About {
@@ -45,7 +45,7 @@ class ExerciseTrials {
   ExerciseTrials(const ExerciseTrials&) = delete;
   ExerciseTrials& operator=(const ExerciseTrials&) = delete;
 
-  // Errors: kUnavailable while kMostWaiting others wait.
+  // Errors: kUnavailable while kMaxWaiting others wait.
   Result<About> Begin(const Uuid& person, scene::Exercise exercise);
   // Errors: kNotFound, also for another person's.
   Result<About> Get(const Uuid& person, const Uuid& id) const;

@@ -54,7 +54,7 @@ std::optional<scoring::MetricSet> ReferenceCache::Metrics(const std::string& key
 void ReferenceCache::KeepMetrics(const std::string& key, const scoring::MetricSet& metrics) {
   MutexLock lock(mutex_);
   metrics_.emplace_front(key, metrics);
-  if (metrics_.size() > kMostMetrics) metrics_.pop_back();
+  if (metrics_.size() > kMaxMetrics) metrics_.pop_back();
 }
 
 Result<scoring::Motion> ReferenceCache::MotionIn(StoredBlobs& blobs, const Sha256& content) {
@@ -66,7 +66,7 @@ Result<scoring::Motion> ReferenceCache::MotionIn(StoredBlobs& blobs, const Sha25
   ENAMEL_ASSIGN_OR_RETURN(const auto motion, scoring::DecodeMotion(bytes));
   MutexLock lock(mutex_);
   if (motions_.emplace(content, motion).second) motions_read_.push_front(content);
-  if (motions_.size() > kMostMotions) {
+  if (motions_.size() > kMaxMotions) {
     motions_.erase(motions_read_.back());
     motions_read_.pop_back();
   }

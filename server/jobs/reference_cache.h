@@ -46,9 +46,9 @@ class ReferenceCache {
   Result<scoring::Motion> MotionIn(StoredBlobs& blobs, const Sha256& content);
 
  private:
-  static constexpr size_t kMostMetrics = 64;
+  static constexpr size_t kMaxMetrics = 64;
   // Of 3 kB each: eight exercises at once, of as many as a score looks at (score_job.cpp).
-  static constexpr size_t kMostMotions = 4000;
+  static constexpr size_t kMaxMotions = 4000;
 
   const size_t capacity_;
   Mutex mutex_;

@@ -83,18 +83,18 @@ Status CheckReferenceCut(StoredBlobs& blobs, ResultRows& results, const AttemptR
                       measured.status().message());
   }
   const TargetWork& work = *measured;
-  if (work.done_percent < kLeastDone_percent) {
+  if (work.done_percent < kMinDone_percent) {
     return RefusedCut(
         fmt::format("expected at least {:.0f} % of the exercise's own target of {:.1f} "
                     "mm3 to be done, found {:.1f} %",
-                    kLeastDone_percent, work.target_mm3, work.done_percent));
+                    kMinDone_percent, work.target_mm3, work.done_percent));
   }
-  if (work.beside_percent > kMostBeside_percent) {
+  if (work.beside_percent > kMaxBeside_percent) {
     return RefusedCut(
         fmt::format("expected at most {:.0f} % of the exercise's own target of {:.1f} "
                     "mm3 to be cut beside it and its leeway, found {:.1f} % ({:.1f} "
                     "mm3)",
-                    kMostBeside_percent, work.target_mm3, work.beside_percent, work.beside_mm3));
+                    kMaxBeside_percent, work.target_mm3, work.beside_percent, work.beside_mm3));
   }
   return Status::Ok();
 }

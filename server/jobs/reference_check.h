@@ -36,7 +36,7 @@ Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
 // tenths of every tooth's target and cuts nothing beside its leeway (`admin mark-reference` prints
 // both). Somebody who stops early or cuts elsewhere does far less or far more. The margin is for
 // other hands and coarser voxels.
-inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
+inline constexpr double kMinDone_percent = 80, kMaxBeside_percent = 5;
 
 // Whether an attempt that is scored may be what others are compared with: it did the task, and no
 // more than the task, within the time, undisturbed, and was uploaded once. Errors: kConflict with

@@ -31,9 +31,9 @@ namespace enamel::server {
 namespace {
 
 // The newest of those before it: bounds what comparing costs.
-constexpr uint32_t kMostMotions = 500;
+constexpr uint32_t kMaxMotions = 500;
 
-static_assert(ReferenceRows::kMostCounting == scoring::kMaxEnvelopeMembers);
+static_assert(ReferenceRows::kMaxCounting == scoring::kMaxEnvelopeMembers);
 
 // Shares of a job's time, for its progress.
 constexpr double kReplayFrom = 0.05, kReplayTo = 0.7, kMeasureTo = 0.95;
@@ -406,7 +406,7 @@ class ScoreJob {
     if (!motion) return Status::Ok();
     result.hand = scoring::FiguresOf(process);
     ENAMEL_RETURN_IF_ERROR(Put(scoring::EncodeMotion(*motion), result.motion));
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.motions.MotionsBefore(attempt_, kMostMotions));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.motions.MotionsBefore(attempt_, kMaxMotions));
     // Preset paths are among all of them.
     std::vector<Uuid> whose, whose_preset;
     std::vector<scoring::Motion> others, presets;

@@ -22,9 +22,9 @@ double SizeOf_n(const std::array<int32_t, 3>& force_mn) {
 }  // namespace
 
 Result<std::string> TickWindowJson(const trace::NextChunk& next, uint64_t from, uint64_t to) {
-  if (to <= from || to - from > kMostWindowTicks) {
+  if (to <= from || to - from > kMaxWindowTicks) {
     return Status(Code::kInvalidInput,
-                  "expected 1 to " + std::to_string(kMostWindowTicks) +
+                  "expected 1 to " + std::to_string(kMaxWindowTicks) +
                       " ticks after `from`, found " + std::to_string(from) + " to " +
                       std::to_string(to),
                   "to");

@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastPulp_mm3 = 0.5;  // a ball of 1 mm, which a bur can meet; chosen
-constexpr size_t kMaxNameBytes = 40;    // exercises put their kind before it
+constexpr double kMinPulp_mm3 = 0.5;  // a ball of 1 mm, which a bur can meet; chosen
+constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
 
 Status Invalid(const std::string& message, const char* field) {
   return Status(Code::kInvalidInput, message, field);
@@ -87,9 +87,9 @@ Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) 
 Status CheckPulp(const import::ImportedScene& imported) {
   constexpr auto kPulp = static_cast<size_t>(cutting::Tissue::kPulp);
   const double pulp_mm3 = cutting::SolidVolume_m3(imported.volume)[kPulp] * 1e9;
-  if (pulp_mm3 >= kLeastPulp_mm3) return Status::Ok();
+  if (pulp_mm3 >= kMinPulp_mm3) return Status::Ok();
   const dvec3& size = imported.size_mm;
-  return Invalid("expected a pulp of at least " + mesh::Fixed(kLeastPulp_mm3, 1) +
+  return Invalid("expected a pulp of at least " + mesh::Fixed(kMinPulp_mm3, 1) +
                      " mm3 for graded exercises, found " + mesh::Fixed(pulp_mm3, 1) +
                      " mm3 in a crown of " + mesh::Fixed(size.x, 1) + " x " +
                      mesh::Fixed(size.y, 1) + " x " + mesh::Fixed(size.z, 1) +

@@ -14,9 +14,9 @@ namespace {
 constexpr double kProgressStep = 0.05;
 constexpr std::chrono::milliseconds kLookAtQueue{200};
 // Stations that may have had their turn before a new round begins.
-constexpr size_t kMostServed = 64;
+constexpr size_t kMaxServed = 64;
 // Jobs that one thread has begun: each keeps its tooth in memory.
-constexpr size_t kMostBegun = 3;
+constexpr size_t kMaxBegun = 3;
 
 }  // namespace
 
@@ -96,7 +96,7 @@ Result<std::optional<JobRow>> Worker::TakeInTurn(const std::set<Uuid>& busy) {
   std::set<Uuid> not_of = busy;
   {
     MutexLock lock(mutex_);
-    if (served_.size() >= kMostServed) served_.clear();
+    if (served_.size() >= kMaxServed) served_.clear();
     not_of.insert(served_.begin(), served_.end());
   }
   auto job = store_.jobs.LeaseJob(enamel::UnixMs(), options_.lease_ms, not_of);
@@ -199,7 +199,7 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop, std::set<U
   busy.insert(job.station);
   auto turn_ends = std::chrono::steady_clock::now() + options_.turn;
   auto progress = [&](double done) {
-    if (busy.size() < kMostBegun && std::chrono::steady_clock::now() >= turn_ends) {
+    if (busy.size() < kMaxBegun && std::chrono::steady_clock::now() >= turn_ends) {
       const bool passed = !stop.stop_requested() && RunOne(stop, busy);
       // Nobody waits: look again, but not at every chunk.
       turn_ends = std::chrono::steady_clock::now() +

@@ -24,7 +24,7 @@ void CutColumns::Add(const trace::Chunk& chunk) {
     const int32_t um = DownTo(at[2], kStep_um * kUm_100nm) * kStep_um;
     auto column = columns_.find(key);
     if (column == columns_.end()) {
-      if (columns_.size() < kMostColumns) columns_.emplace(key, Lowest{um, chunk.head.seq});
+      if (columns_.size() < kMaxColumns) columns_.emplace(key, Lowest{um, chunk.head.seq});
     } else if (um < column->second.um) {
       column->second = {um, chunk.head.seq};
     }
@@ -62,7 +62,7 @@ Result<LiveCuts::Cut> LiveCuts::Get(RecordingRows& recordings, const Uuid& attem
     return read;
   }
   Cut out{known.columns.chunks(), known.columns.Since(from)};
-  if (known_.size() > kMostAttempts) {
+  if (known_.size() > kMaxAttempts) {
     known_.erase(
         std::ranges::min_element(known_, {}, [](const auto& e) { return e.second.asked; }));
   }

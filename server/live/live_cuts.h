@@ -18,7 +18,7 @@ class CutColumns {
  public:
   static constexpr int32_t kCell_um = 250;  // half a small bur's width
   static constexpr int32_t kStep_um = 20;   // a column gets deeper by whole steps
-  static constexpr size_t kMostColumns = 4096;
+  static constexpr size_t kMaxColumns = 4096;
 
   struct Column {
     int32_t x = 0, y = 0;   // whole kCell_um from the device's origin, the lower edge
@@ -43,11 +43,11 @@ class CutColumns {
 };
 
 // The columns of attempts in progress that somebody asks for, read from the committed chunks: all of
-// them once, then what came since. Of more than kMostAttempts the one longest not asked for is
+// them once, then what came since. Of more than kMaxAttempts the one longest not asked for is
 // forgotten, and read again when it is. Thread safety: any thread; one reads at a time.
 class LiveCuts {
  public:
-  static constexpr size_t kMostAttempts = 128;
+  static constexpr size_t kMaxAttempts = 128;
 
   struct Cut {
     uint32_t chunks = 0;  // that it was made of

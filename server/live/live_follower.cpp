@@ -45,8 +45,8 @@ Status LiveFollower::Show(const Uuid& attempt, UnixMs now_ms, Followed& followed
     if (over) board_.Remove(attempt);
     return row.status();
   }
-  ENAMEL_ASSIGN_OR_RETURN(
-      const auto chunks, store_.recordings.NewestChunks(attempt, followed.next_chunk, kMostChunks));
+  ENAMEL_ASSIGN_OR_RETURN(const auto chunks,
+                          store_.recordings.NewestChunks(attempt, followed.next_chunk, kMaxChunks));
   for (const Bytes& bytes : chunks) {
     ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(bytes));
     const std::vector<LiveSample> moments = MomentsOf(chunk, row->station, now_ms);

@@ -23,7 +23,7 @@ class LiveFollower {
   // A board that has heard of an attempt within this time hears of it from its station.
   static constexpr UnixMs kSilentMs = 1000;
   // Of one that is far behind only the newest chunks: the board keeps a second's rows.
-  static constexpr uint32_t kMostChunks = 3;
+  static constexpr uint32_t kMaxChunks = 3;
 
   LiveFollower(LiveBoard& board, Store& store);
   // For tests: no thread; the test calls it.

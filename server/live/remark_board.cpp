@@ -18,16 +18,16 @@ Status RemarkBoard::Admit(const Uuid& attempt, UnixMs now_ms) const {
   const auto at = sent_.find(attempt);
   if (at == sent_.end()) return Status::Ok();
   const auto waiting = static_cast<size_t>(std::ranges::count_if(at->second, IsOpen));
-  if (waiting >= kMostWaiting) {
-    return Status(Code::kConflict, "expected at most " + std::to_string(kMostWaiting) +
+  if (waiting >= kMaxWaiting) {
+    return Status(Code::kConflict, "expected at most " + std::to_string(kMaxWaiting) +
                                        " remarks that the station has not shown yet, there are " +
                                        std::to_string(waiting) + "; wait until it has");
   }
   const auto recent = static_cast<size_t>(std::ranges::count_if(
       at->second, [&](const Known& known) { return now_ms - known.remark.sent_ms < kMinuteMs; }));
-  if (recent < kMostAMinute) return Status::Ok();
+  if (recent < kMaxAMinute) return Status::Ok();
   return Status(Code::kUnavailable,
-                "expected at most " + std::to_string(kMostAMinute) +
+                "expected at most " + std::to_string(kMaxAMinute) +
                     " remarks to one attempt within a minute, there were " +
                     std::to_string(recent) + "; send the next one a little later",
                 "throttled");
@@ -43,8 +43,8 @@ void RemarkBoard::Put(const ChairRemark& remark) {
     at->stored = remark.state;
     if (at->remark.state < remark.state) at->remark = remark;
   }
-  if (sent.size() > kMostKept) sent.pop_front();
-  if (sent_.size() > kMostAttempts) {
+  if (sent.size() > kMaxKept) sent.pop_front();
+  if (sent_.size() > kMaxAttempts) {
     // A search through all of them, only when there is one attempt too many.
     sent_.erase(std::ranges::min_element(
         sent_, {}, [](const auto& entry) { return IdOf(entry.second.back()); }));
@@ -59,7 +59,7 @@ std::vector<protocol::Remark> RemarkBoard::Take(const Uuid& attempt) {
   const auto at = sent_.find(attempt);
   if (at == sent_.end()) return out;
   for (Known& known : at->second) {
-    if (!IsOpen(known) || out.size() >= kMostWaiting) continue;
+    if (!IsOpen(known) || out.size() >= kMaxWaiting) continue;
     ChairRemark& remark = known.remark;
     remark.state = RemarkState::kSent;
     out.push_back({remark.id, remark.text, remark.from, remark.sent_ms});

@@ -15,23 +15,23 @@ namespace enamel::server {
 // Remarks to the chairs of attempts in progress, until their stations have shown them
 // (schemas/wire/README.md, "Remarks"). In memory; BoardKeeper keeps it in step with the store.
 //
-// Bounded: at most kMostWaiting remarks of an attempt wait, kMostKept are known, and kMostAMinute
-// sent within a minute; of kMostAttempts attempts (the one silent longest is dropped first). Thread
+// Bounded: at most kMaxWaiting remarks of an attempt wait, kMaxKept are known, and kMaxAMinute
+// sent within a minute; of kMaxAttempts attempts (the one silent longest is dropped first). Thread
 // safety: any thread.
 class RemarkBoard {
  public:
-  static constexpr size_t kMostWaiting = protocol::kMaxRemarks;
-  static constexpr size_t kMostKept = 50;
-  static constexpr size_t kMostAMinute = 10;
-  static constexpr size_t kMostAttempts = 1024;
+  static constexpr size_t kMaxWaiting = protocol::kMaxRemarks;
+  static constexpr size_t kMaxKept = 50;
+  static constexpr size_t kMaxAMinute = 10;
+  static constexpr size_t kMaxAttempts = 1024;
 
-  // Whether one more may be sent to this attempt now. Errors: kConflict (kMostWaiting are not shown
-  // yet), kUnavailable with field "throttled" (kMostAMinute).
+  // Whether one more may be sent to this attempt now. Errors: kConflict (kMaxWaiting are not shown
+  // yet), kUnavailable with field "throttled" (kMaxAMinute).
   Status Admit(const Uuid& attempt, UnixMs now_ms) const;
   // Takes the store's row, unless this board's has come further. Ignores Admit's limits: several
   // senders may have been admitted at once.
   void Put(const ChairRemark& remark);
-  // Those not known to be shown, oldest first, at most kMostWaiting: they are on their way now.
+  // Those not known to be shown, oldest first, at most kMaxWaiting: they are on their way now.
   std::vector<protocol::Remark> Take(const Uuid& attempt);
   // The station has shown this one and all before it; 0: none.
   void Shown(const Uuid& attempt, uint64_t id, UnixMs now_ms);

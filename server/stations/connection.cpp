@@ -24,8 +24,8 @@ constexpr std::chrono::milliseconds kGoodbye{2'000};
 constexpr size_t kAsManyAsThere = std::numeric_limits<size_t>::max();
 // A station is charged so much for a frame, for a handshake, and for a request in the store. A short
 // request still takes the disk, and a long one may only have waited for others.
-constexpr std::chrono::microseconds kFrameTime{100}, kLinkTime{2'000}, kLeastTime{1'000},
-    kMostTime{100'000};
+constexpr std::chrono::microseconds kFrameTime{100}, kLinkTime{2'000}, kMinTime{1'000},
+    kMaxTime{100'000};
 // Below this a timer costs more than it spares.
 constexpr std::chrono::milliseconds kShortestRest{1};
 
@@ -247,12 +247,12 @@ asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work
 
 template <typename Work>
 auto Connection::InStore(Work work) {
-  const size_t most = station_ ? LinkBudget::kMostAtOnce : kAsManyAsThere;
+  const size_t most = station_ ? LinkBudget::kMaxAtOnce : kAsManyAsThere;
   return pool_.Run(Turn(party_, Line::kUsual, most), [this, work = std::move(work)] {
     const LogRequest logged(id_);
     const auto begin = Clock::now();
     auto out = work();
-    took_ += std::clamp<Clock::duration>(Clock::now() - begin, kLeastTime, kMostTime);
+    took_ += std::clamp<Clock::duration>(Clock::now() - begin, kMinTime, kMaxTime);
     return out;
   });
 }

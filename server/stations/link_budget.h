@@ -33,7 +33,7 @@ class LinkBudget {
   static constexpr size_t kSmallFrameBytes = size_t{64} << 10;
   static constexpr std::chrono::hours kPeriod{24};
   // Requests that the store carries out at once: of the desk, and of what a station sends.
-  static constexpr size_t kMostAtOnce = 2;
+  static constexpr size_t kMaxAtOnce = 2;
   // Time that a station may take before it has to wait: it has just begun, or slept.
   static constexpr std::chrono::milliseconds kTimeAtOnce{500};
   static constexpr std::chrono::milliseconds kLongestRest{500};

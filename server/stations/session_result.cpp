@@ -7,9 +7,9 @@
 namespace enamel::server::stations {
 namespace {
 
-constexpr size_t kMostScores = 50;
+constexpr size_t kMaxScores = 50;
 // A reply's frame holds 4 MiB.
-constexpr size_t kMostDeviationBytes = 3 << 20;
+constexpr size_t kMaxDeviationBytes = 3 << 20;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Status Session::AddScores(const Seen& seen, wire::AttemptState& out) {
   filter.person = seen.row.person;
   filter.exercise = seen.row.exercise;
   filter.state = AttemptState::kScored;
-  filter.limit = kMostScores;
+  filter.limit = kMaxScores;
   ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.attempts.Attempts(filter));
   std::ranges::reverse(rows);
   for (const AttemptRow& row : rows) {
@@ -86,7 +86,7 @@ Result<wire::Reply> Session::Do(const wire::GetDeviation& request) {
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto result, services_.store.results.ResultOf(seen.row.id));
   ENAMEL_ASSIGN_OR_RETURN(const auto bytes, services_.store.blobs.GetBlob(result.deviation));
-  if (bytes.size() > kMostDeviationBytes) {
+  if (bytes.size() > kMaxDeviationBytes) {
     return Status(Code::kTooLarge, "the deviation has " + std::to_string(bytes.size()) + " bytes");
   }
   wire::Reply reply;

@@ -242,10 +242,10 @@ std::string Folded(std::string_view text) {
 }  // namespace
 
 std::vector<std::string> SearchWords(std::string_view text) {
-  constexpr size_t kMostWords = 8;
+  constexpr size_t kMaxWords = 8;
   std::vector<std::string> out;
   const std::string folded = Folded(text);
-  for (std::string_view rest = Trim(folded); !rest.empty() && out.size() < kMostWords;
+  for (std::string_view rest = Trim(folded); !rest.empty() && out.size() < kMaxWords;
        rest = Trim(rest)) {
     const size_t end = std::min(rest.find(' '), rest.size());
     out.emplace_back(rest.substr(0, end));

@@ -166,8 +166,8 @@ bool Counts(const AssignedRow& assigned) {
 
 Status MayBeginByClock(const AssignedRow& assigned, UnixMs now_ms, UnixMs station_ms) {
   // Compared with both bounds: a difference of two foreign numbers may overflow.
-  const bool near = station_ms >= now_ms - kMostStationClockOffMs &&
-                    station_ms <= now_ms + kMostStationClockOffMs;
+  const bool near =
+      station_ms >= now_ms - kMaxStationClockOffMs && station_ms <= now_ms + kMaxStationClockOffMs;
   if (near || !Counts(assigned)) return Status::Ok();
   return Status(Code::kForbidden,
                 "expected this station's clock within 2 minutes of the server's, " +

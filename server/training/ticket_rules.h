@@ -45,10 +45,10 @@ Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<
 // Whether the attempts count: exams and graded work, in contrast to practice.
 bool Counts(const AssignedRow& assigned);
 
-// Graded work and exams begin only where the station's clock is within kMostStationClockOffMs of
+// Graded work and exams begin only where the station's clock is within kMaxStationClockOffMs of
 // the server's: the station checks by its own clock whether a ticket has expired. Errors:
 // kForbidden, field "clock".
-inline constexpr UnixMs kMostStationClockOffMs = 2 * 60 * 1000;
+inline constexpr UnixMs kMaxStationClockOffMs = 2 * 60 * 1000;
 Status MayBeginByClock(const AssignedRow& assigned, UnixMs now_ms, UnixMs station_ms);
 
 // A person whose attempt another station records gets no ticket here. Its newest chunk came within

@@ -21,11 +21,11 @@ constexpr ImU32 kFigure = IM_COL32(255, 255, 255, 255), kBehind = IM_COL32(16, 1
 // A face is a floor, and a part of the bur can meet one, within 60 degrees of level: the cosine.
 constexpr double kFaces = 0.5;
 // No cavity is deeper. A wall that leans is come near to in steps of no less.
-constexpr double kFar_m = 12e-3, kLeastStep_m = 20e-6;
+constexpr double kFar_m = 12e-3, kMinStep_m = 20e-6;
 // Apart on the bur's end: with a slope of 45 degrees, points off by half of it err by 0.02 mm in
 // the middle of a flat end, and not at its edge.
 constexpr double kApart_m = 0.15e-3;
-constexpr size_t kMostPoints = 400;
+constexpr size_t kMaxPoints = 400;
 constexpr int kRing = 24;  // points on an edge
 
 // The point of a bur, in its frame, that is farthest in a direction: of a convex outline, one of its
@@ -58,7 +58,7 @@ dvec3 FarthestAlong(const cutting::Profile& profile, const dvec3& direction) {
 // leaves out.
 std::vector<cutting::SurfacePoint> EndPoints(const cutting::Bur& bur,
                                              const cutting::Profile& profile) {
-  std::vector<cutting::SurfacePoint> out = cutting::SampleSurface(bur, kApart_m, kMostPoints);
+  std::vector<cutting::SurfacePoint> out = cutting::SampleSurface(bur, kApart_m, kMaxPoints);
   for (const cutting::ProfilePiece& p : profile.pieces()) {
     if (!p.arc || p.radius > 0 || p.at[0] <= 0) continue;
     for (int i = 0; i < kRing; ++i) {
@@ -152,7 +152,7 @@ std::optional<double> DepthGauge::Fall_m(const dvec3& point_m) const {
   double before_m = here_m;
   while ((beyond_m <= 0) == above) {
     before_m = here_m;
-    here_m += (above ? 1 : -1) * std::max(std::abs(beyond_m) / errs_, kLeastStep_m);
+    here_m += (above ? 1 : -1) * std::max(std::abs(beyond_m) / errs_, kMinStep_m);
     if (std::abs(here_m) > kFar_m) return std::nullopt;
     beyond_m = beyond(here_m);
   }

@@ -15,7 +15,7 @@ namespace enamel::station::desk {
 // The window can also turn the device's axes about the scene's z by quarters, so that the hand's
 // right stays the picture's right when somebody looks from another side. Quarters are exact in
 // counts: the cells of the device's positions stay what its profile says. An orientation is rounded
-// once more (kLeastRotationCell_urad), which nothing but the picture and the cut sees: a device that
+// once more (kMinRotationCell_urad), which nothing but the picture and the cut sees: a device that
 // gives torque must not be turned, nor one whose board runs the spring.
 //
 // Thread safety: SetPaused, SetQuarters, own_counts, speed_krpm and turns_view from any thread, the rest as

@@ -19,7 +19,7 @@ using render::InputEvent;
 using render::Screen;
 
 // The smallest window that a chair is meant to have (station/README.md).
-constexpr int kLeastWidth_px = 900, kLeastHeight_px = 600;
+constexpr int kMinWidth_px = 900, kMinHeight_px = 600;
 
 constexpr std::array<std::string_view, 14> kVerbs = {
     "page", "see",   "click",  "type",    "key",   "hold",    "let",
@@ -140,7 +140,7 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow
   if (line.verb == "removed") return Removed_mm3(flow) >= std::atof(line.rest.c_str());
   if (line.verb == "until") return std::filesystem::exists(line.rest);
   // A window that is smaller than any chair's has no room for all words.
-  const bool has_room = screen.width() >= kLeastWidth_px && screen.height() >= kLeastHeight_px;
+  const bool has_room = screen.width() >= kMinWidth_px && screen.height() >= kMinHeight_px;
   for (const std::string& fault :
        has_room ? LayoutFaults(ui.choices()) : std::vector<std::string>()) {
     unreadable_ += (unreadable_.empty() ? "" : "\n") + line.rest + ": " + fault;

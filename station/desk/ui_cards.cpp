@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kCardInset = 18, kCardPicture = 84, kCardGap = 16, kRightGap = 20;  // px
 // A card that is narrower has a word or two on a line.
-constexpr float kLeastCard_em = 20;
+constexpr float kMinCard_em = 20;
 constexpr ImU32 kCard = IM_COL32(36, 41, 48, 255), kCardBelowMouse = IM_COL32(54, 60, 68, 255);
 
 }  // namespace
@@ -90,7 +90,7 @@ std::optional<size_t> Ui::Cards(std::span<const Card> cards, const std::string& 
   ImGui::PushID(heading.c_str());
   const float inset = 8 * px(), gap = kCardGap * px();  // for the ring
   float width = 0.5f * (ImGui::GetContentRegionAvail().x - 2 * inset - gap);
-  const bool two = width >= kLeastCard_em * fonts().near->FontSize;
+  const bool two = width >= kMinCard_em * fonts().near->FontSize;
   if (!two) width = 2 * width + gap;
   std::optional<size_t> chosen;
   for (size_t i = 0; i < cards.size(); ++i) {

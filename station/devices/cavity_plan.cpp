@@ -177,8 +177,8 @@ double WallStock_m(const HollowCut& hollow, const cutting::Bur& bur,
 
 bool FitsInto(const HollowCut& hollow, double top_m, const cutting::Bur& bur,
               const CavityPlanOptions& options) {
-  constexpr double kLeastStock_m = 0.1e-3;
-  return WallStock_m(hollow, bur, options) > kLeastStock_m &&
+  constexpr double kMinStock_m = 0.1e-3;
+  return WallStock_m(hollow, bur, options) > kMinStock_m &&
          top_m - hollow.floor_m > options.floor_stock_m;
 }
 

@@ -286,11 +286,11 @@ double LayerOf_m(const scene::PreparationPart& part, const cutting::Volume& volu
 
 // An operator who leaves the bottom of a cavity leaves at most this share of a thin layer: with all
 // of it left he would be the one who does nothing.
-constexpr double kMostOfLayerLeft = 0.6;
+constexpr double kMaxOfLayerLeft = 0.6;
 
 double FloorOver(double wanted_m, const scene::PreparationPart& part,
                  const cutting::Volume& volume) {
-  return wanted_m < 0 ? std::max(wanted_m, -kMostOfLayerLeft * LayerOf_m(part, volume)) : wanted_m;
+  return wanted_m < 0 ? std::max(wanted_m, -kMaxOfLayerLeft * LayerOf_m(part, volume)) : wanted_m;
 }
 
 // Lean of the bur's upper end to buccal; negative: to lingual. A stump's walls are inclined

@@ -18,7 +18,7 @@ namespace {
 constexpr int kRepeat_ms = 4;
 // Time for the loop to answer a pose, before a force that does not is sent again.
 constexpr int64_t kSilence_us = 1'000;
-constexpr double kMostCounts = 2147483647.0;
+constexpr double kMaxCounts = 2147483647.0;
 constexpr double kFarthest_m = 10;  // no arm reaches
 
 int64_t Now_ns() {
@@ -139,7 +139,7 @@ void PolledDevice::Publish(bool attached) {
   for (int i = 0; i < 3; ++i) {
     double counts = (pose_.tip_m[i] - centre_m_[i]) / resolution_m_;
     m.sample.counts[static_cast<size_t>(i)] =
-        static_cast<int32_t>(std::lround(std::clamp(counts, -kMostCounts, kMostCounts)));
+        static_cast<int32_t>(std::lround(std::clamp(counts, -kMaxCounts, kMaxCounts)));
   }
   m.sample.orientation = ToQuantised(pose_.orientation);
   m.sample.attached = attached;

@@ -9,7 +9,7 @@
 namespace enamel::station {
 namespace {
 
-constexpr double kRecordedCell_rad = core::kLeastRotationCell_urad * 1e-6;
+constexpr double kRecordedCell_rad = core::kMinRotationCell_urad * 1e-6;
 
 // One axis of a mass with damping and friction over dt, by the trapezoidal rule.
 double Pushed(double v, double push, double mass, double damping, double friction, double dt) {

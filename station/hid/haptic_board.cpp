@@ -18,7 +18,7 @@ constexpr int64_t kIdle_us = 100'000;
 // After this time a board's reports must confirm that it drives its motors.
 constexpr int64_t kTakesEffect_us = 20'000;
 constexpr uint8_t kSixAxes = 6;
-constexpr double kMostTorque = 2e9;  // what the report holds, uN m
+constexpr double kMaxTorque = 2e9;  // what the report holds, uN m
 
 int64_t Now_us() noexcept {
   timespec t{};
@@ -348,7 +348,7 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
     const dvec3 torque_un_m = settings_.axes.ToBoard(command.torque_n_m) * 1e6;
     for (int i = 0; i < 3; ++i) {
       report.torque_un_m[static_cast<size_t>(i)] =
-          Saturated(std::llround(std::clamp(torque_un_m[i], -kMostTorque, kMostTorque)));
+          Saturated(std::llround(std::clamp(torque_un_m[i], -kMaxTorque, kMaxTorque)));
     }
   }
   return Put(port, EncodeOutput(report), command.motors_on);

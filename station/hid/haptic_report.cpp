@@ -171,7 +171,7 @@ std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexc
 }
 
 SpringReport ReportOf(const SpringCommand& command, uint32_t sequence) noexcept {
-  constexpr double kMostBound_mn = 65'535;
+  constexpr double kMaxBound_mn = 65'535;
   SpringReport report;
   report.motors_on = true;
   report.spring_on = command.on;
@@ -180,7 +180,7 @@ SpringReport ReportOf(const SpringCommand& command, uint32_t sequence) noexcept 
   report.rest_nm = command.rest_nm;
   report.force_100un = InUnits(command.added_n, 1e-4);
   report.torque_20un_m = InUnits(command.torque_n_m, 20e-6);
-  report.bound_mn = static_cast<uint16_t>(std::clamp(command.bound_n * 1e3, 0.0, kMostBound_mn));
+  report.bound_mn = static_cast<uint16_t>(std::clamp(command.bound_n * 1e3, 0.0, kMaxBound_mn));
   return report;
 }
 

@@ -22,7 +22,7 @@ constexpr double kFarCapital_px = kFarCapital_mm / kReferencePixel_mm + 0.7;  //
 constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 150;
 constexpr double kLinesOfAPage = 37;
 // Pixels of monitors that exist, from a telephone's to a wall's.
-constexpr double kLeastPixel_mm = 0.05, kMostPixel_mm = 1.5, kMostOblong = 1.25;
+constexpr double kMinPixel_mm = 0.05, kMaxPixel_mm = 1.5, kMaxOblong = 1.25;
 // Some monitors report a ratio instead of their size: 16:9 or 16:10, in mm, cm or dm. The window
 // manager mutter ignores these figures as well.
 constexpr int kRatios_mm[][2] = {{16, 9},    {16, 10},    {160, 90},
@@ -32,7 +32,7 @@ constexpr int kRatios_mm[][2] = {{16, 9},    {16, 10},    {160, 90},
 // ³, ≥.
 constexpr ImWchar kLatin[] = {0x20,   0x17f,  0x218,  0x21b,  0x2010, 0x2026,
                               0x2190, 0x2193, 0x2264, 0x2265, 0};
-constexpr size_t kMostFontBytes = size_t{64} << 20;
+constexpr size_t kMaxFontBytes = size_t{64} << 20;
 // Languages' own names, for choosing one.
 constexpr ImWchar kNamesOfLanguages[] = {0x4e2d, 0x4e2d, 0x6587, 0x6587, 0};
 constexpr ImWchar kDigits[] = {0x20, 0x20, 0x2d, 0x39, 0x2013, 0x2013, 'H', 'H', 0};
@@ -68,7 +68,7 @@ struct ChineseFont {
 std::optional<ChineseFont> ReadChineseFont() {
   const std::optional<fs::path> file = FindChineseFont();
   if (!file) return std::nullopt;
-  auto bytes = ReadFile(*file, kMostFontBytes);
+  auto bytes = ReadFile(*file, kMaxFontBytes);
   if (!bytes.ok()) return std::nullopt;
   // One file has the shapes of several countries; the third are those of simplified Chinese.
   ChineseFont font{std::move(*bytes), file->extension() == ".ttc" ? 2 : 0, 0};
@@ -203,8 +203,8 @@ double PixelOf_mm(int width_px, int height_px, int width_mm, int height_mm) {
                down = static_cast<double>(height_mm) / std::max(height_px, 1);
   const bool ratio = std::ranges::any_of(
       kRatios_mm, [&](const auto& r) { return r[0] == width_mm && r[1] == height_mm; });
-  const auto exists = [](double mm) { return mm >= kLeastPixel_mm && mm <= kMostPixel_mm; };
-  const bool square = across <= kMostOblong * down && down <= kMostOblong * across;
+  const auto exists = [](double mm) { return mm >= kMinPixel_mm && mm <= kMaxPixel_mm; };
+  const bool square = across <= kMaxOblong * down && down <= kMaxOblong * across;
   if (!ratio && square && exists(across) && exists(down)) return 0.5 * (across + down);
   return kReferencePixel_mm * kReferenceHeight_px / std::max(std::min(width_px, height_px), 1);
 }

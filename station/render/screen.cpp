@@ -570,11 +570,11 @@ void Screen::Speak(language::Language language) {
   impl_->language_ = language;
 }
 void Screen::Need(const std::string& text) {
-  constexpr size_t kMostBytes = 16'384;  // some texts of each of a few people
+  constexpr size_t kMaxBytes = 16'384;  // some texts of each of a few people
   if (!NeedsMoreLetters(text) || impl_->needed_.find(text) != std::string::npos) return;
   // The language's own letters are there already.
   if (HasLetters(impl_->fonts_, text)) return;
-  if (impl_->needed_.size() + text.size() > kMostBytes) impl_->needed_.clear();
+  if (impl_->needed_.size() + text.size() > kMaxBytes) impl_->needed_.clear();
   impl_->needed_ += text;
   impl_->respell_ = true;
 }

@@ -316,7 +316,7 @@ Look ToothLooks::At(const dvec3& surface_m, const dvec3& n, Tissue tissue) const
       tissue == Tissue::kNeighbour || (tissue == Tissue::kEnamel && enamel == 1);
   if (uncut && grows_grooves) {
     const double stain =
-        kMostStained * Ramp(Concavity(surface_m, n), kGrooveFrom_per_m, kGrooveFull_per_m);
+        kMaxStained * Ramp(Concavity(surface_m, n), kGrooveFrom_per_m, kGrooveFull_per_m);
     colour = glm::mix(colour, dvec3(StainColour()), stain);
   }
   return LookOf(colour, uncut || tissue == Tissue::kPulp ? gloss : kCutGloss * gloss);

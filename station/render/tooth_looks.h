@@ -27,7 +27,7 @@ dvec3 EnamelOverDark(double thickness_m);
 
 // The curvature across a groove from which on it is stained, where the stain is full, and how much of the
 // colour is then stain. No source of how dark fissures are on average was found.
-inline constexpr double kGrooveFrom_per_m = 0.9e3, kGrooveFull_per_m = 3.2e3, kMostStained = 0.65;
+inline constexpr double kGrooveFrom_per_m = 0.9e3, kGrooveFull_per_m = 3.2e3, kMaxStained = 0.65;
 
 // The material of a tooth: what its surface looks like, from the volume alone, so that scanned teeth
 // get the same as built-in ones:

@@ -16,9 +16,9 @@ using namespace std::chrono;
 constexpr milliseconds kLost{50};
 constexpr seconds kSilence{1};
 // Answers in one exchange that nobody asked for. After more of them the next one may be old, however many are dropped.
-constexpr int kMostUnasked = 64;
+constexpr int kMaxUnasked = 64;
 // So many answers in a row that nobody understands are another device's, or noise.
-constexpr int kMostRefused = 100;
+constexpr int kMaxRefused = 100;
 // Exchanges that are timed, and how many of them may be late before it is not now and then.
 constexpr int kTimedAnswers = 100, kFewLate = 10, kManyLate = kTimedAnswers / 2;
 
@@ -71,7 +71,7 @@ bool AnsweringBus::DropLate() {
   const auto until = Clock::now() + (is_unsure_ ? patience_ : milliseconds(0));
   Got got = Got::kAnswer;
   for (int unasked = 0; got == Got::kAnswer; unasked += owed_.empty()) {
-    if (unasked > kMostUnasked) return false;
+    if (unasked > kMaxUnasked) return false;
     const auto left = owed_.empty() ? Clock::duration(0) : until - Clock::now();
     got = Next(std::max(microseconds(0), duration_cast<microseconds>(left)));
   }
@@ -90,7 +90,7 @@ void AnsweringBus::ForgetLost() {
 
 Status AnsweringBus::AwaitReady() {
   const auto until = Clock::now() + kSilence;
-  for (int refused = 0; Clock::now() < until && refused < kMostRefused;) {
+  for (int refused = 0; Clock::now() < until && refused < kMaxRefused;) {
     Pose pose;
     if (!Send(dvec3(0))) break;
     const Heard heard = Read(pose);

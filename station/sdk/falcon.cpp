@@ -28,7 +28,7 @@ constexpr uint8_t kEndpointIn = 0x81, kEndpointOut = 0x02;
 constexpr const char* kName = "Novint Falcon";
 constexpr const char* kFirmwareFile = "/etc/enamel/falcon.bin";
 // Known files have 7 to 9 kB.
-constexpr size_t kMostFirmware = 64 * 1024;
+constexpr size_t kMaxFirmware = 64 * 1024;
 
 // The chip's requests and their values.
 enum Request : uint8_t { kReset = 0, kModem = 1, kFlow = 2, kBaud = 3, kData = 4, kLatency = 9 };
@@ -40,14 +40,14 @@ constexpr uint16_t kLatencyUpload_ms = 16, kLatencyFrames_ms = 1;
 constexpr size_t kModemBytes = 2;  // at the head of each packet
 
 const Bytes kHail = {0x0a, 0x43, 0x0d}, kHailed = {0x0a, 0x44, 0x2c, 0x0d}, kBegin = {0x41};
-constexpr int kMostHails = 100, kMostUploads = 10, kMostProbes = 10;
+constexpr int kMaxHails = 100, kMaxUploads = 10, kMaxProbes = 10;
 constexpr size_t kPiece = 62;
 // The chip passes on what came after 16 ms, or 1 ms in frames.
 constexpr milliseconds kEchoPatience{200}, kHailPatience{20}, kProbePatience{30}, kQuiet{10};
 // Bounds for a line that never falls quiet. DropUntilQuiet drops so many bytes. So many packets without a
 // frame are an answer that nobody understands; a frame comes in one packet, or in two.
-constexpr size_t kMostDropped = 64 * 1024;
-constexpr int kMostOfAnAnswer = 8;
+constexpr size_t kMaxDropped = 64 * 1024;
+constexpr int kMaxOfAnAnswer = 8;
 constexpr std::chrono::seconds kSilence{1};
 
 // A frame: '<', three words of four signs each, lowest nibble first, a state, 'A', '>'.
@@ -56,7 +56,7 @@ constexpr uint8_t kZero = 'A', kFrameBegin = '<', kFrameEnd = '>';
 enum : uint8_t { kHoming = 1, kLightBlue = 4, kLightRed = 8 };  // to the device
 constexpr int kCentreButton = 4, kHomed = 0x70;                 // from it
 // A motor value for a thigh's torque, against the angle; libnifalcon's comments cap the values there.
-constexpr double kValuesPerNewtonMetre = -10'000, kMostValue = 4'096;
+constexpr double kValuesPerNewtonMetre = -10'000, kMaxValue = 4'096;
 
 struct Answer {
   std::array<int16_t, 3> counts{};
@@ -112,7 +112,7 @@ class Line {
   }
   // Drops what has come and comes, until nothing does for so long, or the device never ceases.
   void DropUntilQuiet(milliseconds quiet) {
-    for (size_t dropped = 0; dropped < kMostDropped && Fill(quiet) == Got::kBytes;) {
+    for (size_t dropped = 0; dropped < kMaxDropped && Fill(quiet) == Got::kBytes;) {
       dropped += came_.size();
       came_.clear();
     }
@@ -173,7 +173,7 @@ bool SetForFrames(Line& line) {
 
 // Whether firmware runs that answers a frame.
 bool IsLoaded(Line& line) {
-  for (int i = 0; i < kMostProbes; ++i) {
+  for (int i = 0; i < kMaxProbes; ++i) {
     if (!line.Write(FrameOf({}, 0))) return false;
     const auto until = Clock::now() + kProbePatience;
     while (Clock::now() < until && line.Fill(kProbePatience) == Line::Got::kBytes) {
@@ -195,7 +195,7 @@ Upload TryUpload(Line& line, ByteView firmware) {
     return Upload::kSilent;
   }
   bool hailed = false;
-  for (int i = 0; i < kMostHails && !hailed; ++i) {
+  for (int i = 0; i < kMaxHails && !hailed; ++i) {
     if (!line.Write(kHail)) return Upload::kSilent;
     const Line::Got got = line.Expect(kHailed, kHailPatience);
     if (got == Line::Got::kClosed) return Upload::kSilent;
@@ -217,7 +217,7 @@ Upload TryUpload(Line& line, ByteView firmware) {
 }
 
 Result<Bytes> ReadFirmware(const std::string& file) {
-  auto firmware = ReadFile(file, kMostFirmware);
+  auto firmware = ReadFile(file, kMaxFirmware);
   if (firmware.ok() && !firmware->empty()) return firmware;
   return Status(Code::kUnavailable,
                 "firmware missing: put Novint's firmware into " + file +
@@ -229,7 +229,7 @@ Result<Bytes> ReadFirmware(const std::string& file) {
 Status LoadFirmware(Line& line, const std::string& file) {
   ENAMEL_ASSIGN_OR_RETURN(const Bytes firmware, ReadFirmware(file));
   Upload upload = Upload::kDamaged;
-  for (int i = 0; i < kMostUploads && upload == Upload::kDamaged; ++i) {
+  for (int i = 0; i < kMaxUploads && upload == Upload::kDamaged; ++i) {
     upload = TryUpload(line, firmware);
   }
   // No loader answers where firmware runs that was late for each of the probes.
@@ -280,7 +280,7 @@ class Falcon final : public AnsweringBus {
   Got Await(std::chrono::microseconds patience) override {
     const auto until = Clock::now() + patience;
     for (int packets = 0; !(frame_ = line_.TakeFrame()); ++packets) {
-      if (packets == kMostOfAnAnswer) {
+      if (packets == kMaxOfAnAnswer) {
         frame_.emplace();
         return Got::kAnswer;
       }
@@ -336,7 +336,7 @@ class Falcon final : public AnsweringBus {
     if (!torques_n_m) return out;
     const dvec3 values = *torques_n_m * kValuesPerNewtonMetre;
     const double most = std::max({std::abs(values.x), std::abs(values.y), std::abs(values.z)});
-    const double share = std::min(1.0, kMostValue / std::max(most, 1.0));
+    const double share = std::min(1.0, kMaxValue / std::max(most, 1.0));
     for (int i = 0; i < 3; ++i) {
       out[static_cast<size_t>(i)] = static_cast<int16_t>(std::lround(values[i] * share));
     }

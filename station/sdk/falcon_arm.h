@@ -63,10 +63,10 @@ inline std::optional<Misfit> MisfitOf(const dvec3& tip_m, const dvec3& angles_ra
 // stretched or folded.
 inline std::optional<dvec3> Solve(const dmat3& m, const dvec3& products) noexcept {
   // The columns are of length 1 and more. Within the workspace their volume is above 0.1.
-  constexpr double kLeastVolume = 1e-3;
+  constexpr double kMinVolume = 1e-3;
   const dvec3 a = glm::cross(m[1], m[2]);
   const double volume = Dot(m[0], a);
-  if (std::abs(volume) < kLeastVolume) return std::nullopt;
+  if (std::abs(volume) < kMinVolume) return std::nullopt;
   return (a * products.x + glm::cross(m[2], m[0]) * products.y +
           glm::cross(m[0], m[1]) * products.z) /
          volume;
@@ -75,10 +75,10 @@ inline std::optional<dvec3> Solve(const dmat3& m, const dvec3& products) noexcep
 // The tip where the thighs have these angles, by Newton's steps from a tip near it. Nothing where the steps find
 // none, or one with a knee inside.
 inline std::optional<dvec3> TipOf(const dvec3& angles_rad, const dvec3& near_m) noexcept {
-  constexpr int kMostSteps = 20;
+  constexpr int kMaxSteps = 20;
   constexpr double kLongestStep_m = 0.03, kExact_m = 1e-12;
   dvec3 tip = near_m;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const auto misfit = MisfitOf(tip, angles_rad);
     if (!misfit) return std::nullopt;
     if (Dot(misfit->m, misfit->m) < kExact_m * kExact_m) {

@@ -36,7 +36,7 @@ constexpr size_t kStatusReset = 3, kStatusForce = 5, kStatusWristDetected = 8,
 // who pressed its button, or let go of its switch, switches it on again there.
 constexpr int kOffVelocity = 2, kOffWatchdog = 3;
 // Releases from 3.14 on write 17 numbers, and later ones may write more.
-constexpr size_t kMostStatus = 64;
+constexpr size_t kMaxStatus = 64;
 
 // The firmware switches the motors off when it hears no force for so long. In its unit, which is 125 us.
 constexpr unsigned char kWatchdog = ForceKeeper::kGone_us / 125;
@@ -133,7 +133,7 @@ std::string UnitOf(const Dhd& dhd, char id) {
 
 // Why the device cannot be used now, and what to do; empty: it can.
 Status WhyNotUsable(const Dhd& dhd, char id) {
-  std::array<int, kMostStatus> status{};
+  std::array<int, kMaxStatus> status{};
   if (dhd.status(status.data(), id) < 0) {
     return Status(Code::kUnavailable, "it does not report its status: plug it in again",
                   trouble::kSilent);
@@ -219,7 +219,7 @@ class ForceDimension final : public PolledBus {
   // While the loop pushes, the motors stay off: it sees that they are, as a fault.
   void WatchMotors() {
     status_due_ = Clock::now() + kStatusEvery;
-    std::array<int, kMostStatus> status{};
+    std::array<int, kMaxStatus> status{};
     if (dhd_.status(status.data(), id_) < 0) return;  // the next call for a pose finds it gone
     driven_ = status[kStatusForce] != 0;
     const int cause = status[kStatusOffCause];

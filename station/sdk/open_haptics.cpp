@@ -72,8 +72,8 @@ struct Hd {
   // The library stacks its errors. The newest one, or 0; all are taken off.
   unsigned int TakeError() const {
     const unsigned int newest = error().code;
-    constexpr int kMostStacked = 64;
-    for (int i = 0; newest != 0 && i < kMostStacked && error().code != 0; ++i) {
+    constexpr int kMaxStacked = 64;
+    for (int i = 0; newest != 0 && i < kMaxStacked && error().code != 0; ++i) {
     }
     return newest;
   }

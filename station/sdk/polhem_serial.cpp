@@ -26,7 +26,7 @@ namespace {
 
 constexpr size_t kSerialLine = 64;
 // The driver keeps so much of a line that has not ended. An answer is a line, after at most a few empty ones.
-constexpr size_t kMostKept = 4 * kSerialLine, kMostOfAnAnswer = 16 * kSerialLine;
+constexpr size_t kMaxKept = 4 * kSerialLine, kMaxOfAnAnswer = 16 * kSerialLine;
 constexpr std::string_view kTeensy = "16c0:";  // Teensy boards; their builds differ in the product
 // The counters of an arm that is held at home, a to f (v3, since 2020-10-27).
 constexpr std::array<int, 6> kSerialHome = {8298, -10771, 19756, 0, 30, 0};
@@ -102,7 +102,7 @@ class PolhemSerial final : public AnsweringBus {
       const auto got = Fill();
       if (!got) return Got::kClosed;
       bytes += *got;
-      if (bytes > kMostOfAnAnswer) {
+      if (bytes > kMaxOfAnAnswer) {
         answer_.reset();
         return Got::kAnswer;
       }
@@ -157,7 +157,7 @@ class PolhemSerial final : public AnsweringBus {
     if (got <= 0) return std::nullopt;
     text_.append(piece.data(), static_cast<size_t>(got));
     // What has no end of a line by now has none.
-    if (text_.size() > kMostKept) text_.erase(0, text_.size() - kMostKept);
+    if (text_.size() > kMaxKept) text_.erase(0, text_.size() - kMaxKept);
     return static_cast<size_t>(got);
   }
   bool HasLine() const { return text_.find('\n') != std::string::npos; }

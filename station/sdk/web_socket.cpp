@@ -23,7 +23,7 @@ constexpr std::chrono::seconds kConnect{1};
 // An inventory has some kilobytes.
 constexpr size_t kLargestMessage = size_t{1} << 20;
 // A call that does not wait takes at most so many steps of reading and writing. The next call continues.
-constexpr int kMostSteps = 1'000;
+constexpr int kMaxSteps = 1'000;
 
 }  // namespace
 
@@ -58,7 +58,7 @@ struct WebSocket::Stream {
     }
     context.restart();
     // A peer that sends pings without end always has another step ready.
-    for (int steps = 0; steps < kMostSteps && context.poll_one() > 0; ++steps) {
+    for (int steps = 0; steps < kMaxSteps && context.poll_one() > 0; ++steps) {
     }
   }
 };

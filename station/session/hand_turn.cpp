@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace json = boost::json;
 
 // A station has a handful of devices; another file of that name is not read whole.
-constexpr size_t kMostBytes = 1 << 16;
+constexpr size_t kMaxBytes = 1 << 16;
 
 fs::path FileIn(const fs::path& data) { return data / "hand_turns.json"; }
 
@@ -29,7 +29,7 @@ std::map<std::string, int> Read(const fs::path& data) {
   const fs::path file = FileIn(data);
   std::error_code error;
   if (!fs::exists(file, error)) return out;
-  const auto bytes = ReadFile(file, kMostBytes);
+  const auto bytes = ReadFile(file, kMaxBytes);
   const json::value read = bytes.ok() ? json::parse(AsText(*bytes), error) : json::value();
   if (!read.is_object()) {
     spdlog::warn("{}: no object of degrees by device, so devices count as not turned: {}",

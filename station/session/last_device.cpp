@@ -15,7 +15,7 @@ namespace json = boost::json;
 constexpr char kDeviceMark[] = "enamel_last_device";
 constexpr int kDeviceFormat = 1;
 // Titles come from devices; a longer file is not read.
-constexpr size_t kMostDeviceBytes = 1 << 12;
+constexpr size_t kMaxDeviceBytes = 1 << 12;
 
 fs::path DeviceFile(const fs::path& data) { return data / "last_device.json"; }
 
@@ -37,7 +37,7 @@ std::optional<LastDevice> LastDeviceOf(const fs::path& data) {
   const fs::path file = DeviceFile(data);
   std::error_code error;
   if (!fs::exists(file, error)) return std::nullopt;
-  const auto bytes = ReadFile(file, kMostDeviceBytes);
+  const auto bytes = ReadFile(file, kMaxDeviceBytes);
   const json::value read = bytes.ok() ? json::parse(AsText(*bytes), error) : json::value();
   auto device = DeviceFromJson(read);
   if (!device) {

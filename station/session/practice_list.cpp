@@ -20,12 +20,12 @@ constexpr char kMark[] = "enamel_practice";
 constexpr int kFormat = 1;
 // More than a school's course has. The file has two lists, and JSON writes a byte of a name with at
 // most six; a longer one is not read.
-constexpr size_t kMostDocuments = 500, kMostName = 200;
-constexpr size_t kMostFileBytes = 2 * kMostDocuments * (6 * kMostName + 100) + 1000;
+constexpr size_t kMaxDocuments = 500, kMaxName = 200;
+constexpr size_t kMaxFileBytes = 2 * kMaxDocuments * (6 * kMaxName + 100) + 1000;
 
 fs::path PracticeFile(const fs::path& data) { return data / "practice.json"; }
 
-bool CanBeKept(const std::string& name) { return !name.empty() && name.size() <= kMostName; }
+bool CanBeKept(const std::string& name) { return !name.empty() && name.size() <= kMaxName; }
 
 bool Has(const Documents& all, const std::string& name) {
   return std::ranges::find(all, name, &PracticeList::Document::first) != all.end();
@@ -36,7 +36,7 @@ void AddOlder(Documents& to, const Documents& before, const std::set<std::string
   for (const auto& document : before) {
     if (!Has(to, document.first) && !out_of_it.contains(document.first)) to.push_back(document);
   }
-  if (to.size() > kMostDocuments) to.resize(kMostDocuments);
+  if (to.size() > kMaxDocuments) to.resize(kMaxDocuments);
 }
 
 json::object ToJson(const Documents& documents) {
@@ -54,11 +54,11 @@ std::string ToJson(const PracticeList& list) {
 
 std::optional<Documents> FromJson(const json::object& file, const char* member) {
   const json::value* all = file.if_contains(member);
-  if (all == nullptr || !all->is_object() || all->get_object().size() > kMostDocuments) return {};
+  if (all == nullptr || !all->is_object() || all->get_object().size() > kMaxDocuments) return {};
   Documents out;
   for (const auto& [name, value] : all->get_object()) {
     const json::string* text = value.if_string();
-    if (text == nullptr || name.size() > kMostName) return {};
+    if (text == nullptr || name.size() > kMaxName) return {};
     const auto hash = Sha256::FromHex(*text);
     if (!hash.ok()) return {};
     out.emplace_back(name, *hash);
@@ -82,7 +82,7 @@ PracticeList LoadPracticeList(const fs::path& data) {
   const fs::path file = PracticeFile(data);
   std::error_code error;
   if (!fs::exists(file, error)) return {};
-  const auto bytes = ReadFile(file, kMostFileBytes);
+  const auto bytes = ReadFile(file, kMaxFileBytes);
   // The parser's own bound on nesting is 32.
   const json::value read = bytes.ok() ? json::parse(AsText(*bytes), error) : json::value();
   if (auto list = FromJson(read)) return std::move(*list);

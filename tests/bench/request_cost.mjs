@@ -18,7 +18,7 @@ const folder = at < 0 ? kSchool : words.splice(at, 2)[1];
 const attempts = words[0] ?? "3000";
 const postgres = process.env.ENAMEL_POSTGRES;
 const kRequests = 200;
-const kMostMs = 3_600_000;
+const kMaxMs = 3_600_000;
 
 const ticksPerSecond = Number(execFileSync("getconf", ["CLK_TCK"], { encoding: "utf8" }));
 function statOf(pid) {
@@ -52,10 +52,10 @@ let server;
 try {
   cpSync(join(folder, "data"), data, { recursive: true });
   const { people, cohorts, assignments, class: students } = JSON.parse(readFileSync(join(folder, "school.json"), "utf8"));
-  await program("large_class", [data, assignments.graded, attempts], { mostMs: kMostMs });
+  await program("large_class", [data, assignments.graded, attempts], { mostMs: kMaxMs });
   if (postgres) {
     const to = join(work, "moved");
-    await program("enamel-server", ["move", "--data", data, "--to", to, "--database", postgres], { mostMs: kMostMs });
+    await program("enamel-server", ["move", "--data", data, "--to", to, "--database", postgres], { mostMs: kMaxMs });
     data = to;
   }
   // Without jobs: playbacks and pictures of what was copied are no request's.

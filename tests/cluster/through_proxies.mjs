@@ -6,7 +6,7 @@ import http from "node:http";
 import https from "node:https";
 
 const [server, certificate, ...proxies] = process.argv.slice(2);
-const kHost = "enamel.test", kMostHeldBack = 30;
+const kHost = "enamel.test", kMaxHeldBack = 30;
 const ca = readFileSync(certificate);
 const password = process.env.ENAMEL_PASSWORD;
 const fail = (text) => { console.error(text); process.exit(1); };
@@ -74,7 +74,7 @@ async function live(name, port) {
   await watch(undefined, path, straight, () => { ++held; });
   held = 0;
   const first = await watch(port, path, { ...through, "Accept-Encoding": "gzip" }, () => {});
-  if (held > kMostHeldBack) fail(`${name}: the first event came after ${Math.round(first)} ms, when ${held} had come from the server`);
+  if (held > kMaxHeldBack) fail(`${name}: the first event came after ${Math.round(first)} ms, when ${held} had come from the server`);
   console.log(`ok: ${name}: first event after ${Math.round(first)} ms`);
 }
 

@@ -15,7 +15,7 @@ export const demoFlows = [
   { name: "no file is made of a person's attempt", run: ofAPerson },
 ];
 
-const kMostBytes = 6e6;
+const kMaxBytes = 6e6;
 const isTooDeep = ([r, g, b]) => r > 150 && r - g > 60 && r - b > 60;
 const isDentin = ([r, g, b]) => r > 210 && g > 170 && b < 140;
 const isMuch = (pixels) => pixels > 500;
@@ -37,7 +37,7 @@ async function oneFile(world) {
   const { score, mistakes } = await student.get(`/attempts/${world.school.attempts.shown}/score`);
   await withFolder(async (out) => {
     await made(world, "shown", out);
-    assert.ok(statSync(out).size < kMostBytes, `${statSync(out).size} bytes`);
+    assert.ok(statSync(out).size < kMaxBytes, `${statSync(out).size} bytes`);
     const page = await world.open({ width: 1280, height: 800 });
     await page.context().setOffline(true);
     try {

@@ -30,7 +30,7 @@ export async function accessible(page, where) {
   assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);
 }
 
-const kLeastContrast = 4.5; // WCAG 2.2 AA, for text of this size
+const kMinContrast = 4.5; // WCAG 2.2 AA, for text of this size
 
 // Text and background of every button that can be pressed, in both themes: as it is, pressed or not, with the pointer
 // on it, with it gone again, and with the focus. axe knows none of these states, and cannot see what a canvas is under.
@@ -69,7 +69,7 @@ async function legible(button, where) {
     const [text, ground] = [luminance(under, backgroundColor, color), luminance(under, backgroundColor)];
     return [element.textContent, (Math.max(text, ground) + 0.05) / (Math.min(text, ground) + 0.05)];
   });
-  assert.ok(contrast >= kLeastContrast, `${name}, ${where}: contrast ${contrast.toFixed(2)}`);
+  assert.ok(contrast >= kMinContrast, `${name}, ${where}: contrast ${contrast.toFixed(2)}`);
 }
 
 // Puts a file that exists only here into a file field.

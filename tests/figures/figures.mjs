@@ -91,7 +91,7 @@ const kPrinted = {
   'strokes inverse3': () => strokesOf('Haply Inverse3'),
 };
 // Minutes: the command, and when it last printed what stands there. At most this many: nobody may have looked since.
-const kMostDated = 10;
+const kMaxDated = 10;
 const kDated = {
   strokes: ['enamel-lab qualify --suite strokes --profile all', '2026-11-29'],
   'stiffest grips': ['enamel-lab qualify --suite map --profile all --quick', '2026-11-30'],
@@ -116,7 +116,7 @@ for (const folder of ['common', 'docs', 'schemas', 'server', 'station', 'tests']
   files.push(...readdirSync(join(root, folder), { recursive: true }).filter(isMarkdown).map((name) => join(folder, name)));
 const kMark = /(<!-- figures ([^>]+?) -->)([\s\S]*?)(<!-- end -->)/g;
 const seen = new Map();
-if (Object.keys(kDated).length > kMostDated) wrong(`more than ${kMostDated} figures are dated: compute them, or leave them out of the text`);
+if (Object.keys(kDated).length > kMaxDated) wrong(`more than ${kMaxDated} figures are dated: compute them, or leave them out of the text`);
 for (const [name, [command, date]] of Object.entries(kDated))
   if (!/^(ENAMEL_\w+=\S+ )?(enamel-\w+|node|tests\/\S+) \S|\.sh$/.test(command) || !/^\d{4}-\d\d-\d\d$/.test(date)) wrong(`"${name}" names no command or no date`);
 for (const file of files) {

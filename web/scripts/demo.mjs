@@ -13,7 +13,7 @@ import { wordsByPart } from "./words.mjs";
 const kPage = "src/app/demo.tsx";
 const kUsage =
   "usage: ENAMEL_PASSWORD=… node scripts/demo.mjs --server URL --login STUDENT --attempt ID --out FILE.html";
-const kMostMs = 300_000; // until the server has made the playback
+const kMaxMs = 300_000; // until the server has made the playback
 const kAgainMs = 500;
 
 // The page's client asks, and what the server answers is kept by address.
@@ -35,7 +35,7 @@ function listening(server) {
 }
 
 async function playbackOf(client, id) {
-  const end = Date.now() + kMostMs;
+  const end = Date.now() + kMaxMs;
   for (;;) {
     const playback = await client.stream("/attempts/{id}/timeline", [0, 1], { id });
     if (playback.ok || playback.error.code !== "unavailable" || Date.now() > end) return playback;

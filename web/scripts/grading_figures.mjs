@@ -4,7 +4,7 @@ import { signedInPage } from "./opening.mjs";
 import { instructor, kClass, kCohort } from "./real_school.mjs";
 import { kLanguages } from "./words.mjs";
 
-const kMostLost = "Outline";
+const kMaxLost = "Outline";
 const kFine = ".tooth-frame[data-tooth=fine]";
 
 const gradeLink = (page) =>
@@ -25,7 +25,7 @@ export async function clicksToGradeAWall(browser, url) {
   await click(page.getByRole("link", { name: "Assignments", exact: true }));
   await click(gradeLink(page));
   await page.locator("table.grading .lost-much").first().waitFor();
-  await click(page.getByRole("button", { name: kMostLost, exact: true }));
+  await click(page.getByRole("button", { name: kMaxLost, exact: true }));
   await click(page.locator("table.grading tbody th a").first());
   await page.locator(kFine).waitFor();
   await click(page.locator(".mistakes li", { hasText: "Mesial wall" }).getByRole("button", { name: /^Show me/ }));

@@ -12,7 +12,7 @@ import { instructor, startSchool } from "./real_school.mjs";
 
 const kSkipped = 77;
 const kPanFrames = 120,
-  kMostZooms = 20;
+  kMaxZooms = 20;
 const kTickByTick = /tick by tick/;
 
 function option(name, otherwise) {
@@ -65,7 +65,7 @@ async function measure(browser, options) {
   for (let i = 0; i < 2; ++i) await page.keyboard.press("i");
   await longestTask(page);
   found.pan_steps_per_s = Math.round(await page.evaluate(pan, kPanFrames));
-  for (let i = 0; i < kMostZooms && (await page.getByRole("img", { name: kTickByTick }).count()) === 0; ++i) {
+  for (let i = 0; i < kMaxZooms && (await page.getByRole("img", { name: kTickByTick }).count()) === 0; ++i) {
     await page.keyboard.press("i");
     await page.waitForLoadState("networkidle");
   }

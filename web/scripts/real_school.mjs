@@ -13,7 +13,7 @@ const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const kRealMolar = join(process.env.ENAMEL_SHARED_DATA ?? here("../../../shared/data"), "crowns/fdi_46.obj");
 export const kClass = 16;
 export const kCohort = "Demo cohort";
-const kMostMs = 300_000; // of making a playback
+const kMaxMs = 300_000; // of making a playback
 const kDemo = (login) => ({ login, password: `enamel-demo-${login}` });
 
 export const instructor = kDemo("instructor");
@@ -33,12 +33,12 @@ async function playbacksMade(url, teeth) {
       .map((cookie) => cookie.split(";")[0])
       .join("; "),
   };
-  const end = Date.now() + kMostMs;
+  const end = Date.now() + kMaxMs;
   for (const { name, attempt } of teeth) {
     for (;;) {
       const { status } = await fetch(`${url}/api/v1/attempts/${attempt}/timeline`, { method: "HEAD", headers });
       if (status === 200) break;
-      if (Date.now() > end) throw new Error(`the playback of ${name} was not made within ${kMostMs} ms: ${status}`);
+      if (Date.now() > end) throw new Error(`the playback of ${name} was not made within ${kMaxMs} ms: ${status}`);
       await new Promise((resolve) => setTimeout(resolve, 500));
     }
   }

@@ -56,7 +56,7 @@ constexpr std::array<NumberOf<TorqueSpec>, 5> kTorqueNumbers = {{
     {"coupling_un_m_per_rad", &TorqueSpec::coupling_un_m_per_rad, 1, 100'000'000},
     {"damping_un_m_s_per_rad", &TorqueSpec::damping_un_m_s_per_rad, 0, 1'000'000'000},
     {"friction_un_m", &TorqueSpec::friction_un_m, 0, 100'000'000},
-    {"orientation_cell_urad", &TorqueSpec::orientation_cell_urad, core::kLeastRotationCell_urad,
+    {"orientation_cell_urad", &TorqueSpec::orientation_cell_urad, core::kMinRotationCell_urad,
      100'000},
 }};
 

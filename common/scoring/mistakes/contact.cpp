@@ -21,7 +21,7 @@ using cutting::Volume;
 constexpr double kShell_m = 0.5e-3;
 // A veneer's or a finish line's cut is not as deep as a box.
 constexpr double kDeep_m = 1e-3;
-constexpr double kLeastContact_m2 = 0.1e-6;
+constexpr double kMinContact_m2 = 0.1e-6;
 // Thinner than the first is a grid's rounding, thicker than the second closes a row. Chosen: a strip of 0.1 mm does not
 // pass where an examiner's probe of 0.25 mm should.
 constexpr double kFilm_m = 0.02e-3, kClosed_m = 0.1e-3;
@@ -96,7 +96,7 @@ void Contact::TakeRow(const Volume& prepared, const ivec3& end, int way) {
 
 void Contact::Divide(std::vector<uint32_t> rows, const std::string& side, scene::Up up) {
   const double h = initial_.spec().voxel_m();
-  if (static_cast<double>(rows.size()) * h * h < kLeastContact_m2) {
+  if (static_cast<double>(rows.size()) * h * h < kMinContact_m2) {
     for (const uint32_t row : rows) third_[row] = static_cast<uint32_t>(-1);
     return;
   }

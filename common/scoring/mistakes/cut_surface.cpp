@@ -133,12 +133,12 @@ class Divider {
       return height[a] != height[b] ? height[a] > height[b] : a < b;
     });
     // Parts at one height are one floor, and so is all that is below the third.
-    constexpr size_t kMostLevels = 4;
+    constexpr size_t kMaxLevels = 4;
     std::vector<size_t> level(area.size());
     size_t levels = 0;
     for (size_t k = 0; k < floors.size(); ++k) {
       if (k == 0 || height[floors[k - 1]] - height[floors[k]] > kStep_m)
-        levels = std::min(levels + 1, kMostLevels);
+        levels = std::min(levels + 1, kMaxLevels);
       level[floors[k]] = levels;
     }
     const int table = floors.empty() ? -1
@@ -232,13 +232,13 @@ class Divider {
   void Number() {
     Named& edge = named_.try_emplace("~", Named{RegionKind::kLineAngle}).first->second;
     for (size_t i = 0; i < s_.at_m.size(); ++i) {
-      const bool small = region_[i] == nullptr || region_[i]->area_m2 < kLeastArea_m2;
+      const bool small = region_[i] == nullptr || region_[i]->area_m2 < kMinArea_m2;
       edge.area_m2 += s_.area_m2[i] * (small ? 1 : 1 - OutsideBand(i));
       if (small) region_[i] = &edge;
     }
     for (auto& [name, named] : named_) {
       const bool is_edge = &named == &edge;
-      if (is_edge ? named.area_m2 <= 0 : named.area_m2 < kLeastArea_m2) continue;
+      if (is_edge ? named.area_m2 <= 0 : named.area_m2 < kMinArea_m2) continue;
       named.number = static_cast<uint32_t>(out_.regions.size());
       out_.regions.push_back({named.kind, is_edge ? "line_angles" : name, named.area_m2});
     }

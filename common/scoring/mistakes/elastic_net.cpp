@@ -44,7 +44,7 @@ class Fit {
   std::vector<double> Run() {
     std::vector<size_t> all(columns_.size());
     std::iota(all.begin(), all.end(), size_t{0});
-    for (int i = 0; i < kMostRounds && Sweep(all) >= kStill; ++i) {
+    for (int i = 0; i < kMaxRounds && Sweep(all) >= kStill; ++i) {
       const std::vector<size_t> active = Active();
       for (int j = 0; j < kFewSweeps && Sweep(active) >= kStill; ++j) {
       }
@@ -98,7 +98,7 @@ class Fit {
     const std::vector<std::vector<double>> products = ProductsOf(active);
     std::vector<size_t> left(active.size());
     std::iota(left.begin(), left.end(), size_t{0});
-    for (int i = 0; i < kMostSolved && !left.empty(); ++i) {
+    for (int i = 0; i < kMaxSolved && !left.empty(); ++i) {
       const std::vector<double> wanted = LeastOf(active, products, left);
       double way = 1;
       for (size_t a = 0; a < left.size(); ++a) way = std::min(way, Way(active[left[a]], wanted[a]));
@@ -137,7 +137,7 @@ class Fit {
     return y;
   }
 
-  static constexpr int kMostRounds = 400, kFewSweeps = 20, kMostSolved = 20;
+  static constexpr int kMaxRounds = 400, kFewSweeps = 20, kMaxSolved = 20;
   const std::vector<const NetColumn*>& columns_;
   const std::vector<double>&weights_, &d_, &lambdas_;
   std::vector<double> rest_, beta_;

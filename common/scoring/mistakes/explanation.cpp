@@ -70,7 +70,7 @@ class Dictionary {
       square += piece.area_m2 * kMm * kMm * value * value;
     }
     atom.norm = std::sqrt(square);
-    if (atom.norm < kLeastNorm) return;
+    if (atom.norm < kMinNorm) return;
     for (auto& [i, value] : atom.at) value /= atom.norm;
     atoms_.push_back(std::move(atom));
   }
@@ -234,7 +234,7 @@ class Dictionary {
     }
   }
 
-  static constexpr double kLeast = 1e-9, kLeastNorm = 1e-6, kReach = 2.5;
+  static constexpr double kLeast = 1e-9, kMinNorm = 1e-6, kReach = 2.5;
   const AcceptableCut& r_;
   const std::vector<SurfacePiece>& pieces_;
   std::vector<Atom> atoms_;

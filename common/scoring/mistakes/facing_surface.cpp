@@ -19,7 +19,7 @@ constexpr double kUp = 0.6;
 // A cut that faces up to this share has no walls worth the name. Boxes have 0.27 to 0.45, a veneer 0.9.
 constexpr double kFaceShare = 0.65;
 // A smaller part is a shelf at the rim.
-constexpr double kLeastOfLargest = 0.1;
+constexpr double kMinOfLargest = 0.1;
 // The steps of a bur's path are finer. Chosen.
 constexpr double kSmooth_m = 0.2e-3;
 
@@ -112,7 +112,7 @@ void FacingSurface::GiveShelvesToWalls() {
 
 double FacingSurface::LeastFloor_m2(const std::vector<double>& area) const {
   const double largest = area.empty() ? 0 : *std::ranges::max_element(area);
-  return std::max(kLeastArea_m2, is_stump ? 0 : kLeastOfLargest * largest);
+  return std::max(kMinArea_m2, is_stump ? 0 : kMinOfLargest * largest);
 }
 
 std::vector<int> FacingSurface::UpwardParts(int& count) const {

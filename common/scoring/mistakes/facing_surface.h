@@ -14,7 +14,7 @@ enum class Facing : uint8_t { kUpward, kMesial, kDistal, kBuccal, kLingual };
 inline constexpr size_t kFamilies = 5;
 
 // A smaller region is part of the line angles.
-inline constexpr double kLeastArea_m2 = 0.3e-6;
+inline constexpr double kMinArea_m2 = 0.3e-6;
 
 inline dvec3 Unit(const dvec3& v) {
   const double length = std::sqrt(Dot(v, v));

@@ -18,7 +18,7 @@ constexpr double kNear_mm = 1.0, kSameMove = 0.5, kSameWall = 0.2;
 constexpr size_t kWavy = 2;
 constexpr double kEdgeReach_mm = 1.2, kTie = 1e-6;
 // Half the leeway. A surface that moved by less everywhere looks right; its points are lost at a few places. Chosen.
-constexpr double kLeastMove_mm = 0.05;
+constexpr double kMinMove_mm = 0.05;
 // A piece has a mistake of its own where less than this part of it, and all but this much, is explained. Chosen.
 constexpr double kExplained = 0.4, kUnseen_mm = 0.12;
 // Pieces that no motion explains belong together where they are this near, and are named from so many points on. Chosen.
@@ -78,7 +78,7 @@ class Grouper {
     for (auto& [k, group] : by_key) {
       const double most_mm =
           std::ranges::max(group.d_mm, {}, [](double d) { return std::fabs(d); });
-      if (std::fabs(most_mm) >= kLeastMove_mm) groups_.push_back(std::move(group));
+      if (std::fabs(most_mm) >= kMinMove_mm) groups_.push_back(std::move(group));
     }
   }
   static std::pair<int, int> KeyOfKind(RegionKind kind) { return {4, static_cast<int>(kind)}; }

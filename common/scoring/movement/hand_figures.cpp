@@ -10,7 +10,7 @@ namespace {
 constexpr double kPpm = 1e6;
 // Longer than this between two samples is a gap.
 constexpr double kGap_s = 0.1;
-constexpr double kLeastNear_share = 1e-6;
+constexpr double kMinNear_share = 1e-6;
 
 int32_t Ppm(double part, double whole) {
   return whole > 0 ? static_cast<int32_t>(std::lround(kPpm * part / whole)) : 0;
@@ -45,7 +45,7 @@ constexpr Figure kFigures[] = {
      false},
     {[](const HandRecord& r) -> std::optional<double> {
        if (!r.near_share) return std::nullopt;
-       return std::log(std::max(*r.near_share, kLeastNear_share));
+       return std::log(std::max(*r.near_share, kMinNear_share));
      },
      0.1, true},
 };
@@ -91,11 +91,11 @@ HandFigures FiguresOf(const ProcessRecorder& process) {
 }
 
 bool IsTooCalm(const HandFigures& figures) {
-  return figures.tremor_nm != HandFigures::kNoTremor && 1e-3 * figures.tremor_nm < kLeastTremor_um;
+  return figures.tremor_nm != HandFigures::kNoTremor && 1e-3 * figures.tremor_nm < kMinTremor_um;
 }
 
 std::optional<size_t> UnusualRank(std::span<const HandRecord> records, size_t which) {
-  if (records.size() < kLeastRanked) return std::nullopt;
+  if (records.size() < kMinRanked) return std::nullopt;
   std::vector<double> most(records.size(), 0);
   for (const Figure& figure : kFigures) Raise(records, figure, most);
   const auto above =

@@ -27,7 +27,7 @@ HandFigures FiguresOf(const ProcessRecorder& process);
 
 // A hand that trembles less is worth a look. How many seconds of people's motion lie below it by
 // mistake: `enamel-lab hand-signs`.
-inline constexpr double kLeastTremor_um = 8;
+inline constexpr double kMinTremor_um = 8;
 bool IsTooCalm(const HandFigures& figures);
 
 // What is compared between the attempts of an assignment. `near_share`: distance to the nearest
@@ -40,9 +40,9 @@ struct HandRecord {
 // Place of records[which] among all, 1 the most unusual; equal ones share the better place. An
 // attempt is as unusual as its most unusual figure: the distance from the median in robust standard
 // deviations (1.4826 times the median distance from the median, at least the floor of
-// schemas/motion.md). Of nearness only nearer counts. Nothing for fewer than kLeastRanked records.
+// schemas/motion.md). Of nearness only nearer counts. Nothing for fewer than kMinRanked records.
 // Requires: which < records.size().
-inline constexpr size_t kLeastRanked = 5;
+inline constexpr size_t kMinRanked = 5;
 std::optional<size_t> UnusualRank(std::span<const HandRecord> records, size_t which);
 
 }  // namespace enamel::scoring

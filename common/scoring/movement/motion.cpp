@@ -62,7 +62,7 @@ std::optional<Motion> MotionOf(const std::vector<PathSample>& samples) {
     // A gap is no time in which the bur was where it is seen.
     time_s += std::min(samples[i].time_s - samples[i - 1].time_s, 0.1);
   }
-  if (time_s < kLeastPressed_s || way_m < kLeastWay_m) return std::nullopt;
+  if (time_s < kMinPressed_s || way_m < kMinWay_m) return std::nullopt;
   return MotionAlong(way);
 }
 

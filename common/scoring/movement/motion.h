@@ -24,10 +24,10 @@ struct Motion {
   bool operator==(const Motion&) const = default;
 };
 
-// Nothing of a hand that pressed for less than kLeastPressed_s or went less than kLeastWay_m while
+// Nothing of a hand that pressed for less than kMinPressed_s or went less than kMinWay_m while
 // it did: everybody's short way is alike. Where there was never any force (a device without motors)
 // all of the time counts. `samples`: ProcessRecorder's.
-inline constexpr double kLeastPressed_s = 5, kLeastWay_m = 3e-3;
+inline constexpr double kMinPressed_s = 5, kMinWay_m = 3e-3;
 std::optional<Motion> MotionOf(const std::vector<PathSample>& samples);
 
 // The same of a way that is known to be long enough, at equal steps of time. Requires: not empty.

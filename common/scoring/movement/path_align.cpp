@@ -7,7 +7,7 @@ namespace enamel::scoring {
 namespace {
 
 constexpr double kAlignRate_hz = 25;
-constexpr double kLeastStep_m = 20e-6;
+constexpr double kMinStep_m = 20e-6;
 constexpr size_t kBandShare = 10;
 
 // Means of `stride` samples: the position of the first, the mean force.
@@ -28,7 +28,7 @@ PathPair ByTime(const std::vector<PathSample>& attempt, const std::vector<PathSa
   double step_s =
       longest > 1 && attempt.size() > 1 ? attempt[1].time_s - attempt[0].time_s : 1 / kAlignRate_hz;
   size_t stride = 1;
-  while (longest > stride * PathPair::kMostSamples ||
+  while (longest > stride * PathPair::kMaxSamples ||
          // 0.999: two steps of 0.02 s are 25 Hz even if their sum is a hair short.
          static_cast<double>(stride) * step_s * kAlignRate_hz < 0.999) {
     ++stride;
@@ -40,7 +40,7 @@ PathPair ByTime(const std::vector<PathSample>& attempt, const std::vector<PathSa
 std::vector<PathSample> EveryWay(const std::vector<PathSample>& samples, double step_m) {
   std::vector<PathSample> out;
   size_t next = 1;
-  for (size_t k = 0; k < PathPair::kMostSamples; ++k) {
+  for (size_t k = 0; k < PathPair::kMaxSamples; ++k) {
     const double way = static_cast<double>(k) * step_m;
     if (way > samples.back().way_m) break;
     while (next < samples.size() && samples[next].way_m <= way) ++next;
@@ -62,7 +62,7 @@ std::vector<PathSample> EveryWay(const std::vector<PathSample>& samples, double 
 PathPair ByWay(const std::vector<PathSample>& attempt, const std::vector<PathSample>& reference) {
   const double longest = std::max(attempt.back().way_m, reference.back().way_m);
   const double step =
-      std::max(kLeastStep_m, longest / static_cast<double>(PathPair::kMostSamples - 1));
+      std::max(kMinStep_m, longest / static_cast<double>(PathPair::kMaxSamples - 1));
   return {EveryWay(attempt, step), EveryWay(reference, step)};
 }
 

@@ -17,9 +17,9 @@ enum class PathBy { kTime, kArcLength };
 // reference.
 //  * By time: at most 25 Hz; the pose of a step's first tick and its mean force.
 //  * By way: at least 20 um apart; pose and force between the two samples around, linearly.
-// At most kMostSamples each.
+// At most kMaxSamples each.
 struct PathPair {
-  static constexpr size_t kMostSamples = 3000;
+  static constexpr size_t kMaxSamples = 3000;
   std::vector<PathSample> attempt, reference;
 };
 // Requires: each with a tick.

@@ -20,7 +20,7 @@ constexpr uint32_t kBlocks_per_s = 100, kTenths_per_s = 10;
 constexpr double kRateStep_n_per_s = 0.1, kAngleStep_deg = 0.1;
 constexpr size_t kRateBins = 20'000, kAngleBins = 1801;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr double kLeastStroke_s = 1;  // shorter ones have too few samples to tell 10 Hz from 1 Hz
+constexpr double kMinStroke_s = 1;  // shorter ones have too few samples to tell 10 Hz from 1 Hz
 
 dvec3 ToVec(const std::array<int32_t, 3>& v, double unit) {
   return dvec3(v[0] * unit, v[1] * unit, v[2] * unit);
@@ -213,7 +213,7 @@ ProcessRecorder::Smoothness ProcessRecorder::MeasureSmoothness() const {
   for (const Stroke& stroke : strokes) {
     const uint64_t first = (stroke.first_tick + decimation_ - 1) / decimation_;
     const uint64_t last = stroke.last_tick / decimation_;
-    if (last < first || static_cast<double>(last - first) < kLeastStroke_s * rate_hz) continue;
+    if (last < first || static_cast<double>(last - first) < kMinStroke_s * rate_hz) continue;
     std::vector<double> speed;
     for (uint64_t i = first; i < last; ++i) {
       speed.push_back(Length(computed_m_[i + 1] - computed_m_[i]) * rate_hz);

@@ -12,8 +12,8 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr double kCutoff_hz = 10, kLeastAmplitude = 0.05;
-constexpr size_t kPadding = 16, kMostPadded = size_t{1} << 17;
+constexpr double kCutoff_hz = 10, kMinAmplitude = 0.05;
+constexpr size_t kPadding = 16, kMaxPadded = size_t{1} << 17;
 constexpr size_t kFirstBin = 8, kLastBin = 12;
 
 // The discrete Fourier transform in place, by halves (Cooley and Tukey 1965). Its size is a power
@@ -73,7 +73,7 @@ std::optional<double> SpectralArcLength(std::span<const double> speed, double ra
   if (speed.empty()) return std::nullopt;
   size_t padded = 1;
   while (padded < speed.size()) padded *= 2;
-  padded = std::max(padded, std::min(padded * kPadding, kMostPadded));
+  padded = std::max(padded, std::min(padded * kPadding, kMaxPadded));
   std::vector<double> re(padded), im(padded);
   std::copy(speed.begin(), speed.end(), re.begin());
   Transform(re, im);
@@ -90,7 +90,7 @@ std::optional<double> SpectralArcLength(std::span<const double> speed, double ra
   size_t first = amplitude.size(), last = 0;
   for (size_t k = 0; k < amplitude.size(); ++k) {
     amplitude[k] /= most;
-    if (amplitude[k] < kLeastAmplitude) continue;
+    if (amplitude[k] < kMinAmplitude) continue;
     first = std::min(first, k);
     last = k;
   }

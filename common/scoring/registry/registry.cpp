@@ -80,7 +80,7 @@ Disturbance DisturbanceOf(const ProcessRecorder& process) {
 
 MetricSet Collect(const Measured& m, const MetricPlan& plan) {
   MetricSet out;
-  const bool limited = DisturbanceOf(*m.process).limited_percent > kMostLimited_percent;
+  const bool limited = DisturbanceOf(*m.process).limited_percent > kMaxLimited_percent;
   for (const Entry& entry : Registry()) {
     std::string name(entry.info.name);
     const bool of_path =

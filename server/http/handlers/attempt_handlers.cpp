@@ -312,7 +312,7 @@ Response GetTicks(const Call& call, Store& store) {
   if (!from.ok()) return ErrorResponse(from.status());
   Result<uint64_t> to = QueryOffset(call.request, "to");
   if (!to.ok()) return ErrorResponse(to.status());
-  if (!call.request.query.contains("to")) *to = *from + kMostWindowTicks;
+  if (!call.request.query.contains("to")) *to = *from + kMaxWindowTicks;
   if (Result<AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
     return ErrorResponse(seen.status());
   }

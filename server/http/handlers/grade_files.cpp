@@ -101,7 +101,7 @@ class AttemptLines {
     out += CsvLine({"login", "display_name", "exercise", "begun_utc", "finished_utc", "state",
                     "score", "computed_score", "critical_fail", "released", "exam", "flags",
                     "station", "attempt"});
-    filter.limit = AttemptFilter::kMostAtOnce;
+    filter.limit = AttemptFilter::kMaxAtOnce;
     for (bool more = true; more;) {
       ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.attempts.Attempts(filter));
       more = rows.size() == filter.limit;

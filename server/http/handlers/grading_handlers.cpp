@@ -18,8 +18,8 @@ namespace json = boost::json;
 namespace {
 
 // An answer of that many has about 6 MB.
-constexpr uint32_t kMostGraded = 10'000;
-static_assert(kMostGraded <= AttemptFilter::kMostAtOnce);
+constexpr uint32_t kMaxGraded = 10'000;
+static_assert(kMaxGraded <= AttemptFilter::kMaxAtOnce);
 
 // The columns of the table, in the order in which the scores name them.
 class Columns {
@@ -69,11 +69,11 @@ class Grading {
     const Person& viewer = call_.caller->person;
     NarrowToTaught(call_, filter);
     filter.not_to_be_marked_by = viewer.id;
-    filter.limit = kMostGraded + 1;
+    filter.limit = kMaxGraded + 1;
     ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.attempts.Attempts(filter));
     ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store_.markings.HiddenFrom(viewer.id));
-    more_ = rows.size() > kMostGraded;
-    if (more_) rows.resize(kMostGraded);
+    more_ = rows.size() > kMaxGraded;
+    if (more_) rows.resize(kMaxGraded);
     for (const AttemptRow& row : rows) {
       if (std::chrono::steady_clock::now() >= call_.request.answer_by) {
         return {Code::kUnavailable, "the server was too busy to read these scores in time"};

@@ -15,8 +15,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kMostJobs = 200;      // that the store lists of a state
-constexpr uint32_t kMostAttempts = 200;  // likewise
+constexpr uint32_t kMaxShownJobs = 200;      // that the store lists of a state
+constexpr uint32_t kMaxShownAttempts = 200;  // likewise
 constexpr UnixMs kMinuteMs = 60'000;
 // During an attempt a chunk comes every second; a connection that is silent for a minute has ended
 // (schemas/wire/README.md).
@@ -29,11 +29,11 @@ Result<json::object> JobsJson(JobRows& jobs) {
   for (const char* state : {"queued", "running", "failed"}) {
     JobFilter filter;
     filter.state = state;
-    filter.limit = kMostJobs;
+    filter.limit = kMaxShownJobs;
     ENAMEL_ASSIGN_OR_RETURN(auto rows, jobs.FindJobs(filter));
     out[state] = rows.size();
   }
-  out["counted_up_to"] = kMostJobs;
+  out["counted_up_to"] = kMaxShownJobs;
   return out;
 }
 
@@ -52,7 +52,7 @@ Result<json::object> StationsJson(StationRows& stations, const StationBoard* boa
 Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   AttemptFilter filter;
   filter.state = AttemptState::kRecording;
-  filter.limit = kMostAttempts;
+  filter.limit = kMaxShownAttempts;
   ENAMEL_ASSIGN_OR_RETURN(auto rows, attempts.Attempts(filter));
   uint32_t open = 0;
   json::array late;

@@ -18,9 +18,9 @@ namespace json = boost::json;
 namespace {
 
 // An exam's attempt is compared with at most so many: each is a blob to read, from S3 a request.
-constexpr uint32_t kMostCompared = 100;
+constexpr uint32_t kMaxCompared = 100;
 constexpr UnixMs kSignInBeforeMs = 15 * 60 * 1000;
-constexpr uint32_t kMostSignIns = 20;
+constexpr uint32_t kMaxSignIns = 20;
 
 Result<std::string> BlobText(StoredBlobs& blobs, const Sha256& hash) {
   Result<Bytes> bytes = blobs.GetBlob(hash);
@@ -278,7 +278,7 @@ Result<json::array> AttemptView::SignInsJson(const AttemptRow& row) {
   filter.object = row.person.Text();
   filter.from_ms = row.ticketed_ms - kSignInBeforeMs;
   filter.until_ms = row.sealed_ms;
-  filter.limit = kMostSignIns;
+  filter.limit = kMaxSignIns;
   ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.audit.FindAudit(filter));
   json::array out;
   for (const AuditRow& each : rows)
@@ -292,7 +292,7 @@ Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const bool teaches, Teaches(row));
   if (!CanReviewAttempt(viewer_, row, teaches)) return json::value();
   ENAMEL_ASSIGN_OR_RETURN(const auto rows,
-                          store_.motions.MotionsUnder(*row.assignment, kMostCompared));
+                          store_.motions.MotionsUnder(*row.assignment, kMaxCompared));
   std::vector<scoring::HandRecord> records;
   std::optional<size_t> own;
   for (const AssignedMotion& each : rows) {
@@ -307,7 +307,7 @@ Result<json::value> AttemptView::EvidenceJson(const AttemptRow& row) {
   constexpr double kPercent = 1e-4;  // of a millionth
   ENAMEL_ASSIGN_OR_RETURN(json::array sign_ins, SignInsJson(row));
   return json::value{{"tremor_um", std::move(tremor)},
-                     {"least_tremor_um", scoring::kLeastTremor_um},
+                     {"least_tremor_um", scoring::kMinTremor_um},
                      {"too_calm", scoring::IsTooCalm(hand)},
                      {"still_percent", kPercent * hand.still_ppm},
                      {"late_percent", kPercent * hand.late_ppm},

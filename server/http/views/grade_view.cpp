@@ -8,7 +8,7 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kAttemptsAtOnce = AttemptFilter::kMostAtOnce;
+constexpr uint32_t kAttemptsAtOnce = AttemptFilter::kMaxAtOnce;
 
 bool IsBeingScored(const AttemptRow& row) {
   return row.state == AttemptState::kScoring || row.state == AttemptState::kSealed;

@@ -171,7 +171,7 @@ Result<bool> Continue(Db& db, const AttemptFilter& filter, ListSql& list) {
 // A page of a small set is the set, sorted. A page of a large one is what comes first in the order's index, which passes
 // over the attempts that are not of the set: of 20 000, among which the set is spread evenly, some 2000 for 50.
 constexpr int64_t kFew = 500;
-constexpr uint32_t kMostOfPage = 200;
+constexpr uint32_t kMaxOfPage = 200;
 
 Result<bool> AreFew(Db& db, const char* ids, const Uuid& of) {
   Query q(db, "SELECT count(*) FROM (" + With(ids, {"?2"}) + " LIMIT ?3) AS counted");
@@ -181,7 +181,7 @@ Result<bool> AreFew(Db& db, const char* ids, const Uuid& of) {
 
 // Adds the conditions of the sets. Returns whether one of the sets is small.
 Result<bool> AndSets(Db& db, const AttemptFilter& filter, ListSql& list) {
-  const bool page = filter.limit <= kMostOfPage;
+  const bool page = filter.limit <= kMaxOfPage;
   bool few = !page || filter.person.has_value();
   if (filter.person) list.And("a.person = %1", *filter.person);
   const bool newest = filter.order == AttemptFilter::Order::kNewest;
@@ -255,7 +255,7 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
     for (const std::string& word : SearchWords(filter.name)) list.And(NameHas("%1"), word);
     ENAMEL_ASSIGN_OR_RETURN(const bool continues, Continue(db, filter, list));
     if (!continues) return std::vector<AttemptRow>{};
-    const uint32_t limit = std::clamp<uint32_t>(filter.limit, 1, AttemptFilter::kMostAtOnce);
+    const uint32_t limit = std::clamp<uint32_t>(filter.limit, 1, AttemptFilter::kMaxAtOnce);
     return list.OrderBy(OrderOf(filter, few), limit).Rows(db);
   });
 }

@@ -29,7 +29,7 @@ struct AttemptFilter {
   Order order = Order::kNewest;
   std::optional<Uuid> before{};  // page: what comes after this attempt
   // A row has about 1 kB. Lists that a browser asks for are in pages of at most 200 (paging.h).
-  static constexpr uint32_t kMostAtOnce = 20'000;
+  static constexpr uint32_t kMaxAtOnce = 20'000;
   uint32_t limit = 50;
 };
 

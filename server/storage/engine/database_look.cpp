@@ -97,7 +97,7 @@ Status DatabaseLook::ReadRows(sql::Db& db, int64_t theirs_ms) {
   const auto count = static_cast<int>(votes.size());
   const int64_t median = count < kFewestVotes ? 0 : MedianOf(std::move(votes));
   clock_votes_ = count;
-  median_ahead_ms_ = std::abs(median) > kMostClockOffMs ? median : 0;
+  median_ahead_ms_ = std::abs(median) > kMaxClockOffMs ? median : 0;
   return Status::Ok();
 }
 

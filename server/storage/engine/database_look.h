@@ -21,7 +21,7 @@ namespace enamel::server {
 // its own every kEvery (Beat), so that a database that hangs is noticed even when nobody writes.
 //
 // The clock. The database and each server whose row is new have one vote each on the time. While
-// the median is within kMostClockOffMs of the database's clock, this process's times are the
+// the median is within kMaxClockOffMs of the database's clock, this process's times are the
 // database's (FollowClock, common/base/unix_time.h), within half the time that the quickest of
 // three questions took. Otherwise they are the median's. Of two votes nobody knows which is wrong:
 // then the database's counts.
@@ -42,7 +42,7 @@ class DatabaseLook {
   static constexpr std::chrono::seconds kEvery{2};
   // So long without a Beat that was committed: the database hangs.
   static constexpr std::chrono::seconds kLate{4};
-  static constexpr int64_t kMostClockOffMs = 5000;
+  static constexpr int64_t kMaxClockOffMs = 5000;
   static constexpr int kFewestVotes = 3;
 
   // `server`: whose rows are its own.
@@ -85,7 +85,7 @@ class DatabaseLook {
   void Learn(int64_t timeline);
   // How far this machine's clock is ahead of the database's; 0 where they are one.
   int64_t clock_ahead_ms() const { return clock_ahead_ms_; }
-  // How far the median is ahead of the database's clock; 0: less than kMostClockOffMs, or too few
+  // How far the median is ahead of the database's clock; 0: less than kMaxClockOffMs, or too few
   // votes.
   int64_t median_ahead_ms() const { return median_ahead_ms_; }
   int clock_votes() const { return clock_votes_; }

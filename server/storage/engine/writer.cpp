@@ -44,7 +44,7 @@ Status Writer::Queue(Pending& mine) {
   while (!mine.turn.wait_for(mutex_, longest_queued_, [&] { return mine.done; })) {
     const auto at = std::ranges::find(queue_, &mine);
     // A work that the thread has begun cannot be taken back. The thread's own waits are bounded
-    // (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kLongest), except a COMMIT that PostgreSQL
+    // (SqliteDb::SetBusyWait, SqliteDb::kMaxWait; PgDb::kLongest), except a COMMIT that PostgreSQL
     // holds until a standby has it too. That one may already be on the primary's disk, and must not
     // be reported as failed. Health reports it (Standby::kMissing).
     if (at == queue_.end()) {

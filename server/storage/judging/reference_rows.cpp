@@ -120,7 +120,7 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
 Result<std::vector<ReferenceRow>> ReferenceRows::Counting(const Uuid& exercise) {
   ENAMEL_ASSIGN_OR_RETURN(auto rows, References(exercise));
   std::erase_if(rows, [](const ReferenceRow& row) { return row.withdrawn_ms != 0; });
-  rows.resize(std::min(rows.size(), kMostCounting));
+  rows.resize(std::min(rows.size(), kMaxCounting));
   return rows;
 }
 

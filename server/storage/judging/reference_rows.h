@@ -28,8 +28,8 @@ class ReferenceRows {
   Result<ReferenceRow> ReferenceById(const Uuid& id);
   // Newest first, withdrawn ones too.
   Result<std::vector<ReferenceRow>> References(const Uuid& exercise);
-  // Those that judge: not withdrawn, newest first, at most kMostCounting.
-  static constexpr size_t kMostCounting = 8;
+  // Those that judge: not withdrawn, newest first, at most kMaxCounting.
+  static constexpr size_t kMaxCounting = 8;
   Result<std::vector<ReferenceRow>> Counting(const Uuid& exercise);
   // Scores made with it stay until a rescore.
   Status WithdrawReference(const Uuid& id, const Actor& by);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kMagic = "ENEV";
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kAsItIs = 0, kPacked = 1;  // flags
-constexpr uint32_t kMostPacked = 1u << 30;
+constexpr uint32_t kMaxPacked = 1u << 30;
 // Sub-keys of a person's key (schemas/personal_data.md).
 constexpr char kContext[] = "ENEVkeys";
 enum class SubKey : uint64_t { kCipher = 1, kNonce = 2 };
@@ -93,7 +93,7 @@ Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, 
 }
 
 Bytes SealPacked(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data) {
-  ENAMEL_CHECK(data.size() <= kMostPacked);
+  ENAMEL_CHECK(data.size() <= kMaxPacked);
   ByteWriter packed;
   packed.U32(static_cast<uint32_t>(data.size()));
   packed.Raw(Pack(data, kTextLevel));
@@ -127,7 +127,7 @@ Result<Bytes> PersonalReader::Open(Bytes bytes) {
   if (head->flags == kAsItIs) return content;
   ByteReader in(content);
   const uint32_t size = in.U32();
-  if (!in.ok() || size > kMostPacked) return Damaged(head->person);
+  if (!in.ok() || size > kMaxPacked) return Damaged(head->person);
   return Unpack(ByteView(content).subspan(in.offset()), size, "personal data");
 }
 

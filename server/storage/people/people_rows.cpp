@@ -191,7 +191,7 @@ Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
       Query q(db,
               "UPDATE people SET wrong_pins = wrong_pins + 1 WHERE tenant = ?1 AND id = ?2 AND "
               "pin <> '' AND wrong_pins < ?3");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(person, kMostWrongPins).Run());
+      ENAMEL_RETURN_IF_ERROR(q.Bind(person, kMaxWrongPins).Run());
     }
     const bool may = db.Changes() > 0;
     Query q(db, "SELECT pin, wrong_pins FROM people WHERE tenant = ?1 AND id = ?2");
@@ -201,7 +201,7 @@ Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
     }
     out.verifier = q.Text(0);
     out.locked = !may && !out.verifier.empty();
-    out.last = may && q.Int(1) >= kMostWrongPins;
+    out.last = may && q.Int(1) >= kMaxWrongPins;
     return Status::Ok();
   });
   if (!counted.ok()) return counted;

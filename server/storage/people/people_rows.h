@@ -34,9 +34,9 @@ class PeopleRows {
     bool last = false;     // if it is wrong, the PIN is locked
   };
   // After so many wrong PINs in a row the PIN is locked, until SetPin.
-  static constexpr int kMostWrongPins = 10;
+  static constexpr int kMaxWrongPins = 10;
   // Counts the try as a wrong one before it is checked: of tries at the same time, at any of the
-  // servers of a school, no more than kMostWrongPins are checked. Errors: kNotFound.
+  // servers of a school, no more than kMaxWrongPins are checked. Errors: kNotFound.
   Result<PinTry> TryPin(const Uuid& person);
   // The try was right: forgets the wrong ones.
   Status PinWasRight(const Uuid& person);
@@ -72,7 +72,7 @@ class PeopleRows {
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
     "p.password_ms, p.revision, p.language, p.wrong_pins >= 10";
-static_assert(PeopleRows::kMostWrongPins == 10);
+static_assert(PeopleRows::kMaxWrongPins == 10);
 // A condition: the login or the name has the word (SearchWords) that is bound as `word`, "?4".
 std::string NameHas(const std::string& word);
 Result<Person> FindPerson(Db& db, const Uuid& id);

@@ -29,9 +29,9 @@ Status MustFit(Db& db, const SavedText& row) {
     return Status(Code::kConflict, "This text is saved already. Change it, or use the saved one.",
                   "text");
   }
-  if (own.Int(0) >= SavedTextRows::kMostOwn) {
+  if (own.Int(0) >= SavedTextRows::kMaxOwn) {
     return Status(Code::kConflict,
-                  "There are " + std::to_string(SavedTextRows::kMostOwn) +
+                  "There are " + std::to_string(SavedTextRows::kMaxOwn) +
                       " saved texts, and no more fit. Remove one that you no longer use.",
                   "text");
   }
@@ -39,9 +39,9 @@ Status MustFit(Db& db, const SavedText& row) {
   Query shared(db,
                "SELECT count(*) FROM saved_texts WHERE tenant = ?1 AND shared = 1 AND id <> ?2");
   if (!shared.Bind(row.id).Next()) return shared.status();
-  if (shared.Int(0) < SavedTextRows::kMostShared) return Status::Ok();
+  if (shared.Int(0) < SavedTextRows::kMaxShared) return Status::Ok();
   return Status(Code::kConflict,
-                "The school shares " + std::to_string(SavedTextRows::kMostShared) +
+                "The school shares " + std::to_string(SavedTextRows::kMaxShared) +
                     " texts, and no more fit. Save it for yourself, or have an administrator stop "
                     "sharing one.",
                 "shared");

@@ -14,8 +14,8 @@ class SavedTextRows {
  public:
   // Of one person: as many as somebody still looks through. Of all that are shared, because
   // everybody who teaches is shown them.
-  static constexpr int64_t kMostOwn = 100;
-  static constexpr int64_t kMostShared = 300;
+  static constexpr int64_t kMaxOwn = 100;
+  static constexpr int64_t kMaxShared = 300;
 
   explicit SavedTextRows(Transactions& rows) : rows_(rows) {}
 

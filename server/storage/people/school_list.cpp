@@ -21,12 +21,12 @@ bool IsSchoolName(std::string_view name) {
 }
 
 bool IsHostName(std::string_view host) {
-  constexpr size_t kMost = 253, kMostLabel = 63;
+  constexpr size_t kMost = 253, kMaxLabel = 63;
   if (host.size() > kMost) return false;
   for (;;) {
     const size_t end = std::min(host.find('.'), host.size());
     const std::string_view label = host.substr(0, end);
-    const bool good = !label.empty() && label.size() <= kMostLabel && label.front() != '-' &&
+    const bool good = !label.empty() && label.size() <= kMaxLabel && label.front() != '-' &&
                       label.back() != '-' && std::ranges::all_of(label, [](char c) {
                         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
                       });
@@ -94,14 +94,14 @@ Result<std::vector<SchoolRow>> AllSchools(Db& db) {
 }
 
 Status CheckSchool(const SchoolRow& row, const std::vector<SchoolRow>& all) {
-  constexpr size_t kMostHosts = 16;
+  constexpr size_t kMaxHosts = 16;
   if (!IsSchoolName(row.name)) {
     return {Code::kInvalidInput,
             "expected a school's name of 1 to 32 of a-z 0-9 -, a letter first, found \"" +
                 row.name + "\"",
             "name"};
   }
-  if (row.hosts.empty() || row.hosts.size() > kMostHosts) {
+  if (row.hosts.empty() || row.hosts.size() > kMaxHosts) {
     return {Code::kInvalidInput,
             "expected 1 to 16 names that the page is opened under, found " +
                 std::to_string(row.hosts.size()),

@@ -80,7 +80,7 @@ Status Delete(Db& db, const std::string& which, int64_t value) {
 Status DeleteBeyondMost(Db& db, const std::string& kind) {
   Query most(db, "SELECT until_ms FROM sign_in_counters WHERE tenant = ?1 AND " + kind +
                      " ORDER BY until_ms DESC LIMIT 1 OFFSET ?2");
-  const bool too_many = most.Bind(SignInRows::kMostSignInCounters).Next();
+  const bool too_many = most.Bind(SignInRows::kMaxSignInCounters).Next();
   ENAMEL_RETURN_IF_ERROR(most.status());
   return too_many ? Delete(db, kind + " AND until_ms <= ?2", most.Int(0)) : Status::Ok();
 }

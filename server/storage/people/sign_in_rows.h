@@ -38,12 +38,12 @@ class SignInRows {
 
   // Passes the counters of these distinct keys to `change` and stores its result, without another
   // change in between. `change` may be called again with newer ones. Unchanged counters cost no
-  // write. At most kMostSignInCounters with failures are kept, and as many without: those that
+  // write. At most kMaxSignInCounters with failures are kept, and as many without: those that
   // expire first are dropped first.
-  static constexpr int64_t kMostSignInCounters = 100'000;
+  static constexpr int64_t kMaxSignInCounters = 100'000;
   using SignInChange = std::function<void(std::vector<SignInCounter>&)>;
   Status Change(const std::vector<Sha256>& keys, const SignInChange& change);
-  // Deletes expired counters, and the oldest of a kind that has more than kMostSignInCounters.
+  // Deletes expired counters, and the oldest of a kind that has more than kMaxSignInCounters.
   Status Sweep();
 
  private:

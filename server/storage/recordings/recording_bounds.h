@@ -13,13 +13,13 @@
 namespace enamel::server {
 
 // The longest that anybody records: a working day at the fastest rate of an exercise.
-inline constexpr int64_t kMostTicks = int64_t{8} * 3600 * 8000;
+inline constexpr int64_t kMaxTicks = int64_t{8} * 3600 * 8000;
 // A tick of a real hand takes 2 to 4 bytes (`enamel-lab bench record`), one of noise 12.
-inline constexpr int64_t kMostBytesPerTick = 16;
-inline constexpr int64_t kMostTraceBytes = 1'300'000'000;
+inline constexpr int64_t kMaxBytesPerTick = 16;
+inline constexpr int64_t kMaxTraceBytes = 1'300'000'000;
 // Hands that are programs record faster than time. That is flagged (kFasterThanTime); so far ahead
 // of the clock it is also taken.
-inline constexpr int64_t kMostAheadMs = 3'600'000;
+inline constexpr int64_t kMaxAheadMs = 3'600'000;
 
 // SQL that is true while an attempt's row may take another chunk: so many ticks, gap ticks, bytes,
 // received at a time (parameters such as "?5").

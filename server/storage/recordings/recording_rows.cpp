@@ -169,7 +169,7 @@ Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
   }
   ENAMEL_ASSIGN_OR_RETURN(const bool whole, Reads(attempt, *ingest, blobs));
   MutexLock lock(mutex_);
-  if (seen_.size() >= kMostSeen) seen_.clear();
+  if (seen_.size() >= kMaxSeen) seen_.clear();
   seen_[attempt] = {ingest->trace_blob, whole, Clock::now()};
   return whole;
 }

@@ -63,7 +63,7 @@ class RecordingRows {
  private:
   static constexpr std::chrono::hours kLookAgain{24};
   static constexpr std::chrono::minutes kLostAgain{1};
-  static constexpr size_t kMostSeen = 100'000;
+  static constexpr size_t kMaxSeen = 100'000;
   struct Seen {
     Sha256 blob;
     bool whole = false;

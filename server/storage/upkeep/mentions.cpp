@@ -50,7 +50,7 @@ bool HasWord(const std::string& text, const std::string& word) {
 
 void AddPlace(Mentions& mentions, std::string place) {
   auto& places = mentions.places;
-  if (places.size() >= Mentions::kMostPlaces) return;
+  if (places.size() >= Mentions::kMaxPlaces) return;
   if (std::ranges::find(places, place) == places.end()) places.push_back(std::move(place));
 }
 

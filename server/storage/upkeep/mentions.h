@@ -17,11 +17,11 @@ struct Mentions {
   // reason of a rubric), "cohort", "station", "scene", "profile", "device", "batch" (titles).
   std::string kind;
   size_t count = 0;
-  // Where to edit them, at most kMostPlaces: the attempt, also of a reference; the exercise; the
+  // Where to edit them, at most kMaxPlaces: the attempt, also of a reference; the exercise; the
   // cohort. Empty for the others, which have no page of their own.
   std::vector<std::string> places;
 
-  static constexpr size_t kMostPlaces = 20;
+  static constexpr size_t kMaxPlaces = 20;
 };
 
 // Looks for the display name and the login, as whole words, without case and accents. Reads every

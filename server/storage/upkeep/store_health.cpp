@@ -46,9 +46,9 @@ void StoreHealthCheck::AddClock(StoreHealth& out) {
     return std::to_string(std::abs(ms) / 1000) + " s " + (ms > 0 ? "ahead of " : "behind ");
   };
   const int64_t own_ms = out.clock_ahead_ms - median_ms;
-  out.clock_is_off = std::abs(own_ms) > DatabaseLook::kMostClockOffMs &&
+  out.clock_is_off = std::abs(own_ms) > DatabaseLook::kMaxClockOffMs &&
                      parts_.look.clock_votes() >= DatabaseLook::kFewestVotes;
-  if (std::abs(own_ms) > DatabaseLook::kMostClockOffMs) {
+  if (std::abs(own_ms) > DatabaseLook::kMaxClockOffMs) {
     out.clock_problem = "this machine's clock is " + off(own_ms) +
                         (median_ms == 0 ? "the database server's" : "most servers'") +
                         "; see that all machines set theirs from the same time servers";

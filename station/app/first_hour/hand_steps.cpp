@@ -15,7 +15,7 @@ namespace json = boost::json;
 constexpr double kFirstPose_s = 5, kButtons_s = 120;
 // A hand makes 2 m/s at most; between two poses of 1 kHz that is 2 mm.
 constexpr double kJump_m = 5e-3;
-constexpr double kStraightWay_m = 0.05, kLeastWay_m = 0.02;
+constexpr double kStraightWay_m = 0.05, kMinWay_m = 0.02;
 constexpr int kTries = 3;
 
 // Follows the newest pose tick by tick.
@@ -71,12 +71,12 @@ Result<dvec3> AskWay(Hour& hour, Step& step, const Way& way) {
                                .status());
     ENAMEL_ASSIGN_OR_RETURN(const dvec3 to, hour.Place());
     const dvec3 moved = to - from;
-    if (std::sqrt(Dot(moved, moved)) >= kLeastWay_m) return moved;
+    if (std::sqrt(Dot(moved, moved)) >= kMinWay_m) return moved;
     hour.Tell("That was " + Mm(std::sqrt(Dot(moved, moved))) + ". Once more, about 5 cm:");
   }
   return Status(Code::kUnavailable, "the handle was moved " + std::string(way.says) +
                                         " three times, and its place " + "changed by less than " +
-                                        Mm(kLeastWay_m));
+                                        Mm(kMinWay_m));
 }
 
 }  // namespace

@@ -25,12 +25,12 @@ std::string Trimmed(std::string text) {
 
 // `text`: 64 hexadecimal digits, or the name of a file that holds them.
 Result<trace::PublicKey> ReadKey(const std::string& text, const std::string& option) {
-  constexpr size_t kMostBytes = 4096;
+  constexpr size_t kMaxBytes = 4096;
   std::string digits = text;
   std::error_code none;
   // A file first: nobody gives a file a name of 64 hexadecimal digits.
   if (fs::exists(text, none)) {
-    ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(text, kMostBytes));
+    ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(text, kMaxBytes));
     digits = Trimmed(std::string(AsText(bytes)));
   }
   // A key is 32 bytes, like a hash.

@@ -30,7 +30,7 @@ struct Options {
   std::vector<int> voxels_um = {100, 50};
 };
 
-constexpr size_t kLeastTriangles = 150'000;
+constexpr size_t kMinTriangles = 150'000;
 constexpr double kGoal_s = 5;  // of them, to 0.05 mm
 
 double Seconds(const timeval& t) {
@@ -172,12 +172,12 @@ int Run(const Options& options) {
   if (!CanWrite(options.json)) return 1;
   Triangles mesh;
   if (options.tooth.empty()) {
-    mesh = CrownLike(kLeastTriangles);
+    mesh = CrownLike(kMinTriangles);
   } else {
     auto read = import::ReadMeshInChild(options.tooth);
     if (!read.ok()) return Fail(read.status().message());
     // Scans have any number of triangles; figures are compared at the same number.
-    mesh = Subdivided(read->mesh.mesh, kLeastTriangles);
+    mesh = Subdivided(read->mesh.mesh, kMinTriangles);
   }
   const TempStl stl;
   if (Status written = WriteFileDurably(stl.path, BinaryStl(mesh)); !written.ok())

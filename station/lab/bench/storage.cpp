@@ -33,7 +33,7 @@ struct Options {
 constexpr double kAttemptGoal_mb = 2.3, kYearGoal_gb = 28, kTimelineGoal_mb = 0.5,
                  kDeviationGoal_mb = 0.2, kVolumeGoal_mb = 0.3;
 constexpr int kAttemptsAYear = 12'000;
-constexpr uint64_t kMostTicks = 3'000'000;
+constexpr uint64_t kMaxTicks = 3'000'000;
 constexpr size_t kChunkTicks = 500;
 
 // What the attempts of a school are of: of 51, so many of each kind, over its exercises alike.
@@ -84,7 +84,7 @@ Result<Cut> CutBy(const char* who, const scene::BuiltScene& built, const scene::
   ENAMEL_CHECK(preset != nullptr);
   Cut out;
   ENAMEL_ASSIGN_OR_RETURN(out.volume,
-                          RunOperator(*preset, built, exercise, profile, 0, kMostTicks,
+                          RunOperator(*preset, built, exercise, profile, 0, kMaxTicks,
                                       [&](const core::CoreParams& params, const trace::Tick& tick) {
                                         if (!out.process) out.process.emplace(params);
                                         out.params = params;

@@ -24,7 +24,7 @@ namespace json = boost::json;
 
 constexpr size_t kStep = 10;  // ms: people's jerk and directions, not the encoder's steps
 constexpr double kRate_hz = 1000, kSteps_hz = kRate_hz / kStep;
-constexpr double kLeastWay_m = 0.5e-3;
+constexpr double kMinWay_m = 0.5e-3;
 constexpr double kPauseShare = 0.1;
 constexpr uint64_t kOtherSeed = 101;
 constexpr int kVoxel_nm = 200'000;  // the tooth is only there to be cut
@@ -35,7 +35,7 @@ struct Sign {
   std::optional<double> threshold{};
 };
 constexpr Sign kSigns[] = {
-    {"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um, scoring::kLeastTremor_um},
+    {"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um, scoring::kMinTremor_um},
     {"log dimensionless jerk", &HandSigns::jerk},
     {"spectral arc length", &HandSigns::arc_length},
     {"entropy of directions (bit)", &HandSigns::direction_bits},
@@ -187,7 +187,7 @@ bool SignsOf(const dvec3* position_m, HandSigns& out) {
     fastest = std::max(fastest, speed_m_s.back());
     way_m += length;
   }
-  if (way_m < kLeastWay_m) return false;
+  if (way_m < kMinWay_m) return false;
   scoring::TremorMeter tremor(static_cast<uint32_t>(kRate_hz));
   for (size_t i = 0; i < kSecond; ++i) tremor.Add(position_m[i], true);
   const std::optional<double> rms = tremor.Rms_m(), jerk = scoring::LogDimensionlessJerk(speed_m_s),

@@ -39,7 +39,7 @@ struct SignRoc {
   // Share of the programs' seconds found when 5, 10 and 20 % of the people's are mistaken for a
   // program's, with the threshold on the side that finds more.
   double found_at_5 = 0, found_at_10 = 0, found_at_20 = 0;
-  // Where the server calls lower figures worth a look (scoring::kLeastTremor_um,
+  // Where the server calls lower figures worth a look (scoring::kMinTremor_um,
   // scoring::kNearOfSize): below which, and the share of people's taken for a program's by mistake
   // and of programs' found.
   std::optional<double> threshold{};

@@ -117,8 +117,8 @@ CrownCut CrownCut::Undercut(double degrees) const {
 }
 
 bool CrownCut::HasTop() const {
-  constexpr double kLeastHalf_m = 0.2e-3;
-  return std::min(at_top.half_x_m, at_top.half_y_m) > kLeastHalf_m;
+  constexpr double kMinHalf_m = 0.2e-3;
+  return std::min(at_top.half_x_m, at_top.half_y_m) > kMinHalf_m;
 }
 
 CrownCut CrownCut::Leaning(double degrees) const {

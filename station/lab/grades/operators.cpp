@@ -20,7 +20,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr uint64_t kMostTicks = 3'000'000;  // fifty minutes: a timid hand's crown
+constexpr uint64_t kMaxTicks = 3'000'000;  // fifty minutes: a timid hand's crown
 
 struct CutTooth {
   cutting::Volume volume;
@@ -37,7 +37,7 @@ Result<CutTooth> CutBy(const OperatorPreset& preset, const scene::BuiltScene& bu
                        uint64_t seed) {
   std::optional<scoring::ProcessRecorder> process;
   ENAMEL_ASSIGN_OR_RETURN(auto volume,
-                          RunOperator(preset, built, exercise, profile, seed, kMostTicks,
+                          RunOperator(preset, built, exercise, profile, seed, kMaxTicks,
                                       [&](const core::CoreParams& params, const trace::Tick& tick) {
                                         if (!process) process.emplace(params);
                                         process->AddRecorded(tick);

@@ -8,7 +8,7 @@
 namespace enamel::station::lab {
 namespace {
 
-constexpr double kHand_kg = 0.1, kAfter_s = 1, kRampUp_s = 0.5, kLeastGrip = 0.05;
+constexpr double kHand_kg = 0.1, kAfter_s = 1, kRampUp_s = 0.5, kMinGrip = 0.05;
 // Of the wall along the lift: beyond it the bur is out.
 constexpr double kWallHeight_m = 1.5e-3;
 
@@ -51,7 +51,7 @@ class LiftingHand final : public Hand {
     grip.damping_n_s_per_m = damping_;
     if (t_s <= from_s_) return grip;
     const double since = t_s - from_s_;
-    const double left = std::max(kLeastGrip, std::exp(-since / lift_.relax_s));
+    const double left = std::max(kMinGrip, std::exp(-since / lift_.relax_s));
     grip.stiffness_n_per_m *= left;
     grip.damping_n_s_per_m *= std::sqrt(left);
     grip.equilibrium_m += Along() * (lift_.speed_m_per_s * since);

@@ -43,7 +43,7 @@ Result<Unit> UnitOf(const DeviceProfile& shipped, bool calibrated) {
   const int64_t ticks = calibrated ? shipped.bus_delay_ticks.value
                                    : scene::DelayOfAttached(shipped, nullptr, rate_hz).ticks;
   const int64_t c_mn = shipped.friction_mn.value;
-  const int64_t told_mn = calibrated ? c_mn * (100 - scene::kMostUncertainty_percent) / 100 : c_mn;
+  const int64_t told_mn = calibrated ? c_mn * (100 - scene::kMaxUncertainty_percent) / 100 : c_mn;
   const auto unit = calibrated ? scene::WithFriction(shipped, told_mn) : shipped;
   ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::WithDelay(unit, rate_hz, ticks));
   ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(profile));

@@ -13,7 +13,7 @@ namespace {
 
 using fidelity::MinimumJerk;
 
-constexpr size_t kMostFiles = 64, kLargestFile = 4 << 20;
+constexpr size_t kMaxFiles = 64, kLargestFile = 4 << 20;
 
 const dvec3 kOblique = glm::normalize(dvec3(1, 2, 3));
 
@@ -176,9 +176,9 @@ Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder) {
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (it->path().extension() == ".csv") paths.push_back(it->path());
-    if (paths.size() > kMostFiles)
+    if (paths.size() > kMaxFiles)
       return Status(Code::kInvalidInput,
-                    folder + ": expected at most " + std::to_string(kMostFiles) + " recordings",
+                    folder + ": expected at most " + std::to_string(kMaxFiles) + " recordings",
                     "motion");
   }
   // Folders have no order, and suites must print the same rows on every machine.

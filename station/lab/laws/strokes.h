@@ -66,8 +66,8 @@ struct StrokeDevice {
   DeviceModel model;
   std::vector<StrokeTrack> tracks;
 };
-inline constexpr size_t kMostDrawn = 800;
+inline constexpr size_t kMaxDrawn = 800;
 // The document of schemas/strokes.schema.json.
-std::string StrokesJson(const std::vector<StrokeDevice>& devices, size_t most_points = kMostDrawn);
+std::string StrokesJson(const std::vector<StrokeDevice>& devices, size_t most_points = kMaxDrawn);
 
 }  // namespace enamel::station::lab

@@ -13,7 +13,7 @@ namespace json = boost::json;
 using Points = std::vector<std::pair<double, double>>;
 
 // A plot is some hundred pixels wide.
-constexpr size_t kMostPoints = 1000;
+constexpr size_t kMaxPoints = 1000;
 
 // More digits than any plot shows; seventeen would make the document three times as long.
 double SixDigits(double v) {
@@ -46,9 +46,9 @@ Points Shown(const Points& points, bool log_x, bool log_y) {
 }
 
 Points Thinned(const Points& points) {
-  if (points.size() <= kMostPoints) return points;
+  if (points.size() <= kMaxPoints) return points;
   Points out;
-  constexpr size_t kGroups = kMostPoints / 2;
+  constexpr size_t kGroups = kMaxPoints / 2;
   for (size_t g = 0; g < kGroups; ++g) {
     auto from = points.begin() + static_cast<std::ptrdiff_t>(g * points.size() / kGroups),
          to = points.begin() + static_cast<std::ptrdiff_t>((g + 1) * points.size() / kGroups);

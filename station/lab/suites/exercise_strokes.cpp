@@ -14,7 +14,7 @@ namespace enamel::station::lab {
 namespace {
 
 constexpr int32_t kVoxel_nm = 100'000;
-constexpr uint64_t kMostTicks = 600'000;
+constexpr uint64_t kMaxTicks = 600'000;
 
 Result<std::vector<ExerciseStroke>> StrokesOn(const std::string& scene,
                                               const StrokesOptions& options) {
@@ -25,7 +25,7 @@ Result<std::vector<ExerciseStroke>> StrokesOn(const std::string& scene,
        scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))))) {
     for (const std::string& person : options.people) {
       std::optional<fidelity::CutStrokes> strokes;
-      const auto done = RunOperator(*FindOperator(person), built, exercise, profile, 0, kMostTicks,
+      const auto done = RunOperator(*FindOperator(person), built, exercise, profile, 0, kMaxTicks,
                                     [&](const auto& params, const trace::Tick& tick) {
                                       if (!strokes) strokes.emplace(params);
                                       strokes->Add(tick.input, tick.witness);

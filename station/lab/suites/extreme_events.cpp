@@ -149,7 +149,7 @@ void AddVoxelLimits(std::vector<ExtremeRow>* rows) {
                std::to_string(voxel_nm / 1000) + " um";
     row.quantity = "force off B v, RMS over ways to travel";
     row.unit = "%";
-    row.most = 100 * cutting::kMostVoxelForceError;
+    row.most = 100 * cutting::kMaxVoxelForceError;
     row.found = 100 * MeasureForceError(c.bur, voxel_nm);
     row.within_peak = true;
     rows->push_back(row);

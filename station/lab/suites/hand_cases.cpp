@@ -17,7 +17,7 @@ using haptics::LawKind;
 
 constexpr double kEnamel = 6500, kCut_m_per_s = 0.43e-3;  // the paper's
 // Below it the grip hardly moves the device, and nobody feels it.
-constexpr double kLeastFelt_n = 0.02;
+constexpr double kMinFelt_n = 0.02;
 // Grips of 0.3 to 5 N/mm, and two that hardly give.
 constexpr double kGrips_n_per_m[] = {300, 1000, 2000, 5000, 20'000};
 
@@ -62,7 +62,7 @@ void AddTrial(const DeviceModel& m, HandRow row, const FeltTrial& trial,
                     plain.tool = false;
                     const FeltFigures a = Feel(FeltDeviceOf(m), trial, way);
                     const FeltFigures b = Feel(FeltDeviceOf(m), plain, way);
-                    if (a.ideal_rms_n > kLeastFelt_n) {
+                    if (a.ideal_rms_n > kMinFelt_n) {
                       r.felt_error = a.command_error();
                       r.maxwell_error = b.command_error();
                       r.ideal_rms_n = a.ideal_rms_n;

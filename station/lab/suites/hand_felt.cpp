@@ -16,7 +16,7 @@ constexpr double kSpeeds_m_per_s[] = {0.2e-3, 0.3e-3, 0.4e-3, 0.48e-3};
 constexpr double kRight = fidelity::kShares[1];
 constexpr double kOfSeconds = 0.95;  // so many have to be felt right
 // Below it the hand rests, and there is nothing to be felt right.
-constexpr double kLeastFelt_n = 0.02;
+constexpr double kMinFelt_n = 0.02;
 constexpr double kDuration_s = 12;
 
 std::vector<HandMotion> AtSpeed(const std::vector<HandMotion>& recorded, double speed, bool quick) {
@@ -34,7 +34,7 @@ void MeasureSeconds(const DeviceModel& m, const std::vector<HandMotion>& motions
     trial.b_n_s_per_m = Sym3::Isotropic(row->b_n_s_per_mm * 1e3);
     trial.hand.stiffness_n_per_m = kGrip_n_per_m;
     for (const fidelity::FeltSecond& s : Feel(FeltDeviceOf(m), trial, motion.way_m).seconds) {
-      if (s.tool_rms_n < kLeastFelt_n) continue;
+      if (s.tool_rms_n < kMinFelt_n) continue;
       ++row->seconds;
       row->within += s.error_rms_n <= kRight * s.tool_rms_n;
     }

@@ -14,7 +14,7 @@ namespace {
 constexpr char kCommand[] = "enamel-lab paper";
 constexpr char kSuite[] = "enamel-lab qualify --profile all --suite paper";
 // A device's own damping, N s/m, which the paper does not print: the range of such devices.
-constexpr double kLeastOwn = 0.5, kMostOwn = 8;
+constexpr double kMinOwn = 0.5, kMaxOwn = 8;
 
 PaperElement MeasuredCutting(const PrintedPaper& p) {
   PaperElement e{"measured cutting",
@@ -64,8 +64,8 @@ PlantSpec PlantOf(const PrintedDevice& d, const DeviceModel& m, double own_dampi
 }
 
 PaperElement TableOne(const PrintedPaper& p, const PrintedDevice& d, const DeviceModel& m) {
-  const double least = 1e-3 * LargestPassive(PlantOf(d, m, kLeastOwn), Rendered::kDamper);
-  const double most = 1e-3 * LargestPassive(PlantOf(d, m, kMostOwn), Rendered::kDamper);
+  const double least = 1e-3 * LargestPassive(PlantOf(d, m, kMinOwn), Rendered::kDamper);
+  const double most = 1e-3 * LargestPassive(PlantOf(d, m, kMaxOwn), Rendered::kDamper);
   const double speed_mm_per_s = d.table1_force_n / d.table1_b_n_s_per_mm;
   PaperElement e{std::string("table 1, ") + d.name,
                  "largest B and force at which eq. 1 alone is stable",
@@ -73,8 +73,8 @@ PaperElement TableOne(const PrintedPaper& p, const PrintedDevice& d, const Devic
                  F(least, "%.4f to ") + F(most, "%.4f N s/mm; ") +
                      F(d.table1_b_n_s_per_mm * p.speed_mm_per_s, "%.4f N at ") +
                      F(p.speed_mm_per_s, "%.2f mm/s"),
-                 F(kLeastOwn, "passive limit of a simulated device whose own damping is %.1f to ") +
-                     F(kMostOwn, "%.0f N s/m"),
+                 F(kMinOwn, "passive limit of a simulated device whose own damping is %.1f to ") +
+                     F(kMaxOwn, "%.0f N s/m"),
                  PaperVerdict::kNotReproducible,
                  "",
                  kSuite};

@@ -43,7 +43,7 @@ void Set(const Quantity& q, int64_t value, DeviceProfile* profile) {
 scene::LargestCoupling LargestOf(const DeviceProfile& profile, int64_t rate_hz) {
   return scene::LargestCouplingAt(
       profile, rate_hz,
-      std::clamp<int64_t>(profile.bus_delay_ticks.value, 0, scene::kMostDelay_ticks));
+      std::clamp<int64_t>(profile.bus_delay_ticks.value, 0, scene::kMaxDelay_ticks));
 }
 
 std::vector<std::string> Line(const std::string& what, const std::string& interval,

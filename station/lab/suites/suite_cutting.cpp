@@ -159,7 +159,7 @@ Table LimitTable() {
     for (int32_t voxel_nm : {200'000, 100'000, 50'000}) {
       const double bound = cutting::VoxelForceError(c.bur, voxel_nm);
       row.push_back(F(100 * MeasureForceError(c.bur, voxel_nm), "%.1f") + " / " +
-                    F(100 * bound, "%.1f") + (bound > cutting::kMostVoxelForceError ? " *" : ""));
+                    F(100 * bound, "%.1f") + (bound > cutting::kMaxVoxelForceError ? " *" : ""));
     }
     row.push_back(F(cutting::LargestVoxel_nm(c.bur) * 1e-6, "%.3f"));
     t.rows.push_back(std::move(row));

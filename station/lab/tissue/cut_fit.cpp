@@ -17,9 +17,9 @@ using namespace cut;
 
 // Of normal equations, hence 20 of the columns themselves: one unknown is then twenty times less
 // certain than another.
-constexpr double kMostCondition = 400;
+constexpr double kMaxCondition = 400;
 // A millimetre under a newton is too soft for a tip.
-constexpr double kMostCompliance_mm_per_n = 1;
+constexpr double kMaxCompliance_mm_per_n = 1;
 
 std::string F(double v, const char* format = "%.3g") {
   char text[64];
@@ -38,7 +38,7 @@ class Fitter {
       Settle();
       if (s_.ok)
         s_ = SolvePlan(r_, ladder_[std::min(rung_, ladder_.size() - 1)], windows_, c_, {}, true);
-      if (!s_.ok || fit_.windows.used < kLeastWindows) {
+      if (!s_.ok || fit_.windows.used < kMinWindows) {
         Refuse("the equations have no solution: " + std::to_string(fit_.windows.used) +
                " windows, too little change of speed and direction");
       } else {
@@ -62,9 +62,9 @@ class Fitter {
     }
     // Before measuring: one spike of a sensor would set noise, window and contact.
     fit_.spikes = DropSpikes(&kept);
-    if (kept.size() < kLeastSamples) {
+    if (kept.size() < kMinSamples) {
       return Refuse("only " + std::to_string(kept.size()) + " samples; at least " +
-                    std::to_string(kLeastSamples) + " are needed");
+                    std::to_string(kMinSamples) + " are needed");
     }
     r_ = RecordingOf(std::move(kept), dt_s, magnitude_);
     fit_.window_s = r_.window_s;
@@ -84,7 +84,7 @@ class Fitter {
     }
     if (windows_.empty()) {
       return Refuse("no window of " + F(fit_.window_s) + " s without missing rows; at least " +
-                    std::to_string(kLeastWindows) + " windows are needed");
+                    std::to_string(kMinWindows) + " windows are needed");
     }
     if (fastest < 1e-3) {
       return Refuse("no motion: the fastest window moves at " + F(fastest) +
@@ -122,10 +122,10 @@ class Fitter {
     // The last model has one unknown, which every motion determines.
     ladder_.push_back(PlanOf(CutModel::kScalar, false, false, true));
     Classify(r_, 0, 0, &windows_, &fit_);
-    if (fit_.windows.used < kLeastWindows) {
+    if (fit_.windows.used < kMinWindows) {
       return Refuse("only " + std::to_string(fit_.windows.used) + " windows of " +
                     F(fit_.window_s) + " s are in contact and moving steadily; at least " +
-                    std::to_string(kLeastWindows) + " are needed");
+                    std::to_string(kMinWindows) + " are needed");
     }
     // Sticking is slow: windows of B's length hold no count of it.
     width_ = magnitude_ ? r_.window_s : std::max(r_.window_s, std::min(4 * r_.window_s, 0.8));
@@ -140,11 +140,11 @@ class Fitter {
       const double c_before = c_, threshold_before = threshold_;
       Classify(r_, c_, threshold_, &windows_, &fit_);
       // A threshold that leaves no windows is wrong: without it a fit is at least possible.
-      if (fit_.windows.used < kLeastWindows && threshold_ > 0) {
+      if (fit_.windows.used < kMinWindows && threshold_ > 0) {
         threshold_ = 0;
         Classify(r_, c_, threshold_, &windows_, &fit_);
       }
-      if (fit_.windows.used < kLeastWindows || !Descend()) return;
+      if (fit_.windows.used < kMinWindows || !Descend()) return;
       if (bends_ && !Bend(round)) return;
       FindThreshold();
       if (round > 0 && std::fabs(c_ - c_before) <= 0.01 * c_ &&
@@ -157,7 +157,7 @@ class Fitter {
   bool Descend() {
     for (; rung_ < ladder_.size(); ++rung_) {
       s_ = SolvePlan(r_, ladder_[rung_], windows_, c_, {}, false);
-      if (s_.ok && s_.condition <= kMostCondition) return true;
+      if (s_.ok && s_.condition <= kMaxCondition) return true;
       if (rung_ + 1 == ladder_.size()) return s_.ok;
       std::string why = "condition number " + F(s_.ok ? s_.condition : 1e99, "%.2g");
       if (!s_.ok || !(s_.condition < 1e6)) why = "they leave it undetermined";
@@ -185,7 +185,7 @@ class Fitter {
     if (!with.ok) return true;
     const Estimate e = Interval(
         with, [&](const Column& x) { return c_ + x[plan.columns() - 1]; }, 0);
-    double next = std::clamp(e.value, 0.0, kMostCompliance_mm_per_n);
+    double next = std::clamp(e.value, 0.0, kMaxCompliance_mm_per_n);
     // Three standard errors: fitting an insignificant bend only adds noise.
     if (e.value < (e.value - e.low) * 1.5) {
       // Not significant twice: given up, so that noise does not switch it on and off.

@@ -164,7 +164,7 @@ Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>
   for (const Window& w : windows) {
     if (w.used) s.used.push_back(&w);
   }
-  if (s.used.size() < kLeastWindows) return s;
+  if (s.used.size() < kMinWindows) return s;
   std::vector<Equations> eq;
   for (const Window* w : s.used) eq.push_back(EquationsOf(r, plan, *w, at));
   size_t groups = std::min(kGroups, s.used.size() / 2);

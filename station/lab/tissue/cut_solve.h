@@ -13,7 +13,7 @@
 // functions, any thread.
 namespace enamel::station::lab::cut {
 
-constexpr size_t kLeastWindows = 8;        // for a fit
+constexpr size_t kMinWindows = 8;          // for a fit
 constexpr size_t kGroups = 20;             // stretches of the jackknife
 constexpr double kHuber = 2, kReject = 8;  // in medians of the residual
 
@@ -51,7 +51,7 @@ struct Solved {
 };
 
 // From the used windows. `c`: the compliance taken so far; `at`: unknowns that a further part of it
-// is taken about. Not ok: fewer than kLeastWindows, or no solution.
+// is taken about. Not ok: fewer than kMinWindows, or no solution.
 Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>& windows, double c,
                  const Column& at, bool jackknife);
 

@@ -69,7 +69,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
   top = Quantile(forces, 0.9);
   fit->threshold_n = {floor, std::max(0.0, fit->coulomb_n.low),
                       std::max(floor, fit->coulomb_n.high)};
-  if (all.size() < kLeastWindows || !(top > floor)) return;
+  if (all.size() < kMinWindows || !(top > floor)) return;
   // As wide as the noise of the smoothed force: a sharp gate would make the sum a staircase.
   double soft =
       std::max(r.force_noise_n / std::sqrt(std::max(1.0, 2 * kForceSmooth_s / r.dt)), 1e-3 * top);

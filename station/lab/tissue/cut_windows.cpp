@@ -10,9 +10,9 @@
 namespace enamel::station::lab::cut {
 namespace {
 
-constexpr double kLeastWindow_s = 0.05, kMostWindow_s = 0.6;
+constexpr double kMinWindow_s = 0.05, kMaxWindow_s = 0.6;
 constexpr double kUsualCounts = 3.5;  // encoder counts in a window at a third of the usual speed
-constexpr double kLeastCounts = 2.5;  // fewer and the window is slow
+constexpr double kMinCounts = 2.5;    // fewer and the window is slow
 constexpr double kSpeedNoise = 0.04;  // of the usual speed
 
 Means MeansOf(const Recording& r, double middle, double width, size_t first, size_t last) {
@@ -94,7 +94,7 @@ double WindowOf(const Recording& r) {
     if (v > 0.1 * top && v <= top) sum += v * v, n += 1;
   }
   double usual = n > 0 ? std::sqrt(sum / n) : 0;
-  double least = std::max(kLeastWindow_s, static_cast<double>(kLeastSamples) * r.dt);
+  double least = std::max(kMinWindow_s, static_cast<double>(kMinSamples) * r.dt);
   if (!(usual > 0)) return least;
   double noise = std::max({r.noise_mm2.x, r.noise_mm2.y, r.noise_mm2.z});
   double count = std::max({r.count_mm.x, r.count_mm.y, r.count_mm.z});
@@ -102,7 +102,7 @@ double WindowOf(const Recording& r) {
   double by_noise =
       std::cbrt(2 * M_PI * M_PI * noise * r.dt) / std::pow(kSpeedNoise * usual, 2.0 / 3.0);
   double by_count = kUsualCounts * count / (usual / 3);
-  return std::clamp(std::max(by_noise, by_count), least, std::max(least, kMostWindow_s));
+  return std::clamp(std::max(by_noise, by_count), least, std::max(least, kMaxWindow_s));
 }
 
 // Variance that a count adds to a speed of `n` counts in a window. Below one it is 1.5 n - n^2 (an
@@ -182,7 +182,7 @@ std::vector<Window> WindowsOf(const Recording& r, double width) {
     for (double t = r.s[from].t_s - 0.5 * r.dt + half; t <= end; t += half) {
       while (first < to && r.s[first].t_s < t - half) ++first;
       while (last < to && r.s[last].t_s < t + half) ++last;
-      if (last - first < kLeastSamples / 2) continue;
+      if (last - first < kMinSamples / 2) continue;
       Window w;
       w.first = first, w.last = last, w.middle_s = t;
       size_t cut = first, a = first, b = first;
@@ -240,7 +240,7 @@ void Classify(const Recording& r, double c, double threshold, std::vector<Window
     double sigma = std::sqrt(w.variance.x + w.variance.y + w.variance.z);
     double count = std::max({r.count_mm.x, r.count_mm.y, r.count_mm.z});
     return glm::length(w.v) <
-           std::max({0.05 * top, 5 * sigma, kLeastCounts * count / r.window_s, 1e-3});
+           std::max({0.05 * top, 5 * sigma, kMinCounts * count / r.window_s, 1e-3});
   };
   std::vector<char> air(windows->size(), 0);
   for (size_t i = 0; i < windows->size(); ++i) {

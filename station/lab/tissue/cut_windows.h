@@ -9,7 +9,7 @@
 // Units: s, mm, N. Pure functions, any thread.
 namespace enamel::station::lab::cut {
 
-constexpr size_t kLeastSamples = 8;      // in a window
+constexpr size_t kMinSamples = 8;        // in a window
 constexpr double kContact_n = 0.02;      // less is air
 constexpr double kForceSmooth_s = 0.01;  // half width of the force used by the gate
 
@@ -43,7 +43,7 @@ struct Recording {
 };
 
 // The recording with all its measures: widths, counts, noise, window_s. `s`: without spikes, at
-// least kLeastSamples. The caller runs SmoothForce, and may turn the force first.
+// least kMinSamples. The caller runs SmoothForce, and may turn the force first.
 Recording RecordingOf(std::vector<CutSample> s, double dt_s, bool magnitude);
 
 // Drops single samples far from the median of five around them; returns the number.

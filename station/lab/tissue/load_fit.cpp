@@ -13,7 +13,7 @@ using cutting::FeedExponent;
 
 constexpr size_t kStretches = 20;
 // Speeds that differ by less tell a root from a line nowhere: over a factor of 1.5 the two differ by 1 %.
-constexpr double kLeastSpread = 2;
+constexpr double kMinSpread = 2;
 
 struct Line {
   double offset = 0, slope = 0, error = 0;  // mean squared
@@ -88,7 +88,7 @@ LoadFit FitLoad(const std::vector<CutPoint>& points) {
       Jackknifed([&](size_t k) { return error(1)(k) - error(0.5)(k); });  // above 0: the root's
   const bool root = gain.value > 0;
   fit.exponent = root ? FeedExponent::kHalf : FeedExponent::kOne;
-  if (cut::Quantile(speeds, 0.9) < kLeastSpread * cut::Quantile(speeds, 0.1)) {
+  if (cut::Quantile(speeds, 0.9) < kMinSpread * cut::Quantile(speeds, 0.1)) {
     fit.why_no_exponent = "the speeds differ by less than a factor of two: record at five loads";
   } else if (gain.low <= 0 && gain.high >= 0) {
     fit.why_no_exponent = "both exponents fit within the noise: record at more loads, for longer";

@@ -25,7 +25,7 @@ using namespace enamel;
 using namespace enamel::server;
 using load::kLoadgen;
 
-constexpr size_t kMostStudents = 20'000;
+constexpr size_t kMaxStudents = 20'000;
 constexpr size_t kWriters = 32;  // they share the store's commits
 constexpr server::UnixMs kRunMs = 60'000;
 
@@ -211,10 +211,10 @@ int Fail(const Status& status) {
 int main(int argc, char** argv) {
   const Result<Uuid> assignment = Uuid::Parse(argc == 4 ? argv[2] : "");
   const size_t students = argc == 4 ? std::strtoul(argv[3], nullptr, 10) : 0;
-  if (!assignment.ok() || students == 0 || students > kMostStudents) {
+  if (!assignment.ok() || students == 0 || students > kMaxStudents) {
     return Fail({Code::kInvalidInput,
                  "expected DATA ASSIGNMENT STUDENTS, the id of an assignment and 1 to " +
-                     std::to_string(kMostStudents) + " students"});
+                     std::to_string(kMaxStudents) + " students"});
   }
   const auto begun = std::chrono::steady_clock::now();
   auto store = app::OpenForCommand(argv[1]);

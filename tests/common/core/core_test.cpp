@@ -781,7 +781,7 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   for (const CoreParams& params : {Params(), FullParams()}) {
     ByteWriter out;
     WriteParams(params, out);
-    EXPECT_EQ(out.size(), kLeastParamsBytes + params.other_burs.size() * kOtherBurBytes);
+    EXPECT_EQ(out.size(), kMinParamsBytes + params.other_burs.size() * kOtherBurBytes);
     ByteReader in(out.bytes());
     auto back = ReadParams(in);
     ASSERT_TRUE(back.ok()) << back.status().message();

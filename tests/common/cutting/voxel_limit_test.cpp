@@ -19,8 +19,8 @@ TEST(VoxelLimitTest, PointsOfTheFrontDecide) {
 TEST(VoxelLimitTest, TheLargestVoxelIsTheLastWithinTenPercent) {
   for (const Bur& bur : {kSphere, kCylinder, Bur{BurShape::kWheel, 1.5e-3, 1e-3}}) {
     const int32_t largest_nm = LargestVoxel_nm(bur);
-    EXPECT_LE(VoxelForceError(bur, largest_nm), kMostVoxelForceError) << BurText(bur);
-    EXPECT_GT(VoxelForceError(bur, largest_nm + 1000), kMostVoxelForceError) << BurText(bur);
+    EXPECT_LE(VoxelForceError(bur, largest_nm), kMaxVoxelForceError) << BurText(bur);
+    EXPECT_GT(VoxelForceError(bur, largest_nm + 1000), kMaxVoxelForceError) << BurText(bur);
     EXPECT_FALSE(WhyTooCoarse(bur, largest_nm, true)) << BurText(bur);
   }
   EXPECT_EQ(LargestVoxel_nm(kCylinder), 186'000);

@@ -85,7 +85,7 @@ TEST(CutStrokesTest, ALongRecordingTakesNoMoreMemory) {
   const auto found = r.strokes.Spread(1000);
   for (const CutStroke& s : found) seconds += s.seconds;
   EXPECT_NEAR(seconds, 200 * 0.4, 0.02 * 80);
-  EXPECT_LE(r.strokes.kept(), CutStrokes::kMostStrokes);
+  EXPECT_LE(r.strokes.kept(), CutStrokes::kMaxStrokes);
 }
 
 // Without friction and mass in a stiff device hardly anything is off; the friction is, by c over the force.

@@ -112,7 +112,7 @@ TEST(FrictionReliefTest, ARiseCostsTheTankWhatItAddsToTheSpring) {
     const double reach = stretch + kRadius_m;
     const double added_j = 0.5 * (after - before) * kKc_n_per_m * reach * reach;
     ASSERT_LE(added_j, had_j - tank.energy_j + 1e-18);
-    ASSERT_GE(after, kLeastSoftness);
+    ASSERT_GE(after, kMinSoftness);
     ASSERT_LE(after, 1);
   }
 }
@@ -125,7 +125,7 @@ TEST(FrictionReliefTest, TheSpringIsAsStiffAsTheTissueNeeds) {
     return relief.share();
   };
   EXPECT_NEAR(settled(Relief(kMeasured), 250), 250 / (kSoftest_s * kKc_n_per_m), 1e-9);
-  EXPECT_NEAR(settled(Relief(kMeasured), 1), kLeastSoftness, 1e-9);
+  EXPECT_NEAR(settled(Relief(kMeasured), 1), kMinSoftness, 1e-9);
   for (double b : {0.0, 500.0, 1e5, std::numeric_limits<double>::infinity()})
     EXPECT_NEAR(settled(Relief(kMeasured), b), 1, 1e-9) << b;
   EXPECT_EQ(settled(Relief(kMeasured, false), 100), 1) << "forces are under way, or a board has it";

@@ -112,7 +112,7 @@ TEST(SwingWatchTest, TheShareFallsInSmallStepsWhileItSwingsAndNoFurther) {
     EXPECT_GE(share, before * (1 - SwingWatch::kFall_per_s * kTick_s) - 1e-12);
     before = share;
   }
-  EXPECT_DOUBLE_EQ(before, SwingWatch::kLeastShare);
+  EXPECT_DOUBLE_EQ(before, SwingWatch::kMinShare);
 
   // One that ends a tenth of a second after it tripped.
   SwingWatch brief({});

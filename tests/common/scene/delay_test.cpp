@@ -94,7 +94,7 @@ TEST(DelayTest, SlowPosesComeOnTopOfWhatIsKnown) {
   EXPECT_EQ(used.ticks, 2);
   EXPECT_EQ(used.from, From::kCalibration);
   EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, {}, PosePeriod{900'000, 900'000, 20}).ticks,
-            kMostDelay_ticks);
+            kMaxDelay_ticks);
 }
 
 TEST(DelayTest, SlowAnswersAddToWhatIsAssumedAndRaiseWhatWasMeasured) {
@@ -112,7 +112,7 @@ TEST(DelayTest, SlowAnswersAddToWhatIsAssumedAndRaiseWhatWasMeasured) {
   profile.delay_measured = true;
   EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(3050)),
             (DelayUsed{5, From::kAnswers, Answers(3050)}));
-  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(900'000)).ticks, kMostDelay_ticks);
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000, Answers(900'000)).ticks, kMaxDelay_ticks);
 }
 
 // b = 1.75 N s/m: 2 b f = 3500 mN/mm, over 1, 4, 9, 16.

@@ -16,12 +16,12 @@ HandRecord Of(double tremor_um, double still_percent, std::optional<double> near
 }
 
 TEST(HandFiguresTest, FewAttemptsAreNotRanked) {
-  const std::vector<HandRecord> four(kLeastRanked - 1, Of(20, 30));
+  const std::vector<HandRecord> four(kMinRanked - 1, Of(20, 30));
   EXPECT_FALSE(UnusualRank(four, 0).has_value());
 }
 
 TEST(HandFiguresTest, EqualAttemptsShareTheFirstPlace) {
-  const std::vector<HandRecord> same(kLeastRanked, Of(20, 30));
+  const std::vector<HandRecord> same(kMinRanked, Of(20, 30));
   for (size_t i = 0; i < same.size(); ++i) EXPECT_EQ(UnusualRank(same, i), 1u);
 }
 
@@ -51,8 +51,8 @@ TEST(HandFiguresTest, WhatIsNotKnownIsNotUnusual) {
 }
 
 TEST(HandFiguresTest, OnlyAMeasuredTremorIsTooCalm) {
-  EXPECT_TRUE(IsTooCalm(Of(0.9 * kLeastTremor_um, 0).hand));
-  EXPECT_FALSE(IsTooCalm(Of(1.1 * kLeastTremor_um, 0).hand));
+  EXPECT_TRUE(IsTooCalm(Of(0.9 * kMinTremor_um, 0).hand));
+  EXPECT_FALSE(IsTooCalm(Of(1.1 * kMinTremor_um, 0).hand));
   EXPECT_FALSE(IsTooCalm({}));
 }
 

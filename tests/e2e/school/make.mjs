@@ -13,7 +13,7 @@ import { until } from "../../contract/client.mjs";
 import { signedInAt } from "./person.mjs";
 
 const kDayMs = 86_400_000;
-const kMostMs = 300_000; // until a loaded machine has scored all
+const kMaxMs = 300_000; // until a loaded machine has scored all
 const kVoxelUm = "100"; // the coarsest that every exercise's burs take
 const kPin = "804217";
 const kGraded = "class-1-molar-46";
@@ -159,7 +159,7 @@ async function fill({ url, link }) {
       `a score of ${id}`,
       () => who.get(`/attempts/${id}`),
       ({ state }) => !["recording", "sealed", "scoring", "ticketed"].includes(state),
-      kMostMs,
+      kMaxMs,
     );
   // The reference before has the others scored again, in the server's own time.
   const isBeingScored = (refused) => {
@@ -186,7 +186,7 @@ async function fill({ url, link }) {
       `the cut of ${dentist} is a reference`,
       () => who.post(`/attempts/${id}/reference`, { dentist, consent: true }).then(() => true, isBeingScored),
       Boolean,
-      kMostMs,
+      kMaxMs,
     );
   const references = { first: dentistsCuts[0].id, second: dentistsCuts[1].id };
   said("references are there");
@@ -280,7 +280,7 @@ async function fill({ url, link }) {
       `playback of ${id}`,
       () => admin.head(`/attempts/${id}/timeline`),
       (status) => status === 200,
-      kMostMs,
+      kMaxMs,
     );
   }
   said("playbacks are made");

@@ -8,8 +8,8 @@ import { promisify } from "node:util";
 const run = promisify(execFile);
 export const kPrograms =
   process.env.ENAMEL_BIN ?? fileURLToPath(new URL("../../../build/release/bin", import.meta.url));
-const kMostMs = 300_000; // of one command
-const kMostBytes = 1 << 24; // that it says
+const kMaxMs = 300_000; // of one command
+const kMaxBytes = 1 << 24; // that it says
 const kStartMs = 60_000;
 
 function listening(port) {
@@ -33,11 +33,11 @@ export async function freePorts() {
 }
 
 // Runs a program to its end. `input` is what it reads. Throws with what it said where it fails.
-export async function program(name, args, { input, environment = {}, mostMs = kMostMs } = {}) {
+export async function program(name, args, { input, environment = {}, mostMs = kMaxMs } = {}) {
   const running = run(join(kPrograms, name), args, {
     env: { ...process.env, ...environment },
     timeout: mostMs,
-    maxBuffer: kMostBytes,
+    maxBuffer: kMaxBytes,
   });
   running.child.stdin.end(input);
   try {

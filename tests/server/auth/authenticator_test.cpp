@@ -517,7 +517,7 @@ TEST(SignInPlacesTest, OwnersSignInWhileThreeAddressesGuess) {
   }
   for (int i = 0; i < 100; ++i)
     (void)places.Take("other" + std::to_string(i), "school", Line::kUsual);
-  for (size_t i = 0; i < SignInPlaces::kMostOfLogin; ++i) {
+  for (size_t i = 0; i < SignInPlaces::kMaxOfLogin; ++i) {
     const auto turn = places.Take("ada", "school", Line::kUsual);
     ASSERT_TRUE(turn) << "has signed in from there";
     EXPECT_EQ(turn->line, Line::kFirst);

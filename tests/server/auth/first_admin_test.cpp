@@ -30,7 +30,7 @@ TEST(FirstAdminTest, NewOfferEndsTheOneBefore) {
 TEST(FirstAdminTest, WhoGuessesEndsIt) {
   FirstAdmin first;
   const std::string token = first.Offer(kNow);
-  for (uint32_t i = 0; i < FirstAdmin::kMostWrong; ++i) {
+  for (uint32_t i = 0; i < FirstAdmin::kMaxWrong; ++i) {
     EXPECT_FALSE(first.Take(std::string(64, 'a'), kNow).ok());
   }
   EXPECT_FALSE(first.Take(token, kNow).ok());

@@ -125,7 +125,7 @@ TEST_F(RemarkTest, TextIsBoundedAndChairsAreNotFlooded) {
     stations_.remarks().Shown(attempt, taken.back().id, 1);
   }
   EXPECT_EQ(status, 429);
-  EXPECT_EQ(sent, static_cast<int>(RemarkBoard::kMostAMinute));
+  EXPECT_EQ(sent, static_cast<int>(RemarkBoard::kMaxAMinute));
 }
 
 TEST_F(RemarkTest, StationListSaysWhenItWasHeardLast) {

@@ -64,7 +64,7 @@ TEST(SharedBodiesTest, NoMoreAreMadeAtOnceThanItSays) {
       });
     }
   }
-  EXPECT_EQ(most, static_cast<int>(SharedBodies::kMostMade));
+  EXPECT_EQ(most, static_cast<int>(SharedBodies::kMaxMade));
   EXPECT_EQ(made, kAsking) << "each in its turn";
 }
 
@@ -73,7 +73,7 @@ TEST(SharedBodiesTest, WhoseTurnDoesNotComeIsToldToComeAgain) {
   std::atomic<size_t> making{0};
   std::atomic<bool> over{false};
   std::vector<std::jthread> all;
-  for (int i = 0; i < static_cast<int>(SharedBodies::kMostMade); ++i) {
+  for (int i = 0; i < static_cast<int>(SharedBodies::kMaxMade); ++i) {
     all.emplace_back([&, i] {
       EXPECT_TRUE(bodies
                       .Made(NameOf(i),
@@ -85,7 +85,7 @@ TEST(SharedBodiesTest, WhoseTurnDoesNotComeIsToldToComeAgain) {
                       .ok());
     });
   }
-  while (making < SharedBodies::kMostMade) std::this_thread::yield();
+  while (making < SharedBodies::kMaxMade) std::this_thread::yield();
   const auto late = bodies.Made(NameOf(9), [] { return Result<Bytes>(Bytes(1, 'x')); });
   EXPECT_EQ(late.status().code(), Code::kUnavailable);
   over = true;
@@ -116,7 +116,7 @@ TEST(SharedBodiesTest, OneFailedAllocationEndsOneReadAndNoOther) {
   SharedBodies bodies(std::chrono::milliseconds(20'000));
   const auto without_memory = []() -> Result<Bytes> { throw std::bad_alloc(); };
   const auto there = [] { return Result<Bytes>(Bytes{1}); };
-  for (size_t i = 0; i < 2 * SharedBodies::kMostMade; ++i) {
+  for (size_t i = 0; i < 2 * SharedBodies::kMaxMade; ++i) {
     EXPECT_THROW((void)bodies.Get(kName, without_memory), std::bad_alloc);
     EXPECT_THROW((void)bodies.Made(kName, without_memory), std::bad_alloc);
   }

@@ -71,14 +71,14 @@ TEST_F(ExerciseTrialsTest, IsItsPersonsAloneAndGoesWhenTheNextBegins) {
 TEST_F(ExerciseTrialsTest, ComeInOrderAndOnlySoManyWait) {
   std::vector<std::pair<Uuid, Uuid>> begun;  // person, trial
   // One may run meanwhile.
-  for (size_t i = 0; i <= ExerciseTrials::kMostWaiting; ++i) {
+  for (size_t i = 0; i <= ExerciseTrials::kMaxWaiting; ++i) {
     const Uuid person = Uuid::New();
     const auto about = trials_->Begin(person, exercise_);
     if (!about.ok()) break;
     EXPECT_LE(about->ahead, i);
     begun.push_back({person, about->id});
   }
-  EXPECT_GE(begun.size(), ExerciseTrials::kMostWaiting);
+  EXPECT_GE(begun.size(), ExerciseTrials::kMaxWaiting);
   Status refused;
   for (int i = 0; i < 3 && refused.ok(); ++i)
     refused = trials_->Begin(Uuid::New(), exercise_).status();

@@ -101,7 +101,7 @@ TEST_F(LiveCutsTest, OnlySoManyColumnsAreKept) {
     for (int i = 0; i < 1000; ++i) ticks.push_back(At(0.25 * i, 0.3 * row, 0));
     Commit(ticks);
   }
-  EXPECT_EQ(Cut().columns.size(), CutColumns::kMostColumns);
+  EXPECT_EQ(Cut().columns.size(), CutColumns::kMaxColumns);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST_F(RemarkBoardTest, WhatWasNeverSentIsNotShownWhateverTheStationSays) {
 }
 
 TEST_F(RemarkBoardTest, AChairIsNotFlooded) {
-  for (size_t i = 0; i < RemarkBoard::kMostWaiting; ++i) {
+  for (size_t i = 0; i < RemarkBoard::kMaxWaiting; ++i) {
     ASSERT_TRUE(board_.Admit(attempt_, kNow).ok());
     (void)Send("r");
   }
@@ -59,7 +59,7 @@ TEST_F(RemarkBoardTest, AChairIsNotFlooded) {
   EXPECT_TRUE(board_.Admit(Uuid::New(), kNow).ok()) << "another attempt's chair";
   (void)board_.Take(attempt_);
   board_.Shown(attempt_, ~uint64_t{0}, kNow);
-  for (size_t i = RemarkBoard::kMostWaiting; i < RemarkBoard::kMostAMinute; ++i) {
+  for (size_t i = RemarkBoard::kMaxWaiting; i < RemarkBoard::kMaxAMinute; ++i) {
     ASSERT_TRUE(board_.Admit(attempt_, kNow).ok());
     (void)Send("r");
   }
@@ -71,10 +71,10 @@ TEST_F(RemarkBoardTest, AChairIsNotFlooded) {
 }
 
 TEST_F(RemarkBoardTest, WhatItHoldsIsBoundedAndGoesWithTheAttempt) {
-  for (size_t i = 0; i < 3 * RemarkBoard::kMostKept; ++i) (void)Send(std::to_string(i));
-  EXPECT_EQ(board_.Of(attempt_).size(), RemarkBoard::kMostKept);
-  EXPECT_EQ(board_.Take(attempt_).size(), RemarkBoard::kMostWaiting);
-  for (size_t i = 0; i < RemarkBoard::kMostAttempts; ++i) {
+  for (size_t i = 0; i < 3 * RemarkBoard::kMaxKept; ++i) (void)Send(std::to_string(i));
+  EXPECT_EQ(board_.Of(attempt_).size(), RemarkBoard::kMaxKept);
+  EXPECT_EQ(board_.Take(attempt_).size(), RemarkBoard::kMaxWaiting);
+  for (size_t i = 0; i < RemarkBoard::kMaxAttempts; ++i) {
     board_.Put(Remark(Uuid::New(), 1000 + i, "r", kNow));
   }
   EXPECT_TRUE(board_.Of(attempt_).empty()) << "the one silent longest goes first";

@@ -231,11 +231,11 @@ TEST_F(AssignmentTest, GradedWorkBeginsOnlyWhereTheClockIsRight) {
   ASSERT_TRUE(world_.exercise.graded);
   UnixMs off = 0;
   station_.clock = [&] { return world_.now + off; };
-  for (const UnixMs near : {-kMostStationClockOffMs, kMostStationClockOffMs}) {
+  for (const UnixMs near : {-kMaxStationClockOffMs, kMaxStationClockOffMs}) {
     off = near;
     EXPECT_TRUE(Ask().has_ticket_issued()) << off;
   }
-  for (const UnixMs far : {-kMostStationClockOffMs - 1, kMostStationClockOffMs + 1}) {
+  for (const UnixMs far : {-kMaxStationClockOffMs - 1, kMaxStationClockOffMs + 1}) {
     off = far;
     EXPECT_EQ(Ask().error().code(), "forbidden") << off;
     EXPECT_EQ(Ask().error().field(), "clock") << off;

@@ -285,7 +285,7 @@ TEST_P(StoreTest, PagesInEveryOrderAreTheWholeListSorted) {
                     return added;
                   })
                   .ok());
-  const auto all = *store_->attempts.Attempts({.limit = AttemptFilter::kMostAtOnce});
+  const auto all = *store_->attempts.Attempts({.limit = AttemptFilter::kMaxAtOnce});
   ASSERT_EQ(all.size(), 660u);
   const auto score = [](const AttemptRow& row) {
     return row.overridden ? row.overridden->score : row.score.value_or(1000);

@@ -23,7 +23,7 @@ using namespace testing;
 
 // In proportion to 300 MB within 64 MiB, which takes twice the time.
 constexpr uint64_t kRecordingBytes = 150'000'000;
-constexpr uint64_t kMostMemory = uint64_t{32} << 20;  // above what an idle store has
+constexpr uint64_t kMaxMemory = uint64_t{32} << 20;  // above what an idle store has
 
 // The private writable memory of this process, which RLIMIT_DATA counts.
 uint64_t DataBytes() {
@@ -149,7 +149,7 @@ TEST(RecordingMemoryTest, OfAHundredAndFiftyMegabytesIsThatOfAFewParts) {
     options.folder = school.data;
     school.store = std::move(OpenSqliteStore(options)).value();
   }
-  const MemoryLimit limit(kMostMemory);
+  const MemoryLimit limit(kMaxMemory);
   const trace::Seal seal = Record(school, attempt, kRecordingBytes);
   const Status sealed = school.store->seals.SealAttempt(seal, 200);
   ASSERT_TRUE(sealed.ok()) << sealed.message();

@@ -67,7 +67,7 @@ TEST_P(SavedTextTest, AreChangedByRevisionAndSavedOnce) {
 }
 
 TEST_P(SavedTextTest, NoMoreAreTakenThanSomebodyLooksThrough) {
-  for (int64_t i = 0; i < SavedTextRows::kMostOwn; ++i) {
+  for (int64_t i = 0; i < SavedTextRows::kMaxOwn; ++i) {
     ASSERT_TRUE(Save(ada_, std::to_string(i)).ok());
   }
   const Status full = Save(ada_, "one more").status();
@@ -79,8 +79,8 @@ TEST_P(SavedTextTest, NoMoreAreTakenThanSomebodyLooksThrough) {
 }
 
 TEST_P(SavedTextTest, NoMoreAreSharedThanEverybodyIsShown) {
-  for (int64_t i = 0; i < SavedTextRows::kMostShared; ++i) {
-    if (i % SavedTextRows::kMostOwn == 0) {
+  for (int64_t i = 0; i < SavedTextRows::kMaxShared; ++i) {
+    if (i % SavedTextRows::kMaxOwn == 0) {
       ada_.person = AddPerson(*store_, "teacher" + std::to_string(i), Role::kInstructor);
     }
     ASSERT_TRUE(Save(ada_, std::to_string(i), true).ok());

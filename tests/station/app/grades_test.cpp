@@ -23,7 +23,7 @@ namespace enamel::station {
 namespace {
 
 constexpr int32_t kVoxel_nm = 100'000;
-constexpr uint64_t kMostTicks = 600'000;
+constexpr uint64_t kMaxTicks = 600'000;
 
 struct CutTooth {
   cutting::Volume volume;
@@ -36,7 +36,7 @@ struct CutTooth {
 };
 
 CutTooth CutBy(const OperatorPreset& preset, const scene::BuiltScene& built,
-               const scene::Exercise& exercise, uint64_t most_ticks = kMostTicks) {
+               const scene::Exercise& exercise, uint64_t most_ticks = kMaxTicks) {
   const scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
   auto params = scene::CompilePlan(built.scene, exercise, profile);
   ENAMEL_CHECK(params.ok());
@@ -52,7 +52,7 @@ CutTooth CutBy(const OperatorPreset& preset, const scene::BuiltScene& built,
     Sample sample;
     while (ring.Pop(sample)) process.AddRecorded(sample.tick);
   }
-  EXPECT_TRUE(finished || most_ticks < kMostTicks);
+  EXPECT_TRUE(finished || most_ticks < kMaxTicks);
   surface::Mesh mesh = surface::ExtractSurface(core.volume());
   return {core.volume(), std::move(mesh), std::move(process)};
 }
@@ -101,7 +101,7 @@ class Grades : public testing::TestWithParam<const char*> {
     ASSERT_FALSE(exercises_.empty());
   }
   CutTooth Cut(const char* operator_name, const scene::Exercise& exercise,
-               uint64_t most_ticks = kMostTicks) const {
+               uint64_t most_ticks = kMaxTicks) const {
     return CutBy(*FindOperator(operator_name), built_, exercise, most_ticks);
   }
 

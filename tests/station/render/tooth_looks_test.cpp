@@ -228,7 +228,7 @@ TEST(ToothLooksTest, ColoursAndGroovesAreThoseOfThePage) {
   char numbers[120];
   std::snprintf(numbers, sizeof numbers,
                 "groove_from_per_mm %g\ngroove_full_per_mm %g\nmost_stained %g\n",
-                1e-3 * kGrooveFrom_per_m, 1e-3 * kGrooveFull_per_m, kMostStained);
+                1e-3 * kGrooveFrom_per_m, 1e-3 * kGrooveFull_per_m, kMaxStained);
   std::ifstream file(std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/tooth_look.txt");
   EXPECT_EQ(found + numbers, std::string(std::istreambuf_iterator<char>(file), {}));
 }

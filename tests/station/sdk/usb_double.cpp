@@ -30,10 +30,10 @@ void UsbBus::Unplug(const std::string& place) {
 }
 
 void UsbBus::Send(const std::string& place, Bytes packet) {
-  constexpr size_t kMostKept = 16;
+  constexpr size_t kMaxKept = 16;
   std::lock_guard lock(mutex);
   Socket* socket = At(place);
-  if (socket == nullptr || socket->packets.size() >= kMostKept) return;
+  if (socket == nullptr || socket->packets.size() >= kMaxKept) return;
   socket->packets.push_back(std::move(packet));
   changed.notify_all();
 }

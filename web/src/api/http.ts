@@ -32,8 +32,8 @@ export interface Page<T> {
   readonly next: string | null; // cursor of the page after this one
 }
 
-const kMostRows = 200; // that the server gives in a page
-const kMostPages = 200; // of a list that is read to its end
+const kMaxRows = 200; // that the server gives in a page
+const kMaxPages = 200; // of a list that is read to its end
 
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
 // Result. `sessionLost` is called when a request needs a session and the server reports none.
@@ -86,7 +86,7 @@ export class Http {
     if (items === undefined) return fail(malformed("an answer without a list"));
     return ok({ items, next: typeof answer["next"] === "string" ? answer["next"] : null });
   }
-  // All of a list, page after page, up to kMostPages of them (40 000 rows): what comes after is left out. Ends early with
+  // All of a list, page after page, up to kMaxPages of them (40 000 rows): what comes after is left out. Ends early with
   // an error of any of them.
   async all<P extends PathOf<"GET">>(
     path: P,
@@ -94,8 +94,8 @@ export class Http {
   ): Promise<ApiResult<readonly Item<P>[]>> {
     const items: Item<P>[] = [];
     let cursor: string | undefined;
-    for (let page = 0; page < kMostPages; ++page) {
-      const part = [{ ...asked, limit: kMostRows, cursor }] as unknown as Rest<Asked<"GET", P>>;
+    for (let page = 0; page < kMaxPages; ++page) {
+      const part = [{ ...asked, limit: kMaxRows, cursor }] as unknown as Rest<Asked<"GET", P>>;
       const result = await this.page(path, ...part);
       if (!result.ok) return result;
       items.push(...result.value.items);

@@ -101,10 +101,10 @@ const kColours: readonly string[] = [
 ];
 const kStyles: readonly string[] = ["line", "dashes", "dots", "rings"];
 const kFormat = 1;
-const kMostInList = 256;
-const kMostRows = 20_000;
-const kMostPoints = 4000;
-const kMostCells = 40_000;
+const kMaxInList = 256;
+const kMaxRows = 20_000;
+const kMaxPoints = 4000;
+const kMaxCells = 40_000;
 
 // Finds the drawable part of a file of enamel-lab; undefined where there is none. Nothing in it is
 // trusted: counts are bounded, numbers are numbers, every cell of a map has a verdict. The error
@@ -128,7 +128,7 @@ function firstWrong(
   what: string,
   wrongOne: (one: Record<string, unknown>) => string | undefined,
 ): string | undefined {
-  if (!Array.isArray(list) || list.length > kMostInList) return `expected at most ${kMostInList} of ${what}`;
+  if (!Array.isArray(list) || list.length > kMaxInList) return `expected at most ${kMaxInList} of ${what}`;
   for (const [index, one] of (list as unknown[]).entries()) {
     const wrong = isObject(one) ? wrongOne(one) : "it is no JSON object";
     if (wrong !== undefined) return `${what} ${index + 1}: ${wrong}`;
@@ -162,9 +162,9 @@ function wrongSection(section: Record<string, unknown>): string | undefined {
 function wrongTable(table: Record<string, unknown>): string | undefined {
   const texts = wrongTexts(table, ["title", "note"]);
   if (texts !== undefined) return texts;
-  if (!isTexts(table["head"], kMostInList)) return "its head is no list of texts";
+  if (!isTexts(table["head"], kMaxInList)) return "its head is no list of texts";
   const rows: unknown = table["rows"];
-  if (!Array.isArray(rows) || rows.length > kMostRows || !rows.every((row) => isTexts(row, kMostInList)))
+  if (!Array.isArray(rows) || rows.length > kMaxRows || !rows.every((row) => isTexts(row, kMaxInList)))
     return "its rows are no lists of texts";
   const bad: unknown = table["bad"];
   const isPlace = (place: unknown) => isNumbers(place, 2) && place.length === 2;
@@ -198,7 +198,7 @@ function wrongMap(map: Record<string, unknown>): string | undefined {
   if (texts !== undefined) return texts;
   const { x, y, cells } = map;
   const rises = (values: unknown) =>
-    isNumbers(values, kMostInList) &&
+    isNumbers(values, kMaxInList) &&
     values.length > 0 &&
     values.every((value, i) => value > (i > 0 ? values[i - 1]! : 0));
   if (!rises(x) || !rises(y)) return "its columns or rows are no rising numbers above 0";
@@ -206,7 +206,7 @@ function wrongMap(map: Record<string, unknown>): string | undefined {
   if (
     !Array.isArray(cells) ||
     cells.length !== count ||
-    count > kMostCells ||
+    count > kMaxCells ||
     !cells.every((cell) => (kVerdicts as readonly unknown[]).includes(cell))
   ) {
     return `expected ${count} verdicts`;
@@ -216,7 +216,7 @@ function wrongMap(map: Record<string, unknown>): string | undefined {
 
 function wrongPoints(of: Record<string, unknown>): string | undefined {
   const { x, y } = of;
-  return isNumbers(x, kMostPoints) && isNumbers(y, kMostPoints) && x.length === y.length
+  return isNumbers(x, kMaxPoints) && isNumbers(y, kMaxPoints) && x.length === y.length
     ? undefined
     : "its points are no pairs of numbers";
 }

@@ -52,11 +52,11 @@ export interface Strokes {
 }
 
 const kFormat = 1;
-const kMostPoints = 2000;
-const kMostDevices = 32;
-const kMostCases = 32;
-const kMostTracks = 8;
-const kMostFigures = 32;
+const kMaxPoints = 2000;
+const kMaxDevices = 32;
+const kMaxCases = 32;
+const kMaxTracks = 8;
+const kMaxFigures = 32;
 const kColumns = ["t_s", "force_n", "magnitude_n", "ideal_n", "oracle_n", "tip_mm", "bur_mm"] as const;
 const kDeviceNumbers = [
   "rate_hz",
@@ -80,8 +80,8 @@ export function strokesIn(report: unknown): Result<Strokes, string> {
     return fail(`the strokes are of format ${String(document["format"])}, this page draws format ${kFormat}`);
   if (!isNumber(document["b_n_s_per_mm"])) return fail("b_n_s_per_mm is no number");
   const devices: unknown[] = document["devices"];
-  if (devices.length === 0 || devices.length > kMostDevices)
-    return fail(`expected 1 to ${kMostDevices} devices, found ${devices.length}`);
+  if (devices.length === 0 || devices.length > kMaxDevices)
+    return fail(`expected 1 to ${kMaxDevices} devices, found ${devices.length}`);
   for (const device of devices) {
     const wrong = wrongDevice(device);
     if (wrong !== undefined) return fail(wrong);
@@ -95,13 +95,13 @@ function wrongDevice(device: unknown): string | undefined {
   const where = `device ${device["name"]}`;
   for (const name of kDeviceNumbers) if (!isNumber(device[name])) return `${where}: ${name} is no number`;
   const cases: unknown = device["cases"];
-  if (!Array.isArray(cases) || cases.length === 0 || cases.length > kMostCases)
-    return `${where}: expected 1 to ${kMostCases} cases`;
+  if (!Array.isArray(cases) || cases.length === 0 || cases.length > kMaxCases)
+    return `${where}: expected 1 to ${kMaxCases} cases`;
   for (const one of cases as unknown[]) {
     if (!isObject(one) || !isText(one["name"])) return `${where}: a case has no name`;
     const tracks: unknown = one["tracks"];
-    if (!Array.isArray(tracks) || tracks.length === 0 || tracks.length > kMostTracks)
-      return `${where}, ${one["name"]}: expected 1 to ${kMostTracks} tracks`;
+    if (!Array.isArray(tracks) || tracks.length === 0 || tracks.length > kMaxTracks)
+      return `${where}, ${one["name"]}: expected 1 to ${kMaxTracks} tracks`;
     for (const track of tracks as unknown[]) {
       const wrong = wrongTrack(track);
       if (wrong !== undefined) return `${where}, ${one["name"]}: ${wrong}`;
@@ -122,11 +122,11 @@ function wrongTrack(track: unknown): string | undefined {
   if (track["leaves_s"] !== null && !isNumber(track["leaves_s"]))
     return `${track["law"]}: leaves_s is no number and not null`;
   const figures: unknown = track["figures"];
-  if (!Array.isArray(figures) || figures.length > kMostFigures || !figures.every(isFigure))
+  if (!Array.isArray(figures) || figures.length > kMaxFigures || !figures.every(isFigure))
     return `${track["law"]}: a figure cannot be read`;
   const times: unknown = track["t_s"];
   const count = Array.isArray(times) ? times.length : 0;
-  if (count < 2 || count > kMostPoints) return `${track["law"]}: expected 2 to ${kMostPoints} points, found ${count}`;
+  if (count < 2 || count > kMaxPoints) return `${track["law"]}: expected 2 to ${kMaxPoints} points, found ${count}`;
   for (const name of kColumns) {
     const column: unknown = track[name];
     if (!Array.isArray(column) || column.length !== count || !column.every(isNumber))

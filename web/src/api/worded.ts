@@ -4,7 +4,7 @@ import {
   formatPoints,
   formatQuantity,
   formatWith,
-  kMostDigits,
+  kMaxDigits,
   usualDigits,
 } from "../base/format";
 import { spokenLanguage } from "../base/language";
@@ -122,8 +122,8 @@ function plainName(code: string): string {
 
 // As finely as people act on it, and never 0: what cost points has a size.
 function sizeText(size: number, unit: string): string {
-  let digits = unit === "%" ? 0 : (usualDigits(unit) ?? kMostDigits);
-  while (size > 0 && digits < kMostDigits && Number(size.toFixed(digits)) === 0) ++digits;
+  let digits = unit === "%" ? 0 : (usualDigits(unit) ?? kMaxDigits);
+  while (size > 0 && digits < kMaxDigits && Number(size.toFixed(digits)) === 0) ++digits;
   return formatWith(size, unit, digits);
 }
 
@@ -197,7 +197,7 @@ function formBeside(value: number, limits: readonly number[], missed: boolean, u
     if (Math.abs(shown - limit) < 1e-9) return missed && value !== limit;
     return shown > limit !== value > limit;
   };
-  while (digits < kMostDigits && limits.some(misleads)) ++digits;
+  while (digits < kMaxDigits && limits.some(misleads)) ++digits;
   return (size: number) => formatWith(size, unit, digits);
 }
 

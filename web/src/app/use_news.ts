@@ -5,7 +5,7 @@ import type { Role } from "../api/types";
 import { say } from "../base/words";
 
 const kEveryMs = 60_000;
-const kMostAppeals = 9; // more are said as "9+"
+const kMaxAppeals = 9; // more are said as "9+"
 
 // What waits on a page of the navigation, by its path.
 export type News = Readonly<Record<string, { readonly count: string; readonly what: string }>>;
@@ -20,7 +20,7 @@ export function useNews(client: Client, role: Role): News {
     const look = async () => {
       if (document.visibilityState === "hidden") return;
       const [appeals, health] = await Promise.all([
-        client.page("/attempts", { appeal: "open", limit: kMostAppeals + 1, signal: abort.signal }),
+        client.page("/attempts", { appeal: "open", limit: kMaxAppeals + 1, signal: abort.signal }),
         role === "admin" ? client.get("/health", { signal: abort.signal }) : undefined,
       ]);
       if (abort.signal.aborted) return;
@@ -31,7 +31,7 @@ export function useNews(client: Client, role: Role): News {
           ? {}
           : {
               "/attempts": {
-                count: waiting > kMostAppeals ? `${kMostAppeals}+` : String(waiting),
+                count: waiting > kMaxAppeals ? `${kMaxAppeals}+` : String(waiting),
                 what: say("nav.appeals_wait", { count: waiting }),
               },
             }),

@@ -116,7 +116,7 @@ export interface History {
   readonly place: string; // that the last change was at; empty: the next is a step of its own
 }
 
-const kMostSteps = 200;
+const kMaxSteps = 200;
 
 export function begun(now: Json): History {
   return { past: [], now, future: [], place: "" };
@@ -128,7 +128,7 @@ export function changed(history: History, path: Path, value: Json | undefined): 
   // A place that comes or goes is a step, however soon after the last.
   const place = value === undefined || (typeof value === "object" && value !== null) ? "" : pathText(path);
   const same = place !== "" && place === history.place;
-  return { past: same ? history.past : [...history.past, history.now].slice(-kMostSteps), now, future: [], place };
+  return { past: same ? history.past : [...history.past, history.now].slice(-kMaxSteps), now, future: [], place };
 }
 
 export function undone(history: History): History {

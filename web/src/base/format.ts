@@ -43,11 +43,11 @@ export function formatPoints(points: number): string {
   return formatNumber(points, 1);
 }
 
-const kLeastLost = 0.05; // points; less rounds to nothing
+const kMinLost = 0.05; // points; less rounds to nothing
 
 // "−5.2", or "0": lost points in a table.
 export function lostText(points: number): string {
-  return points < kLeastLost ? "0" : `−${numberText(points, 1, 1)}`;
+  return points < kMinLost ? "0" : `−${numberText(points, 1, 1)}`;
 }
 
 export const kScoreStep = 0.1; // of a score as it is shown and set
@@ -74,7 +74,7 @@ const kDigits: Readonly<Record<string, number>> = {
   deg: 1,
   count: 0,
 };
-export const kMostDigits = 4;
+export const kMaxDigits = 4;
 
 export function usualDigits(unit: string): number | undefined {
   return kDigits[unit];
@@ -101,7 +101,7 @@ export function formatLimit(value: number, unit: string): string {
   const usual = kDigits[unit];
   if (unit === "s" || usual === undefined || !Number.isFinite(value)) return formatQuantity(value, unit);
   let digits = usual;
-  while (digits < kMostDigits && Math.abs(Number(value.toFixed(digits)) - value) > 1e-9) ++digits;
+  while (digits < kMaxDigits && Math.abs(Number(value.toFixed(digits)) - value) > 1e-9) ++digits;
   return formatWith(value, unit, digits);
 }
 

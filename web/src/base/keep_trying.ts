@@ -1,9 +1,9 @@
 const kAgainMs = [1_000, 2_000, 4_000, 8_000, 15_000] as const;
-const kMostMs = 30_000; // from then on
+const kMaxMs = 30_000; // from then on
 
 // When to try again what failed for the `tries`th time, counted from 0.
 export function againMs(tries: number): number {
-  return kAgainMs[tries] ?? kMostMs;
+  return kAgainMs[tries] ?? kMaxMs;
 }
 
 // Calls `again` after a while, and as soon as the network is back. Returns what stops that.

@@ -21,8 +21,8 @@ export interface MomentLink {
   readonly look: Look | undefined;
 }
 
-const kMostSeconds = 86_400;
-const kMostMm = 500;
+const kMaxSeconds = 86_400;
+const kMaxMm = 500;
 
 export function momentQuery({ seconds, look }: MomentLink): string {
   const query = new URLSearchParams();
@@ -40,9 +40,9 @@ export function momentQuery({ seconds, look }: MomentLink): string {
 
 // What is no moment or view is left out: an address may come from anywhere.
 export function momentOf(query: URLSearchParams): MomentLink {
-  const seconds = number(query.get("t") ?? "", 0, kMostSeconds);
+  const seconds = number(query.get("t") ?? "", 0, kMaxSeconds);
   const parts = (query.get("view") ?? "").split("_");
-  const kRanges = [[-7, 7], [0, 3.15], [0.01, kMostMm], ...[0, 1, 2].map(() => [-kMostMm, kMostMm])] as const;
+  const kRanges = [[-7, 7], [0, 3.15], [0.01, kMaxMm], ...[0, 1, 2].map(() => [-kMaxMm, kMaxMm])] as const;
   const [azimuthRad, polarRad, fitsMm, x, y, z] =
     parts.length === kRanges.length
       ? kRanges.map(([least = 0, most = 0], i) => number(parts[i] ?? "", least, most))

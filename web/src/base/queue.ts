@@ -18,11 +18,11 @@ export interface Place {
 type Storage = Pick<globalThis.Storage, "getItem" | "setItem">;
 
 const kKey = "enamel.queue";
-const kMostIds = 2000;
+const kMaxIds = 2000;
 
 export function keepQueue(queue: Queue, storage: Storage = sessionStorage): void {
   try {
-    storage.setItem(kKey, JSON.stringify({ back: queue.back, ids: queue.ids.slice(0, kMostIds) }));
+    storage.setItem(kKey, JSON.stringify({ back: queue.back, ids: queue.ids.slice(0, kMaxIds) }));
   } catch {
     // A browser that keeps nothing has no next and previous.
   }
@@ -52,7 +52,7 @@ function read(storage: Storage): Queue | undefined {
       !back.startsWith("/") ||
       back.startsWith("//") ||
       !Array.isArray(ids) ||
-      ids.length > kMostIds ||
+      ids.length > kMaxIds ||
       !ids.every((id) => typeof id === "string")
     )
       return undefined;

@@ -12,7 +12,7 @@ type Point2 = readonly [number, number];
 const kDiscPoints = 48,
   kDiscJoins = 4,
   kReliefSteps = 16; // along a side of a face that is not level
-const kMostCorners = 0x10000; // of a body
+const kMaxCorners = 0x10000; // of a body
 
 // A face of a part: its corners, counter-clockwise seen from above, and how high it lies.
 interface Face {
@@ -123,7 +123,7 @@ export function bodyOfTarget(target: Target): Body | undefined {
     addFace(lower, steps, false, position, triangle);
     addFace(upper, steps, true, position, triangle);
   }
-  if (triangle.length === 0 || position.length / 3 > kMostCorners) return undefined;
+  if (triangle.length === 0 || position.length / 3 > kMaxCorners) return undefined;
   return { positionMm: Float32Array.from(position), triangle: Uint16Array.from(triangle) };
 }
 

@@ -23,7 +23,7 @@ namespace {
 int Offsets() { return std::getenv("ENAMEL_FULL") != nullptr ? 16 : 4; }
 
 TEST(UncertaintyTest, ARegistrationIsAsGoodAsAnImportAsksFor) {
-  EXPECT_DOUBLE_EQ(scoring::kRegistration_m, import::kMostRms_mm * 1e-3);
+  EXPECT_DOUBLE_EQ(scoring::kRegistration_m, import::kMaxRms_mm * 1e-3);
 }
 
 struct Seen {

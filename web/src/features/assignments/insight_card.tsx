@@ -15,7 +15,7 @@ import { exerciseTitle } from "./assignment_text";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 import { MistakeMap } from "./mistake_map";
 
-const kMostSetAside = 200;
+const kMaxSetAside = 200;
 
 interface Props {
   readonly client: Client;
@@ -31,7 +31,7 @@ export function InsightCard({ client, assignment }: Props) {
   });
   // The figures count them among what is not scored yet, which they are not before an instructor decides.
   const quarantined = useRequest(`set aside ${id}`, (signal) =>
-    client.page("/attempts", { assignment: id, state: "quarantined", limit: kMostSetAside, signal }),
+    client.page("/attempts", { assignment: id, state: "quarantined", limit: kMaxSetAside, signal }),
   );
   const drawn = useRequest(exercise.id ?? undefined, (signal) =>
     client.tagged("GET", "/exercises/{id}", { id: exercise.id ?? "", signal }),

@@ -9,7 +9,7 @@ import { say } from "../../base/words";
 import { Curve } from "../../widgets/curve";
 import { NextStepNotice } from "../../widgets/next_step";
 
-const kMostAttempts = 20;
+const kMaxAttempts = 20;
 const kLookedAt = 3; // scores that say what to work on (api/progress.ts)
 
 interface Seen extends Attempt {
@@ -23,7 +23,7 @@ interface Mine {
 // A student's attempts under an assignment: the best and the last score, how they came on, and what to do next.
 export function MyProgress({ client, assignment, used }: { client: Client; assignment: string; used: number }) {
   const { loaded } = useRequest(`${assignment} ${used}`, async (signal) => {
-    const attempts = await client.page("/attempts", { assignment, state: "scored", limit: kMostAttempts, signal });
+    const attempts = await client.page("/attempts", { assignment, state: "scored", limit: kMaxAttempts, signal });
     if (!attempts.ok) return attempts;
     const seen = attempts.value.items.filter((attempt): attempt is Seen => attempt.score !== null);
     const done = await Promise.all(

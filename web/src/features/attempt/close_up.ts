@@ -3,7 +3,7 @@ import type { View } from "./view";
 
 // Where the plot shows only a few seconds, the recording's own ticks replace the series' steps.
 
-const kMostTicks = 4000; // that the server gives at once
+const kMaxTicks = 4000; // that the server gives at once
 const kBlockTicks = 1000; // who moves the part a little needs nothing new
 
 // The ticks to ask for, for a part of the time; undefined: the series says as much, or they are too
@@ -12,7 +12,7 @@ export function ticksFor(series: Series, view: View | undefined): readonly [numb
   if (view === undefined || series.step_ticks < 2) return undefined;
   const first = Math.max(0, Math.floor(view[0] * series.rate_hz));
   const from = first - (first % kBlockTicks);
-  return view[1] * series.rate_hz > from + kMostTicks ? undefined : [from, from + kMostTicks];
+  return view[1] * series.rate_hz > from + kMaxTicks ? undefined : [from, from + kMaxTicks];
 }
 
 export interface CloseUp {

@@ -6,8 +6,8 @@ import { formatDateTime, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { part } from "../../widgets/part";
 
-const kMostOwn = 200;
-const kMostOthers = 50;
+const kMaxOwn = 200;
+const kMaxOthers = 50;
 const kSearch = "search"; // the choice that opens the search
 
 const Search = part("compare_search", () => import("./compare_search"));
@@ -27,10 +27,10 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const exercise = attempt.exercise.id;
   // The person's own are asked for by themselves: in a large class none of them is among the newest.
   const mine = useRequest(asked ? `${exercise} ${attempt.person.id}` : undefined, (signal) =>
-    client.page("/attempts", { exercise, person: attempt.person.id, state: "scored", limit: kMostOwn, signal }),
+    client.page("/attempts", { exercise, person: attempt.person.id, state: "scored", limit: kMaxOwn, signal }),
   );
   const { loaded } = useRequest(asked && staff ? exercise : undefined, (signal) =>
-    client.page("/attempts", { exercise, state: "scored", limit: kMostOthers, signal }),
+    client.page("/attempts", { exercise, state: "scored", limit: kMaxOthers, signal }),
   );
   const own = mine.loaded.state === "ready" ? mine.loaded.value.items.filter(({ id }) => id !== attempt.id) : [];
   const others =

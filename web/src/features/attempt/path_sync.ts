@@ -14,10 +14,10 @@ export type PathMatch = (timeS: number) => number;
 // Of clock.ts, whose import would make a script of its own of what the page loads at once.
 const seriesEndS = (series: Series): number => (series.t_s.at(-1) ?? 0) + series.step_ticks / series.rate_hz;
 
-const kMostSteps = 1000; // of each attempt; a byte for every pair of them
+const kMaxSteps = 1000; // of each attempt; a byte for every pair of them
 
 // Every n-th step, and the last one.
-export function thinned(steps: number, most = kMostSteps): number[] {
+export function thinned(steps: number, most = kMaxSteps): number[] {
   const every = Math.max(1, Math.ceil((steps - 1) / (most - 1)));
   const taken = Array.from({ length: Math.ceil(Math.max(0, steps - 1) / every) }, (_, i) => i * every);
   return steps === 0 ? [] : [...taken, steps - 1];

@@ -12,7 +12,7 @@ const kHeight = 130;
 const kLeft = 60;
 const kBottom = 22;
 const kInset = 8;
-const kLeastSpanMm = 0.2; // of the axis: a flat surface is drawn flat
+const kMinSpanMm = 0.2; // of the axis: a flat surface is drawn flat
 const kSamples = 121;
 
 export interface Deepest {
@@ -96,7 +96,7 @@ function ProfilePlot({ from, to, look, frames }: Shown & { readonly from: PointM
 }
 
 function spread(low: number, high: number): readonly [number, number] {
-  const missing = Math.max(0, kLeastSpanMm - (high - low)) / 2;
+  const missing = Math.max(0, kMinSpanMm - (high - low)) / 2;
   return [low - missing, high + missing];
 }
 

@@ -1,14 +1,14 @@
 // The visible part of the time, seconds.
 export type View = readonly [number, number];
 
-const kLeastS = 0.1; // a hundred ticks
+const kMinS = 0.1; // a hundred ticks
 export const kZoomStep = 1.5;
 
 // `by` times as long a part; what is at `atS` stays where it is. All of it: undefined.
 export function zoomed(whole: View, view: View | undefined, atS: number, by: number): View | undefined {
   const [from, to] = view ?? whole;
   const all = whole[1] - whole[0];
-  const length = Math.max((to - from) * by, kLeastS);
+  const length = Math.max((to - from) * by, kMinS);
   if (!(length < all)) return undefined;
   const share = Math.min(1, Math.max(0, (atS - from) / (to - from)));
   return moved(whole, atS - share * length, length);

@@ -23,7 +23,7 @@ import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
-const kMostAppeals = 200; // that are told of at once
+const kMaxAppeals = 200; // that are told of at once
 const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
 const kTypingMs = 250; // after which somebody has finished typing
@@ -74,7 +74,7 @@ interface ListProps {
 function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { readonly onQuery: Props["onQuery"] }) {
   const { loaded, reload } = useRequest("cohorts", (signal) => client.all("/cohorts", { signal }));
   const appeals = useRequest("appeals", (signal) =>
-    client.page("/attempts", { appeal: "open", limit: kMostAppeals, signal }),
+    client.page("/attempts", { appeal: "open", limit: kMaxAppeals, signal }),
   );
   const appealed = useMemo(
     () => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []),

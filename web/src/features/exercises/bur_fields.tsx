@@ -10,7 +10,7 @@ import {
   problemAt,
 } from "../../widgets/document_fields";
 import { shapeOptions } from "./editor_text";
-import { freshBur, kMostOthers } from "./other_burs";
+import { freshBur, kMaxOthers } from "./other_burs";
 
 const kMm = 1000;
 const kOthers: Path = ["other_burs"];
@@ -80,9 +80,7 @@ export function OtherBurs({ form }: { readonly form: DocumentForm }) {
       <div>
         <Button
           kind="small"
-          blocked={
-            others.length < kMostOthers ? undefined : say("editor.most_burs", { count: String(kMostOthers + 1) })
-          }
+          blocked={others.length < kMaxOthers ? undefined : say("editor.most_burs", { count: String(kMaxOthers + 1) })}
           onClick={() => set([...others, freshBur([form.edit.at(["bur"]) ?? null, ...others])])}
         >
           {say("editor.add_bur")}

@@ -1,6 +1,6 @@
 import { type Json, withValue } from "../../base/document";
 
-const kMostName = 64; // as schemas/exercise.schema.json
+const kMaxName = 64; // as schemas/exercise.schema.json
 
 // A name for a title: what schemas/exercise.schema.json allows of it, in small letters. Empty where nothing is left, as
 // of a Chinese title.
@@ -11,7 +11,7 @@ export function nameFor(title: string): string {
     .replaceAll("ß", "ss")
     .replace(/\p{Mark}/gu, "")
     .replace(/[^a-z0-9]+/g, "-")
-    .slice(0, kMostName)
+    .slice(0, kMaxName)
     .replace(/^-|-$/g, "");
 }
 

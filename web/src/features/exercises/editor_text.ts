@@ -43,10 +43,10 @@ export function itemsAt(list: Json | undefined): readonly Json[] {
 }
 
 // Of schemas/rubric.schema.json: the points of a criterion, how far a limit may lie, and the points and sizes of a price.
-const kMostPoints = 1000;
-const kMostLimit = 1e9;
-const kMostPrice = 10_000;
-const kMostSize = 1000;
+const kMaxPoints = 1000;
+const kMaxLimit = 1e9;
+const kMaxPrice = 10_000;
+const kMaxSize = 1000;
 
 // Numbers of a rubric that are none or out of bounds, by place: what the page can say in its own
 // words before the server does.
@@ -63,8 +63,8 @@ export function rubricProblems(document: Json, rubric: Path): ReadonlyMap<string
   };
   itemsAt(valueAt(document, [...rubric, "criteria"])).forEach((item, i) => {
     const path = [...rubric, "criteria", i];
-    look([...path, "points"], 0, kMostPoints);
-    if (valueAt(item, ["fails_above"]) !== undefined) look([...path, "fails_above"], -kMostLimit, kMostLimit);
+    look([...path, "points"], 0, kMaxPoints);
+    if (valueAt(item, ["fails_above"]) !== undefined) look([...path, "fails_above"], -kMaxLimit, kMaxLimit);
     itemsAt(valueAt(item, ["map"])).forEach((_row, row) => {
       look([...path, "map", row, 0], -Infinity, Infinity);
       look([...path, "map", row, 1], 0, 1, 100);
@@ -90,13 +90,13 @@ function priceProblems(item: Json): ReadonlyMap<string, string> {
   };
   const [over, left] = kSides.map((side) => {
     const member = measured?.[side];
-    return member === undefined ? undefined : numberAt(member, kMostSize);
+    return member === undefined ? undefined : numberAt(member, kMaxSize);
   });
   // What was left can still be removed.
   if (over !== undefined && left !== undefined && over > left)
     found.set(measured?.over ?? "", say("price.over_at_most", { size: formatNumber(left, 4) }));
   const [points, most, modify, redo] = ["points", "most", "modify_points", "redo_points"].map((member) =>
-    numberAt(member, kMostPrice),
+    numberAt(member, kMaxPrice),
   );
   if (points !== undefined && most !== undefined && most < points)
     found.set("most", say("price.at_least", { points: formatPoints(points) }));

@@ -62,7 +62,7 @@ export function VersionsCard({ client, exercise }: Props) {
   );
 }
 
-const kMostCounting = 8; // as ReferenceRows::kMostCounting of the server
+const kMaxCounting = 8; // as ReferenceRows::kMaxCounting of the server
 
 // The dentists' cuts that attempts are compared with: those that are not withdrawn.
 export function ReferencesCard({ client, exercise }: Props) {
@@ -71,7 +71,7 @@ export function ReferencesCard({ client, exercise }: Props) {
   );
   const [leaving, setLeaving] = useState<Reference>();
   const references = loaded.state === "ready" ? loaded.value : [];
-  const counting = references.filter((reference) => reference.withdrawn_ms === 0).slice(0, kMostCounting);
+  const counting = references.filter((reference) => reference.withdrawn_ms === 0).slice(0, kMaxCounting);
   return (
     <Card title={say("references.title")}>
       <Waits loaded={loaded} reload={reload} what={say("loading.references")} failed={say("references.failed")} />

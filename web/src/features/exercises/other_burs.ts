@@ -1,6 +1,6 @@
 import { type Json, valueAt } from "../../base/document";
 
-export const kMostOthers = 7; // beside the first: schemas/exercise.schema.json
+export const kMaxOthers = 7; // beside the first: schemas/exercise.schema.json
 const kFirstRadius_um = 500;
 const kStep_um = 100;
 

@@ -10,7 +10,7 @@ import { itemsAt, materialPrices } from "./editor_text";
 import { freshPrice, kChosen, kPriced, measuredOf, type PricedKind, priceOf, priceText, priceTitle } from "./price";
 import { PriceCurve } from "./price_curve";
 
-const kMostSource = 500;
+const kMaxSource = 500;
 
 // What each part of the cut costs.
 export function PriceFields({ form, path }: { readonly form: DocumentForm; readonly path: Path }) {
@@ -138,7 +138,7 @@ function Source({ form, path }: { readonly form: DocumentForm; readonly path: Pa
       problem={problemAt(form, path)}
       value={typeof source === "string" && source !== kChosen ? source : ""}
       onValue={(text) => form.edit.set(path, text === "" ? kChosen : text)}
-      maxLength={kMostSource}
+      maxLength={kMaxSource}
     />
   );
 }

@@ -11,11 +11,11 @@ import { Curve } from "../../widgets/curve";
 import { NextStepNotice } from "../../widgets/next_step";
 import { DataTable } from "../../widgets/table";
 
-const kMostScores = 20; // the newest that are read
+const kMaxScores = 20; // the newest that are read
 
 // How one comes on, and what to work at next. Nothing where no score may be seen yet.
 export function ProgressCard({ client, attempts }: { readonly client: Client; readonly attempts: readonly Attempt[] }) {
-  const seen = attempts.filter((attempt) => attempt.computed_score !== null).slice(0, kMostScores);
+  const seen = attempts.filter((attempt) => attempt.computed_score !== null).slice(0, kMaxScores);
   const { loaded } = useRequest(
     seen.length === 0 ? undefined : seen.map(({ id, computed_score: score }) => `${id} ${score}`).join(),
     async (signal) => {

@@ -23,7 +23,7 @@ export function withColumns(cut: Cut | undefined, { chunks, cell_um: cell, colum
   };
 }
 
-const kLeastMm = 0.1; // less may be the surface itself: cells and columns are as wide
+const kMinMm = 0.1; // less may be the surface itself: cells and columns are as wide
 
 // How deep it went at each cell of a plan from above, in mm below the start tooth's surface; 0: not at all.
 // `originMm`: where the columns' places are counted from.
@@ -44,7 +44,7 @@ export function depthsOf(
       for (let i = Math.max(0, Math.ceil(right - reach - 0.5)); i < width && i + 0.5 <= right + reach; ++i) {
         const cell = row * width + i;
         const deep = frontMm[cell]! - (low + originZ);
-        if (deep >= kLeastMm && deep > depth[cell]!) depth[cell] = deep;
+        if (deep >= kMinMm && deep > depth[cell]!) depth[cell] = deep;
       }
     }
   }

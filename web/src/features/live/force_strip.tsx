@@ -5,7 +5,7 @@ import { Canvas, type Drawing } from "../../widgets/canvas";
 import { line } from "./lines";
 import { largestForce, shownSeconds } from "./track";
 
-const kLeastForceN = 2;
+const kMinForceN = 2;
 
 interface Props {
   readonly rows: readonly LiveRow[];
@@ -14,7 +14,7 @@ interface Props {
 
 // Force over the last seconds, newest on the right.
 export function ForceStrip({ rows, rateHz }: Props) {
-  const top = Math.max(kLeastForceN, Math.ceil(largestForce(rows)));
+  const top = Math.max(kMinForceN, Math.ceil(largestForce(rows)));
   const seconds = shownSeconds(rows, rateHz);
   const draw = ({ context, width, height, color }: Drawing) => {
     const end = rows.at(-1)?.tick ?? 0;

@@ -21,12 +21,12 @@ import { usePlans } from "./use_plans";
 import { useTracks } from "./use_tracks";
 
 const kPollMs = 5000;
-const kMostShown = 100;
+const kMaxShown = 100;
 
 // What is being made at the stations now, of the cohorts the caller may see.
 export function LivePage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("live", (signal) =>
-    client.page("/attempts", { state: "recording", limit: kMostShown, signal }),
+    client.page("/attempts", { state: "recording", limit: kMaxShown, signal }),
   );
   useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];

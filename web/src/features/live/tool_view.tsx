@@ -12,7 +12,7 @@ import { line, type Point } from "./lines";
 import { extentOf } from "./track";
 
 const kTrailSeconds = 4;
-const kLeastSpanMm = 6; // shown at least, so that a still hand does not look wild
+const kMinSpanMm = 6; // shown at least, so that a still hand does not look wild
 const kRoom = 1.1; // around a tooth
 const kToothAlpha = 0.5; // the way of the tool is read over it, in both themes
 const kEdgePx = 6; // where a tool beside the picture is drawn
@@ -97,7 +97,7 @@ function frameOf(rows: readonly LiveRow[], { right, up }: Plane, workpiece: Work
   }
   const extent = extentOf(rows);
   if (extent === undefined) return undefined;
-  const along = (axis: Axis) => Math.max(kLeastSpanMm, 1.2 * (extent.high[axis] - extent.low[axis]));
+  const along = (axis: Axis) => Math.max(kMinSpanMm, 1.2 * (extent.high[axis] - extent.low[axis]));
   const middle = (axis: Axis) => (extent.low[axis] + extent.high[axis]) / 2;
   const span = Math.max(along(right), along(up));
   return { centre: [middle(right), middle(up)], span: [span, span], origin: [0, 0, 0], plan: undefined };

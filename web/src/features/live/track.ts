@@ -29,13 +29,13 @@ export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number,
   };
 }
 
-const kLeastShownSeconds = 4;
+const kMinShownSeconds = 4;
 
 // How many seconds a strip of the track shows: as much as was seen, so that it is filled from the
 // beginning.
 export function shownSeconds(rows: readonly LiveRow[], rateHz: number): number {
   const seen = ((rows.at(-1)?.tick ?? 0) - (rows[0]?.tick ?? 0)) / rateHz;
-  return Math.min(Math.max(seen, kLeastShownSeconds), kTrackSeconds);
+  return Math.min(Math.max(seen, kMinShownSeconds), kTrackSeconds);
 }
 
 export interface Extent {

@@ -3,7 +3,7 @@ import { watchAttempt } from "../../api/live";
 import { Rotation } from "../../base/rotation";
 import { emptyTrack, kDefaultRateHz, type Track, withRows } from "./track";
 
-const kMostStreams = 3; // browsers allow six connections to a server, over all tabs
+const kMaxStreams = 3; // browsers allow six connections to a server, over all tabs
 const kTurnMs = 2500; // long enough for rows that come twice a second
 
 export interface Watched {
@@ -23,7 +23,7 @@ export function useTracks(watched: readonly Watched[], onEnd: () => void): Reado
   useEffect(() => {
     const change = (id: string, next: (track: Track) => Track) =>
       setTracks((now) => new Map(now).set(id, next(now.get(id) ?? emptyTrack)));
-    const pool = new Rotation(kMostStreams, (id) =>
+    const pool = new Rotation(kMaxStreams, (id) =>
       watchAttempt(id, {
         onRows: (rows) =>
           change(id, (track) => withRows(track, rows, rates.current.get(id) ?? kDefaultRateHz, Date.now())),

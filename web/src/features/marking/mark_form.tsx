@@ -22,7 +22,7 @@ import {
 } from "./mark";
 
 export const kRatings: readonly Rating[] = [1, 2, 3, 4, 5];
-const kMostComment = 500;
+const kMaxComment = 500;
 
 export function ratingTitle(rating: Rating): string {
   return say(`marking.rating_${rating}`);
@@ -121,7 +121,7 @@ export function MarkForm({ client, work, marking: { criteria, comments }, onSent
                   <>
                     <input
                       type="text"
-                      maxLength={kMostComment}
+                      maxLength={kMaxComment}
                       list={`${list}${name}`}
                       autocomplete="off"
                       aria-label={say("marking.comment_on", { title: criterionTitle({ name, title }) })}

@@ -13,8 +13,8 @@ import { Card, Empty, PageTitle, Waits } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
 
 const kMost = 10; // of each kind
-const kMostPeople = 3; // whose attempts are shown
-const kLeastLetters = 2;
+const kMaxPeople = 3; // whose attempts are shown
+const kMinLetters = 2;
 const kWaitMs = 250; // after the last letter
 
 interface Found {
@@ -41,11 +41,11 @@ export function SearchPage({ client, query, onQuery }: Props) {
     const timer = setTimeout(() => onQuery({ q: text }), kWaitMs);
     return () => clearTimeout(timer);
   }, [text, asked, onQuery]);
-  const enough = asked.trim().length >= kLeastLetters;
+  const enough = asked.trim().length >= kMinLetters;
   const people = useRequest(enough ? asked : undefined, (signal) =>
     client.page("/people", { text: asked, limit: kMost, signal }),
   );
-  const first = people.loaded.state === "ready" ? people.loaded.value.items.slice(0, kMostPeople) : undefined;
+  const first = people.loaded.state === "ready" ? people.loaded.value.items.slice(0, kMaxPeople) : undefined;
   const attempts = useRequest(first?.map(({ id }) => id).join(" "), (signal) =>
     attemptsOf(client, first ?? [], signal),
   );

@@ -8,7 +8,7 @@ import { lengthOf, type Matrix, sub, type Vec } from "./vec";
 // again.
 
 const kTrianglesInCell = 4; // about, of what is looked up by a ray
-const kMostCellsAlong = 96;
+const kMaxCellsAlong = 96;
 
 export interface BlockHit {
   readonly mesh: BlockMesh;
@@ -105,7 +105,7 @@ export class ToothBlocks {
 
 // Triangles lie on a surface, and so in the square of these cells.
 function cellsAlong(triangles: number): number {
-  return Math.min(kMostCellsAlong, Math.ceil(Math.sqrt(triangles / kTrianglesInCell)));
+  return Math.min(kMaxCellsAlong, Math.ceil(Math.sqrt(triangles / kTrianglesInCell)));
 }
 
 export function boxOf(position: Float32Array): Box {

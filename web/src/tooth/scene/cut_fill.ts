@@ -24,11 +24,11 @@ export function sliceAround(plane: Plane, centre: Vec, radius: number): Slice {
   return { middle, right, up: cross(normal, right), half: radius };
 }
 
-const kMostAcross = 512; // of a slice; a tooth of 12 mm at 0.05 mm has 480 voxels along its diagonal
+const kMaxAcross = 512; // of a slice; a tooth of 12 mm at 0.05 mm has 480 voxels along its diagonal
 
 // RGBA, row by row from −right, −up on; transparent where there is no tissue.
 export function pixelsOf(interior: Interior, { middle, right, up, half }: Slice) {
-  const across = Math.min(kMostAcross, Math.ceil((2 * half) / interior.grid.voxelMm));
+  const across = Math.min(kMaxAcross, Math.ceil((2 * half) / interior.grid.voxelMm));
   // As a little-endian number, red first.
   const colors = Array.from({ length: kTissues }, (_, tissue) => {
     const [red, green, blue] = parseHex(tissueColor(tissue));

@@ -5,7 +5,7 @@ import { add, placed, scaled, turnBetween, unit, type Vec, lengthOf } from "./ve
 
 const kColor = "#c2410c";
 const kArrowMmPerN = 1.5; // as the words say (tooth.force_arrow)
-const kMostMm = 6; // more would cover the cavity
+const kMaxMm = 6; // more would cover the cavity
 // Of half the picture's height: as slim from near as from far.
 const kShaft = 0.008;
 const kHead = 0.06;
@@ -37,7 +37,7 @@ export class ForceArrow {
   // the picture's height.
   draw(plain: Program, tip: Vec | undefined, halfHighMm: number): void {
     if (tip === undefined || this.force === undefined) return;
-    const lengthMm = Math.min(kMostMm, lengthOf(this.force) * kArrowMmPerN);
+    const lengthMm = Math.min(kMaxMm, lengthOf(this.force) * kArrowMmPerN);
     const way = unit(this.force);
     const turn = turnBetween([0, 0, 1], way);
     drawOver(this.gl, { depth: false });

@@ -29,11 +29,11 @@ export function drawsSlowly(): boolean {
 export type { Effort };
 
 const kQuickShare = 0.5; // of the pixels along each side
-const kMostPerCssPixel = 2;
+const kMaxPerCssPixel = 2;
 
 // Pixels for each CSS pixel.
 export function pixelRatio(effort: Effort, device: number): number {
-  return effort === "quick" ? kQuickShare : Math.min(device, kMostPerCssPixel);
+  return effort === "quick" ? kQuickShare : Math.min(device, kMaxPerCssPixel);
 }
 
 const kSettleMs = 250; // without a change, until it is drawn in full

@@ -21,7 +21,7 @@ import { Sight } from "./sight";
 import { ball, revolved } from "./solids";
 import { add, dot, kUnmoved, kUnturned, type Matrix, placed, scaled, sub, turnBetween, unit, type Vec } from "./vec";
 
-const kLeastRadiusMm = 0.5;
+const kMinRadiusMm = 0.5;
 // The tool's mark, and its rim.
 const kMarks = [
   { color: "#ffffff", radiusMm: 0.29 },
@@ -135,7 +135,7 @@ export class ToothScene implements FilmScreen {
     this.detail = detail;
     this.moved();
     if (extent === this.extent) return;
-    this.extent = { ...extent, radiusMm: Math.max(extent.radiusMm, kLeastRadiusMm) };
+    this.extent = { ...extent, radiusMm: Math.max(extent.radiusMm, kMinRadiusMm) };
     this.sight.setExtent(this.extent);
   }
   expect(): void {

@@ -1,6 +1,6 @@
 import { kContourStepMm, kDeviationRangeMm } from "../deviation_scale";
 import { kTissues } from "../tissue_color";
-import { kCutFlag, kMostStained, kStainSteps } from "./stain";
+import { kCutFlag, kMaxStained, kStainSteps } from "./stain";
 import { type Matrix, unit } from "./vec";
 
 // What vertices and pixels of a tooth are made of. Two lamps hang at the camera and shine at the scene's origin; a
@@ -63,7 +63,7 @@ const kTissueColor = `
 uniform vec3 palette[${kTissues + 1}];
 vec3 tissueColor(float tissue, vec4 own) {
   int code = int(tissue + 0.5) % ${kCutFlag};
-  return mix(mix(palette[code % 8], own.rgb * own.rgb, own.a), palette[${kTissues}], ${glsl(kMostStained / kStainSteps)} * float(code / 8));
+  return mix(mix(palette[code % 8], own.rgb * own.rgb, own.a), palette[${kTissues}], ${glsl(kMaxStained / kStainSteps)} * float(code / 8));
 }
 `;
 

@@ -38,7 +38,7 @@ const kMargin = 1.02; // of the bounding sphere, so that nothing touches the edg
 const kIntoCavity: PointMm = [0.12, -0.3, 1]; // scene frame: the side that is worked on is up at the station
 const kCavityMargin = 1.25; // a little of what is around it
 const kAngledCloser = 0.8; // of the distance at which the whole tooth is in view
-const kLeastRadiusMm = 0.5;
+const kMinRadiusMm = 0.5;
 const kNearShare = 0.65; // of the cavity, around a place in it
 const kNearLeastMm = 1;
 const kNearTilt = 0.7; // away from straight above, to face the wall that the place is on
@@ -155,7 +155,7 @@ export class Sight {
   view(preset: CameraPreset): void {
     const { direction, centre, cavity, closer = kAngledCloser } = this.angled;
     if (preset === "cavity" && cavity !== undefined) {
-      const radius = Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm);
+      const radius = Math.max(cavity.radiusMm * kCavityMargin, kMinRadiusMm);
       this.lookAt(cavity.centreMm, kIntoCavity, this.fitDistance(radius));
     } else if (preset === "angled" || preset === "cavity")
       this.lookAt(centre ?? this.centre, direction, this.fitDistance() * closer);

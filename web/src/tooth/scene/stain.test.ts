@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { goldenPlayer } from "../golden.test";
 import { ToothMesher } from "../mesher";
 import { kStainColor, tissueColor } from "../tissue_color";
-import { kCutFlag, kFrom, kFull, kMostStained, kStainSteps, withStain } from "./stain";
+import { kCutFlag, kFrom, kFull, kMaxStained, kStainSteps, withStain } from "./stain";
 
 // A fold along y: two planes 0.1 mm wide, whose vertices' normals lean by `lean` (127 = 1) toward it.
 function fold(lean: number, cut?: Uint8Array<ArrayBuffer>) {
@@ -48,6 +48,6 @@ test("nothing is cut before the first tick, and at the end what the bur left", a
 test("colours and grooves are those of the chair's picture", () => {
   const tissues = ["enamel", "dentin", "pulp", "caries"].map((name, i) => `${name} ${tissueColor(i + 1)}`);
   const lines = [...tissues, `stain ${kStainColor}`, `groove_from_per_mm ${kFrom}`, `groove_full_per_mm ${kFull}`];
-  const found = [...lines, `most_stained ${kMostStained}`, ""].join("\n");
+  const found = [...lines, `most_stained ${kMaxStained}`, ""].join("\n");
   assert.equal(found, readFileSync("../schemas/golden/tooth_look.txt", "utf8"));
 });

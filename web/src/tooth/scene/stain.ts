@@ -6,7 +6,7 @@ const kEnamel = 1;
 // Curvature across a groove from which on it is stained, and where that is full; 1/mm.
 export const kFrom = 0.9;
 export const kFull = 3.2;
-export const kMostStained = 0.65; // of the colour
+export const kMaxStained = 0.65; // of the colour
 export const kStainSteps = 15;
 export const kCutFlag = 128;
 

@@ -98,14 +98,14 @@ export function ticksOf(low: number, high: number, log: boolean): number[] {
 }
 
 // Between them every tick is written without an exponent.
-const kLeastPlain = 1e-6;
-const kMostPlain = 1e9;
+const kMinPlain = 1e-6;
+const kMaxPlain = 1e9;
 const kTickDigits = 12;
 
 // Without what binary fractions add, and without an exponent where zeros are short.
 export function tickText(value: number): string {
   const short = Number(value.toPrecision(6));
-  return short === 0 || (Math.abs(short) >= kLeastPlain && Math.abs(short) < kMostPlain)
+  return short === 0 || (Math.abs(short) >= kMinPlain && Math.abs(short) < kMaxPlain)
     ? formatNumber(short, kTickDigits)
     : String(short);
 }

@@ -102,7 +102,7 @@ const kSameMm = 0.005; // shown as no deviation: rounds to zero
 const kClickMovesPx = 4; // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
 const kNoPoints: readonly ToothPoint[] = [];
-const kLeastForceN = 0.05; // less is no contact
+const kMinForceN = 0.05; // less is no contact
 const kNoPath: readonly PointMm[] = [];
 
 // Starts what draws teeth, for a page that will show one soon.
@@ -142,7 +142,7 @@ export function ToothView({
   onPick,
 }: Props) {
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
-  const felt = newton >= kLeastForceN ? forceN : undefined;
+  const felt = newton >= kMinForceN ? forceN : undefined;
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const [problem, setProblem] = useState("");
