@@ -26,7 +26,7 @@ inline BytePieces InOnePiece(Bytes bytes) {
 }
 
 inline Result<BytePieces> InOnePiece(Result<Bytes> bytes) {
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_RETURN_IF_ERROR(bytes.status());
   return InOnePiece(std::move(bytes).value());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -68,9 +69,16 @@ class [[nodiscard]] Status {
   Code code() const { return code_; }
   const std::string& message() const { return message_; }
   const std::string& field() const { return field_; }
+  // Seconds after which trying again makes sense; 0: not known.
+  int32_t retry_after_s() const { return retry_after_s_; }
+  Status& RetryAfter(int32_t seconds) {
+    retry_after_s_ = seconds;
+    return *this;
+  }
 
  private:
   Code code_ = Code::kOk;
+  int32_t retry_after_s_ = 0;
   std::string message_;
   std::string field_;
 };

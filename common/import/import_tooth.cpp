@@ -262,25 +262,23 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   Enter(options, "repairing");
   mesh::RepairOptions repair;
   repair.finest_mm = FinestPiece_mm(options);
-  Result<mesh::Solid> solid = mesh::MakeSolid(mesh_mm, repair);
-  if (!solid.ok()) return solid.status();
-  ENAMEL_RETURN_IF_ERROR(CheckOneBody(*solid));
+  ENAMEL_ASSIGN_OR_RETURN(mesh::Solid solid, mesh::MakeSolid(mesh_mm, repair));
+  ENAMEL_RETURN_IF_ERROR(CheckOneBody(solid));
   Enter(options, "placing");
-  Result<PlacedSolid> placed =
-      Place(std::move(*solid), {options.tooth, options.up, options.buccal});
-  if (!placed.ok()) return placed.status();
-  const mesh::Box box = mesh::BoxOf(placed->solid.mesh);
-  const mesh::TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
+  ENAMEL_ASSIGN_OR_RETURN(PlacedSolid placed,
+                          Place(std::move(solid), {options.tooth, options.up, options.buccal}));
+  const mesh::Box box = mesh::BoxOf(placed.solid.mesh);
+  const mesh::TriangleTree boundary(placed.solid.boundary), whole(placed.solid.mesh);
   mesh::SignedProbe probe(boundary, whole);
   const Fossa fossa = FindFossa(
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   Enter(options, "tissues");
-  const TissueModel tissues(placed->solid, placed->gum ? &*placed->gum : nullptr, box.lo, box.hi,
+  const TissueModel tissues(placed.solid, placed.gum ? &*placed.gum : nullptr, box.lo, box.hi,
                             fossa.point.z, options.tooth);
   ImportedScene out;
-  out.mesh_volume_mm3 = mesh::SignedVolume(placed->solid.mesh);
-  out.report = Describe(placed->solid.report);
-  ReportPlace(box, std::move(placed->placement), fossa, out);
+  out.mesh_volume_mm3 = mesh::SignedVolume(placed.solid.mesh);
+  out.report = Describe(placed.solid.report);
+  ReportPlace(box, std::move(placed.placement), fossa, out);
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        mesh::Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; the pulp's size by the crown's");
@@ -313,39 +311,37 @@ Result<ImportedScene> ImportLayers(
   }
   const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
   Enter(options, "repairing");
-  Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
-  if (!solids.ok()) return solids.status();
+  ENAMEL_ASSIGN_OR_RETURN(LayerSolids solids, RepairLayers(surfaces_mm, layer_options));
   Enter(options, "placing");
-  Result<PlacedLayers> placed =
-      Place(std::move(*solids), {options.tooth, options.up, options.buccal});
-  if (!placed.ok()) return placed.status();
+  ENAMEL_ASSIGN_OR_RETURN(PlacedLayers placed,
+                          Place(std::move(solids), {options.tooth, options.up, options.buccal}));
   Enter(options, "tissues");
-  Result<LayeredTooth> tooth = LayeredTooth::Make(std::move(placed->layers), layer_options);
-  if (!tooth.ok()) return tooth.status();
+  ENAMEL_ASSIGN_OR_RETURN(LayeredTooth tooth,
+                          LayeredTooth::Make(std::move(placed.layers), layer_options));
   mesh::Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
   std::string alone;
   // Downwards, so that the last crown kept is the enamel's.
   for (size_t i = kLayers; i-- > 0;) {
-    if (tooth->surface(i) == nullptr) continue;
-    const mesh::Triangles& mesh = tooth->surface(i)->solid.mesh;
+    if (tooth.surface(i) == nullptr) continue;
+    const mesh::Triangles& mesh = tooth.surface(i)->solid.mesh;
     crown = mesh::BoxOf(mesh);  // the enamel's where there is one
     box.lo = glm::min(box.lo, crown.lo), box.hi = glm::max(box.hi, crown.hi);
     alone = std::string(cutting::TissueName(kLayerTissues[i])) + " " +
             mesh::Fixed(mesh::SignedVolume(mesh), 1) + (alone.empty() ? "" : ", ") + alone;
   }
-  LayerProbe probe(*tooth);
+  LayerProbe probe(tooth);
   const Fossa fossa = FindFossa(
-      tooth->boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, crown.lo,
+      tooth.boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, crown.lo,
       crown.hi);
   ImportedScene out;
-  out.report = tooth->report();
-  ReportPlace(box, std::move(placed->placement), fossa, out);
+  out.report = tooth.report();
+  ReportPlace(box, std::move(placed.placement), fossa, out);
   out.report.push_back("volume of each surface alone: " + alone + " mm3");
   WarnOfThinWalls(
-      tooth->boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm) < 0; }, options,
+      tooth.boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm) < 0; }, options,
       out);
   ENAMEL_RETURN_IF_ERROR(Fill(
-      box, [&] { return MakeLayerField(*tooth); }, options, out));
+      box, [&] { return MakeLayerField(tooth); }, options, out));
   Finish(fossa, source + "; one surface per tissue", options, out);
   return out;
 }
@@ -353,19 +349,17 @@ Result<ImportedScene> ImportLayers(
 Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
   Enter(options, "reading");
-  Result<ReadSources> read = Read(sources, options.child);
-  if (!read.ok()) return read.status();
+  ENAMEL_ASSIGN_OR_RETURN(ReadSources read, Read(sources, options.child));
   ImportOptions named = options;
-  if (named.name.empty()) named.name = read->name;
-  const std::string source =
-      "imported from " + read->provenance + ", " + mesh::Words(options.scale);
-  Result<ImportedScene> out = read->whole ? ImportTriangles(*read->whole, source, named)
-                                          : ImportLayers(read->surfaces, source, named);
+  if (named.name.empty()) named.name = read.name;
+  const std::string source = "imported from " + read.provenance + ", " + mesh::Words(options.scale);
+  Result<ImportedScene> out = read.whole ? ImportTriangles(*read.whole, source, named)
+                                         : ImportLayers(read.surfaces, source, named);
   if (!out.ok()) {
     const Status& why = out.status();
-    return Status(why.code(), Printable(read->name) + ": " + why.message(), why.field());
+    return Status(why.code(), Printable(read.name) + ": " + why.message(), why.field());
   }
-  out->report.insert(out->report.begin(), read->report.begin(), read->report.end());
+  out->report.insert(out->report.begin(), read.report.begin(), read.report.end());
   return out;
 }
 

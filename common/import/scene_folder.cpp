@@ -37,17 +37,15 @@ Status WriteSceneFolder(const std::filesystem::path& folder, const ImportedScene
 
 Result<SceneFolder> LoadSceneFolder(const std::filesystem::path& folder) {
   SceneFolder out;
-  Result<Bytes> json = ReadFile(folder / kSceneFile, size_t{1} << 20);
-  if (!json.ok()) return json.status();
-  Result<scene::Scene> scene = scene::SceneFromJson(AsText(*json));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes json, ReadFile(folder / kSceneFile, size_t{1} << 20));
+  Result<scene::Scene> scene = scene::SceneFromJson(AsText(json));
   if (!scene.ok()) return In(folder / kSceneFile, scene.status());
-  Result<Bytes> blob = ReadFile(folder / kVolumeFile);
-  if (!blob.ok()) return blob.status();
-  if (HashSha256(*blob) != scene->volume) {
+  ENAMEL_ASSIGN_OR_RETURN(Bytes blob, ReadFile(folder / kVolumeFile));
+  if (HashSha256(blob) != scene->volume) {
     return Status(Code::kConflict, (folder / kVolumeFile).string() + " is not the volume that " +
                                        kSceneFile + " names: import the tooth again");
   }
-  Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
+  Result<cutting::Volume> volume = scene::DecodeVolume(blob);
   if (!volume.ok()) return In(folder / kVolumeFile, volume.status());
   if (volume->spec().voxel_nm != scene->voxel_nm) {
     return Status(Code::kConflict,
@@ -55,8 +53,8 @@ Result<SceneFolder> LoadSceneFolder(const std::filesystem::path& folder) {
   }
   out.scene = std::move(*scene);
   out.volume = std::move(*volume);
-  out.scene_json = std::move(*json);
-  out.volume_blob = std::move(*blob);
+  out.scene_json = std::move(json);
+  out.volume_blob = std::move(blob);
   return out;
 }
 

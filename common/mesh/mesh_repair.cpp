@@ -303,12 +303,11 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
         "it encloses next to nothing of its bounding box (a flat sheet or a soup of triangles)");
   }
   // Last: by now every part is closed, as its winding numbers need.
-  Result<SolidBoundary> boundary =
-      BoundaryOf(solid.mesh, TriangleTree(solid.mesh), options.finest_mm);
-  if (!boundary.ok()) return boundary.status();
-  report.crossing = boundary->crossing;
-  report.buried = boundary->buried;
-  solid.boundary = std::move(boundary->pieces);
+  ENAMEL_ASSIGN_OR_RETURN(SolidBoundary boundary,
+                          BoundaryOf(solid.mesh, TriangleTree(solid.mesh), options.finest_mm));
+  report.crossing = boundary.crossing;
+  report.buried = boundary.buried;
+  solid.boundary = std::move(boundary.pieces);
   return solid;
 }
 

@@ -203,9 +203,8 @@ double SmallestPiece(const Triangles& mesh, const Crossing& with, double finest_
 
 Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree,
                                  double finest_mm) {
-  const Result<Crossing> crossings = FindCrossings(mesh, tree);
-  if (!crossings.ok()) return crossings.status();
-  const Crossing& with = *crossings;
+  ENAMEL_ASSIGN_OR_RETURN(const Crossing crossings, FindCrossings(mesh, tree));
+  const Crossing& with = crossings;
   const auto crossed =
       std::ranges::count_if(with, [](const auto& others) { return !others.empty(); });
   if (mesh.indices.size() > kRoughFrom && 2 * static_cast<size_t>(crossed) > mesh.indices.size()) {

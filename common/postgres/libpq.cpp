@@ -79,7 +79,7 @@ Result<Libpq> Load() {
 
 Result<const Libpq*> LoadLibpq() {
   static const Result<Libpq> kLoaded = Load();
-  if (!kLoaded.ok()) return kLoaded.status();
+  ENAMEL_RETURN_IF_ERROR(kLoaded.status());
   return &*kLoaded;
 }
 

@@ -336,7 +336,7 @@ Status PgDb::Connect() {
     if (set_up_) return refused;
     pq_.finish(std::exchange(handle_, nullptr));
   }
-  if (!refused.ok()) return refused;
+  ENAMEL_RETURN_IF_ERROR(refused);
   return Fail(race.Problem(opening_));
 }
 

@@ -140,7 +140,7 @@ Status PgStatement::Prepare() {
                                           static_cast<int>(types.size()), types.data()) == 1);
   Status done = db_.pq_.result_status(result) == PGRES_COMMAND_OK ? Status::Ok() : db_.Fail(result);
   db_.pq_.clear(result);
-  if (!done.ok()) return done;
+  ENAMEL_RETURN_IF_ERROR(done);
   prepared_in_ = db_.connection_;
   prepared_types_ = std::move(types);
   return done;

@@ -85,7 +85,7 @@ Result<std::optional<int64_t>> PgDb::ClockMs() {
   Query q(*this, "SELECT floor(extract(epoch FROM clock_timestamp()) * 1000)::bigint");
   std::optional<int64_t> out;
   if (q.Next()) out = q.Int(0);
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 

@@ -49,7 +49,7 @@ Result<Libcurl> Load() {
 
 Result<const Libcurl*> LoadLibcurl() {
   static const Result<Libcurl> kLoaded = Load();
-  if (!kLoaded.ok()) return kLoaded.status();
+  ENAMEL_RETURN_IF_ERROR(kLoaded.status());
   return &*kLoaded;
 }
 

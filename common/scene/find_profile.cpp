@@ -11,9 +11,8 @@ namespace {
 constexpr size_t kLargestProfile = 1 << 20;
 
 Result<DeviceProfile> ProfileIn(const std::string& path) {
-  Result<Bytes> text = ReadFile(path, kLargestProfile);
-  if (!text.ok()) return text.status();
-  Result<DeviceProfile> profile = ProfileFromJson(AsText(*text));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes text, ReadFile(path, kLargestProfile));
+  Result<DeviceProfile> profile = ProfileFromJson(AsText(text));
   if (profile.ok()) return profile;
   return InDocument(path, profile.status());
 }

@@ -204,16 +204,15 @@ Bytes Encode(const Volume& volume, const Volume* before, const Sha256& from) {
 // `before`: null for a whole volume.
 Result<Volume> Decode(ByteView blob, const Volume* before) {
   ByteReader in(blob);
-  Result<Header> header = ReadHeader(in);
-  if (!header.ok()) return header.status();
-  if (header->change != (before != nullptr)) {
+  ENAMEL_ASSIGN_OR_RETURN(Header header, ReadHeader(in));
+  if (header.change != (before != nullptr)) {
     return Status(Code::kConflict,
                   std::string(kBlob) +
                       (before != nullptr
                            ? ": expected a change, found a whole volume"
-                           : ": expected a whole volume, found a change of " + header->from.Hex()));
+                           : ": expected a whole volume, found a change of " + header.from.Hex()));
   }
-  if (before != nullptr && header->spec != before->spec()) {
+  if (before != nullptr && header.spec != before->spec()) {
     return Status(Code::kConflict,
                   std::string(kBlob) + ": the change has another grid than what it is from");
   }
@@ -221,18 +220,18 @@ Result<Volume> Decode(ByteView blob, const Volume* before) {
   for (ByteView& section : packed) section = in.Blob(blob.size());
   if (!in.ok()) return Malformed("ends early: the file was cut off");
   if (!in.AtEnd()) return Malformed(std::to_string(in.remaining()) + " bytes too many at its end");
-  Result<Bytes> kinds =
-      UnpackSection(packed[0], static_cast<size_t>(header->spec.brick_count()), kBlob, "kinds");
-  if (!kinds.ok()) return kinds.status();
-  ENAMEL_RETURN_IF_ERROR(CheckKinds(*kinds, *header));
-  Result<Bytes> phi =
-      UnpackSection(packed[1], size_t{header->stored} * 2 * kBrickVoxels, kBlob, "distances");
-  if (!phi.ok()) return phi.status();
-  Result<Bytes> labels =
-      UnpackSection(packed[2], size_t{header->labelled} * kBrickVoxels, kBlob, "labels");
-  if (!labels.ok()) return labels.status();
-  Volume volume(header->spec);
-  ENAMEL_RETURN_IF_ERROR(Fill(*kinds, *phi, *labels, before != nullptr ? *before : volume, volume));
+  ENAMEL_ASSIGN_OR_RETURN(
+      Bytes kinds,
+      UnpackSection(packed[0], static_cast<size_t>(header.spec.brick_count()), kBlob, "kinds"));
+  ENAMEL_RETURN_IF_ERROR(CheckKinds(kinds, header));
+  ENAMEL_ASSIGN_OR_RETURN(
+      Bytes phi,
+      UnpackSection(packed[1], size_t{header.stored} * 2 * kBrickVoxels, kBlob, "distances"));
+  ENAMEL_ASSIGN_OR_RETURN(
+      Bytes labels,
+      UnpackSection(packed[2], size_t{header.labelled} * kBrickVoxels, kBlob, "labels"));
+  Volume volume(header.spec);
+  ENAMEL_RETURN_IF_ERROR(Fill(kinds, phi, labels, before != nullptr ? *before : volume, volume));
   return volume;
 }
 

@@ -269,7 +269,7 @@ Result<ScoreResult> PointsFromJson(std::string_view text) {
   Reader reader(value, "", status);
   Each(reader, "criteria", out.criteria, kMaxCriteria);
   Each(reader, "mistakes", out.mistakes, kMaxMistakes);
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return out;
 }
 
@@ -279,7 +279,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   ScoreResult out;
   Reader reader(value, "", status);
   Members(reader, out);
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return out;
 }
 

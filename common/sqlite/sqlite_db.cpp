@@ -270,7 +270,7 @@ Status SqliteDb::CopyTo(const std::filesystem::path& target, const CopyProgress&
 Result<int64_t> SqliteDb::Pragma(const char* sql) {
   Query q(*this, sql);
   const int64_t value = q.Next() ? q.Int(0) : 0;
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return value;
 }
 

@@ -169,7 +169,7 @@ Result<Moment> ReplayToMoment(const std::function<std::unique_ptr<core::Core>()>
   if (!moment.ok()) {
     if (!discarded.empty()) keyframes.Truncate(0);
     moment = FromStart(journey, make_core());
-    if (!moment.ok()) return moment.status();
+    ENAMEL_RETURN_IF_ERROR(moment.status());
   }
   moment->whole = moment->report.chunks == chunks.size();
   moment->discarded = discarded;

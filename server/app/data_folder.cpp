@@ -54,7 +54,7 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
       missing.emplace_back(folder / name, std::move(*theirs));
       continue;
     }
-    if (!mine.ok()) return mine.status();
+    ENAMEL_RETURN_IF_ERROR(mine.status());
     if (*mine == *theirs) continue;
     return Status(Code::kConflict,
                   "expected the " + std::string(name) + " of " + from.string() + " in " +

@@ -91,7 +91,7 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(
     StoredBlobs& blobs, ExerciseRows& exercises, const SceneRow& row, const std::string& name,
     const std::optional<Uuid>& cohort, const std::function<void(const std::string&)>& begin) {
   auto scene = StoredScene(blobs, row);
-  if (!scene.ok()) return scene.status();
+  ENAMEL_RETURN_IF_ERROR(scene.status());
   std::vector<ExerciseRow> out;
   std::string known;
   for (const scene::Exercise& exercise : scene::BuiltinExercises(*scene, row.content)) {
@@ -116,7 +116,7 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(
 Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const SceneRow& row, const Uuid& cohort) {
   auto scene = StoredScene(blobs, row);
-  if (!scene.ok()) return scene.status();
+  ENAMEL_RETURN_IF_ERROR(scene.status());
   return PublishDocument(blobs, exercises, scene::ClassOneExercise(*scene, row.content), cohort);
 }
 

@@ -102,7 +102,7 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people) {
   for (const DemoPerson& demo : kPeople) {
     auto person = people.PersonByLogin(demo.login);
     if (!person.ok() && person.status().code() == Code::kNotFound) continue;
-    if (!person.ok()) return person.status();
+    ENAMEL_RETURN_IF_ERROR(person.status());
     ENAMEL_ASSIGN_OR_RETURN(auto verifier, people.PasswordVerifier(person->id));
     // Disabled is as good as another password. Asked first, because argon2id is slow on purpose.
     bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), verifier);
@@ -125,7 +125,7 @@ Status SeedDemo(const SeedOptions& options, const std::function<void(const std::
   }
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(store));
   auto scene = EnsureMolar(store.blobs, store.scenes, options.voxel_um * 1000, begin);
-  if (!scene.ok()) return scene.status();
+  ENAMEL_RETURN_IF_ERROR(scene.status());
   begin("publishing the exercise of " + scene->name);
   auto exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);
   // The last one published is the one that is reported: what the caller brought, where there is
@@ -133,10 +133,10 @@ Status SeedDemo(const SeedOptions& options, const std::function<void(const std::
   if (exercise.ok() && !options.scene.empty()) {
     begin("publishing the exercise of " + options.scene);
     scene = PublishScene(store.blobs, store.scenes, options.scene, options.voxel_um * 1000);
-    if (!scene.ok()) return scene.status();
+    ENAMEL_RETURN_IF_ERROR(scene.status());
     exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);
   }
-  if (!exercise.ok()) return exercise.status();
+  ENAMEL_RETURN_IF_ERROR(exercise.status());
   ENAMEL_RETURN_IF_ERROR(FollowNewest(store.assignments, *exercise, cohort));
   ENAMEL_ASSIGN_OR_RETURN(auto reference, store.references.ReferenceFor(exercise->id));
 

@@ -150,7 +150,7 @@ Status Authenticator::TurnAway(const char* why, std::string login, const std::st
 Status Authenticator::NotAdmitted(const std::string& login, const std::string& address,
                                   const std::string& via, const Status& why) {
   // The store failed, or its threads are busy, which was noted: that is no refusal of this person.
-  if (RetryAfterSeconds(why) == 0) return why;
+  if (why.retry_after_s() == 0) return why;
   return TurnAway("throttled", login, address, via, why);
 }
 
@@ -287,7 +287,7 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
     return TurnAway("one-time", login, request.address, request.via, late);
   }
   auto signed_in = BeginSession(person, request.via, request.address, request.device);
-  if (!signed_in.ok()) return signed_in;
+  ENAMEL_RETURN_IF_ERROR(signed_in.status());
   ++counts_.signed_in;
   // A browser that shows its tokens needs no place: neither its address nor this server's memory.
   places_.Know(login,

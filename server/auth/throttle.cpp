@@ -23,9 +23,6 @@ constexpr int64_t kFirstTryEveryMs = 500;
 constexpr uint32_t kHardlyAFailure = 1;
 constexpr uint32_t kForgivenBySuccess = 2;
 
-constexpr std::string_view kField = "throttled";
-constexpr std::string_view kWords = "too many failed sign-ins; try again in ";
-
 OfTry<std::string> NamesOf(const std::string& given, const Origin& origin) {
   const std::string block = AddressBlock(origin.address), site = AddressSite(origin.address);
   const bool by_address = origin.party.empty();
@@ -125,18 +122,11 @@ void Add(SignInCounter& counter, UnixMs now_ms) {
 }  // namespace
 
 Status Throttled(int64_t wait_ms) {
+  const auto seconds = static_cast<int32_t>((wait_ms + 999) / 1000);
   return Status(Code::kUnavailable,
-                std::string(kWords) + std::to_string((wait_ms + 999) / 1000) + " s",
-                std::string(kField));
-}
-
-int64_t RetryAfterSeconds(const Status& status) {
-  std::string_view text = status.message();
-  int64_t seconds = 0;
-  if (status.field() != kField || !text.starts_with(kWords)) return 0;
-  text.remove_prefix(kWords.size());
-  std::from_chars(text.data(), text.data() + text.size(), seconds);
-  return seconds;
+                "too many failed sign-ins; try again in " + std::to_string(seconds) + " s",
+                "throttled")
+      .RetryAfter(seconds);
 }
 
 Result<Admission> Throttle::Admit(const std::string& given, const Origin& origin, UnixMs now_ms) {

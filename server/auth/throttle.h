@@ -78,9 +78,7 @@ class Throttle {
   std::unique_ptr<FailureCounters> counters_;
 };
 
-// kUnavailable, field "throttled", with the seconds to wait in the message.
+// kUnavailable, field "throttled", with the seconds to wait as retry_after_s().
 Status Throttled(int64_t wait_ms);
-// The seconds that Throttled said; none for any other status: 0.
-int64_t RetryAfterSeconds(const Status& status);
 
 }  // namespace enamel::server::auth

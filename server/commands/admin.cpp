@@ -204,8 +204,8 @@ Result<std::string> MakeEnrolCode(StationRows& stations, const Sha256& fingerpri
   std::string code = ToHex(random);
   const UnixMs expires = enamel::UnixMs() + UnixMs{valid_minutes} * 60'000;
   // The hash alone is kept, so that a copy of the database enrols no station.
-  auto added = stations.AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
-  if (!added.ok()) return added.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto added,
+                          stations.AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine));
   return code + "@" + fingerprint.Hex();
 }
 

@@ -169,25 +169,24 @@ Status ListStationSettings(const std::filesystem::path& data) {
 
 Status PutProfile(const std::filesystem::path& data, const std::string& name_or_path,
                   bool check_only) {
-  auto profile = scene::FindProfile(name_or_path);
-  if (!profile.ok()) return profile.status();
-  auto criteria = scene::CheckProfile(*profile);
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(name_or_path));
+  auto criteria = scene::CheckProfile(profile);
   // Also when all is well: an admin who lets a device into a course sees by how much each criterion
   // is met.
   Show(criteria);
   if (!scene::IsAcceptable(criteria)) {
-    return {Code::kInvalidInput, "device profile \"" + profile->name +
+    return {Code::kInvalidInput, "device profile \"" + profile.name +
                                      "\" does not meet every criterion above; nothing was stored"};
   }
   // Before the data folder is opened, so that a profile can be checked where there is none.
   if (check_only) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   // Our own writer formats it: the same profile has the same hash, whatever the layout of the file.
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store->blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store->blobs.PutBlob(AsBytes(scene::ToJson(profile))));
   ENAMEL_RETURN_IF_ERROR(
-      store->profiles.PutProfile({profile->name, profile->title, content}, kCommandLine));
-  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->profiles.ProfileVersions(profile->name));
-  Say("device profile \"{}\" version {}\n", profile->name, versions.front().version);
+      store->profiles.PutProfile({profile.name, profile.title, content}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->profiles.ProfileVersions(profile.name));
+  Say("device profile \"{}\" version {}\n", profile.name, versions.front().version);
   return Status::Ok();
 }
 

@@ -64,7 +64,7 @@ Status Move(const MoveCommand& command) {
     ConsoleProgress progress;
     return MoveSchool({command.data, command.to, command.accept_damage, Telling(progress)});
   }();
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   uint64_t rows = 0;
   for (const TableDigest& table : report->tables) rows += table.rows;
   Say("moved: {} of {}, {} ({:.1f} MiB{}), {}; all read back and compared\n", Counted(rows, "row"),

@@ -60,7 +60,7 @@ Result<AttemptRow> WaitForVerdict(AttemptRows& attempts, JobRows& jobs, const Uu
   auto until = std::chrono::steady_clock::now() + std::chrono::seconds(wait_s);
   for (int poll = 1;; ++poll) {
     auto row = attempts.AttemptById(attempt);
-    if (!row.ok()) return row;
+    ENAMEL_RETURN_IF_ERROR(row.status());
     ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(jobs, attempt));
     bool settled = row->state == AttemptState::kScored || row->state == AttemptState::kFailed ||
                    row->state == AttemptState::kQuarantined;

@@ -355,8 +355,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   row.late_allowed = false;
   // Terms have to open before they are due (CheckTerms), also those that had not opened yet.
   if (row.opens_ms >= row.due_ms) row.opens_ms = 0;
-  auto ended = store->assignments.ReplaceAssignment(row, kCommandLine);
-  if (!ended.ok()) return ended.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto ended, store->assignments.ReplaceAssignment(row, kCommandLine));
   Say("{} is due now, and no attempt can begin under this assignment any more. It stays for the "
       "attempts made under it; release --assignment lets students see their scores\n",
       row.exercise);

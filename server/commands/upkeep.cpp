@@ -307,7 +307,7 @@ Status RestoreBackup(const RestoreCommand& asked) {
     ConsoleProgress progress;
     return Restore(OptionsOf(command, Telling(progress)));
   }();
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   Say("restored the backup of {}: {}, {}\n", UtcText(report->created_ms) + " UTC",
       Counted(report->files, "file"), Mib(report->bytes));
   Say("{} erased again; all sessions have ended\n",
@@ -345,7 +345,7 @@ Status VerifyFolder(const VerifyCommand& asked) {
     return Verify({command.folder, command.keyring, Telling(progress), command.since,
                    command.is_backup || !command.newest.empty()});
   }();
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   Print(*report);
   // Before the verdict: the file is wanted most when something disagrees.
   ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(command.json, JsonOf(*report)));

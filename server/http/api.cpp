@@ -292,7 +292,7 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   }
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
-  if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
+  if (async && route.need == Need::kNobody) co_return Answered(co_await (*async)(call, store_));
   RequestPlaces::Place own = places_.Take(request);
   if (own.held == nullptr) {
     const std::string why =
@@ -346,7 +346,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route, std:
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
   // Not in one expression: g++ 12 destroys the result of a co_await in ?: twice.
-  if (allowed.ok()) co_return co_await handler(call, store_);
+  if (allowed.ok()) co_return Answered(co_await handler(call, store_));
   Response refused = ErrorResponse(allowed);
   // The check of a wrong password has already noted it.
   const LogRequest logged(call.request.id);
@@ -369,12 +369,12 @@ Response Api::Blocking(Call& call, const Route& route) {
   // The caller already got 503 ("not done") and may have sent the request again.
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   auto handler = std::get<BlockingHandler>(route.handler);
-  if (route.need == Need::kNobody) return handler(call, store_);
+  if (route.need == Need::kNobody) return Answered(handler(call, store_));
   Result<auth::Identity> caller = Identify(call.request);
   if (!caller.ok()) return ErrorResponse(caller.status());
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
-  Response response = allowed.ok() ? handler(call, store_) : ErrorResponse(allowed);
+  Response response = allowed.ok() ? Answered(handler(call, store_)) : ErrorResponse(allowed);
   NoteForbidden(call, route, response);
   return response;
 }

@@ -5,14 +5,13 @@
 #include <boost/json.hpp>
 
 #include "common/base/utf8.h"
-#include "server/auth/throttle.h"
 #include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace {
 
 // Where the refusal knows no time of its own.
-constexpr int64_t kRetryAfterSeconds = 5;
+constexpr int32_t kRetryAfterSeconds = 5;
 
 // Refusals that are finer than a Code, identified by their field.
 struct Finer {
@@ -67,7 +66,7 @@ int HttpStatus(const Status& status) {
 }
 
 Response MadeResponse(int status, std::string_view code, std::string_view message,
-                      std::string_view field, int64_t retry_after_s) {
+                      std::string_view field, int32_t retry_after_s = 0) {
   Response response;
   response.status = status;
   response.content_type = "application/json";
@@ -79,7 +78,8 @@ Response MadeResponse(int status, std::string_view code, std::string_view messag
   // its own for login and password: the page asks for them.
   if (status == 401) response.headers.emplace_back("WWW-Authenticate", "Session realm=\"Enamel\"");
   if (status == 503 || status == 429) {
-    response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
+    response.headers.emplace_back(
+        "Retry-After", std::to_string(retry_after_s > 0 ? retry_after_s : kRetryAfterSeconds));
   }
   return response;
 }
@@ -88,15 +88,14 @@ Response MadeResponse(int status, std::string_view code, std::string_view messag
 
 Response ErrorResponse(int status, std::string_view code, std::string_view message,
                        std::string_view field) {
-  return MadeResponse(status, code, message, field, kRetryAfterSeconds);
+  return MadeResponse(status, code, message, field);
 }
 
 Response ErrorResponse(const Status& status) {
   if (const Finer* finer = FinerOf(status)) {
-    const int64_t wait_s = auth::RetryAfterSeconds(status);
     return MadeResponse(finer->http_status, finer->name, status.message(),
                         finer->shows_field ? finer->field : std::string_view{},
-                        wait_s > 0 ? wait_s : kRetryAfterSeconds);
+                        status.retry_after_s());
   }
   int http_status = HttpStatus(status);
   if (http_status == 500) {
@@ -114,6 +113,13 @@ Response Done() {
   return response;
 }
 
-Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
+Result<Response> DoneOr(const Status& status) {
+  ENAMEL_RETURN_IF_ERROR(status);
+  return Done();
+}
+
+Response Answered(Result<Response> result) {
+  return result.ok() ? std::move(result).value() : ErrorResponse(result.status());
+}
 
 }  // namespace enamel::server::http

@@ -27,6 +27,8 @@ Response ErrorResponse(int status, std::string_view code, std::string_view messa
 // 204: done, and there is nothing to say about it.
 Response Done();
 // That, or the refusal.
-Response DoneOr(const Status& status);
+Result<Response> DoneOr(const Status& status);
+// What a handler came to.
+Response Answered(Result<Response> result);
 
 }  // namespace enamel::server::http

@@ -139,7 +139,7 @@ Result<json::object> TextMembers(const Request& request,
                   "body"};
   }
   Result<json::object> parsed = ParseObject(request);
-  if (!parsed.ok()) return parsed;
+  ENAMEL_RETURN_IF_ERROR(parsed.status());
   json::object& object = *parsed;
   for (const TextMember& member : members) {
     const json::value* found = object.if_contains(member.name);

@@ -12,9 +12,8 @@ constexpr size_t kMaxCursor = 1024;
 
 Result<Page> PageOf(const Request& request, uint32_t otherwise, uint32_t at_most) {
   Page out;
-  Result<uint32_t> limit = QueryLimit(request, otherwise, at_most);
-  if (!limit.ok()) return limit.status();
-  out.limit = *limit;
+  ENAMEL_ASSIGN_OR_RETURN(uint32_t limit, QueryLimit(request, otherwise, at_most));
+  out.limit = limit;
   auto given = request.query.find("cursor");
   if (given == request.query.end()) return out;
   // In hexadecimal because a key may be a name, with any letters. It is no secret: it names a place

@@ -25,13 +25,13 @@ Rows& In(Store& s) {
 }
 
 template <auto kHandler, typename... Rows>
-constexpr BlockingHandler Adapt(Response (*)(const Call&, Rows&...)) {
+constexpr BlockingHandler Adapt(Result<Response> (*)(const Call&, Rows&...)) {
   return [](const Call& call, [[maybe_unused]] Store& store) {
     return kHandler(call, In<Rows>(store)...);
   };
 }
 template <auto kHandler, typename... Rows>
-constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call, Rows&...)) {
+constexpr AsyncHandler Adapt(asio::awaitable<Result<Response>> (*)(Call, Rows&...)) {
   return
       [](Call call, [[maybe_unused]] Store& store) { return kHandler(call, In<Rows>(store)...); };
 }

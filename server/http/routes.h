@@ -77,9 +77,9 @@ struct Call {
 };
 
 // Runs on the store's threads and may block.
-using BlockingHandler = Response (*)(const Call&, Store&);
+using BlockingHandler = Result<Response> (*)(const Call&, Store&);
 // Runs on the connection's strand and must not block.
-using AsyncHandler = boost::asio::awaitable<Response> (*)(Call, Store&);
+using AsyncHandler = boost::asio::awaitable<Result<Response>> (*)(Call, Store&);
 
 struct Route {
   Method method;

@@ -148,9 +148,8 @@ Status ServerContext::Prepare() {
     ENAMEL_ASSIGN_OR_RETURN(tls, PageTls::Load(*options.tls));
   }
   if (!options.web_root.empty()) {
-    Result<StaticFiles> loaded = StaticFiles::Load(options.web_root);
-    if (!loaded.ok()) return loaded.status();
-    files = std::move(*loaded);
+    ENAMEL_ASSIGN_OR_RETURN(StaticFiles loaded, StaticFiles::Load(options.web_root));
+    files = std::move(loaded);
   }
   return {};
 }

@@ -96,14 +96,13 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
     // A link could lead out of the folder. All files are read now and none later: no request's path
     // ever reaches the file system.
     if (walk->is_symlink(error) || !walk->is_regular_file(error)) continue;
-    Result<Bytes> bytes = ReadFile(walk->path(), kMaxTogether);
-    if (!bytes.ok()) return bytes.status();
-    together += bytes->size();
+    ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, ReadFile(walk->path(), kMaxTogether));
+    together += bytes.size();
     if (together > kMaxTogether) {
       return Status{Code::kTooLarge, "expected a page of at most 64 MiB in " + folder.string() +
                                          ", found more; is this the page's dist folder?"};
     }
-    auto content = std::make_shared<const std::string>(AsText(*bytes));
+    auto content = std::make_shared<const std::string>(AsText(bytes));
     std::string path = fs::relative(walk->path(), folder, error).generic_string();
     path.insert(path.begin(), '/');
     if (StripSuffix(path, ".br")) {

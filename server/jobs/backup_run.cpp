@@ -428,7 +428,7 @@ Status BackupRun::TryRestore(const fs::path& backup, const std::stop_token& stop
   const auto outcome =
       Follow(std::move(words), {"restore drill", place_.silence, place_.drill_most, {}}, stop);
   fs::remove_all(into, error);
-  if (!outcome.ok()) return outcome.status();
+  ENAMEL_RETURN_IF_ERROR(outcome.status());
   if (const uint64_t findings = Number(*outcome, "findings"); findings > 0) {
     return Status(Code::kStorage, Counted(findings, "finding") + " in what was restored from " +
                                       backup.string() + ", the first: " + Text(*outcome, "first"));

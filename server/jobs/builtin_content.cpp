@@ -63,7 +63,7 @@ Result<ExerciseRow> PublishUnassigned(StoredBlobs& blobs, ExerciseRows& exercise
   }
   // As a draft that is published at once: drafts are assigned to nobody.
   auto draft = exercises.PutDraft(row, by);
-  if (!draft.ok()) return draft;
+  ENAMEL_RETURN_IF_ERROR(draft.status());
   return exercises.PublishDraft(draft->id, draft->revision, by);
 }
 

@@ -36,7 +36,7 @@ Result<std::shared_ptr<const ReferenceCut>> ReferenceCache::Get(Store& store, co
     }
   }
   auto cut = Read(store, attempt);
-  if (!cut.ok()) return cut;
+  ENAMEL_RETURN_IF_ERROR(cut.status());
   MutexLock lock(mutex_);
   kept_.emplace_front(attempt, *cut);
   if (kept_.size() > capacity_) kept_.pop_back();

@@ -147,7 +147,7 @@ class ScoreJob {
     auto documents = scene::ReadDocuments(ticket.exercise, ticket.profile, [&](const Sha256& hash) {
       return store_.blobs.GetBlob(hash);
     });
-    if (!documents.ok()) return documents.status();
+    ENAMEL_RETURN_IF_ERROR(documents.status());
     ENAMEL_RETURN_IF_ERROR(
         scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));
     exercise_ = std::move(documents->exercise);
@@ -239,7 +239,7 @@ class ScoreJob {
         [&](double done) { return Tell(kReplayFrom + (kReplayTo - kReplayFrom) * done).ok(); },
         // Nothing is scored then: hours of nonsense must not be computed to their last tick.
         trace::AfterDifference::kStop);
-    if (!report.ok()) return report.status();
+    ENAMEL_RETURN_IF_ERROR(report.status());
     report_ = std::move(report).value();
     if (report_.witness_ok) return Status::Ok();
     return Status(Code::kConflict,

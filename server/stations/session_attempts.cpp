@@ -158,7 +158,7 @@ Status Session::CheckParams(const trace::Header& header) {
   auto documents =
       scene::ReadDocuments(header.ticket.exercise, header.ticket.profile,
                            [&](const Sha256& hash) { return services_.store.blobs.GetBlob(hash); });
-  if (!documents.ok()) return documents.status();
+  ENAMEL_RETURN_IF_ERROR(documents.status());
   return scene::CheckMadeOf(*documents, header.scene, header.volume, header.params);
 }
 
@@ -187,7 +187,7 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
 Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   auto person = services_.store.people.PersonById(row.person);
   if (person.status().code() == Code::kNotFound) return Status::Ok();
-  if (!person.ok()) return person.status();
+  ENAMEL_RETURN_IF_ERROR(person.status());
   row.as_reference = CanRecordReference(*person);
   if (person->role != Role::kStudent) return Status::Ok();
   row.flags |= kReadmitted;
@@ -238,7 +238,7 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   if (exercise.status().code() == Code::kNotFound) {
     return Await(ticket, "exercise", ticket.exercise.Hex());
   }
-  if (!exercise.ok()) return exercise.status();
+  ENAMEL_RETURN_IF_ERROR(exercise.status());
   if (!services_.store.blobs.HasBlob(ticket.profile)) {
     return Await(ticket, "profile", ticket.profile.Hex());
   }
@@ -258,7 +258,7 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   if (made.code() == Code::kNotFound && made.field() == "person") {
     return Await(ticket, "person", ticket.person.Text());
   }
-  if (!made.ok()) return made;
+  ENAMEL_RETURN_IF_ERROR(made);
   return services_.store.attempts.AttemptById(ticket.attempt);
 }
 
@@ -279,7 +279,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   auto row = services_.store.attempts.AttemptById(attempt);
   const bool forgotten = row.status().code() == Code::kNotFound;
   if (forgotten) row = Readmit(header.ticket);
-  if (!row.ok()) return row.status();
+  ENAMEL_RETURN_IF_ERROR(row.status());
   // One that is open already had its documents compared when it was opened.
   if (row->state == AttemptState::kTicketed) {
     if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header.ticket));

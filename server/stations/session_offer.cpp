@@ -34,7 +34,7 @@ Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(held.attempt(), "attempts.attempt"));
   auto row = services_.store.attempts.AttemptById(attempt);
   if (row.status().code() == Code::kNotFound) return true;
-  if (!row.ok()) return row.status();
+  ENAMEL_RETURN_IF_ERROR(row.status());
   // Another station's counts as complete: the offering station keeps it and learns nothing.
   if (row->station != station_->id) return false;
   if (row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording) return true;
@@ -48,12 +48,12 @@ Result<bool> Session::Revoked(const Uuid& attempt) {
   auto row = services_.store.attempts.AttemptById(attempt);
   // Issued before a restore: its signature says that it was.
   if (row.status().code() == Code::kNotFound) return false;
-  if (!row.ok()) return row.status();
+  ENAMEL_RETURN_IF_ERROR(row.status());
   bool open = row->state == AttemptState::kTicketed && (row->flags & kReturned) == 0;
   if (row->station != station_->id || !open) return true;
   auto person = services_.store.people.PersonById(row->person);
   if (person.status().code() == Code::kNotFound) return true;
-  if (!person.ok()) return person.status();
+  ENAMEL_RETURN_IF_ERROR(person.status());
   return person->disabled;
 }
 

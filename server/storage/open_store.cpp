@@ -55,13 +55,13 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     auto held = FolderLock::Take(options.folder / kServerLock, FolderLock::Mode::kExclusive,
                                  "another enamel-server uses " + options.folder.string() +
                                      "; stop it first or name another folder");
-    if (!held.ok()) return held.status();
+    ENAMEL_RETURN_IF_ERROR(held.status());
     lock.emplace(std::move(held).value());
     return Status::Ok();
   };
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(acquire());
   auto database = open();
-  if (!database.ok()) return database.status();
+  ENAMEL_RETURN_IF_ERROR(database.status());
   Db& db = *database->writer;
   db.SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(db));
@@ -94,7 +94,7 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
     key = EnsureTicketKey(options.folder, DiskOf(options));
-    if (!key.ok()) return key.status();
+    ENAMEL_RETURN_IF_ERROR(key.status());
     ENAMEL_RETURN_IF_ERROR(db.Migrate(migrations));
   }
   Uuid server;

@@ -48,8 +48,7 @@ Result<PreparedAttempt> PrepareResume(Workplace& workplace, const RunOptions& op
   ENAMEL_ASSIGN_OR_RETURN(auto id, Unfinished(workplace, options.resume));
   // Begun on a reserved ticket: its PIN proves the person, with or without the server.
   if (!options.pin.empty()) return workplace.PrepareResume(id, options.pin);
-  auto person = workplace.SignIn(options.login, options.password);
-  if (!person.ok()) return person.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto person, workplace.SignIn(options.login, options.password));
   return workplace.PrepareResume(id);
 }
 
@@ -60,8 +59,7 @@ Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options)
     ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.reserved));
     return workplace.PrepareReserved(id, options.pin);
   }
-  auto person = workplace.SignIn(options.login, options.password);
-  if (!person.ok()) return person.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto person, workplace.SignIn(options.login, options.password));
   WantedExercise wanted{options.exercise, {}, {}};
   // A device identifies itself when it is opened.
   if (options.device.device.empty()) {
@@ -483,11 +481,11 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   // A line that was typed while the device was opened is no wish to finish.
   if (options.finish) ::tcflush(STDIN_FILENO, TCIFLUSH);
   // A simulated device's time is the loop's own: lateness harms nobody.
-  auto attempt = workplace->Begin(
-      job, *tool.device,
-      {options.lockstep, tool.simulated == nullptr, screen.observer(), options.cpu});
-  if (!attempt.ok()) return attempt.status();
-  return Watcher(options, **attempt, job, tool, screen, *workplace).Run();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt,
+                          workplace->Begin(job, *tool.device,
+                                           {options.lockstep, tool.simulated == nullptr,
+                                            screen.observer(), options.cpu}));
+  return Watcher(options, *attempt, job, tool, screen, *workplace).Run();
 }
 
 }  // namespace enamel::station

@@ -38,7 +38,7 @@ constexpr double kMargin = 0.9;
 Result<MeasuredDevice> OpenSimulated(const CalibrateCommand& options) {
   MeasuredDevice out;
   auto truth = scene::FindProfile(options.device.substr(kSimulated.size()));
-  if (!truth.ok()) return truth.status();
+  ENAMEL_RETURN_IF_ERROR(truth.status());
   ENAMEL_ASSIGN_OR_RETURN(auto profile,
                           options.profile.empty() ? truth : scene::FindProfile(options.profile));
   core::CoreParams params;
@@ -317,32 +317,32 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
 Status CalibrateDevice(const CalibrateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.calibration, "--calibration"));
-  auto subject = options.device.starts_with(kSimulated)
-                     ? OpenSimulated(options)
-                     : OpenToMeasure(options.device, options.profile, options.rate_hz);
-  if (!subject.ok()) return subject.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto subject,
+                          options.device.starts_with(kSimulated)
+                              ? OpenSimulated(options)
+                              : OpenToMeasure(options.device, options.profile, options.rate_hz));
   // Reports a name that the document does not allow before anything moves.
-  scene::DeviceProfile named = subject->profile;
-  named.name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
+  scene::DeviceProfile named = subject.profile;
+  named.name = options.name.empty() ? subject.profile.name + "-measured" : options.name;
   if (auto valid = scene::ProfileFromJson(scene::ToJson(named)); !valid.ok()) return valid.status();
-  ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, *subject));
-  ENAMEL_ASSIGN_OR_RETURN(auto axes, Measure(*subject, options));
+  ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, subject));
+  ENAMEL_ASSIGN_OR_RETURN(auto axes, Measure(subject, options));
   AxisFigures worst = WorstOf(axes);
   std::string answers;
-  const auto time = subject->device->answer_time();
+  const auto time = subject.device->answer_time();
   if (time) {
     RaiseToAnswers(worst.delay_ticks, *time, options.rate_hz);
     answers = "; " + AnswersText(*time);
   }
-  Print(worst, axes, subject->profile);
+  Print(worst, axes, subject.profile);
   if (!answers.empty()) std::printf("%s\n", answers.c_str() + 2);
 
-  auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
-                                 "measured " + Today() + " on " + subject->address);
+  auto proposed = ProposeProfile(worst, options.rate_hz, subject.profile, named.name,
+                                 "measured " + Today() + " on " + subject.address);
   scene::Calibration document = CalibrationOf(worst, options.rate_hz);
   if (time) NoteAnswers(document, *time);
-  document.device = subject->address;
-  document.profile = subject->profile.name;
+  document.device = subject.address;
+  document.profile = subject.profile.name;
   if (auto station = LoadCredentials(options.data); station.ok()) document.station = station->name;
   document.software = SoftwareName();
   document.measured_ms = UnixMs();
@@ -351,12 +351,12 @@ Status CalibrateDevice(const CalibrateCommand& options) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.calibration, AsBytes(scene::ToJson(document))));
     std::printf("measurement: %s\n", options.calibration.c_str());
   }
-  if (subject->real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, *subject));
-  if (!proposed.ok()) return proposed.status();
+  if (subject.real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, subject));
+  ENAMEL_RETURN_IF_ERROR(proposed.status());
   proposed->bus_delay_ticks.source += answers;
   // A simulated device is no unit.
-  proposed->delay_measured = subject->real;
-  proposed->friction_measured = subject->real && scene::FrictionOf(document).has_value();
+  proposed->delay_measured = subject.real;
+  proposed->friction_measured = subject.real && scene::FrictionOf(document).has_value();
   for (const std::string& member : scene::AskedFor(*proposed)) {
     std::printf(
         "not measured, and not published: %s. Ask the maker, and write it into the profile\n",

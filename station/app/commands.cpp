@@ -105,14 +105,13 @@ Status GiveBackReserved(const GiveBackCommand& options) {
   }
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   if (options.pin.empty()) {
-    auto person = workplace->SignIn(options.login, options.password);
-    if (!person.ok()) return person.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto person, workplace->SignIn(options.login, options.password));
   }
   // Requires the PIN or the person's password, so that others at this chair cannot hand it back.
-  auto given = options.pin.empty() ? workplace->GiveBack(id) : workplace->GiveBack(id, options.pin);
-  if (!given.ok()) return given.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto given, options.pin.empty() ? workplace->GiveBack(id)
+                                                          : workplace->GiveBack(id, options.pin));
   std::printf("%s is given back: %s\n", options.attempt.c_str(),
-              *given == HandedBack::kAtServer
+              given == HandedBack::kAtServer
                   ? "it no longer counts"
                   : "it can no longer be used here; the server could not be reached, so this "
                     "station returns it later");

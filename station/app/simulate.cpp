@@ -113,13 +113,12 @@ Result<SimulationReport> Simulate(const scene::BuiltScene& built, const scene::E
     return Status(Code::kNotFound, "no operator '" + operator_name + "'", "operator");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
-  auto device =
-      MakeSimulatedDevice(*preset, built.scene, exercise, profile, params, built.volume, seed);
-  if (!device.ok()) return device.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto device, MakeSimulatedDevice(*preset, built.scene, exercise, profile,
+                                                           params, built.volume, seed));
   core::Core core(params, built.volume);
   // Emptied after every tick, so that it never holds more than one.
   SampleRing ring(4);
-  TickLoop loop(**device, core, ring, {params.rate_hz, true, false});
+  TickLoop loop(*device, core, ring, {params.rate_hz, true, false});
   SimulationReport report;
   std::vector<double> forces;
   auto begin = std::chrono::steady_clock::now();

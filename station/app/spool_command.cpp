@@ -276,7 +276,7 @@ Status ListSpool(const SpoolCommand& options) {
 Status ShowLoops(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::OpenToRead(options.workplace.data));
   auto id = AttemptMeant(*spool, options.attempt, [](const auto&) { return true; });
-  if (!id.ok()) return id.status();
+  ENAMEL_RETURN_IF_ERROR(id.status());
   if (auto there = spool->Get(*id); !there.ok()) return there.status();
   ENAMEL_ASSIGN_OR_RETURN(auto kept, spool->loop_facts().Of(*id));
   json::array runs;
@@ -337,7 +337,7 @@ Status ExportFromSpool(const SpoolCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::OpenToRead(options.workplace.data));
   auto id = AttemptMeant(*spool, options.attempt, [](const auto&) { return true; });
-  if (!id.ok()) return id.status();
+  ENAMEL_RETURN_IF_ERROR(id.status());
   ENAMEL_ASSIGN_OR_RETURN(auto file, spool->Export(*id));
   Bytes bytes = trace::EncodeTraceFile(file);
   // Only for this user: a recording is personal data (schemas/personal_data.md).
@@ -358,8 +358,7 @@ Status UploadSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
   if (!options.again.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.again));
-    auto there = spool->Get(id);
-    if (!there.ok()) return there.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto there, spool->Get(id));
     ENAMEL_RETURN_IF_ERROR(spool->ClearRefusal(id));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(*spool));
@@ -425,10 +424,9 @@ Status SalvageIntoFolder(const SpoolCommand& options) {
 Status CloseInSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
   // A window may be recording this very attempt, which must not be ended meanwhile.
-  auto lock = spool->LockForRecording();
-  if (!lock.ok()) return lock.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto lock, spool->LockForRecording());
   auto id = AttemptMeant(*spool, options.attempt, [](const auto& a) { return !a.seal; });
-  if (!id.ok()) return id.status();
+  ENAMEL_RETURN_IF_ERROR(id.status());
   ENAMEL_ASSIGN_OR_RETURN(auto seal, spool->CloseAttempt(*id));
   ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(
       options.json, {{"attempt_id", id->Text()}, {"chunks", seal.chunks}, {"ticks", seal.ticks}}));

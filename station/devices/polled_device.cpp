@@ -264,7 +264,7 @@ Status PolledDevice::CheckPlace(PolledBus& bus) {
 Status PolledDevice::CheckReopened(const Result<std::unique_ptr<PolledBus>>& opened) {
   // An arm that is not near its middle may be lost, and may pass there later.
   if (counts_from_power_up_ && opened.status().field() == trouble::kMiddle) is_lost_ = true;
-  if (!opened.ok()) return opened.status();
+  ENAMEL_RETURN_IF_ERROR(opened.status());
   ENAMEL_RETURN_IF_ERROR(CheckUnit(**opened));
   return counts_from_power_up_ ? CheckPlace(**opened) : Status::Ok();
 }

@@ -47,8 +47,7 @@ PedalReading ReadPedal(const PedalSettings& settings, ByteView report) noexcept 
 Result<std::unique_ptr<FootPedal>> FootPedal::Open(const PedalSettings& settings) {
   ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(settings.match));
   // Tried once here, so that a refusal is reported instead of retried for ever.
-  auto port = HidPort::Open(info.path);
-  if (!port.ok()) return port.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto port, HidPort::Open(info.path));
   return std::unique_ptr<FootPedal>(
       new FootPedal(settings, info.name.empty() ? settings.match.Text() : info.name));
 }

@@ -108,7 +108,7 @@ Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                        "'. 'enamel-station devices' lists what is "
                        "attached",
                    "device");
-  if (!device.ok()) return device;
+  ENAMEL_RETURN_IF_ERROR(device.status());
   return WithPedal(std::move(*device), choice.pedal);
 }
 

@@ -60,8 +60,7 @@ SpaceMouseMotion MotionOf(const SpaceMouseState& state,
 Result<std::unique_ptr<SpaceMouse>> SpaceMouse::Open(const SpaceMouseSettings& settings,
                                                      double resolution_m, double tick_s) {
   ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(settings.match));
-  auto port = HidPort::Open(info.path);
-  if (!port.ok()) return port.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto port, HidPort::Open(info.path));
   return std::unique_ptr<SpaceMouse>(new SpaceMouse(
       settings, info.name.empty() ? "6-DoF mouse" : info.name, resolution_m, tick_s));
 }

@@ -379,9 +379,8 @@ Result<Line> OpenLine(const UsbInfo& info) {
 
 // Why it cannot be used now, and what to do; empty: it can. Sends it frames of force 0.
 Status WhyNotUsable(const UsbInfo& info, const std::string& file) {
-  auto line = OpenLine(info);
-  if (!line.ok()) return line.status();
-  if (!SetForFrames(*line) || IsLoaded(*line)) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto line, OpenLine(info));
+  if (!SetForFrames(line) || IsLoaded(line)) return Status::Ok();
   return ReadFirmware(file).status();
 }
 

@@ -135,7 +135,7 @@ Result<std::unique_ptr<Device>> OpenChosenDevice(const hid::DeviceChoice& choice
   const Driver* driver = Find(choice.device);
   if (driver == nullptr) return hid::OpenDevice(choice, profile, tick_s);
   auto device = Open(*driver, choice, profile);
-  if (!device.ok()) return device;
+  ENAMEL_RETURN_IF_ERROR(device.status());
   return hid::WithPedal(std::move(*device), choice.pedal);
 }
 

@@ -267,7 +267,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const DeviceP
                       params.status().message() + "): connect the device directly, or use another",
                   params.status().field());
   }
-  if (!params.ok()) return params.status();
+  ENAMEL_RETURN_IF_ERROR(params.status());
   prepared.header.params = *params;
   prepared.delay = used;
   using From = scene::DelayUsed::From;

@@ -64,7 +64,7 @@ Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const st
 
 Result<std::vector<LockedTicket>> TicketSafe::List() {
   auto all = spool_.tickets().List();
-  if (!all.ok()) return all.status();
+  ENAMEL_RETURN_IF_ERROR(all.status());
   std::erase_if(*all, [](const LockedTicket& t) { return t.handed_back(); });
   for (const LockedTicket& t : *all) {
     if (t.expires_unix_ms > clock_()) continue;

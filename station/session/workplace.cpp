@@ -157,13 +157,13 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
     ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
     person = link->SignIn(login, password);
   }
-  if (!person.ok()) return person.status();
+  ENAMEL_RETURN_IF_ERROR(person.status());
   uploader_.Retry();
   if (person->must_change_password && !chosen.empty()) {
     person = link->ChoosePassword(*person, password, chosen);
     // Ends the session that the one-time password began.
     if (!person.ok()) link->Close();
-    if (!person.ok()) return person.status();
+    ENAMEL_RETURN_IF_ERROR(person.status());
   }
   if (person->must_change_password) {
     const std::string page =
@@ -258,8 +258,7 @@ void Workplace::Describe(Catalogue& catalogue) {
 Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
                                            const Catalogue::Profile& profile) {
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   BlobCache cache(data_ / "blobs");
   auto prepared = Assemble(exercise.exercise, profile.profile,
                            [&](const Sha256& name) { return link->FetchBlob(name, cache); });

@@ -53,15 +53,13 @@ Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
 }
 
 Result<HandedBack> Workplace::GiveBack(const Uuid& attempt, const std::string& pin) {
-  auto ticket = safe_.Open(attempt, pin);
-  if (!ticket.ok()) return ticket.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
   return HandBackNow(attempt);
 }
 
 // The server gives information on an attempt only to people who may see it.
 Result<HandedBack> Workplace::GiveBack(const Uuid& attempt) {
-  auto progress = Progress(attempt);
-  if (!progress.ok()) return progress.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto progress, Progress(attempt));
   return HandBackNow(attempt);
 }
 

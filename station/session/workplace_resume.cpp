@@ -15,7 +15,7 @@ Result<std::vector<SpooledAttempt>> Workplace::Unfinished() {
 
 Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) {
   auto all = Unfinished();
-  if (!all.ok()) return all;
+  ENAMEL_RETURN_IF_ERROR(all.status());
   std::vector<SpooledAttempt> out;
   for (SpooledAttempt& a : *all) {
     ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));
@@ -26,7 +26,7 @@ Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) 
 
 Result<std::vector<SpooledAttempt>> Workplace::HandedInOf(const Uuid& person, size_t most) {
   auto all = spool_->List();
-  if (!all.ok()) return all;
+  ENAMEL_RETURN_IF_ERROR(all.status());
   std::ranges::reverse(*all);
   std::vector<SpooledAttempt> out;
   for (SpooledAttempt& a : *all) {
@@ -57,15 +57,14 @@ Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const Keep
 Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std::string& pin,
                                                  const KeepGoing& keep_going) {
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
-  auto ticket = safe_.Open(attempt, pin);
-  if (!ticket.ok()) return ticket.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
   return Replayed(header, keep_going);
 }
 
 // The documents that a recording was made of, from the cache, with its header.
 Result<PreparedAttempt> Workplace::OfHeader(const trace::Header& header) {
   auto prepared = FromCache(header.ticket.exercise, header.ticket.profile);
-  if (!prepared.ok()) return prepared.status();
+  ENAMEL_RETURN_IF_ERROR(prepared.status());
   // Parameters with another delay than the profile's belong to this version too.
   Status params =
       scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
@@ -75,7 +74,7 @@ Result<PreparedAttempt> Workplace::OfHeader(const trace::Header& header) {
         "attempt " + header.ticket.attempt.Text() + " was begun by another version of this program",
         "params");
   }
-  if (!params.ok()) return params;
+  ENAMEL_RETURN_IF_ERROR(params);
   prepared->header = header;
   return prepared;
 }
@@ -90,10 +89,9 @@ Result<std::unique_ptr<LookBack>> Workplace::LookBackAt(const Uuid& attempt) {
                                         " is somebody else's: only the person who made it can "
                                         "look back at it here");
   }
-  auto prepared = OfHeader(header);
-  if (!prepared.ok()) return prepared.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto prepared, OfHeader(header));
   ENAMEL_ASSIGN_OR_RETURN(auto file, spool_->Export(attempt));
-  return std::make_unique<LookBack>(std::move(*prepared), std::move(file));
+  return std::make_unique<LookBack>(std::move(prepared), std::move(file));
 }
 
 Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
@@ -111,7 +109,7 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
                       " and cannot be resumed by this one; 'enamel-station spool close' ends it "
                       "where it stopped");
   }
-  if (!prepared.ok()) return prepared.status();
+  ENAMEL_RETURN_IF_ERROR(prepared.status());
   prepared->sign_off = stored.sign_off;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
   // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
@@ -151,8 +149,7 @@ Status Workplace::MeasureGap(PreparedAttempt& prepared) {
 }
 
 Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
-  auto lock = spool_->LockForRecording();
-  if (!lock.ok()) return lock.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto lock, spool_->LockForRecording());
   auto seal = spool_->CloseAttempt(attempt);
   // In every case: an existing seal may be waiting to be sent.
   uploader_.Wake();

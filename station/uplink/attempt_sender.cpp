@@ -53,16 +53,15 @@ Result<size_t> AttemptSender::Offer() {
       held.push_back({all[from].id, all[from].chunks});
     }
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
-    auto wanted = link_.OfferAttempts(held, std::exchange(tickets, {}));
-    if (!wanted.ok()) return wanted.status();
-    for (const Uuid& id : wanted->attempts) {
+    ENAMEL_ASSIGN_OR_RETURN(auto wanted, link_.OfferAttempts(held, std::exchange(tickets, {})));
+    for (const Uuid& id : wanted.attempts) {
       // Only offered ids count: only they can be sent again.
       bool offered = std::ranges::find(held, id, &HeldAttempt::attempt) != held.end();
       if (!offered) continue;
       ENAMEL_RETURN_IF_ERROR(spool_.MarkWanted(id));
       ++wanted_count;
     }
-    for (const Uuid& id : wanted->revoked) ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(id));
+    for (const Uuid& id : wanted.revoked) ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(id));
   }
   return wanted_count;
 }

@@ -113,9 +113,9 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
   auto station = protocol::ReadUuid(reply.enrolled().station_id(), "station_id");
   auto credential = protocol::ReadKey(reply.enrolled().credential(), "credential");
   auto ticket_key = protocol::ReadKey(reply.enrolled().ticket_key(), "ticket_key");
-  if (!station.ok()) return station.status();
-  if (!credential.ok()) return credential.status();
-  if (!ticket_key.ok()) return ticket_key.status();
+  ENAMEL_RETURN_IF_ERROR(station.status());
+  ENAMEL_RETURN_IF_ERROR(credential.status());
+  ENAMEL_RETURN_IF_ERROR(ticket_key.status());
   Credentials out;
   out.server = server;
   out.fingerprint = code.fingerprint;
@@ -190,9 +190,9 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     auto exercise = protocol::ReadSha256(e.exercise(), "exercise");
     auto scene = protocol::ReadSha256(e.scene(), "scene");
     auto volume = protocol::ReadSha256(e.volume(), "volume");
-    if (!exercise.ok()) return exercise.status();
-    if (!scene.ok()) return scene.status();
-    if (!volume.ok()) return volume.status();
+    ENAMEL_RETURN_IF_ERROR(exercise.status());
+    ENAMEL_RETURN_IF_ERROR(scene.status());
+    ENAMEL_RETURN_IF_ERROR(volume.status());
     Uuid assignment;
     if (!e.assignment().empty()) {
       ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(e.assignment(), "assignment"));
@@ -261,16 +261,16 @@ Result<IssuedTicket> ServerLink::RequestTicket(const Credentials& credentials, c
   if (wanted.hand.kind != HandKind::kNotTold) protocol::SetHand(wanted.hand, *ask->mutable_hand());
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_ticket_issued()) return Unexpected("TicketIssued");
-  auto ticket = trace::DecodeTicket(AsBytes(reply.ticket_issued().ticket()));
-  if (!ticket.ok()) return ticket.status();
-  bool ours = ticket->station == credentials.station && ticket->person == person.id &&
-              ticket->exercise == wanted.exercise && ticket->profile == wanted.profile;
-  if (!ours || !trace::VerifyTicket(*ticket, credentials.ticket_key)) {
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket,
+                          trace::DecodeTicket(AsBytes(reply.ticket_issued().ticket())));
+  bool ours = ticket.station == credentials.station && ticket.person == person.id &&
+              ticket.exercise == wanted.exercise && ticket.profile == wanted.profile;
+  if (!ours || !trace::VerifyTicket(ticket, credentials.ticket_key)) {
     return Status(Code::kConflict,
                   "the server issued a ticket for something else, or one it did not "
                   "sign: no attempt was begun; tell its admin");
   }
-  return IssuedTicket{*ticket, HandsIn(reply.ticket_issued().hands()),
+  return IssuedTicket{ticket, HandsIn(reply.ticket_issued().hands()),
                       reply.ticket_issued().sign_off()};
 }
 

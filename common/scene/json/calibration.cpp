@@ -79,10 +79,9 @@ std::string ToJson(const Calibration& calibration) {
 }
 
 Result<Calibration> CalibrationFromJson(std::string_view text) {
-  Result<json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   Calibration out;
   // First: so that a newer format is reported as one, not as an unknown member.
   in.Format(kCalibrationKind);
@@ -95,7 +94,7 @@ Result<Calibration> CalibrationFromJson(std::string_view text) {
   out.method = in.Text("method", 1, 2000);
   ReadQuantities(in, out);
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return out;
 }
 

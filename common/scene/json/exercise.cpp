@@ -175,10 +175,9 @@ std::string ToJson(const Exercise& e) {
 }
 
 Result<Exercise> ExerciseFromJson(std::string_view text) {
-  Result<json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   Exercise e;
   in.Format(kExerciseKind);
   e.name = in.Name("name");
@@ -198,7 +197,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   e.rubric = ReadRubric(rubric);
   rubric.Finish();
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return e;
 }
 

@@ -52,10 +52,9 @@ Material::Named ReadNamed(ObjectReader& in) {
 }  // namespace
 
 Result<Material> MaterialFromJson(std::string_view text) {
-  Result<boost::json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(boost::json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   Material material;
   in.Format(kMaterialKind);
   material.source = in.Text("source", 1, 255);
@@ -64,7 +63,7 @@ Result<Material> MaterialFromJson(std::string_view text) {
   for (ObjectReader& item : in.Objects("tissues", 1, 64))
     material.tissues.push_back(ReadNamed(item));
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return material;
 }
 

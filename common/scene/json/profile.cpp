@@ -180,10 +180,9 @@ std::string ToJson(const DeviceProfile& profile) {
 }
 
 Result<DeviceProfile> ProfileFromJson(std::string_view text) {
-  Result<json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   DeviceProfile profile;
   in.Format(kProfileKind);
   profile.name = in.Name("name");
@@ -199,7 +198,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   if (in.Has(kElectrical.name)) profile.*kElectrical.member = ReadSourced(in, kElectrical);
   ReadTorque(in, profile);
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return profile;
 }
 

@@ -192,14 +192,13 @@ std::string ToJson(const Rubric& rubric) {
 }
 
 Result<Rubric> RubricFromJson(std::string_view text) {
-  Result<json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   in.Format(kRubricKind);
   Rubric rubric = ReadRubric(in);
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return rubric;
 }
 

@@ -132,10 +132,9 @@ std::string ToJson(const Scene& scene) {
 }
 
 Result<Scene> SceneFromJson(std::string_view text) {
-  Result<json::value> document = ParseBounded(text);
-  if (!document.ok()) return document.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value document, ParseBounded(text));
   Status status;
-  ObjectReader in(*document, "", status);
+  ObjectReader in(document, "", status);
   Scene scene;
   in.Format(kSceneKind);
   scene.name = in.Name("name");
@@ -159,7 +158,7 @@ Result<Scene> SceneFromJson(std::string_view text) {
   scene.up = up == kBuccal ? Up::kBuccal : Up::kOcclusal;
   scene.provenance = in.Text("provenance", 1, 2'000);
   in.Finish();
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return scene;
 }
 

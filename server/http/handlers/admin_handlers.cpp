@@ -48,65 +48,54 @@ Result<UnixMs> QueryTime(const Request& request, const char* name) {
 
 Result<AuditFilter> AuditFilterOf(const Request& request) {
   AuditFilter out;
-  Result<Page> page = PageOf(request, kDefaultAudit, kMaxAudit);
-  if (!page.ok()) return page.status();
-  out.limit = page->limit;
-  Result<std::optional<Uuid>> before = IdOf(*page);
-  if (!before.ok()) return before.status();
-  out.before = *before;
-  Result<std::optional<Uuid>> actor = QueryId(request, "actor");
-  if (!actor.ok()) return actor.status();
-  out.actor = *actor;
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(request, kDefaultAudit, kMaxAudit));
+  out.limit = page.limit;
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> before, IdOf(page));
+  out.before = before;
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> actor, QueryId(request, "actor"));
+  out.actor = actor;
   // An empty text is no filter.
   for (auto [name, into] : {std::pair{"action", &out.action}, {"object", &out.object}}) {
-    Result<std::string> text = QueryText(request, name);
-    if (!text.ok()) return text.status();
-    *into = *text;
+    ENAMEL_ASSIGN_OR_RETURN(std::string text, QueryText(request, name));
+    *into = text;
   }
   for (auto [name, into] : {std::pair{"from_ms", &out.from_ms}, {"until_ms", &out.until_ms}}) {
-    Result<UnixMs> time = QueryTime(request, name);
-    if (!time.ok()) return time.status();
-    *into = *time;
+    ENAMEL_ASSIGN_OR_RETURN(UnixMs time, QueryTime(request, name));
+    *into = time;
   }
   return out;
 }
 
 }  // namespace
 
-Response ListAudit(const Call& call, AuditRows& audit_rows) {
-  Result<AuditFilter> filter = AuditFilterOf(call.request);
-  if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AuditRow>> rows = audit_rows.FindAudit(*filter);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListAudit(const Call& call, AuditRows& audit_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(AuditFilter filter, AuditFilterOf(call.request));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AuditRow> rows, audit_rows.FindAudit(filter));
   json::array audit;
-  for (const AuditRow& row : *rows) audit.push_back(AuditJson(row));
+  for (const AuditRow& row : rows) audit.push_back(AuditJson(row));
   json::value next;
   // A full page may be the last: the next one is then empty, which costs less than asking for one
   // row more each time. Ids rise with time, so that the last one's is where the next page begins.
-  if (rows->size() == filter->limit) next = NextAfter(rows->back().id.Text());
+  if (rows.size() == filter.limit) next = NextAfter(rows.back().id.Text());
   return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }
 
-Response ListJobs(const Call& call, JobRows& jobs_rows) {
+Result<Response> ListJobs(const Call& call, JobRows& jobs_rows) {
   JobFilter filter;
-  Result<std::string> state = QueryText(call.request, "state");
-  if (!state.ok()) return ErrorResponse(state.status());
-  filter.state = *state;
+  ENAMEL_ASSIGN_OR_RETURN(std::string state, QueryText(call.request, "state"));
+  filter.state = state;
   if (!filter.state.empty() &&
       std::ranges::find(kJobStates, filter.state) == std::end(kJobStates)) {
-    return ErrorResponse(Status{Code::kInvalidInput,
-                                "expected queued, running, done, failed or cancelled", "state"});
+    return Status(Code::kInvalidInput, "expected queued, running, done, failed or cancelled",
+                  "state");
   }
-  Result<Page> page = PageOf(call.request, kDefaultJobs, kMaxJobs);
-  if (!page.ok()) return ErrorResponse(page.status());
-  filter.limit = page->limit;
-  Result<std::optional<Uuid>> before = IdOf(*page);
-  if (!before.ok()) return ErrorResponse(before.status());
-  filter.before = *before;
-  Result<std::vector<JobRow>> rows = jobs_rows.FindJobs(filter);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultJobs, kMaxJobs));
+  filter.limit = page.limit;
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> before, IdOf(page));
+  filter.before = before;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<JobRow> rows, jobs_rows.FindJobs(filter));
   json::array jobs;
-  for (const JobRow& row : *rows) {
+  for (const JobRow& row : rows) {
     jobs.push_back({{"id", row.id.Text()},
                     {"kind", row.kind},
                     {"attempt_id", row.attempt.Text()},
@@ -117,7 +106,7 @@ Response ListJobs(const Call& call, JobRows& jobs_rows) {
                     {"error", row.error}});
   }
   json::value next;
-  if (rows->size() == filter.limit) next = NextAfter(rows->back().id.Text());
+  if (rows.size() == filter.limit) next = NextAfter(rows.back().id.Text());
   return JsonResponse({{"jobs", std::move(jobs)}, {"next", std::move(next)}});
 }
 

@@ -40,12 +40,10 @@ class AssignmentView {
  public:
   static Result<AssignmentView> Make(Store& store) {
     AssignmentView out;
-    Result<std::vector<StationRow>> stations = store.stations.Stations();
-    if (!stations.ok()) return stations.status();
-    for (const StationRow& row : *stations) out.stations_[row.id] = row.name;
-    Result<std::vector<ExerciseRow>> exercises = store.exercises.AllExercises();
-    if (!exercises.ok()) return exercises.status();
-    for (const ExerciseRow& row : *exercises) out.exercises_[row.name] = row;
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<StationRow> stations, store.stations.Stations());
+    for (const StationRow& row : stations) out.stations_[row.id] = row.name;
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> exercises, store.exercises.AllExercises());
+    for (const ExerciseRow& row : exercises) out.exercises_[row.name] = row;
     return out;
   }
 
@@ -127,9 +125,8 @@ class AssignmentView {
 };
 
 Status MustBeAssignable(const Call& call, CohortRows& cohorts, const Uuid& cohort) {
-  Result<bool> in_cohort = IsInCohort(call, cohorts, cohort);
-  if (!in_cohort.ok()) return in_cohort.status();
-  if (CanAssign(call.caller->person, cohort, *in_cohort)) return {};
+  ENAMEL_ASSIGN_OR_RETURN(bool in_cohort, IsInCohort(call, cohorts, cohort));
+  if (CanAssign(call.caller->person, cohort, in_cohort)) return {};
   return {Code::kForbidden,
           cohort.IsZero() ? "only admins assign to everybody; name a cohort"
                           : "only instructors of this cohort and admins can do this",
@@ -145,11 +142,10 @@ Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const Ex
 // The version that an assignment of this name would be of.
 Result<ExerciseRow> OfferedVersion(const Call& call, ExerciseRows& exercises,
                                    const std::string& name) {
-  Result<std::vector<ExerciseRow>> offered = exercises.AllExercises();
-  if (!offered.ok()) return offered.status();
-  auto found = std::ranges::find(*offered, name, &ExerciseRow::name);
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> offered, exercises.AllExercises());
+  auto found = std::ranges::find(offered, name, &ExerciseRow::name);
   // The same answer for a missing exercise and another's: names reveal nothing.
-  if (found == offered->end() || !CanUseExercise(call.caller->person, *found)) {
+  if (found == offered.end() || !CanUseExercise(call.caller->person, *found)) {
     return Status{
         Code::kInvalidInput,
         "expected the name of a published exercise that is yours or shared, found \"" + name + "\"",
@@ -159,9 +155,9 @@ Result<ExerciseRow> OfferedVersion(const Call& call, ExerciseRows& exercises,
 }
 
 Status MustBeAssignableNow(const Call& call, Store& store, const AssignmentRow& terms) {
-  Result<ExerciseRow> version = OfferedVersion(call, store.exercises, terms.exercise);
-  if (!version.ok()) return version.status();
-  return MustHaveReference(store.blobs, store.references, *version, terms.exam);
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow version,
+                          OfferedVersion(call, store.exercises, terms.exercise));
+  return MustHaveReference(store.blobs, store.references, version, terms.exam);
 }
 
 constexpr size_t kMaxTermName = 16;
@@ -202,25 +198,23 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   return row;
 }
 
-Response Editable(Store& store, const AssignmentRow& row, int status = 200) {
-  Result<AssignmentView> view = AssignmentView::Make(store);
-  if (!view.ok()) return ErrorResponse(view.status());
-  return WithETag(JsonResponse(view->Json(row), status), row.revision);
+Result<Response> Editable(Store& store, const AssignmentRow& row, int status = 200) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentView view, AssignmentView::Make(store));
+  return WithETag(JsonResponse(view.Json(row), status), row.revision);
 }
 
 // An assignment that is the caller's to change, at the revision the caller has seen.
 Result<AssignmentRow> BeginEdit(const Call& call, AssignmentRows& assignments,
                                 CohortRows& cohorts) {
   Result<AssignmentRow> row = SeeAssignment(call, assignments, cohorts);
-  if (!row.ok()) return row;
+  ENAMEL_RETURN_IF_ERROR(row.status());
   // For the cohort that it is assigned to now; ReplaceAssignment asks again for the one that it is
   // to go to.
   ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, cohorts, row->cohort));
-  Result<int32_t> seen = IfMatch(call.request);
-  if (!seen.ok()) return seen.status();
+  ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
   // The revision that the caller has seen; the store compares it with the stored one inside its
   // transaction.
-  row->revision = *seen;
+  row->revision = seen;
   return row;
 }
 
@@ -230,9 +224,8 @@ Status MustBeFitForTerms(const Call& call, Store& store, const AssignmentRow& no
                          const AssignmentRow& terms) {
   if (terms.exercise != now.exercise) return MustBeAssignableNow(call, store, terms);
   if (!terms.exam || now.exam) return {};
-  Result<ExerciseRow> version = store.exercises.ExerciseById(now.version_id);
-  if (!version.ok()) return version.status();
-  return MustHaveReference(store.blobs, store.references, *version, true);
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow version, store.exercises.ExerciseById(now.version_id));
+  return MustHaveReference(store.blobs, store.references, version, true);
 }
 
 json::object MoveJson(const AssignmentView& view, const AssignmentMove& move, bool moved) {
@@ -245,144 +238,123 @@ json::object MoveJson(const AssignmentView& view, const AssignmentMove& move, bo
 }
 
 // Why a change of an assignment did not happen.
-Response Refused(const Call& call, Store& store, const Status& status) {
-  if (status.field() != kStale) return ErrorResponse(status);
-  Result<AssignmentRow> now = store.assignments.AssignmentById(call.id);
-  if (!now.ok()) return ErrorResponse(now.status());
-  Result<AssignmentView> view = AssignmentView::Make(store);
-  if (!view.ok()) return ErrorResponse(view.status());
-  return Stale(status, view->Json(*now), now->revision);
+Result<Response> Refused(const Call& call, Store& store, const Status& status) {
+  if (status.field() != kStale) return status;
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow now, store.assignments.AssignmentById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentView view, AssignmentView::Make(store));
+  return Stale(status, view.Json(now), now.revision);
 }
 
 }  // namespace
 
-Response ListAssignments(const Call& call, Store& store) {
+Result<Response> ListAssignments(const Call& call, Store& store) {
   const Person& viewer = call.caller->person;
-  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
-  Result<AssignmentView> view = AssignmentView::Make(store);
-  if (!view.ok()) return ErrorResponse(view.status());
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> cohort, QueryId(call.request, "cohort"));
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentView view, AssignmentView::Make(store));
   // All at once if the request asks for no page: a student's list is short and shown whole.
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
   json::array assignments;
   if (viewer.role == Role::kStudent) {
-    Result<std::vector<AssignedRow>> rows = store.assignments.AssignmentsFor(viewer.id);
-    if (!rows.ok()) return ErrorResponse(rows.status());
-    std::erase_if(*rows, [&](const AssignedRow& row) {
-      return *cohort && row.assignment.cohort != **cohort;
-    });
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<AssignedRow> rows,
+                            store.assignments.AssignmentsFor(viewer.id));
+    std::erase_if(
+        rows, [&](const AssignedRow& row) { return cohort && row.assignment.cohort != *cohort; });
     json::value next =
-        CutPage(*rows, *page, [](const AssignedRow& row) { return PlaceOf(row.assignment); });
+        CutPage(rows, page, [](const AssignedRow& row) { return PlaceOf(row.assignment); });
     GradeView grades(store, viewer);
-    for (const AssignedRow& row : *rows) {
-      Result<std::map<Uuid, Grade>> grade = grades.Of(row.assignment, {.person = viewer.id});
-      if (!grade.ok()) return ErrorResponse(grade.status());
-      assignments.push_back(view->Json(row, (*grade)[viewer.id], enamel::UnixMs()));
+    for (const AssignedRow& row : rows) {
+      ENAMEL_ASSIGN_OR_RETURN(auto grade, grades.Of(row.assignment, {.person = viewer.id}));
+      assignments.push_back(view.Json(row, grade[viewer.id], enamel::UnixMs()));
     }
     return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
   }
   AssignmentFilter filter;
-  filter.cohort = *cohort;
+  filter.cohort = cohort;
   if (viewer.role == Role::kInstructor) filter.of_instructor = viewer.id;
-  Result<std::vector<AssignmentRow>> rows = store.assignments.Assignments(filter);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, PlaceOf);
-  for (const AssignmentRow& row : *rows) assignments.push_back(view->Json(row));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AssignmentRow> rows, store.assignments.Assignments(filter));
+  json::value next = CutPage(rows, page, PlaceOf);
+  for (const AssignmentRow& row : rows) assignments.push_back(view.Json(row));
   return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
 }
 
-Response AddAssignment(const Call& call, Store& store) {
+Result<Response> AddAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> terms = TermsIn(call, AssignmentRow{});
-  if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, store.cohorts, terms->cohort); !may.ok())
-    return ErrorResponse(may);
-  if (Status can = MustBeAssignableNow(call, store, *terms); !can.ok()) return ErrorResponse(can);
-  Result<AssignmentRow> row = store.assignments.AddAssignment(*terms, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(store, *row, 201);
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow terms, TermsIn(call, AssignmentRow{}));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store.cohorts, terms.cohort));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignableNow(call, store, terms));
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, store.assignments.AddAssignment(terms, ActorOf(call)));
+  return Editable(store, row, 201);
 }
 
-Response GetAssignment(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(store, *row);
+Result<Response> GetAssignment(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
+  return Editable(store, row);
 }
 
-Response ReplaceAssignment(const Call& call, Store& store) {
+Result<Response> ReplaceAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> edited = BeginEdit(call, store.assignments, store.cohorts);
-  if (!edited.ok()) return ErrorResponse(edited.status());
-  Result<AssignmentRow> terms = TermsIn(call, *edited);
-  if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, store.cohorts, terms->cohort); !may.ok())
-    return ErrorResponse(may);
-  if (Status can = MustBeFitForTerms(call, store, *edited, *terms); !can.ok()) {
-    return ErrorResponse(can);
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow edited, BeginEdit(call, store.assignments, store.cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow terms, TermsIn(call, edited));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store.cohorts, terms.cohort));
+  if (Status can = MustBeFitForTerms(call, store, edited, terms); !can.ok()) {
+    return can;
   }
-  terms->id = call.id;
-  terms->revision = edited->revision;
-  terms->created_ms = edited->created_ms;
-  Result<AssignmentRow> row = store.assignments.ReplaceAssignment(*terms, ActorOf(call));
+  terms.id = call.id;
+  terms.revision = edited.revision;
+  terms.created_ms = edited.created_ms;
+  Result<AssignmentRow> row = store.assignments.ReplaceAssignment(terms, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return Editable(store, *row);
 }
 
-Response MoveAssignment(const Call& call, Store& store) {
+Result<Response> MoveAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
-  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
-  const bool look_only = dry_run->value_or(false);
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> dry_run, QueryFlag(call.request, "dry_run"));
+  const bool look_only = dry_run.value_or(false);
   // To look needs no If-Match: it shows what there is.
-  Result<AssignmentRow> row = look_only ? SeeAssignment(call, store.assignments, store.cohorts)
-                                        : BeginEdit(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  if (Status may = MustBeAssignable(call, store.cohorts, row->cohort); !may.ok())
-    return ErrorResponse(may);
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row,
+                          look_only ? SeeAssignment(call, store.assignments, store.cohorts)
+                                    : BeginEdit(call, store.assignments, store.cohorts));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store.cohorts, row.cohort));
   BodyReader body(call.request);
   const Uuid wanted = body.MaybeId("exercise_id").value_or(Uuid{});
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   Result<ExerciseRow> version = store.exercises.ExerciseById(wanted);
   if (!version.ok() && version.status().code() != Code::kNotFound) {
-    return ErrorResponse(version.status());
+    return version.status();
   }
   if (!version.ok() || !CanUseExercise(call.caller->person, *version)) {
-    return ErrorResponse(
-        Status{Code::kInvalidInput,
-               "expected a published version of \"" + row->exercise + "\" that is yours or shared",
-               "exercise_id"});
+    return Status(
+        Code::kInvalidInput,
+        "expected a published version of \"" + row.exercise + "\" that is yours or shared",
+        "exercise_id");
   }
-  if (Status can = MustHaveReference(store.blobs, store.references, *version, row->exam);
+  if (Status can = MustHaveReference(store.blobs, store.references, *version, row.exam);
       !can.ok()) {
-    return ErrorResponse(can);
+    return can;
   }
   Result<AssignmentMove> move =
-      store.assignments.MoveAssignment(call.id, wanted, row->revision, look_only, ActorOf(call));
+      store.assignments.MoveAssignment(call.id, wanted, row.revision, look_only, ActorOf(call));
   if (!move.ok()) return Refused(call, store, move.status());
-  Result<AssignmentView> view = AssignmentView::Make(store);
-  if (!view.ok()) return ErrorResponse(view.status());
-  return WithETag(JsonResponse(MoveJson(*view, *move, !look_only)),
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentView view, AssignmentView::Make(store));
+  return WithETag(JsonResponse(MoveJson(view, *move, !look_only)),
                   look_only ? move->before.revision : move->after.revision);
 }
 
-Response DeleteAssignment(const Call& call, Store& store) {
-  Result<AssignmentRow> edited = BeginEdit(call, store.assignments, store.cohorts);
-  if (!edited.ok()) return ErrorResponse(edited.status());
-  Status done = store.assignments.DeleteAssignment(call.id, edited->revision, ActorOf(call));
+Result<Response> DeleteAssignment(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow edited, BeginEdit(call, store.assignments, store.cohorts));
+  Status done = store.assignments.DeleteAssignment(call.id, edited.revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
   return Done();
 }
 
-Response ReleaseAssignment(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  if (Status may = MustBeAssignable(call, store.cohorts, row->cohort); !may.ok())
-    return ErrorResponse(may);
-  Result<uint32_t> released = store.judging.ReleaseAssignment(call.id, ActorOf(call));
-  if (!released.ok()) return ErrorResponse(released.status());
+Result<Response> ReleaseAssignment(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store.cohorts, row.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(uint32_t released,
+                          store.judging.ReleaseAssignment(call.id, ActorOf(call)));
   // How many were let out now; those released before are not counted again.
-  return JsonResponse({{"released", *released}});
+  return JsonResponse({{"released", released}});
 }
 
 }  // namespace enamel::server::http

@@ -73,14 +73,12 @@ Result<AttemptFilter> FilterFor(const Call& call) {
       {"exercise", filter.exercise}, {"assignment", filter.assignment},
       {"before", filter.before},     {"cursor", filter.before}};  // its `next` is an id
   for (const auto& id : ids) {
-    Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
-    if (!value.ok()) return value.status();
+    ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> value, QueryId(call.request, id.name));
     // Two names fill one place; only one that was given may overwrite it.
-    if (*value) id.into = *value;
+    if (value) id.into = value;
   }
-  Result<uint32_t> limit = QueryLimit(call.request, kDefaultPage, kMaxPage);
-  if (!limit.ok()) return limit.status();
-  filter.limit = *limit;
+  ENAMEL_ASSIGN_OR_RETURN(uint32_t limit, QueryLimit(call.request, kDefaultPage, kMaxPage));
+  filter.limit = limit;
   ENAMEL_RETURN_IF_ERROR(NarrowByWords(call, filter));
 
   const Person& viewer = call.caller->person;
@@ -113,7 +111,7 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
     ENAMEL_ASSIGN_OR_RETURN(const bool reference, IsCallersReference(call, store, call.id));
     if (reference) return store.results.ResultOf(call.id);
   }
-  if (!seen.ok()) return seen.status();
+  ENAMEL_RETURN_IF_ERROR(seen.status());
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
     return Status{Code::kForbidden,
                   "this work is graded: the result shows after the instructor has released it"};
@@ -133,11 +131,11 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
 // time, so that whoever may no longer see it gets nothing.
 constexpr char kAskEachTime[] = "private, no-cache";
 
-Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*member,
-                      std::string content_type, Seen as = Seen::kOwn) {
-  Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json, as);
-  if (!result.ok()) return ErrorResponse(result.status());
-  const Sha256 content = (*result).*member;
+Result<Response> BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*member,
+                              std::string content_type, Seen as = Seen::kOwn) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptResult result,
+                          SeeResult(call, store, member != &AttemptResult::score_json, as));
+  const Sha256 content = result.*member;
   return KeptResponse(call.request, {content, std::move(content_type), kAskEachTime}, *call.bodies,
                       [&] { return store.blobs.GetBlob(content); });
 }
@@ -194,34 +192,29 @@ class LiveEvents final : public EventSource {
 
 }  // namespace
 
-Response ListAttempts(const Call& call, Store& store) {
-  Result<AttemptFilter> filter = FilterFor(call);
-  if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AttemptRow>> rows = store.attempts.Attempts(*filter);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListAttempts(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptFilter filter, FilterFor(call));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AttemptRow> rows, store.attempts.Attempts(filter));
   AttemptView view(store, call.caller->person);
   json::array attempts;
-  for (const AttemptRow& row : *rows) {
-    if (filter->taught_by) view.IsTaught(row);
-    Result<json::object> attempt = view.Json(row);
-    if (!attempt.ok()) return ErrorResponse(attempt.status());
-    attempts.push_back(std::move(*attempt));
+  for (const AttemptRow& row : rows) {
+    if (filter.taught_by) view.IsTaught(row);
+    ENAMEL_ASSIGN_OR_RETURN(json::object attempt, view.Json(row));
+    attempts.push_back(std::move(attempt));
   }
   json::value next;
-  if (rows->size() == filter->limit) next = rows->back().id.Text();
+  if (rows.size() == filter.limit) next = rows.back().id.Text();
   return JsonResponse({{"attempts", std::move(attempts)}, {"next", std::move(next)}});
 }
 
-Response GetAttempt(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+Result<Response> GetAttempt(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
   AttemptView view(store, call.caller->person);
-  Result<json::object> attempt = view.DetailJson(seen->row);
-  if (!attempt.ok()) return ErrorResponse(attempt.status());
-  return WithETag(JsonResponse(*attempt), seen->row.revision);
+  ENAMEL_ASSIGN_OR_RETURN(json::object attempt, view.DetailJson(seen.row));
+  return WithETag(JsonResponse(attempt), seen.row.revision);
 }
 
-Response GetScore(const Call& call, Store& store) {
+Result<Response> GetScore(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::score_json, "application/json");
 }
 
@@ -232,12 +225,10 @@ Sha256 SurfaceName(const AttemptResult& result) {
 }
 
 // Signed by the key that checks it, whoever keeps the file.
-Response GetSignedResult(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, false);
-  if (!result.ok()) return ErrorResponse(result.status());
-  Result<AttemptRow> row = store.attempts.AttemptById(call.id);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Tar tar(result->scored_ms / 1000);
+Result<Response> GetSignedResult(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptResult result, SeeResult(call, store, false));
+  ENAMEL_ASSIGN_OR_RETURN(AttemptRow row, store.attempts.AttemptById(call.id));
+  Tar tar(result.scored_ms / 1000);
   const auto surface = [&](const AttemptResult& of) -> Result<Bytes> {
     ENAMEL_ASSIGN_OR_RETURN(const auto made, call.bodies->Made(SurfaceName(of), [&] {
       return AttemptSurface(store.blobs, of);
@@ -245,7 +236,7 @@ Response GetSignedResult(const Call& call, Store& store) {
     const ByteView bytes = AsBytes(*made);
     return Bytes(bytes.begin(), bytes.end());
   };
-  const Status done = ForEachResultFile(store, *row, surface,
+  const Status done = ForEachResultFile(store, row, surface,
                                         [&](std::string_view name, Result<BytePieces> content) {
                                           Status status = content.status();
                                           if (content.ok()) tar.Add(name, std::move(*content));
@@ -253,9 +244,9 @@ Response GetSignedResult(const Call& call, Store& store) {
                                         });
   // What is kept and cannot be read is damage of ours.
   if (!done.ok() && done.code() != Code::kConflict && done.code() != Code::kUnavailable) {
-    return ErrorResponse(Status{Code::kInternal, done.message()});
+    return Status(Code::kInternal, done.message());
   }
-  if (!done.ok()) return ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(done);
   Response response;
   response.content_type = "application/x-tar";
   response.pieces = tar.Take();
@@ -265,65 +256,57 @@ Response GetSignedResult(const Call& call, Store& store) {
 }
 
 // The store has no surface: the tooth and the deviation give it, and memory keeps it for a while.
-Response GetSurface(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, true);
-  if (!result.ok()) return ErrorResponse(result.status());
+Result<Response> GetSurface(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptResult result, SeeResult(call, store, true));
   return KeptResponse(
-      call.request, {SurfaceName(*result), "application/octet-stream", kAskEachTime, /*made=*/true},
-      *call.bodies, [&] { return AttemptSurface(store.blobs, *result); });
+      call.request, {SurfaceName(result), "application/octet-stream", kAskEachTime, /*made=*/true},
+      *call.bodies, [&] { return AttemptSurface(store.blobs, result); });
 }
 
 // Shown to whoever may see the surface, and, of a reference, to those whose own score was compared with it.
-Response GetTimeline(const Call& call, Store& store) {
-  Result<AttemptResult> result = SeeResult(call, store, true, Seen::kOrAsReference);
-  if (!result.ok()) return ErrorResponse(result.status());
-  Result<Sha256> content = TimelineContent(call.id, store.timelines);
-  if (!content.ok()) return ErrorResponse(content.status());
-  return KeptResponse(call.request, {*content, "application/octet-stream", kAskEachTime},
-                      *call.bodies, [&] { return store.blobs.GetBlob(*content); });
+Result<Response> GetTimeline(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptResult result, SeeResult(call, store, true, Seen::kOrAsReference));
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, TimelineContent(call.id, store.timelines));
+  return KeptResponse(call.request, {content, "application/octet-stream", kAskEachTime},
+                      *call.bodies, [&] { return store.blobs.GetBlob(content); });
 }
 
-Response GetDeviation(const Call& call, Store& store) {
+Result<Response> GetDeviation(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::deviation, "application/octet-stream");
 }
 
 // Anybody who is signed in: it belongs to nobody, and the timelines that begin with it name it.
-Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines) {
+Result<Response> GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines) {
   const Status none{Code::kNotFound, "there is no such start tooth", "name"};
   Result<Sha256> content = Sha256::FromHex(call.name);
-  if (!content.ok()) return ErrorResponse(none);
+  if (!content.ok()) return none;
   // Before reading any blob: other blobs are named by their hash too.
-  Result<bool> known = timelines.IsStartTooth(*content);
-  if (!known.ok()) return ErrorResponse(known.status());
-  if (!*known) return ErrorResponse(none);
+  ENAMEL_ASSIGN_OR_RETURN(bool known, timelines.IsStartTooth(*content));
+  if (!known) return none;
   return KeptResponse(
       call.request, {*content, "application/octet-stream", "private, max-age=31536000, immutable"},
       *call.bodies, [&] { return blobs.GetBlob(*content); });
 }
 
-Response GetSeries(const Call& call, Store& store) {
+Result<Response> GetSeries(const Call& call, Store& store) {
   return BlobResponse(call, store, &AttemptResult::series, "application/json",
                       Seen::kOrAsReference);
 }
 
 // Under the same conditions as the series: it is the same, closer.
-Response GetTicks(const Call& call, Store& store) {
-  Result<uint64_t> from = QueryOffset(call.request, "from");
-  if (!from.ok()) return ErrorResponse(from.status());
-  Result<uint64_t> to = QueryOffset(call.request, "to");
-  if (!to.ok()) return ErrorResponse(to.status());
-  if (!call.request.query.contains("to")) *to = *from + kMaxWindowTicks;
+Result<Response> GetTicks(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(uint64_t from, QueryOffset(call.request, "from"));
+  ENAMEL_ASSIGN_OR_RETURN(uint64_t to, QueryOffset(call.request, "to"));
+  if (!call.request.query.contains("to")) to = from + kMaxWindowTicks;
   if (Result<AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
-    return ErrorResponse(seen.status());
+    return seen.status();
   }
-  Result<OpenRecording> recording = store.recordings.Open(call.id);
-  if (!recording.ok()) return ErrorResponse(recording.status());
-  Result<std::string> ticks = TickWindowJson(recording->next, *from, *to);
+  ENAMEL_ASSIGN_OR_RETURN(OpenRecording recording, store.recordings.Open(call.id));
+  Result<std::string> ticks = TickWindowJson(recording.next, from, to);
   if (!ticks.ok()) {
     // Recordings are checked on arrival: an unreadable one is damage of ours.
-    return ErrorResponse(ticks.status().field() == "to"
-                             ? ticks.status()
-                             : Status{Code::kInternal, ticks.status().message()});
+    return ticks.status().field() == "to" ? ticks.status()
+                                          : Status{Code::kInternal, ticks.status().message()};
   }
   Response response;
   response.content_type = "application/json";
@@ -331,62 +314,54 @@ Response GetTicks(const Call& call, Store& store) {
   return response;
 }
 
-Response ReleaseAttempt(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanReleaseAttempt(call.caller->person, seen->row, seen->teaches)) {
-    return ErrorResponse(
-        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
+Result<Response> ReleaseAttempt(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  if (!CanReleaseAttempt(call.caller->person, seen.row, seen.teaches)) {
+    return Status(Code::kForbidden, "only instructors of this attempt's cohort can do this");
   }
-  if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
+  ENAMEL_RETURN_IF_ERROR(RequireScored(seen.row));
   // Nobody releases what has been scored again or overridden since they looked at it.
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.judging.ReleaseAttempt(call.id, ActorOf(call), *revision);
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  Status done = store.judging.ReleaseAttempt(call.id, ActorOf(call), revision);
   if (!done.ok()) return JudgedMeanwhile(call, store, done);
   return Done();
 }
 
-Response MakeReference(const Call& call, Store& store) {
+Result<Response> MakeReference(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
   bool consent = body.Flag("consent");
   std::string anyway;
   if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReasonBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  if (Status line = CheckOneLine(anyway, "anyway"); !line.ok()) return ErrorResponse(line);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(CheckOneLine(anyway, "anyway"));
   // Before the attempt is looked up, since it holds for all of them.
-  if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanMarkReference(call.caller->person, seen->row, seen->teaches)) {
-    return ErrorResponse(
-        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
+  ENAMEL_RETURN_IF_ERROR(CheckConsent(consent));
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  if (!CanMarkReference(call.caller->person, seen.row, seen.teaches)) {
+    return Status(Code::kForbidden, "only instructors of this attempt's cohort can do this");
   }
-  if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
-  Result<ReferenceRow> row =
-      server::MakeReference(store, call.id, dentist, consent, anyway, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  return JsonResponse(ReferenceJson(call.caller->person, *row), 201);
+  ENAMEL_RETURN_IF_ERROR(RequireScored(seen.row));
+  ENAMEL_ASSIGN_OR_RETURN(ReferenceRow row, server::MakeReference(store, call.id, dentist, consent,
+                                                                  anyway, ActorOf(call)));
+  return JsonResponse(ReferenceJson(call.caller->person, row), 201);
 }
 
 // Other sites' pages cannot read the stream, and are not to begin one either.
-Response GetLive(const Call& call, Store& store) {
-  if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
-  if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
+Result<Response> GetLive(const Call& call, Store& store) {
+  ENAMEL_RETURN_IF_ERROR(CheckSameSite(call.request));
+  if (!call.live) return Status(Code::kNotFound, "this server shows nothing live");
   // Watches before reading its state, so that no end in between is missed.
   auto watch = call.live->Watch(call.id, call.caller->person.id);
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  AttemptState state = seen->row.state;
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  AttemptState state = seen.row.state;
   if (state != AttemptState::kTicketed && state != AttemptState::kRecording) {
-    return ErrorResponse(
-        {Code::kConflict,
-         std::string("this attempt is not being made now, it is ") + AttemptStateName(state)});
+    return Status(Code::kConflict, std::string("this attempt is not being made now, it is ") +
+                                       AttemptStateName(state));
   }
   // Told last: whoever may not see it hears that and not how busy the server is.
-  if (!watch) return ErrorResponse(call.live->WhyNot(call.caller->person.id));
+  if (!watch) return call.live->WhyNot(call.caller->person.id);
   Response response;
   response.content_type = "text/event-stream";
   response.events = std::make_shared<LiveEvents>(call, store, std::move(watch));

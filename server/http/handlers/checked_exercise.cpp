@@ -12,34 +12,30 @@ namespace {
 
 // Some device profile carries it on its scene; else why the last one does not.
 Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
-  Result<std::vector<SceneRow>> scenes = store.scenes.Scenes();
-  if (!scenes.ok()) return scenes.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<SceneRow> scenes, store.scenes.Scenes());
   // By content and not by name: an exercise fits one tooth, bit by bit.
-  if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
+  if (std::ranges::find(scenes, exercise.scene, &SceneRow::content) == scenes.end()) {
     return {Code::kInvalidInput,
             "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
                 "; put the scene first (enamel-server admin publish-exercise)",
             "scene_sha256"};
   }
   if (!exercise.target.prepared.IsZero() &&
-      std::ranges::find(*scenes, exercise.target.prepared, &SceneRow::content) == scenes->end()) {
+      std::ranges::find(scenes, exercise.target.prepared, &SceneRow::content) == scenes.end()) {
     return {Code::kInvalidInput,
             "expected the hash of a prepared tooth that this server has as a scene, found " +
                 exercise.target.prepared.Hex() +
                 "; put it first (enamel-server admin publish-exercise --prepared)",
             "target.prepared_scene_sha256"};
   }
-  Result<Bytes> text = store.blobs.GetBlob(exercise.scene);
-  if (!text.ok()) return text.status();
-  Result<scene::Scene> scene = scene::SceneFromJson(AsText(*text));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes text, store.blobs.GetBlob(exercise.scene));
+  Result<scene::Scene> scene = scene::SceneFromJson(AsText(text));
   if (!scene.ok()) return {Code::kInternal, scene.status().message()};
-  Result<std::vector<ProfileRow>> profiles = store.profiles.Profiles();
-  if (!profiles.ok()) return profiles.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> profiles, store.profiles.Profiles());
   Status refusal{Code::kConflict, "this server has no device profile yet; add one first"};
-  for (const ProfileRow& row : *profiles) {
-    Result<Bytes> bytes = store.blobs.GetBlob(row.content);
-    if (!bytes.ok()) return bytes.status();
-    Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
+  for (const ProfileRow& row : profiles) {
+    ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, store.blobs.GetBlob(row.content));
+    Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(bytes));
     // One of a newer server, say: the others may do.
     if (!profile.ok()) continue;
     // What the station and the ticket will do. An exercise that no device can carry is refused now,

@@ -27,10 +27,9 @@ json::object SummaryJson(const Cohort& cohort) {
 }
 
 Result<json::object> CohortJson(CohortRows& cohorts, const Cohort& cohort) {
-  Result<std::vector<Person>> people = cohorts.CohortMembers(cohort.id);
-  if (!people.ok()) return people.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Person> people, cohorts.CohortMembers(cohort.id));
   json::array members;
-  for (const Person& person : *people) {
+  for (const Person& person : people) {
     members.push_back({{"id", person.id.Text()},
                        {"login", person.login},
                        {"display_name", person.display_name},
@@ -41,10 +40,9 @@ Result<json::object> CohortJson(CohortRows& cohorts, const Cohort& cohort) {
   return out;
 }
 
-Response CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 200) {
-  Result<json::object> out = CohortJson(cohorts, cohort);
-  if (!out.ok()) return ErrorResponse(out.status());
-  return WithETag(JsonResponse(*out, status), cohort.revision);
+Result<Response> CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 200) {
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, CohortJson(cohorts, cohort));
+  return WithETag(JsonResponse(out, status), cohort.revision);
 }
 
 Result<CohortEdit> EditOf(const Call& call) {
@@ -55,57 +53,50 @@ Result<CohortEdit> EditOf(const Call& call) {
   if (body.Has("archived")) edit.archived = body.Flag("archived", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (!edit.name) return edit;
-  Result<std::string> name = CheckedName(*edit.name, "name");
-  if (!name.ok()) return name.status();
-  edit.name = *name;
+  ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(*edit.name, "name"));
+  edit.name = name;
   return edit;
 }
 
 }  // namespace
 
-Response ListCohorts(const Call& call, CohortRows& cohorts_rows) {
-  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::optional<bool>> archived = QueryFlag(call.request, "archived");
-  if (!archived.ok()) return ErrorResponse(archived.status());
-  Result<std::vector<Cohort>> rows = VisibleCohorts(call, cohorts_rows);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  std::erase_if(*rows, [&](const Cohort& cohort) {
+Result<Response> ListCohorts(const Call& call, CohortRows& cohorts_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> archived, QueryFlag(call.request, "archived"));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> rows, VisibleCohorts(call, cohorts_rows));
+  std::erase_if(rows, [&](const Cohort& cohort) {
     // Active cohorts, unless the request asks for the archive.
-    return (cohort.archived_ms != 0) != archived->value_or(false);
+    return (cohort.archived_ms != 0) != archived.value_or(false);
   });
-  json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
+  json::value next = CutPage(rows, page, [](const Cohort& cohort) { return cohort.name; });
   // A school has hundreds of cohorts, of some 30 members each: a list counts the students.
   std::vector<Uuid> ids;
-  for (const Cohort& row : *rows) ids.push_back(row.id);
-  const auto sizes = cohorts_rows.SizesOf(ids);
-  if (!sizes.ok()) return ErrorResponse(sizes.status());
+  for (const Cohort& row : rows) ids.push_back(row.id);
+  ENAMEL_ASSIGN_OR_RETURN(const auto sizes, cohorts_rows.SizesOf(ids));
   json::array cohorts;
-  for (size_t i = 0; i < rows->size(); ++i) {
-    json::object cohort = SummaryJson((*rows)[i]);
-    cohort["students"] = (*sizes)[i].students;
-    cohort["instructors"] = json::value_from((*sizes)[i].instructors);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    json::object cohort = SummaryJson(rows[i]);
+    cohort["students"] = sizes[i].students;
+    cohort["instructors"] = json::value_from(sizes[i].instructors);
     cohorts.push_back(std::move(cohort));
   }
   return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
 }
 
-Response GetCohort(const Call& call, CohortRows& cohorts) {
-  Result<Cohort> cohort = VisibleCohort(call, cohorts);
-  return cohort.ok() ? CohortResponse(cohorts, *cohort) : ErrorResponse(cohort.status());
+Result<Response> GetCohort(const Call& call, CohortRows& cohorts) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, cohorts));
+  return CohortResponse(cohorts, cohort);
 }
 
 // A row for each student, a grade for each assignment of the cohort and for everybody. Not in
 // pages: a cohort is a class, and a result of it is a result of all of it.
-Response GetCohortGrades(const Call& call, Store& store) {
-  Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
+Result<Response> GetCohortGrades(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, store.cohorts));
   GradeView view(store, call.caller->person);
-  Result<GradeView::Book> book = view.BookOf(call.id);
-  if (!book.ok()) return ErrorResponse(book.status());
+  ENAMEL_ASSIGN_OR_RETURN(GradeView::Book book, view.BookOf(call.id));
   json::array assignments, students;
-  for (size_t i = 0; i < book->assignments.size(); ++i) {
-    const AssignmentRow& row = book->assignments[i];
+  for (size_t i = 0; i < book.assignments.size(); ++i) {
+    const AssignmentRow& row = book.assignments[i];
     assignments.push_back({{"id", row.id.Text()},
                            {"exercise",
                             {{"name", row.exercise},
@@ -115,12 +106,12 @@ Response GetCohortGrades(const Call& call, Store& store) {
                            {"everybody", row.cohort.IsZero()},
                            {"exam", row.exam},
                            {"counting", CountingName(row.counting)},
-                           {"summary", GradeView::Json(SummaryOf(book->results[i]))}});
+                           {"summary", GradeView::Json(SummaryOf(book.results[i]))}});
   }
-  for (size_t i = 0; i < book->students.size(); ++i) {
-    const Person& person = book->students[i];
+  for (size_t i = 0; i < book.students.size(); ++i) {
+    const Person& person = book.students[i];
     json::array grades;
-    for (const auto& results : book->results) grades.push_back(GradeView::Json(results[i]));
+    for (const auto& results : book.results) grades.push_back(GradeView::Json(results[i]));
     students.push_back({{"person",
                          {{"id", person.id.Text()},
                           {"login", person.login},
@@ -130,45 +121,39 @@ Response GetCohortGrades(const Call& call, Store& store) {
   return JsonResponse({{"assignments", std::move(assignments)}, {"students", std::move(students)}});
 }
 
-Response AddCohort(const Call& call, CohortRows& cohorts) {
+Result<Response> AddCohort(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string wanted = body.Text("name", 1, kMaxNameBytes);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  Result<std::string> name = CheckedName(wanted, "name");
-  if (!name.ok()) return ErrorResponse(name.status());
-  Result<Uuid> id = cohorts.CreateCohort(*name, ActorOf(call));
-  if (!id.ok()) return ErrorResponse(id.status());
-  Result<Cohort> cohort = cohorts.CohortById(*id);
-  return cohort.ok() ? CohortResponse(cohorts, *cohort, 201) : ErrorResponse(cohort.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(wanted, "name"));
+  ENAMEL_ASSIGN_OR_RETURN(Uuid id, cohorts.CreateCohort(name, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, cohorts.CohortById(id));
+  return CohortResponse(cohorts, cohort, 201);
 }
 
-Response EditCohort(const Call& call, CohortRows& cohorts) {
+Result<Response> EditCohort(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
-  Result<CohortEdit> edit = EditOf(call);
-  if (!edit.ok()) return ErrorResponse(edit.status());
-  Result<int32_t> seen = IfMatch(call.request);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<Cohort> cohort = cohorts.EditCohort(call.id, *edit, *seen, ActorOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(CohortEdit edit, EditOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
+  Result<Cohort> cohort = cohorts.EditCohort(call.id, edit, seen, ActorOf(call));
   if (cohort.ok()) return CohortResponse(cohorts, *cohort);
-  if (cohort.status().field() != kStale) return ErrorResponse(cohort.status());
-  Result<Cohort> current = cohorts.CohortById(call.id);
-  if (!current.ok()) return ErrorResponse(current.status());
-  return Stale(cohort.status(), SummaryJson(*current), current->revision);
+  if (cohort.status().field() != kStale) return cohort.status();
+  ENAMEL_ASSIGN_OR_RETURN(Cohort current, cohorts.CohortById(call.id));
+  return Stale(cohort.status(), SummaryJson(current), current.revision);
 }
 
-Response ChangeMembers(const Call& call, CohortRows& cohorts) {
+Result<Response> ChangeMembers(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
   std::vector<Uuid> remove = body.Ids("remove", kMaxMembersAtOnce);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   // Without If-Match: two people who add students to a cohort at once both mean it, and neither
   // undoes the other.
-  Status changed = cohorts.ChangeMembers(call.id, add, remove, ActorOf(call));
-  if (!changed.ok()) return ErrorResponse(changed);
-  Result<Cohort> cohort = cohorts.CohortById(call.id);
-  return cohort.ok() ? CohortResponse(cohorts, *cohort) : ErrorResponse(cohort.status());
+  ENAMEL_RETURN_IF_ERROR(cohorts.ChangeMembers(call.id, add, remove, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, cohorts.CohortById(call.id));
+  return CohortResponse(cohorts, cohort);
 }
 
 }  // namespace enamel::server::http

@@ -40,10 +40,9 @@ Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_
   AttemptFilter filter;
   filter.person = call.caller->person.id;
   filter.limit = kCountedAttempts;
-  Result<std::vector<AttemptRow>> attempts = attempts_rows.Attempts(filter);
-  if (!attempts.ok()) return attempts.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AttemptRow> attempts, attempts_rows.Attempts(filter));
   std::map<Uuid, int> count;
-  for (const AttemptRow& attempt : *attempts) ++count[attempt.exercise];
+  for (const AttemptRow& attempt : attempts) ++count[attempt.exercise];
   return count;
 }
 
@@ -60,9 +59,9 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows&
                   "state"};
   }
   Result<std::vector<ExerciseRow>> rows = exercises.ExercisesIn(*state);
-  if (!rows.ok()) return rows;
+  ENAMEL_RETURN_IF_ERROR(rows.status());
   Result<std::vector<ExerciseRow>> assigned = VisibleExercises(call, exercises);
-  if (!assigned.ok()) return assigned;
+  ENAMEL_RETURN_IF_ERROR(assigned.status());
   // Hides others' private exercises, except those that the caller's cohorts work on.
   std::erase_if(*rows, [&](const ExerciseRow& row) {
     return !CanUseExercise(call.caller->person, row) &&
@@ -74,14 +73,13 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows&
 
 // The exercise with all of its document, as one that may be edited.
 Result<json::object> WholeJson(const Call& call, Store& store, const ExerciseRow& row) {
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
-  if (!attempts.ok()) return attempts.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, OwnAttempts(call, store.attempts));
   Result<ExerciseDocument> exercise = DocumentOf(store.blobs, row);
   if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
-  Result<std::optional<ReferenceRow>> reference = store.references.ReferenceFor(row.id);
-  if (!reference.ok()) return reference.status();
-  json::object out = SummaryJson(call.caller->person, row, **exercise, reference->has_value(),
-                                 (*attempts)[row.id]);
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<ReferenceRow> reference,
+                          store.references.ReferenceFor(row.id));
+  json::object out =
+      SummaryJson(call.caller->person, row, **exercise, reference.has_value(), attempts[row.id]);
   AddWhole(store.blobs, row, **exercise, out);
   Result<scene::Rubric> rubric =
       CountingRubric(store.blobs, store.rubrics, row.id, (*exercise)->rubric);
@@ -90,43 +88,38 @@ Result<json::object> WholeJson(const Call& call, Store& store, const ExerciseRow
   return out;
 }
 
-Response WholeResponse(const Call& call, Store& store, const ExerciseRow& row, int status = 200) {
-  Result<json::object> out = WholeJson(call, store, row);
-  if (!out.ok()) return ErrorResponse(out.status());
-  return WithETag(JsonResponse(*out, status), row.revision);
+Result<Response> WholeResponse(const Call& call, Store& store, const ExerciseRow& row,
+                               int status = 200) {
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, WholeJson(call, store, row));
+  return WithETag(JsonResponse(out, status), row.revision);
 }
 
 Result<ExerciseRow> UploadedExercise(const Call& call, Store& store) {
-  Result<scene::Exercise> exercise = CheckedExercise(call, store);
-  if (!exercise.ok()) return exercise.status();
+  ENAMEL_ASSIGN_OR_RETURN(scene::Exercise exercise, CheckedExercise(call, store));
   ExerciseRow row;
-  row.name = exercise->name;
-  row.title = exercise->title;
-  row.scene = exercise->scene;
-  row.graded = exercise->graded;
+  row.name = exercise.name;
+  row.title = exercise.title;
+  row.scene = exercise.scene;
+  row.graded = exercise.graded;
   // As our own writer spells it: equal exercises then have equal hashes, which is how publishing
   // finds out that nothing has changed.
-  Result<Sha256> content = store.blobs.PutBlob(AsBytes(scene::ToJson(*exercise)));
-  if (!content.ok()) return content.status();
-  row.content = *content;
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, store.blobs.PutBlob(AsBytes(scene::ToJson(exercise))));
+  row.content = content;
   return row;
 }
 
 // Checks that the caller may edit it, and returns the revision the caller has seen.
 Result<int32_t> SeenRevision(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
-  Result<ExerciseRow> row = ChangeableExercise(call, attempts, exercises);
-  if (!row.ok()) return row.status();
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, ChangeableExercise(call, attempts, exercises));
   return IfMatch(call.request);
 }
 
 // Why a change of an exercise did not happen.
-Response Refused(const Call& call, Store& store, const Status& status) {
-  if (status.field() != kStale) return ErrorResponse(status);
-  Result<ExerciseRow> now = store.exercises.ExerciseById(call.id);
-  if (!now.ok()) return ErrorResponse(now.status());
-  Result<json::object> current = WholeJson(call, store, *now);
-  if (!current.ok()) return ErrorResponse(current.status());
-  return Stale(status, *current, now->revision);
+Result<Response> Refused(const Call& call, Store& store, const Status& status) {
+  if (status.field() != kStale) return status;
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow now, store.exercises.ExerciseById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(json::object current, WholeJson(call, store, now));
+  return Stale(status, current, now.revision);
 }
 
 // The volumes whose surface is being computed now, over all threads.
@@ -158,21 +151,18 @@ class Making {
 };
 
 Result<SceneRow> SceneOf(SceneRows& scenes_rows, const ExerciseRow& row) {
-  Result<std::vector<SceneRow>> scenes = scenes_rows.Scenes();
-  if (!scenes.ok()) return scenes.status();
-  auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
-  if (scene != scenes->end()) return *scene;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<SceneRow> scenes, scenes_rows.Scenes());
+  auto scene = std::ranges::find(scenes, row.scene, &SceneRow::content);
+  if (scene != scenes.end()) return *scene;
   return Status{Code::kInternal, "the exercise's scene is not stored"};
 }
 
 Result<Sha256> MakeSurface(StoredBlobs& blobs, SceneRows& scenes, const Sha256& volume_hash) {
-  Result<Bytes> blob = blobs.GetBlob(volume_hash);
-  if (!blob.ok()) return blob.status();
-  Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
+  ENAMEL_ASSIGN_OR_RETURN(Bytes blob, blobs.GetBlob(volume_hash));
+  ENAMEL_ASSIGN_OR_RETURN(cutting::Volume volume, scene::DecodeVolume(blob));
   // Seconds of work for a fine tooth, on a thread that requests wait for: hence once, and kept.
-  Result<Sha256> surface = blobs.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
-  if (!surface.ok()) return surface;
+  Result<Sha256> surface = blobs.PutBlob(EncodeSurface(surface::ExtractSurface(volume)));
+  ENAMEL_RETURN_IF_ERROR(surface.status());
   ENAMEL_RETURN_IF_ERROR(scenes.PutSceneSurface(volume_hash, *surface));
   return surface;
 }
@@ -181,14 +171,14 @@ Result<Sha256> MakeSurface(StoredBlobs& blobs, SceneRows& scenes, const Sha256& 
 // does not hold a thread that others' requests wait for.
 Result<Sha256> InitialSurface(StoredBlobs& blobs, SceneRows& scenes, const ExerciseRow& row) {
   Result<SceneRow> scene = SceneOf(scenes, row);
-  if (!scene.ok()) return scene.status();
+  ENAMEL_RETURN_IF_ERROR(scene.status());
   if (!scene->surface.IsZero()) return scene->surface;
   Making making(scene->volume);
   if (!making.first()) {
     return Status{Code::kUnavailable, "the picture of the tooth is being made; try again"};
   }
   scene = SceneOf(scenes, row);  // somebody may have come to the end of it meanwhile
-  if (!scene.ok()) return scene.status();
+  ENAMEL_RETURN_IF_ERROR(scene.status());
   if (!scene->surface.IsZero()) return scene->surface;
   Result<Sha256> made = MakeSurface(blobs, scenes, scene->volume);
   if (made.ok() || made.status().code() == Code::kStorage) return made;
@@ -196,87 +186,77 @@ Result<Sha256> InitialSurface(StoredBlobs& blobs, SceneRows& scenes, const Exerc
 }
 
 // While somebody types: only whether it is right.
-Response LookAtDraft(const Call& call, Store& store) {
-  Result<scene::Exercise> exercise = CheckedExercise(call, store);
-  if (!exercise.ok()) return ErrorResponse(exercise.status());
+Result<Response> LookAtDraft(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(scene::Exercise exercise, CheckedExercise(call, store));
   ExerciseRow row;
-  row.scene = exercise->scene;
-  std::vector<std::string> warnings = ExerciseWarnings(store.blobs, *exercise);
-  std::ranges::move(RubricWarnings(store, row, exercise->rubric, true),
+  row.scene = exercise.scene;
+  std::vector<std::string> warnings = ExerciseWarnings(store.blobs, exercise);
+  std::ranges::move(RubricWarnings(store, row, exercise.rubric, true),
                     std::back_inserter(warnings));
   return JsonResponse({{"warnings", json::value_from(warnings)}});
 }
 
 }  // namespace
 
-Response ListExercises(const Call& call, Store& store) {
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = ListedExercises(call, store.exercises);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const ExerciseRow& row) { return row.name; });
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
-  if (!attempts.ok()) return ErrorResponse(attempts.status());
-  Result<std::set<Uuid>> with_reference = store.references.ExercisesWithReference();
-  if (!with_reference.ok()) return ErrorResponse(with_reference.status());
+Result<Response> ListExercises(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> rows, ListedExercises(call, store.exercises));
+  json::value next = CutPage(rows, page, [](const ExerciseRow& row) { return row.name; });
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, OwnAttempts(call, store.attempts));
+  ENAMEL_ASSIGN_OR_RETURN(std::set<Uuid> with_reference, store.references.ExercisesWithReference());
   json::array exercises;
-  for (const ExerciseRow& row : *rows) {
+  for (const ExerciseRow& row : rows) {
     Result<ExerciseDocument> exercise = DocumentOf(store.blobs, row);
-    if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
+    if (!exercise.ok()) return Status(Code::kInternal, exercise.status().message());
     exercises.push_back(SummaryJson(call.caller->person, row, **exercise,
-                                    with_reference->contains(row.id), (*attempts)[row.id]));
+                                    with_reference.contains(row.id), attempts[row.id]));
   }
   return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }
 
-Response GetExercise(const Call& call, Store& store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  return Packed(call.request, WholeResponse(call, store, *row));
+Result<Response> GetExercise(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  ENAMEL_ASSIGN_OR_RETURN(Response whole, WholeResponse(call, store, row));
+  return Packed(call.request, std::move(whole));
 }
 
-Response GetExerciseDocument(const Call& call, Store& store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<Bytes> bytes = store.blobs.GetBlob(row->content);
-  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+Result<Response> GetExerciseDocument(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  Result<Bytes> bytes = store.blobs.GetBlob(row.content);
+  if (!bytes.ok()) return Status(Code::kInternal, bytes.status().message());
   Response response;
   response.content_type = "application/json";
   response.body = AsText(*bytes);
-  return WithETag(std::move(response), row->revision);
+  return WithETag(std::move(response), row.revision);
 }
 
-Response GetInitialSurface(const Call& call, Store& store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<Sha256> surface = InitialSurface(store.blobs, store.scenes, *row);
-  if (!surface.ok()) return ErrorResponse(surface.status());
-  Result<Bytes> bytes = store.blobs.GetBlob(*surface);
-  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+Result<Response> GetInitialSurface(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 surface, InitialSurface(store.blobs, store.scenes, row));
+  Result<Bytes> bytes = store.blobs.GetBlob(surface);
+  if (!bytes.ok()) return Status(Code::kInternal, bytes.status().message());
   Response response;
   response.content_type = "application/octet-stream";
   response.body = AsText(*bytes);
   return response;
 }
 
-Response ListExerciseVersions(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
-  Result<ExerciseRow> row = VisibleExercise(call, attempts, exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = exercises.ExerciseVersions(row->name);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  if (!CanUseExercise(call.caller->person, *row)) {
+Result<Response> ListExerciseVersions(const Call& call, AttemptRows& attempts,
+                                      ExerciseRows& exercises) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, attempts, exercises));
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> rows, exercises.ExerciseVersions(row.name));
+  if (!CanUseExercise(call.caller->person, row)) {
     std::erase_if(
-        *rows, [](const ExerciseRow& version) { return version.state == ExerciseState::kDraft; });
+        rows, [](const ExerciseRow& version) { return version.state == ExerciseState::kDraft; });
   }
-  json::value next = CutPage(*rows, *page, [](const ExerciseRow& version) {
+  json::value next = CutPage(rows, page, [](const ExerciseRow& version) {
     // The list's own order as text: the draft, then newest first.
     return (version.state == ExerciseState::kDraft ? "0" : "1") +
            FallingKey(static_cast<uint64_t>(version.version));
   });
   json::array versions;
-  for (const ExerciseRow& version : *rows) {
+  for (const ExerciseRow& version : rows) {
     versions.push_back({{"id", version.id.Text()},
                         {"title", version.title},
                         {"version", version.version},
@@ -287,102 +267,90 @@ Response ListExerciseVersions(const Call& call, AttemptRows& attempts, ExerciseR
   return JsonResponse({{"versions", std::move(versions)}, {"next", std::move(next)}});
 }
 
-Response ListReferences(const Call& call, Store& store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ReferenceRow>> rows = store.references.References(row->id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const ReferenceRow& reference) {
+Result<Response> ListReferences(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ReferenceRow> rows, store.references.References(row.id));
+  json::value next = CutPage(rows, page, [](const ReferenceRow& reference) {
     return FallingKey(static_cast<uint64_t>(reference.version));
   });
   json::array references;
-  for (const ReferenceRow& reference : *rows) {
+  for (const ReferenceRow& reference : rows) {
     references.push_back(ReferenceJson(call.caller->person, reference));
   }
   return JsonResponse({{"references", std::move(references)}, {"next", std::move(next)}});
 }
 
-Response PutDraft(const Call& call, Store& store) {
+Result<Response> PutDraft(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
-  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
-  if (dry_run->value_or(false)) return LookAtDraft(call, store);
-  Result<ExerciseRow> draft = UploadedExercise(call, store);
-  if (!draft.ok()) return ErrorResponse(draft.status());
-  Result<ExerciseRow> row = store.exercises.PutDraft(*draft, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  return WholeResponse(call, store, *row, 201);
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> dry_run, QueryFlag(call.request, "dry_run"));
+  if (dry_run.value_or(false)) return LookAtDraft(call, store);
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow draft, UploadedExercise(call, store));
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, store.exercises.PutDraft(draft, ActorOf(call)));
+  return WholeResponse(call, store, row, 201);
 }
 
-Response ReplaceDraft(const Call& call, Store& store) {
+Result<Response> ReplaceDraft(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<ExerciseRow> draft = UploadedExercise(call, store);
-  if (!draft.ok()) return ErrorResponse(draft.status());
-  draft->id = call.id;
-  draft->revision = *revision;
-  Result<ExerciseRow> row = store.exercises.ReplaceDraft(*draft, ActorOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, SeenRevision(call, store.attempts, store.exercises));
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow draft, UploadedExercise(call, store));
+  draft.id = call.id;
+  draft.revision = revision;
+  Result<ExerciseRow> row = store.exercises.ReplaceDraft(draft, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response DeleteDraft(const Call& call, Store& store) {
-  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.exercises.DeleteDraft(call.id, *revision, ActorOf(call));
+Result<Response> DeleteDraft(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, SeenRevision(call, store.attempts, store.exercises));
+  Status done = store.exercises.DeleteDraft(call.id, revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
   return Done();
 }
 
-Response PublishDraft(const Call& call, Store& store) {
-  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<ExerciseRow> row = store.exercises.PublishDraft(call.id, *revision, ActorOf(call));
+Result<Response> PublishDraft(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, SeenRevision(call, store.attempts, store.exercises));
+  Result<ExerciseRow> row = store.exercises.PublishDraft(call.id, revision, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response RetireExercise(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
-  Result<ExerciseRow> row = ChangeableExercise(call, attempts, exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
+Result<Response> RetireExercise(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, ChangeableExercise(call, attempts, exercises));
   std::string reason;
   if (!call.request.body.empty()) {
     if (!IsJson(call.request)) return NotJson();
     BodyReader body(call.request);
     if (body.Has("reason")) reason = body.Text("reason", 1, kMaxReasonBytes);
-    if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-    if (Status line = CheckOneLine(reason, "reason"); !line.ok()) return ErrorResponse(line);
+    ENAMEL_RETURN_IF_ERROR(body.Finish());
+    ENAMEL_RETURN_IF_ERROR(CheckOneLine(reason, "reason"));
   }
   return DoneOr(exercises.RetireExercise(call.id, ActorOf(call), reason));
 }
 
-Response OfferExerciseAgain(const Call& call, Store& store) {
+Result<Response> OfferExerciseAgain(const Call& call, Store& store) {
   Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Status done = store.exercises.OfferExerciseAgain(call.id, ActorOf(call));
-  if (!done.ok()) return ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(row.status());
+  ENAMEL_RETURN_IF_ERROR(store.exercises.OfferExerciseAgain(call.id, ActorOf(call)));
   row = store.exercises.ExerciseById(call.id);
-  if (!row.ok()) return ErrorResponse(row.status());
+  ENAMEL_RETURN_IF_ERROR(row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response ShareExercise(const Call& call, Store& store) {
+Result<Response> ShareExercise(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row,
+                          ChangeableExercise(call, store.attempts, store.exercises));
   BodyReader body(call.request);
   SharingEdit edit;
   if (body.Has("shared")) edit.shared = body.Flag("shared");
   // null gives it to the school, absent leaves it where it is.
   if (body.Has("owner_id")) edit.owner = body.MaybeId("owner_id").value_or(Uuid{});
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   // Without If-Match: it is one switch, and who sets it last means it.
-  Result<ExerciseRow> shared = store.exercises.ShareExercise(call.id, edit, ActorOf(call));
-  if (!shared.ok()) return ErrorResponse(shared.status());
-  return WholeResponse(call, store, *shared);
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow shared,
+                          store.exercises.ShareExercise(call.id, edit, ActorOf(call)));
+  return WholeResponse(call, store, shared);
 }
 
 }  // namespace enamel::server::http

@@ -146,8 +146,8 @@ class AttemptLines {
   std::map<Uuid, bool> graded_;
 };
 
-Response CsvResponse(const Result<std::string>& text) {
-  if (!text.ok()) return ErrorResponse(text.status());
+Result<Response> CsvResponse(const Result<std::string>& text) {
+  ENAMEL_RETURN_IF_ERROR(text.status());
   Response out;
   out.content_type = "text/csv; charset=utf-8";
   out.body = *text;
@@ -158,20 +158,17 @@ Response CsvResponse(const Result<std::string>& text) {
 
 }  // namespace
 
-Response GetGradesFile(const Call& call, Store& store) {
-  Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
+Result<Response> GetGradesFile(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, store.cohorts));
   GradeView view(store, call.caller->person);
-  Result<GradeView::Book> book = view.BookOf(cohort->id);
-  if (!book.ok()) return ErrorResponse(book.status());
-  return CsvResponse(GradesText(*book));
+  ENAMEL_ASSIGN_OR_RETURN(GradeView::Book book, view.BookOf(cohort.id));
+  return CsvResponse(GradesText(book));
 }
 
-Response GetAttemptsFile(const Call& call, Store& store) {
-  Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
+Result<Response> GetAttemptsFile(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, store.cohorts));
   AttemptFilter filter;
-  filter.cohort = cohort->id;
+  filter.cohort = cohort.id;
   NarrowToTaught(call, filter);
   filter.not_to_be_marked_by = call.caller->person.id;
   return CsvResponse(AttemptLines(call, store).Read(filter));

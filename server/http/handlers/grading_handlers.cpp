@@ -168,10 +168,10 @@ class Grading {
 };
 
 // `of`: whose attempts they are.
-Response GradingResponse(const Call& call, Store& store, const AttemptFilter& filter,
-                         json::object of) {
+Result<Response> GradingResponse(const Call& call, Store& store, const AttemptFilter& filter,
+                                 json::object of) {
   Grading grading(call, store);
-  if (Status read = grading.Read(filter); !read.ok()) return ErrorResponse(read);
+  ENAMEL_RETURN_IF_ERROR(grading.Read(filter));
   json::object answer = grading.Json();
   answer["of"] = std::move(of);
   return JsonResponse(answer);
@@ -179,20 +179,18 @@ Response GradingResponse(const Call& call, Store& store, const AttemptFilter& fi
 
 }  // namespace
 
-Response GetAssignmentGrading(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
+Result<Response> GetAssignmentGrading(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
   AttemptFilter filter;
-  filter.assignment = row->id;
-  return GradingResponse(call, store, filter, {{"title", row->title}, {"graded", row->graded}});
+  filter.assignment = row.id;
+  return GradingResponse(call, store, filter, {{"title", row.title}, {"graded", row.graded}});
 }
 
-Response GetCohortGrading(const Call& call, Store& store) {
-  Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
+Result<Response> GetCohortGrading(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, store.cohorts));
   AttemptFilter filter;
-  filter.cohort = cohort->id;
-  return GradingResponse(call, store, filter, {{"title", cohort->name}, {"graded", nullptr}});
+  filter.cohort = cohort.id;
+  return GradingResponse(call, store, filter, {{"title", cohort.name}, {"graded", nullptr}});
 }
 
 }  // namespace enamel::server::http

@@ -220,17 +220,17 @@ Result<json::object> HealthJson(const Call& call, Store& store) {
 
 }  // namespace
 
-Response GetServerHealth(const Call& call, Store& store) {
-  Result<json::object> health = HealthJson(call, store);
-  return health.ok() ? JsonResponse(*health) : ErrorResponse(health.status());
+Result<Response> GetServerHealth(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(json::object health, HealthJson(call, store));
+  return JsonResponse(health);
 }
 
-Response StartBackup(const Call& call) {
+Result<Response> StartBackup(const Call& call) {
   if (Status started = call.backups->Start(ActorOf(call)); !started.ok()) {
-    return ErrorResponse(started);
+    return started;
   }
-  Result<json::object> now = BackupsJson(*call.backups);
-  return now.ok() ? JsonResponse(*now, 202) : ErrorResponse(now.status());
+  ENAMEL_ASSIGN_OR_RETURN(json::object now, BackupsJson(*call.backups));
+  return JsonResponse(now, 202);
 }
 
 }  // namespace enamel::server::http

@@ -268,13 +268,11 @@ Result<json::object> InsightOfClass(const Call& call, Store& store, const Assign
 
 }  // namespace
 
-Response GetInsight(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
-  if (!cohort.ok()) return ErrorResponse(cohort.status());
-  Result<json::object> insight = InsightOfClass(call, store, *row, *cohort);
-  return insight.ok() ? JsonResponse(*insight) : ErrorResponse(insight.status());
+Result<Response> GetInsight(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> cohort, QueryId(call.request, "cohort"));
+  ENAMEL_ASSIGN_OR_RETURN(json::object insight, InsightOfClass(call, store, row, cohort));
+  return JsonResponse(insight);
 }
 
 }  // namespace enamel::server::http

@@ -102,55 +102,46 @@ Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& giv
   return sent;
 }
 
-Response NoStations() {
-  return ErrorResponse({Code::kNotFound, "this server accepts no stations"});
-}
+Result<Response> NoStations() { return Status(Code::kNotFound, "this server accepts no stations"); }
 
 }  // namespace
 
-Response ListLiveRemarks(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+Result<Response> ListLiveRemarks(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
   if (call.stations == nullptr) return NoStations();
   const std::vector<ChairRemark> all = call.stations->remarks().Of(call.id);
   json::array remarks;
   for (const ChairRemark& sent : all) remarks.push_back(SentJson(sent));
-  const Uuid& station = seen->row.station;
+  const Uuid& station = seen.row.station;
   return JsonResponse({{"remarks", std::move(remarks)},
                        {"station",
                         {{"connected", call.stations->Connected(station)},
                          {"shows_remarks", call.stations->ShowsRemarks(station)}}},
-                       {"allowed", MaySpeak(call, *seen)},
+                       {"allowed", MaySpeak(call, seen)},
                        {"max_characters", protocol::kMaxRemarkCharacters}});
 }
 
-Response SendLiveRemark(const Call& call, Store& store) {
+Result<Response> SendLiveRemark(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string text = body.Text("text", 1, kMaxBytes);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (call.stations == nullptr) return NoStations();
-  Result<ChairRemark> sent = Speak(call, store, text);
-  if (!sent.ok()) return ErrorResponse(sent.status());
-  return JsonResponse(SentJson(*sent), 201);
+  ENAMEL_ASSIGN_OR_RETURN(ChairRemark sent, Speak(call, store, text));
+  return JsonResponse(SentJson(sent), 201);
 }
 
-Response GetLiveCut(const Call& call, Store& store) {
-  Result<uint64_t> from = QueryOffset(call.request, "from");
-  if (!from.ok()) return ErrorResponse(from.status());
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (Status made = MustBeMade(seen->row, "look at the attempt instead"); !made.ok())
-    return ErrorResponse(made);
-  const auto first = static_cast<uint32_t>(std::min<uint64_t>(*from, UINT32_MAX));
-  Result<LiveCuts::Cut> cut = call.cuts->Get(store.recordings, call.id, first);
-  if (!cut.ok()) return ErrorResponse(cut.status());
+Result<Response> GetLiveCut(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(uint64_t from, QueryOffset(call.request, "from"));
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row, "look at the attempt instead"));
+  const auto first = static_cast<uint32_t>(std::min<uint64_t>(from, UINT32_MAX));
+  ENAMEL_ASSIGN_OR_RETURN(LiveCuts::Cut cut, call.cuts->Get(store.recordings, call.id, first));
   json::array columns;
-  for (const CutColumns::Column& column : cut->columns)
+  for (const CutColumns::Column& column : cut.columns)
     columns.push_back(json::array{column.x, column.y, column.lowest_um, column.bur});
-  return JsonResponse({{"chunks", cut->chunks},
-                       {"cell_um", CutColumns::kCell_um},
-                       {"columns", std::move(columns)}});
+  return JsonResponse(
+      {{"chunks", cut.chunks}, {"cell_um", CutColumns::kCell_um}, {"columns", std::move(columns)}});
 }
 
 }  // namespace enamel::server::http

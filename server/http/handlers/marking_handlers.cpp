@@ -269,150 +269,129 @@ Result<MarkingWork> AskedWork(const Call& call, Store& store) {
 
 }  // namespace
 
-Response BeginMarking(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<bool> in_cohort = IsInCohort(call, store.cohorts, row->cohort);
-  if (!in_cohort.ok()) return ErrorResponse(in_cohort.status());
-  if (!CanAssign(call.caller->person, row->cohort, *in_cohort)) {
-    return ErrorResponse({Code::kForbidden, "only instructors of this cohort can do this"});
+Result<Response> BeginMarking(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(bool in_cohort, IsInCohort(call, store.cohorts, row.cohort));
+  if (!CanAssign(call.caller->person, row.cohort, in_cohort)) {
+    return Status(Code::kForbidden, "only instructors of this cohort can do this");
   }
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::vector<Uuid> markers = body.Ids("marker_ids", kMaxMarkersOfOne);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  if (Status status = CheckMarkers(store, markers); !status.ok()) return ErrorResponse(status);
-  Result<std::vector<Uuid>> works = WorkToMark(store, *row);
-  if (!works.ok()) return ErrorResponse(works.status());
-  Result<MarkingRow> begun = store.markings.BeginMarking(row->id, *works, markers, ActorOf(call));
-  if (!begun.ok()) return ErrorResponse(begun.status());
-  Result<json::object> summary = SummaryJson(store, *begun);
-  return summary.ok() ? JsonResponse(*summary, 201) : ErrorResponse(summary.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(CheckMarkers(store, markers));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Uuid> works, WorkToMark(store, row));
+  ENAMEL_ASSIGN_OR_RETURN(MarkingRow begun,
+                          store.markings.BeginMarking(row.id, works, markers, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(json::object summary, SummaryJson(store, begun));
+  return JsonResponse(summary, 201);
 }
 
-Response ListMarkings(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<std::vector<MarkingRow>> rows = store.markings.MarkingsOf(row->id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListMarkings(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<MarkingRow> rows, store.markings.MarkingsOf(row.id));
   json::array out;
-  for (const MarkingRow& marking : *rows) {
-    Result<json::object> summary = SummaryJson(store, marking);
-    if (!summary.ok()) return ErrorResponse(summary.status());
-    out.push_back(std::move(*summary));
+  for (const MarkingRow& marking : rows) {
+    ENAMEL_ASSIGN_OR_RETURN(json::object summary, SummaryJson(store, marking));
+    out.push_back(std::move(summary));
   }
   return JsonResponse({{"markings", std::move(out)}});
 }
 
-Response GetMarking(const Call& call, Store& store) {
-  Result<SeenMarking> seen = SeeMarking(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<json::object> out = SummaryJson(store, seen->row);
-  if (!out.ok()) return ErrorResponse(out.status());
-  Result<scene::Rubric> rubric = RubricOf(store, seen->assignment);
-  if (!rubric.ok()) return ErrorResponse(rubric.status());
+Result<Response> GetMarking(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenMarking seen, SeeMarking(call, store, call.id));
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, SummaryJson(store, seen.row));
+  ENAMEL_ASSIGN_OR_RETURN(scene::Rubric rubric, RubricOf(store, seen.assignment));
   json::array criteria, mine, comments;
-  for (const scoring::Group group : scoring::GroupsOf(*rubric)) {
+  for (const scoring::Group group : scoring::GroupsOf(rubric)) {
     criteria.push_back({{"name", scoring::NameOf(group)},
                         {"title", scoring::TitleOf(group)},
-                        {"max_points", scoring::FullMarksOf(*rubric)}});
+                        {"max_points", scoring::FullMarksOf(rubric)}});
   }
   const Uuid& person = call.caller->person.id;
-  if (seen->is_marker) {
-    Result<std::vector<MarkingWork>> works = store.markings.WorksOf(seen->row.id);
-    if (!works.ok()) return ErrorResponse(works.status());
-    Result<std::vector<BlindMark>> marks = store.markings.MarksOf(seen->row.id);
-    if (!marks.ok()) return ErrorResponse(marks.status());
-    for (const MarkingWork& work : InOrderOf(person, std::move(*works))) {
+  if (seen.is_marker) {
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<MarkingWork> works, store.markings.WorksOf(seen.row.id));
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<BlindMark> marks, store.markings.MarksOf(seen.row.id));
+    for (const MarkingWork& work : InOrderOf(person, std::move(works))) {
       const bool marked = std::ranges::any_of(
-          *marks, [&](const BlindMark& m) { return m.work == work.id && m.marker == person; });
+          marks, [&](const BlindMark& m) { return m.work == work.id && m.marker == person; });
       mine.push_back({{"id", work.id.Text()}, {"marked", marked}});
     }
-    Result<json::array> said = CommentsJson(store, person);
-    if (!said.ok()) return ErrorResponse(said.status());
-    comments = std::move(*said);
+    ENAMEL_ASSIGN_OR_RETURN(json::array said, CommentsJson(store, person));
+    comments = std::move(said);
   }
-  Result<ExerciseRow> exercise = store.exercises.ExerciseById(seen->assignment.version_id);
-  if (!exercise.ok()) return ErrorResponse(exercise.status());
-  (*out)["exercise"] = {
-      {"id", exercise->id.Text()}, {"title", exercise->title}, {"graded", exercise->graded}};
-  (*out)["criteria"] = std::move(criteria);
-  (*out)["mine"] = std::move(mine);
-  (*out)["comments"] = std::move(comments);
-  (*out)["results"] = nullptr;
-  if (seen->row.done()) {
-    Result<json::object> results = ResultsJson(store, seen->row);
-    if (!results.ok()) return ErrorResponse(results.status());
-    (*out)["results"] = std::move(*results);
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow exercise,
+                          store.exercises.ExerciseById(seen.assignment.version_id));
+  out["exercise"] = {
+      {"id", exercise.id.Text()}, {"title", exercise.title}, {"graded", exercise.graded}};
+  out["criteria"] = std::move(criteria);
+  out["mine"] = std::move(mine);
+  out["comments"] = std::move(comments);
+  out["results"] = nullptr;
+  if (seen.row.done()) {
+    ENAMEL_ASSIGN_OR_RETURN(json::object results, ResultsJson(store, seen.row));
+    out["results"] = std::move(results);
   }
-  return JsonResponse(*out);
+  return JsonResponse(out);
 }
 
-Response SetMarkers(const Call& call, Store& store) {
+Result<Response> SetMarkers(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::vector<Uuid> markers = body.Ids("marker_ids", kMaxMarkersOfOne);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<SeenMarking> seen = SeeMarking(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!seen->teaches) {
-    return ErrorResponse({Code::kForbidden, "only instructors of this cohort can do this"});
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(SeenMarking seen, SeeMarking(call, store, call.id));
+  if (!seen.teaches) {
+    return Status(Code::kForbidden, "only instructors of this cohort can do this");
   }
-  if (Status status = CheckMarkers(store, markers); !status.ok()) return ErrorResponse(status);
-  Result<MarkingRow> row = store.markings.SetMarkers(call.id, markers, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<json::object> summary = SummaryJson(store, *row);
-  return summary.ok() ? JsonResponse(*summary) : ErrorResponse(summary.status());
+  ENAMEL_RETURN_IF_ERROR(CheckMarkers(store, markers));
+  ENAMEL_ASSIGN_OR_RETURN(MarkingRow row,
+                          store.markings.SetMarkers(call.id, markers, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(json::object summary, SummaryJson(store, row));
+  return JsonResponse(summary);
 }
 
-Response EndMarking(const Call& call, Store& store) {
-  Result<SeenMarking> seen = SeeMarking(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!seen->teaches) {
-    return ErrorResponse({Code::kForbidden, "only instructors of this cohort can do this"});
+Result<Response> EndMarking(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenMarking seen, SeeMarking(call, store, call.id));
+  if (!seen.teaches) {
+    return Status(Code::kForbidden, "only instructors of this cohort can do this");
   }
   return DoneOr(store.markings.EndMarking(call.id, ActorOf(call)));
 }
 
-Response AddMark(const Call& call, Store& store) {
-  Result<MarkingWork> work = AskedWork(call, store);
-  if (!work.ok()) return ErrorResponse(work.status());
-  Result<SeenMarking> seen = SeeMarking(call, store, work->marking);
-  if (!seen.ok() || !seen->is_marker) return ErrorResponse(NoSuchWork());
+Result<Response> AddMark(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(MarkingWork work, AskedWork(call, store));
+  Result<SeenMarking> seen = SeeMarking(call, store, work.marking);
+  if (!seen.ok() || !seen->is_marker) return NoSuchWork();
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
-  BlindMark mark{work->id, call.caller->person.id, 0, "", 0};
+  BlindMark mark{work.id, call.caller->person.id, 0, "", 0};
   mark.rating = static_cast<int32_t>(body.Integer("rating", kClearFail, kExcellent));
   const std::string document = body.Document("criteria");
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<scene::Rubric> rubric = RubricOf(store, seen->assignment);
-  if (!rubric.ok()) return ErrorResponse(rubric.status());
-  Result<std::string> criteria = CriteriaText(*rubric, document);
-  if (!criteria.ok()) return ErrorResponse(criteria.status());
-  mark.criteria = *criteria;
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(scene::Rubric rubric, RubricOf(store, seen->assignment));
+  ENAMEL_ASSIGN_OR_RETURN(std::string criteria, CriteriaText(rubric, document));
+  mark.criteria = criteria;
   return DoneOr(store.markings.AddMark(mark, ActorOf(call)));
 }
 
 // How the tooth became what it is, without the deviation from any reference.
-Response GetMarkingTimeline(const Call& call, Store& store) {
-  Result<MarkingWork> work = AskedWork(call, store);
-  if (!work.ok()) return ErrorResponse(work.status());
-  Result<MarkingRow> row = store.markings.MarkingById(work->marking);
-  if (!row.ok()) return ErrorResponse(row.status());
-  if (!IsMarker(*row, call.caller->person.id)) return ErrorResponse(NoSuchWork());
-  Result<TimelineRow> timeline = store.timelines.AskForTimeline(work->attempt);
-  if (!timeline.ok()) return ErrorResponse(timeline.status());
-  if (timeline->content.IsZero()) {
-    if (timeline->waits) {
-      return ErrorResponse({Code::kUnavailable,
-                            "the playback of this work is being made; it is shown once it is there",
-                            "playback_waits"});
+Result<Response> GetMarkingTimeline(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(MarkingWork work, AskedWork(call, store));
+  ENAMEL_ASSIGN_OR_RETURN(MarkingRow row, store.markings.MarkingById(work.marking));
+  if (!IsMarker(row, call.caller->person.id)) return NoSuchWork();
+  ENAMEL_ASSIGN_OR_RETURN(TimelineRow timeline, store.timelines.AskForTimeline(work.attempt));
+  if (timeline.content.IsZero()) {
+    if (timeline.waits) {
+      return Status(Code::kUnavailable,
+                    "the playback of this work is being made; it is shown once it is there",
+                    "playback_waits");
     }
-    return ErrorResponse({Code::kNotFound, "the playback of this work could not be made"});
+    return Status(Code::kNotFound, "the playback of this work could not be made");
   }
   return KeptResponse(call.request,
-                      {timeline->content, "application/octet-stream", "private, no-cache"},
-                      *call.bodies, [&] { return store.blobs.GetBlob(timeline->content); });
+                      {timeline.content, "application/octet-stream", "private, no-cache"},
+                      *call.bodies, [&] { return store.blobs.GetBlob(timeline.content); });
 }
 
 }  // namespace enamel::server::http

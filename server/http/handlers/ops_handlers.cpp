@@ -45,10 +45,12 @@ std::pair<const char*, int> StatusOf(Readiness ready, bool draining) {
 }  // namespace
 
 // On the thread of its connection: it answers as long as this process turns over.
-boost::asio::awaitable<Response> GetAlive(Call) { co_return JsonResponse({{"status", "ok"}}); }
+boost::asio::awaitable<Result<Response>> GetAlive(Call) {
+  co_return JsonResponse({{"status", "ok"}});
+}
 
 // Away from the store's threads: it has to answer when they all wait for the database.
-boost::asio::awaitable<Response> GetReady(Call call, Store& store) {
+boost::asio::awaitable<Result<Response>> GetReady(Call call, Store& store) {
   StoreHealth health = co_await call.apart->Run([&store] { return store.health.Health(); });
   const auto& ask = call.monitoring->peers;
   const std::optional<PeersView> peers = ask ? ask() : PeersView{};
@@ -66,10 +68,10 @@ boost::asio::awaitable<Response> GetReady(Call call, Store& store) {
   co_return JsonResponse(out, answer);
 }
 
-boost::asio::awaitable<Response> GetMetrics(Call call) {
+boost::asio::awaitable<Result<Response>> GetMetrics(Call call) {
   if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
     // Not 403: strangers need not know that the figures exist.
-    co_return ErrorResponse(Status{Code::kNotFound, "you are not allowed to see this"});
+    co_return Status(Code::kNotFound, "you are not allowed to see this");
   }
   Response response;
   response.content_type = kPrometheusText;

@@ -41,36 +41,32 @@ Result<PeopleFilter> FilterOf(const Call& call) {
   PeopleFilter filter;
   const auto& query = call.request.query;
   if (auto role = query.find("role"); role != query.end()) {
-    Result<Role> named = RoleNamed(role->second);
-    if (!named.ok()) return named.status();
-    filter.role = *named;
+    ENAMEL_ASSIGN_OR_RETURN(Role named, RoleNamed(role->second));
+    filter.role = named;
   }
-  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
-  if (!cohort.ok()) return cohort.status();
-  filter.cohort = *cohort;
-  Result<std::optional<bool>> disabled = QueryFlag(call.request, "disabled");
-  if (!disabled.ok()) return disabled.status();
-  filter.disabled = *disabled;
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> cohort, QueryId(call.request, "cohort"));
+  filter.cohort = cohort;
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> disabled, QueryFlag(call.request, "disabled"));
+  filter.disabled = disabled;
   if (auto text = query.find("text"); text != query.end()) {
     if (text->second.size() > kMaxText) {
       return Status{Code::kInvalidInput, "expected at most 200 bytes", "text"};
     }
     filter.text = text->second;
   }
-  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
-  if (!page.ok()) return page.status();
-  filter.after_login = page->after.value_or("");
-  filter.limit = page->limit + 1;  // whether there is one more
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
+  filter.after_login = page.after.value_or("");
+  filter.limit = page.limit + 1;  // whether there is one more
   return filter;
 }
 
-Response PersonResponse(const Person& person, int status = 200) {
+Result<Response> PersonResponse(const Person& person, int status = 200) {
   return WithETag(JsonResponse(PersonJson(person), status), person.revision);
 }
 
 // A person as JSON with the password that is shown this once.
-Response WithPassword(const Call& call, const Person& person, const std::string& password,
-                      int status) {
+Result<Response> WithPassword(const Call& call, const Person& person, const std::string& password,
+                              int status) {
   json::object out = PersonJson(person);
   // The only time that the password appears: the store has only its verifier, and no log has the
   // body of an answer.
@@ -94,14 +90,13 @@ Result<PersonEdit> EditOf(const Call& call) {
   if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (edit.display_name) {
-    Result<std::string> name = CheckedPersonName(*edit.display_name, "display_name");
-    if (!name.ok()) return name.status();
-    edit.display_name = *name;
+    ENAMEL_ASSIGN_OR_RETURN(std::string name,
+                            CheckedPersonName(*edit.display_name, "display_name"));
+    edit.display_name = name;
   }
   if (role.empty()) return edit;
-  Result<Role> named = RoleNamed(role);
-  if (!named.ok()) return named.status();
-  edit.role = *named;
+  ENAMEL_ASSIGN_OR_RETURN(Role named, RoleNamed(role));
+  edit.role = named;
   return edit;
 }
 
@@ -118,15 +113,12 @@ Result<NewPerson> NewPersonOf(const Call& call) {
   std::string role = body.Text("role", 1, 16);
   out.cohorts = body.Ids("cohorts", 20);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
-  Result<std::string> checked_login = CheckedLogin(login);
-  if (!checked_login.ok()) return checked_login.status();
-  Result<std::string> checked_name = CheckedPersonName(name, "display_name");
-  if (!checked_name.ok()) return checked_name.status();
-  Result<Role> named = RoleNamed(role);
-  if (!named.ok()) return named.status();
-  out.person.login = *checked_login;
-  out.person.display_name = *checked_name;
-  out.person.role = *named;
+  ENAMEL_ASSIGN_OR_RETURN(std::string checked_login, CheckedLogin(login));
+  ENAMEL_ASSIGN_OR_RETURN(std::string checked_name, CheckedPersonName(name, "display_name"));
+  ENAMEL_ASSIGN_OR_RETURN(Role named, RoleNamed(role));
+  out.person.login = checked_login;
+  out.person.display_name = checked_name;
+  out.person.role = named;
   // The admin has seen it, and so has whatever carried it to the person.
   out.person.must_change_password = true;
   return out;
@@ -134,77 +126,63 @@ Result<NewPerson> NewPersonOf(const Call& call) {
 
 }  // namespace
 
-Response ListPeople(const Call& call, PeopleRows& people_rows) {
-  Result<PeopleFilter> filter = FilterOf(call);
-  if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<Person>> rows = people_rows.FindPeople(*filter);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListPeople(const Call& call, PeopleRows& people_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(PeopleFilter filter, FilterOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Person> rows, people_rows.FindPeople(filter));
   json::value next;
-  if (rows->size() == filter->limit) {
-    rows->pop_back();
-    next = NextAfter(rows->back().login);
+  if (rows.size() == filter.limit) {
+    rows.pop_back();
+    next = NextAfter(rows.back().login);
   }
   json::array people;
-  for (const Person& person : *rows) people.push_back(PersonJson(person));
+  for (const Person& person : rows) people.push_back(PersonJson(person));
   return JsonResponse({{"people", std::move(people)}, {"next", std::move(next)}});
 }
 
-Response GetPerson(const Call& call, CohortRows& cohorts_rows, PeopleRows& people) {
-  Result<Person> person = people.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
-  Result<std::vector<Cohort>> cohorts = cohorts_rows.CohortsOf(call.id);
-  if (!cohorts.ok()) return ErrorResponse(cohorts.status());
-  json::object out = PersonJson(*person);
+Result<Response> GetPerson(const Call& call, CohortRows& cohorts_rows, PeopleRows& people) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> cohorts, cohorts_rows.CohortsOf(call.id));
+  json::object out = PersonJson(person);
   json::array in;
-  for (const Cohort& cohort : *cohorts) {
+  for (const Cohort& cohort : cohorts) {
     in.push_back({{"id", cohort.id.Text()}, {"name", cohort.name}});
   }
   out["cohorts"] = std::move(in);
-  return WithETag(JsonResponse(out), person->revision);
+  return WithETag(JsonResponse(out), person.revision);
 }
 
-Response AddPerson(const Call& call, PeopleRows& people) {
+Result<Response> AddPerson(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
-  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<NewPerson> wanted = NewPersonOf(call);
-  if (!wanted.ok()) return ErrorResponse(wanted.status());
-  Result<auth::OneTimePassword> password = NewPassword();
-  if (!password.ok()) return ErrorResponse(password.status());
-  Result<Uuid> id =
-      people.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
-  if (!id.ok()) return ErrorResponse(id.status());
-  Result<Person> person = people.PersonById(*id);
-  if (!person.ok()) return ErrorResponse(person.status());
-  return WithPassword(call, *person, password->text, 201);
+  ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
+  ENAMEL_ASSIGN_OR_RETURN(NewPerson wanted, NewPersonOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(auth::OneTimePassword password, NewPassword());
+  ENAMEL_ASSIGN_OR_RETURN(Uuid id, people.CreatePerson(wanted.person, password.verifier,
+                                                       wanted.cohorts, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(id));
+  return WithPassword(call, person, password.text, 201);
 }
 
-Response EditPerson(const Call& call, PeopleRows& people) {
+Result<Response> EditPerson(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
-  Result<PersonEdit> edit = EditOf(call);
-  if (!edit.ok()) return ErrorResponse(edit.status());
-  Result<int32_t> seen = IfMatch(call.request);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_ASSIGN_OR_RETURN(PersonEdit edit, EditOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
   // A role is power; anybody who notices can restore a name or a disabled account.
-  if (edit->role) {
-    if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  if (edit.role) {
+    ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   }
-  Result<Person> person = people.EditPerson(call.id, *edit, *seen, ActorOf(call));
+  Result<Person> person = people.EditPerson(call.id, edit, seen, ActorOf(call));
   if (person.ok()) return PersonResponse(*person);
-  if (person.status().field() != kStale) return ErrorResponse(person.status());
-  Result<Person> current = people.PersonById(call.id);
-  if (!current.ok()) return ErrorResponse(current.status());
-  return Stale(person.status(), PersonJson(*current), current->revision);
+  if (person.status().field() != kStale) return person.status();
+  ENAMEL_ASSIGN_OR_RETURN(Person current, people.PersonById(call.id));
+  return Stale(person.status(), PersonJson(current), current.revision);
 }
 
-Response ResetPassword(const Call& call, PeopleRows& people) {
-  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<auth::OneTimePassword> password = NewPassword();
-  if (!password.ok()) return ErrorResponse(password.status());
-  Status set = people.SetPassword(call.id, password->verifier, true, ActorOf(call));
-  if (!set.ok()) return ErrorResponse(set);
-  Result<Person> person = people.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
-  return WithPassword(call, *person, password->text, 200);
+Result<Response> ResetPassword(const Call& call, PeopleRows& people) {
+  ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
+  ENAMEL_ASSIGN_OR_RETURN(auth::OneTimePassword password, NewPassword());
+  ENAMEL_RETURN_IF_ERROR(people.SetPassword(call.id, password.verifier, true, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
+  return WithPassword(call, person, password.text, 200);
 }
 
 namespace {
@@ -221,49 +199,45 @@ json::array MentionsJson(const std::vector<Mentions>& mentions) {
 
 }  // namespace
 
-Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
+Result<Response> ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string login = body.Text("login", 1, kMaxLoginBytes);
   bool with_references = body.Flag("with_references", false);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<Person> person = people.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
   // Typed by hand: the page's button alone erases nobody.
-  if (person->login != login) {
-    return ErrorResponse(
-        {Code::kInvalidInput,
-         "that is not the person's login; type it to confirm, because this cannot be undone",
-         "login"});
+  if (person.login != login) {
+    return Status(
+        Code::kInvalidInput,
+        "that is not the person's login; type it to confirm, because this cannot be undone",
+        "login");
   }
   // Only another admin can erase an admin, and can then still let others in.
-  if (person->id == call.caller->person.id) {
-    return ErrorResponse({Code::kConflict, "you cannot erase yourself; ask another admin"});
+  if (person.id == call.caller->person.id) {
+    return Status(Code::kConflict, "you cannot erase yourself; ask another admin");
   }
-  Result<ErasureReport> erased = erasures.ErasePerson(call.id, with_references, ActorOf(call));
-  if (!erased.ok()) return ErrorResponse(erased.status());
-  return JsonResponse({{"attempts", erased->attempts},
-                       {"references", erased->references},
-                       {"blobs", erased->blobs},
-                       {"mentions", MentionsJson(erased->mentions)}});
+  ENAMEL_ASSIGN_OR_RETURN(ErasureReport erased,
+                          erasures.ErasePerson(call.id, with_references, ActorOf(call)));
+  return JsonResponse({{"attempts", erased.attempts},
+                       {"references", erased.references},
+                       {"blobs", erased.blobs},
+                       {"mentions", MentionsJson(erased.mentions)}});
 }
 
-Response ListSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
-  Result<Person> person = people.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
+Result<Response> ListSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
   return SessionsResponse(call, sessions, call.id);
 }
 
-Response EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
-  Result<Person> person = people.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
-  Result<size_t> ended = sessions.EndSessionsOf(call.id, ActorOf(call));
-  if (!ended.ok()) return ErrorResponse(ended.status());
-  return JsonResponse({{"ended", *ended}});
+Result<Response> EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(size_t ended, sessions.EndSessionsOf(call.id, ActorOf(call)));
+  return JsonResponse({{"ended", ended}});
 }
 
-Response ImportRoster(const Call& call, RosterRows& roster_rows) {
+Result<Response> ImportRoster(const Call& call, RosterRows& roster_rows) {
   // The sender only guesses the encoding that the type may name. The reader looks at the bytes.
   std::string_view type = call.request.Header("content-type");
   type = type.substr(0, type.find(';'));
@@ -273,37 +247,34 @@ Response ImportRoster(const Call& call, RosterRows& roster_rows) {
                          "content-type");
   }
   roster::ImportOptions options;
-  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
-  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
-  options.dry_run = dry_run->value_or(false);
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> dry_run, QueryFlag(call.request, "dry_run"));
+  options.dry_run = dry_run.value_or(false);
   const auto& query = call.request.query;
-  Result<bool> ignore = QueryChoice(call.request, "unknown_columns", "ignore", "refuse");
-  if (!ignore.ok()) return ErrorResponse(ignore.status());
-  options.file.ignore_unknown_columns = *ignore;
-  Result<bool> leave = QueryChoice(call.request, "other_cohorts", "leave", "keep");
-  if (!leave.ok()) return ErrorResponse(leave.status());
-  options.move = *leave;
+  ENAMEL_ASSIGN_OR_RETURN(bool ignore,
+                          QueryChoice(call.request, "unknown_columns", "ignore", "refuse"));
+  options.file.ignore_unknown_columns = ignore;
+  ENAMEL_ASSIGN_OR_RETURN(bool leave, QueryChoice(call.request, "other_cohorts", "leave", "keep"));
+  options.move = leave;
   if (auto reading = query.find("reading"); reading != query.end()) {
     options.file.reading = reading->second;
     if (!roster::IsReading(reading->second)) {
-      return ErrorResponse(
-          {Code::kInvalidInput, "expected an encoding such as utf-8 or windows-1252", "reading"});
+      return Status(Code::kInvalidInput, "expected an encoding such as utf-8 or windows-1252",
+                    "reading");
     }
   }
   if (auto cohort = query.find("cohort"); cohort != query.end()) {
-    Result<std::string> name = CheckedName(cohort->second, "cohort");
-    if (!name.ok()) return ErrorResponse(name.status());
-    options.file.cohort = *name;
+    ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(cohort->second, "cohort"));
+    options.file.cohort = name;
   }
   // Asked for before the roster is read: a dry run shows the same problems without a password.
   if (!options.dry_run) {
-    if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+    ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   }
-  Result<roster::ImportResult> result =
-      roster::ImportRoster(roster_rows, call.request.body, options, ActorOf(call));
-  if (!result.ok()) return ErrorResponse(result.status());
-  json::object out = roster::ImportJson(*result);
-  size_t problems = result->plan.problems.size();
+  ENAMEL_ASSIGN_OR_RETURN(
+      roster::ImportResult result,
+      roster::ImportRoster(roster_rows, call.request.body, options, ActorOf(call)));
+  json::object out = roster::ImportJson(result);
+  size_t problems = result.plan.problems.size();
   if (problems == 0) return JsonResponse(out);
   // A refusal that carries the whole plan: the page lists every problem with its row.
   out["error"] = {{"code", "invalid_input"},

@@ -116,13 +116,12 @@ Result<scene::DeviceProfile> Document(StoredBlobs& blobs, const ProfileRow& row)
 }
 
 Result<json::object> ProfileJson(StoredBlobs& blobs, const ProfileRow& row) {
-  Result<scene::DeviceProfile> profile = Document(blobs, row);
-  if (!profile.ok()) return profile.status();
+  ENAMEL_ASSIGN_OR_RETURN(scene::DeviceProfile profile, Document(blobs, row));
   return json::object{{"name", row.name},
                       {"title", row.title},
                       {"version", row.version},
                       {"created_ms", row.created_ms},
-                      {"numbers", NumbersJson(*profile)}};
+                      {"numbers", NumbersJson(profile)}};
 }
 
 // Newest first. Errors: kNotFound.
@@ -133,8 +132,8 @@ Result<std::vector<ProfileRow>> VersionsOf(const Call& call, ProfileRows& profil
 }
 
 // What the page acts upon: every condition with its figures, also when the profile is refused.
-Response Judgement(const std::vector<scene::ProfileCriterion>& criteria, json::object out,
-                   int status) {
+Result<Response> Judgement(const std::vector<scene::ProfileCriterion>& criteria, json::object out,
+                           int status) {
   out["acceptable"] = scene::IsAcceptable(criteria);
   out["criteria"] = CriteriaJson(criteria);
   if (scene::IsAcceptable(criteria)) return JsonResponse(out, status);
@@ -155,11 +154,10 @@ Response Judgement(const std::vector<scene::ProfileCriterion>& criteria, json::o
 
 // A page of rows that are ordered newest first: the place in that order is the cursor.
 template <typename Row, typename Json>
-Response ListOf(const Call& call, const char* name, const Result<std::vector<Row>>& rows,
-                const Json& json_of) {
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
+Result<Response> ListOf(const Call& call, const char* name, const Result<std::vector<Row>>& rows,
+                        const Json& json_of) {
+  ENAMEL_RETURN_IF_ERROR(rows.status());
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
   struct Placed {
     std::string place;
     const Row* row;
@@ -170,7 +168,7 @@ Response ListOf(const Call& call, const char* name, const Result<std::vector<Row
     std::string place = std::to_string(1'000'000'000 - (rows->size() - placed.size()));
     placed.push_back({place, &row});
   }
-  json::value next = CutPage(placed, *page, [](const Placed& entry) { return entry.place; });
+  json::value next = CutPage(placed, page, [](const Placed& entry) { return entry.place; });
   json::array out;
   for (const Placed& entry : placed) out.push_back(json_of(*entry.row));
   return JsonResponse({{name, std::move(out)}, {"next", std::move(next)}});
@@ -178,72 +176,63 @@ Response ListOf(const Call& call, const char* name, const Result<std::vector<Row
 
 }  // namespace
 
-Response ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows) {
-  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ProfileRow>> rows = profiles_rows.Profiles();
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const ProfileRow& row) { return row.name; });
+Result<Response> ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, profiles_rows.Profiles());
+  json::value next = CutPage(rows, page, [](const ProfileRow& row) { return row.name; });
   json::array profiles;
-  for (const ProfileRow& row : *rows) {
-    Result<json::object> profile = ProfileJson(blobs, row);
-    if (!profile.ok()) return ErrorResponse(profile.status());
-    profiles.push_back(std::move(*profile));
+  for (const ProfileRow& row : rows) {
+    ENAMEL_ASSIGN_OR_RETURN(json::object profile, ProfileJson(blobs, row));
+    profiles.push_back(std::move(profile));
   }
   return JsonResponse({{"profiles", std::move(profiles)}, {"next", std::move(next)}});
 }
 
-Response GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
-  Result<std::vector<ProfileRow>> rows = VersionsOf(call, profiles);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  Result<json::object> out = ProfileJson(blobs, rows->front());
-  if (!out.ok()) return ErrorResponse(out.status());
-  Result<scene::DeviceProfile> profile = Document(blobs, rows->front());
-  if (!profile.ok()) return ErrorResponse(profile.status());
-  out->emplace("document", json::parse(scene::ToJson(*profile)));
-  auto criteria = scene::CheckProfile(*profile);
-  out->emplace("acceptable", scene::IsAcceptable(criteria));
-  out->emplace("criteria", CriteriaJson(criteria));
-  return JsonResponse(*out);
+Result<Response> GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, VersionsOf(call, profiles));
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, ProfileJson(blobs, rows.front()));
+  ENAMEL_ASSIGN_OR_RETURN(scene::DeviceProfile profile, Document(blobs, rows.front()));
+  out.emplace("document", json::parse(scene::ToJson(profile)));
+  auto criteria = scene::CheckProfile(profile);
+  out.emplace("acceptable", scene::IsAcceptable(criteria));
+  out.emplace("criteria", CriteriaJson(criteria));
+  return JsonResponse(out);
 }
 
-Response PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+Result<Response> PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
-  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> dry_run, QueryFlag(call.request, "dry_run"));
   Result<scene::DeviceProfile> profile = scene::ProfileFromJson(call.request.body);
   if (!profile.ok()) {
     bool theirs = profile.status().code() == Code::kVersion;
-    return ErrorResponse(
-        theirs ? Status{Code::kInvalidInput, profile.status().message(), profile.status().field()}
-               : profile.status());
+    return theirs
+               ? Status{Code::kInvalidInput, profile.status().message(), profile.status().field()}
+               : profile.status();
   }
   auto criteria = scene::CheckProfile(*profile);
   json::object out{{"name", profile->name}, {"stored", false}, {"version", nullptr}};
-  if (dry_run->value_or(false) || !scene::IsAcceptable(criteria)) {
+  if (dry_run.value_or(false) || !scene::IsAcceptable(criteria)) {
     return Judgement(criteria, std::move(out), 200);
   }
-  Result<Sha256> content = blobs.PutBlob(AsBytes(scene::ToJson(*profile)));
-  if (!content.ok()) return ErrorResponse(content.status());
-  Status put = profiles.PutProfile({profile->name, profile->title, *content}, ActorOf(call));
-  if (!put.ok()) return ErrorResponse(put);
-  Result<std::vector<ProfileRow>> rows = profiles.ProfileVersions(profile->name);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
+  ENAMEL_RETURN_IF_ERROR(
+      profiles.PutProfile({profile->name, profile->title, content}, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, profiles.ProfileVersions(profile->name));
   out["stored"] = true;
-  out["version"] = rows->front().version;
+  out["version"] = rows.front().version;
   return Judgement(criteria, std::move(out), 201);
 }
 
-Response ListProfileVersions(const Call& call, ProfileRows& profiles) {
+Result<Response> ListProfileVersions(const Call& call, ProfileRows& profiles) {
   return ListOf(call, "versions", VersionsOf(call, profiles), VersionJson);
 }
 
-Response ListProfileReports(const Call& call, ProfileRows& profiles) {
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
+Result<Response> ListProfileReports(const Call& call, ProfileRows& profiles) {
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
   return ListOf(call, "reports", profiles.ProfileReports(std::string(call.name)), ReportJson);
 }
 
-Response AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+Result<Response> AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
   std::string_view given = call.request.Header("content-type");
   given = given.substr(0, given.find(';'));
   ProfileReportRow row;
@@ -265,62 +254,59 @@ Response AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& pro
     (void)json::parse(call.request.body, error, {}, options);
   }
   if (error || call.request.body.empty()) {
-    return ErrorResponse(
-        {Code::kInvalidInput, "expected what `enamel-lab qualify` wrote as body", "body"});
+    return Status(Code::kInvalidInput, "expected what `enamel-lab qualify` wrote as body", "body");
   }
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
-  Result<Sha256> content = blobs.PutBlob(AsBytes(call.request.body));
-  if (!content.ok()) return ErrorResponse(content.status());
-  row.content = *content;
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, blobs.PutBlob(AsBytes(call.request.body)));
+  row.content = content;
   row.bytes = call.request.body.size();
-  Result<ProfileReportRow> added = profiles.AddProfileReport(row, ActorOf(call));
-  return added.ok() ? JsonResponse(ReportJson(*added), 201) : ErrorResponse(added.status());
+  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow added, profiles.AddProfileReport(row, ActorOf(call)));
+  return JsonResponse(ReportJson(added), 201);
 }
 
 // Never shown inside the page: somebody's HTML under our own address could act as the page.
-Response GetProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
-  Result<ProfileReportRow> row = profiles.ProfileReportById(call.id);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<Bytes> bytes = blobs.GetBlob(row->content);
-  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+Result<Response> GetProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow row, profiles.ProfileReportById(call.id));
+  Result<Bytes> bytes = blobs.GetBlob(row.content);
+  if (!bytes.ok()) return Status(Code::kInternal, bytes.status().message());
   Response response;
-  response.content_type = row->media_type;
+  response.content_type = row.media_type;
   response.body = AsText(*bytes);
   // Safe inside quotes: a profile's name is a-z, 0-9, _ and - only.
-  std::string name = row->profile + "-" + std::to_string(row->version) +
-                     (row->media_type == kMediaTypes[0] ? ".json" : ".html");
+  std::string name = row.profile + "-" + std::to_string(row.version) +
+                     (row.media_type == kMediaTypes[0] ? ".json" : ".html");
   response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
   return response;
 }
 
-Response ListCalibrations(const Call& call, ProfileRows& profiles) {
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
+Result<Response> ListCalibrations(const Call& call, ProfileRows& profiles) {
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
   return ListOf(call, "calibrations", profiles.Calibrations(std::string(call.name)),
                 CalibrationJson);
 }
 
-Response AddCalibration(const Call& call, ProfileRows& profiles) {
+Result<Response> AddCalibration(const Call& call, ProfileRows& profiles) {
   if (!IsJson(call.request)) return NotJson();
   Result<scene::Calibration> calibration = scene::CalibrationFromJson(call.request.body);
   if (!calibration.ok()) {
     const Status& why = calibration.status();
-    return ErrorResponse(Status{Code::kInvalidInput, why.message(), why.field()});
+    return Status(Code::kInvalidInput, why.message(), why.field());
   }
   // The address names the profile and so does the document; this finds a file sent to the wrong
   // profile.
   if (calibration->profile != call.name) {
-    return ErrorResponse({Code::kInvalidInput,
-                          "expected a calibration of \"" + std::string(call.name) +
-                              "\", found one of \"" + calibration->profile + "\"",
-                          "profile"});
+    return Status(Code::kInvalidInput,
+                  "expected a calibration of \"" + std::string(call.name) + "\", found one of \"" +
+                      calibration->profile + "\"",
+                  "profile");
   }
   CalibrationRow row;
   row.profile = calibration->profile;
   row.device = calibration->device;
   row.measured_ms = calibration->measured_ms;
   row.document = scene::ToJson(*calibration);
-  Result<CalibrationRow> added = profiles.AddCalibration(row, ActorOf(call));
-  return added.ok() ? JsonResponse(CalibrationJson(*added), 201) : ErrorResponse(added.status());
+  ENAMEL_ASSIGN_OR_RETURN(CalibrationRow added, profiles.AddCalibration(row, ActorOf(call)));
+  return JsonResponse(CalibrationJson(added), 201);
 }
 
 }  // namespace enamel::server::http

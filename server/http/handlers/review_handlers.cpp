@@ -22,16 +22,14 @@ constexpr int64_t kMaxTick = int64_t{1} << 40;
 constexpr int64_t kMaxRun = 1'000'000'000;
 
 // The changed attempt.
-Response AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
-  Result<AttemptRow> row = store.attempts.AttemptById(attempt);
-  if (!row.ok()) return ErrorResponse(row.status());
+Result<Response> AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(AttemptRow row, store.attempts.AttemptById(attempt));
   AttemptView view(store, call.caller->person);
-  Result<json::object> out = view.DetailJson(*row);
-  if (!out.ok()) return ErrorResponse(out.status());
-  return WithETag(JsonResponse(*out), row->revision);
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, view.DetailJson(row));
+  return WithETag(JsonResponse(out), row.revision);
 }
 
-Response JudgedOr(const Call& call, Store& store, const Status& status) {
+Result<Response> JudgedOr(const Call& call, Store& store, const Status& status) {
   // With the changed attempt: the page needs its new revision for the next change.
   return status.ok() ? AttemptResponse(call, store, call.id) : JudgedMeanwhile(call, store, status);
 }
@@ -80,128 +78,108 @@ Result<AnnotationRow> OwnAnnotation(const Call& call, Store& store) {
 }
 
 // Why a change of an annotation did not happen.
-Response Refused(const Call& call, RemarkRows& remarks, const Status& status) {
-  if (status.field() != kStale) return ErrorResponse(status);
-  Result<AnnotationRow> now = remarks.AnnotationById(call.id);
-  if (!now.ok()) return ErrorResponse(now.status());
-  return Stale(status, AnnotationJson(call, *now), now->revision);
+Result<Response> Refused(const Call& call, RemarkRows& remarks, const Status& status) {
+  if (status.field() != kStale) return status;
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow now, remarks.AnnotationById(call.id));
+  return Stale(status, AnnotationJson(call, now), now.revision);
 }
 
 }  // namespace
 
-Response WithdrawRelease(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.judging.WithdrawRelease(call.id, ActorOf(call), *revision);
-  return done.ok() ? Done() : JudgedMeanwhile(call, store, done);
+Result<Response> WithdrawRelease(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  Status done = store.judging.WithdrawRelease(call.id, ActorOf(call), revision);
+  if (done.ok()) return Done();
+  return JudgedMeanwhile(call, store, done);
 }
 
-Response PutOverride(const Call& call, Store& store) {
+Result<Response> PutOverride(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
   BodyReader body(call.request);
   ScoreOverride score;
   score.score = body.Number("score", 0, 100);
   score.reason = body.Text("reason", 1, kMaxReasonBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
   return JudgedOr(call, store,
-                  store.judging.OverrideScore(call.id, score, ActorOf(call), *revision));
+                  store.judging.OverrideScore(call.id, score, ActorOf(call), revision));
 }
 
-Response DeleteOverride(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
+Result<Response> DeleteOverride(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
   return JudgedOr(call, store,
-                  store.judging.OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
+                  store.judging.OverrideScore(call.id, std::nullopt, ActorOf(call), revision));
 }
 
-Response Rescore(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+Result<Response> Rescore(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
   // No If-Match: it changes no judgement, and asking twice makes one more result, which is kept
   // with the others.
-  Status done = store.judging.Rescore(call.id, "rescore", ActorOf(call));
-  if (!done.ok()) return ErrorResponse(done);
-  Response response = AttemptResponse(call, store, call.id);
-  // Accepted: the job is in the queue and the score unchanged.
-  if (response.status == 200) response.status = 202;
+  ENAMEL_RETURN_IF_ERROR(store.judging.Rescore(call.id, "rescore", ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Response response, AttemptResponse(call, store, call.id));
+  response.status = 202;  // accepted: the job is in the queue and the score unchanged
   return response;
 }
 
-Response Excuse(const Call& call, Store& store) {
+Result<Response> Excuse(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
   BodyReader body(call.request);
   std::string reason = body.Text("reason", 1, kMaxReasonBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
   return JudgedOr(call, store,
-                  store.judging.FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
+                  store.judging.FlagAttempt(call.id, kExcused, reason, ActorOf(call), revision));
 }
 
-Response TakeExcuseBack(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, store, store.judging.ClearExcuse(call.id, ActorOf(call), *revision));
+Result<Response> TakeExcuseBack(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  return JudgedOr(call, store, store.judging.ClearExcuse(call.id, ActorOf(call), revision));
 }
 
-Response RestoreResult(const Call& call, Store& store) {
+Result<Response> RestoreResult(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
   BodyReader body(call.request);
   const auto run = static_cast<int32_t>(body.Integer("run", 1, kMaxRun));
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, store, store.results.RestoreResult(call.id, run, ActorOf(call), *revision));
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  return JudgedOr(call, store, store.results.RestoreResult(call.id, run, ActorOf(call), revision));
 }
 
-Response ListResults(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
-    return ErrorResponse(
-        {Code::kForbidden,
-         "this work is graded: the results show after the instructor has released it"});
+Result<Response> ListResults(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  if (!CanSeeScore(call.caller->person, seen.row, seen.graded, seen.teaches)) {
+    return Status(Code::kForbidden,
+                  "this work is graded: the results show after the instructor has released it");
   }
   if (Status hidden = ScoreMustNotBeHidden(call, store, call.id); !hidden.ok()) {
-    return ErrorResponse(hidden);
+    return hidden;
   }
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ResultRow>> rows = store.results.ResultsOf(call.id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  const int32_t newest = rows->empty() ? 0 : rows->front().run;
-  json::value next = CutPage(*rows, *page, [](const ResultRow& row) {
-    return FallingKey(static_cast<uint64_t>(row.run));
-  });
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ResultRow> rows, store.results.ResultsOf(call.id));
+  const int32_t newest = rows.empty() ? 0 : rows.front().run;
+  json::value next = CutPage(
+      rows, page, [](const ResultRow& row) { return FallingKey(static_cast<uint64_t>(row.run)); });
   json::array results;
-  for (const ResultRow& row : *rows) {
+  for (const ResultRow& row : rows) {
     json::value reference;
     if (row.reference) reference = row.reference->Text();
     Result<Bytes> text = store.blobs.GetBlob(row.score_json);
-    if (!text.ok()) return ErrorResponse(Status{Code::kInternal, text.status().message()});
+    if (!text.ok()) return Status(Code::kInternal, text.status().message());
     json::error_code error;
     // Parsed and put in as JSON, so that a damaged document is found here and not by the page.
     json::value score = json::parse(AsText(*text), error);
-    if (error) return ErrorResponse(Status{Code::kInternal, "stored score is no JSON"});
+    if (error) return Status(Code::kInternal, "stored score is no JSON");
     results.push_back(
         {{"run", row.run},
          {"scored_ms", row.scored_ms},
          {"cause", row.cause},
-         {"restorable", row.is_whole && row.run != newest && seen->row.expired_ms == 0},
+         {"restorable", row.is_whole && row.run != newest && seen.row.expired_ms == 0},
          {"reference_attempt", std::move(reference)},
          {"replay_realtime_factor", row.replay_realtime_factor},
          {"score", std::move(score)}});
@@ -210,118 +188,101 @@ Response ListResults(const Call& call, Store& store) {
                 JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}}));
 }
 
-Response ListAnnotations(const Call& call, Store& store) {
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->teaches)) {
-    return ErrorResponse(
-        {Code::kForbidden,
-         "this work is graded: remarks show after the instructor has released it"});
+Result<Response> ListAnnotations(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  if (!CanSeeScore(call.caller->person, seen.row, seen.graded, seen.teaches)) {
+    return Status(Code::kForbidden,
+                  "this work is graded: remarks show after the instructor has released it");
   }
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<AnnotationRow>> rows = store.remarks.AnnotationsOf(call.id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AnnotationRow> rows, store.remarks.AnnotationsOf(call.id));
   json::value next = CutPage(
-      *rows, *page, [](const AnnotationRow& row) { return RisingKey(row.tick) + row.id.Text(); });
+      rows, page, [](const AnnotationRow& row) { return RisingKey(row.tick) + row.id.Text(); });
   json::array annotations;
-  for (const AnnotationRow& row : *rows) annotations.push_back(AnnotationJson(call, row));
+  for (const AnnotationRow& row : rows) annotations.push_back(AnnotationJson(call, row));
   return JsonResponse({{"annotations", std::move(annotations)}, {"next", std::move(next)}});
 }
 
-Response AddAnnotation(const Call& call, Store& store) {
+Result<Response> AddAnnotation(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<AnnotationRow> remark = RemarkIn(call);
-  if (!remark.ok()) return ErrorResponse(remark.status());
-  remark->attempt = call.id;
-  Result<AnnotationRow> row = store.remarks.AddAnnotation(*remark, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  return WithETag(JsonResponse(AnnotationJson(call, *row), 201), row->revision);
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow remark, RemarkIn(call));
+  remark.attempt = call.id;
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow row, store.remarks.AddAnnotation(remark, ActorOf(call)));
+  return WithETag(JsonResponse(AnnotationJson(call, row), 201), row.revision);
 }
 
-Response ReplaceAnnotation(const Call& call, Store& store) {
+Result<Response> ReplaceAnnotation(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AnnotationRow> stored = OwnAnnotation(call, store);
-  if (!stored.ok()) return ErrorResponse(stored.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<AnnotationRow> remark = RemarkIn(call);
-  if (!remark.ok()) return ErrorResponse(remark.status());
-  remark->id = call.id;
-  remark->revision = *revision;
-  Result<AnnotationRow> row = store.remarks.ReplaceAnnotation(*remark, ActorOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow stored, OwnAnnotation(call, store));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow remark, RemarkIn(call));
+  remark.id = call.id;
+  remark.revision = revision;
+  Result<AnnotationRow> row = store.remarks.ReplaceAnnotation(remark, ActorOf(call));
   if (!row.ok()) return Refused(call, store.remarks, row.status());
   return WithETag(JsonResponse(AnnotationJson(call, *row)), row->revision);
 }
 
-Response DeleteAnnotation(const Call& call, Store& store) {
-  Result<AnnotationRow> stored = OwnAnnotation(call, store);
-  if (!stored.ok()) return ErrorResponse(stored.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.remarks.DeleteAnnotation(call.id, *revision, ActorOf(call));
+Result<Response> DeleteAnnotation(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AnnotationRow stored, OwnAnnotation(call, store));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  Status done = store.remarks.DeleteAnnotation(call.id, revision, ActorOf(call));
   return done.ok() ? Done() : Refused(call, store.remarks, done);
 }
 
-Response FileAppeal(const Call& call, Store& store) {
+Result<Response> FileAppeal(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  if (seen->row.person != call.caller->person.id) {
-    return ErrorResponse({Code::kForbidden, "only the person who made the attempt can do this"});
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, SeeAttempt(call, store, call.id));
+  if (seen.row.person != call.caller->person.id) {
+    return Status(Code::kForbidden, "only the person who made the attempt can do this");
   }
-  if (!CanAppeal(call.caller->person, seen->row)) {
-    return ErrorResponse(
-        {Code::kConflict, "the score is not released yet, so there is nothing to appeal against"});
+  if (!CanAppeal(call.caller->person, seen.row)) {
+    return Status(Code::kConflict,
+                  "the score is not released yet, so there is nothing to appeal against");
   }
   BodyReader body(call.request);
   std::string text = body.Text("text", 1, kMaxRemarkBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Status done = store.appeals.FileAppeal(call.id, text, ActorOf(call));
-  if (!done.ok()) return ErrorResponse(done);
-  Response response = AttemptResponse(call, store, call.id);
-  if (response.status == 200) response.status = 201;
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(store.appeals.FileAppeal(call.id, text, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Response response, AttemptResponse(call, store, call.id));
+  response.status = 201;
   return response;
 }
 
-Response AnswerAppeal(const Call& call, Store& store) {
+Result<Response> AnswerAppeal(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_ASSIGN_OR_RETURN(SeenAttempt seen, ReviewAttempt(call, store, call.id));
   BodyReader body(call.request);
   std::string outcome = body.Text("outcome", 1, 16);
   std::string answer = body.Text("answer", 1, kMaxRemarkBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (outcome != "regrade" && outcome != "reject") {
-    return ErrorResponse(
-        {Code::kInvalidInput, "expected regrade or reject, found \"" + outcome + "\"", "outcome"});
+    return Status(Code::kInvalidInput, "expected regrade or reject, found \"" + outcome + "\"",
+                  "outcome");
   }
-  Status done = store.appeals.AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
-  return done.ok() ? AttemptResponse(call, store, call.id) : ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(
+      store.appeals.AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call)));
+  return AttemptResponse(call, store, call.id);
 }
 
-Response WithdrawReference(const Call& call, Store& store) {
+Result<Response> WithdrawReference(const Call& call, Store& store) {
   Status none{Code::kNotFound, "there is no such reference", "id"};
   Result<ReferenceRow> row = store.references.ReferenceById(call.id);
   if (!row.ok()) {
-    return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
+    return row.status().code() == Code::kNotFound ? none : row.status();
   }
   // The right depends on the cut's author, whom the attempt names.
-  Result<AttemptRow> attempt = store.attempts.AttemptById(row->attempt);
-  if (!attempt.ok()) return ErrorResponse(attempt.status());
+  ENAMEL_ASSIGN_OR_RETURN(AttemptRow attempt, store.attempts.AttemptById(row->attempt));
   const Person& viewer = call.caller->person;
-  Result<bool> teaches = store.attempts.Teaches(viewer.id, attempt->id);
-  if (!teaches.ok()) return ErrorResponse(teaches.status());
-  if (!CanMarkReference(viewer, *attempt, *teaches)) {
-    return ErrorResponse(
-        {Code::kForbidden, "only instructors of this attempt's cohort can do this"});
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, store.attempts.Teaches(viewer.id, attempt.id));
+  if (!CanMarkReference(viewer, attempt, teaches)) {
+    return Status(Code::kForbidden, "only instructors of this attempt's cohort can do this");
   }
   return DoneOr(store.references.WithdrawReference(call.id, ActorOf(call)));
 }
 
-Response CancelJob(const Call& call, JobRows& jobs) {
+Result<Response> CancelJob(const Call& call, JobRows& jobs) {
   return DoneOr(jobs.CancelJob(call.id, ActorOf(call)));
 }
 

@@ -128,15 +128,14 @@ Result<BatchRow> SeenBatch(const Call& call, BatchRows& batches, CohortRows& coh
   Status none{Code::kNotFound, "there is no such batch", "id"};
   Result<BatchRow> row = batches.BatchById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, cohorts);
-  if (!taught.ok()) return taught.status();
-  if (Teaches(*taught, row->cohort)) return row;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> taught, VisibleCohorts(call, cohorts));
+  if (Teaches(taught, row->cohort)) return row;
   return none;
 }
 
 }  // namespace
 
-Response ListScoringMetrics(const Call&) {
+Result<Response> ListScoringMetrics(const Call&) {
   json::array out;
   for (const scoring::MetricInfo& metric : scoring::Metrics()) {
     out.push_back({{"name", metric.name},
@@ -148,82 +147,72 @@ Response ListScoringMetrics(const Call&) {
   return JsonResponse({{"metrics", std::move(out)}});
 }
 
-Response ListRubrics(const Call& call, Store& store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
+Result<Response> ListRubrics(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  Result<json::array> versions = Versions(store.blobs, store.rubrics, row);
   // Stored rubrics were checked on arrival: an unreadable one is damage of ours.
-  if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
+  if (!versions.ok()) return Status(Code::kInternal, versions.status().message());
   const auto newest = static_cast<int32_t>(versions->front().at("version").as_int64());
   return WithETag(JsonResponse({{"rubrics", std::move(*versions)}}), newest);
 }
 
-Response PreviewRubricChange(const Call& call, Store& store) {
+Result<Response> PreviewRubricChange(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
-  Result<scene::Rubric> rubric = RubricOf(call.request.body, "");
-  if (!rubric.ok()) return ErrorResponse(rubric.status());
-  Result<std::optional<bool>> attempts = QueryFlag(call.request, "attempts");
-  if (!attempts.ok()) return ErrorResponse(attempts.status());
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
+  ENAMEL_ASSIGN_OR_RETURN(scene::Rubric rubric, RubricOf(call.request.body, ""));
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> attempts, QueryFlag(call.request, "attempts"));
   AttemptFilter which;
-  which.exercise = row->id;
+  which.exercise = row.id;
   NarrowToTaught(call, which);
-  Result<std::vector<ReferenceRow>> counting = store.references.Counting(row->id);
-  if (!counting.ok()) return ErrorResponse(counting.status());
-  Result<RubricPreview> preview = attempts->value_or(true)
-                                      ? PreviewRubric(store, which, *rubric, *counting)
-                                      : PreviewOfNone(*rubric);
-  if (!preview.ok()) return ErrorResponse(preview.status());
-  json::object out = PreviewJson(*preview);
-  out["warnings"] =
-      json::value_from(RubricWarnings(store, *row, *rubric, !attempts->value_or(true)));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ReferenceRow> counting, store.references.Counting(row.id));
+  ENAMEL_ASSIGN_OR_RETURN(RubricPreview preview, attempts.value_or(true)
+                                                     ? PreviewRubric(store, which, rubric, counting)
+                                                     : PreviewOfNone(rubric));
+  json::object out = PreviewJson(preview);
+  out["warnings"] = json::value_from(RubricWarnings(store, row, rubric, !attempts.value_or(true)));
   return JsonResponse(out);
 }
 
-Response PublishRubric(const Call& call, Store& store) {
+Result<Response> PublishRubric(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
-  if (!row.ok()) return ErrorResponse(row.status());
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row,
+                          ChangeableExercise(call, store.attempts, store.exercises));
   BodyReader body(call.request, kRubricDepth);
   const std::string reason = body.Text("reason", 1, kMaxReasonBytes);
   const std::string document = body.Document("rubric");
   std::string anyway;
   if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReasonBytes);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Result<scene::Rubric> rubric = RubricOf(document, "rubric");
-  if (!rubric.ok()) return ErrorResponse(rubric.status());
-  Result<int32_t> seen = IfMatch(call.request);
-  if (!seen.ok()) return ErrorResponse(seen.status());
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(scene::Rubric rubric, RubricOf(document, "rubric"));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
   Result<RubricRow> published =
-      PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, anyway, ActorOf(call));
+      PublishCorrection(store, row.id, std::move(rubric), seen, reason, anyway, ActorOf(call));
   if (published.ok()) {
     // Its own row and not the newest: somebody may have corrected it again already.
     Result<json::object> version = VersionJson(store.blobs, *published);
-    if (!version.ok()) return ErrorResponse({Code::kInternal, version.status().message()});
+    if (!version.ok()) return Status(Code::kInternal, version.status().message());
     return WithETag(JsonResponse(*version, 201), published->version);
   }
-  if (published.status().field() != kStale) return ErrorResponse(published.status());
-  Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
-  if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
+  if (published.status().field() != kStale) return published.status();
+  Result<json::array> versions = Versions(store.blobs, store.rubrics, row);
+  if (!versions.ok()) return Status(Code::kInternal, versions.status().message());
   const json::object newest = versions->front().as_object();
   return Stale(published.status(), newest, static_cast<int32_t>(newest.at("version").as_int64()));
 }
 
-Response RescoreCohort(const Call& call, Store& store) {
+Result<Response> RescoreCohort(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store.cohorts);
-  if (!taught.ok()) return ErrorResponse(taught.status());
-  auto cohort = std::ranges::find(*taught, call.id, &Cohort::id);
-  if (cohort == taught->end()) {
-    return ErrorResponse({Code::kNotFound, "there is no such cohort", "id"});
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> taught, VisibleCohorts(call, store.cohorts));
+  auto cohort = std::ranges::find(taught, call.id, &Cohort::id);
+  if (cohort == taught.end()) {
+    return Status(Code::kNotFound, "there is no such cohort", "id");
   }
   BodyReader body(call.request);
   AttemptFilter which;
   which.cohort = call.id;
   which.exercise = body.MaybeId("exercise_id");
   NarrowToTaught(call, which);
-  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   BatchRow wanted;
   wanted.title = cohort->name;
   wanted.cause = "rubric";
@@ -231,48 +220,44 @@ Response RescoreCohort(const Call& call, Store& store) {
   if (which.exercise) {
     Result<ExerciseRow> exercise = store.exercises.ExerciseById(*which.exercise);
     if (!exercise.ok()) {
-      return ErrorResponse({Code::kInvalidInput, "there is no such exercise", "exercise_id"});
+      return Status(Code::kInvalidInput, "there is no such exercise", "exercise_id");
     }
     wanted.title += ", " + exercise->title;
   }
-  Result<std::vector<AttemptRow>> rows = ScoredAttempts(store.attempts, which);
-  if (!rows.ok()) return ErrorResponse(rows.status());
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AttemptRow> rows, ScoredAttempts(store.attempts, which));
   std::vector<Uuid> attempts;
-  for (const AttemptRow& row : *rows) attempts.push_back(row.id);
+  for (const AttemptRow& row : rows) attempts.push_back(row.id);
   uint32_t left_out = 0;
-  Result<BatchRow> batch = store.batches.RescoreTogether(wanted, attempts, left_out, ActorOf(call));
-  if (!batch.ok()) return ErrorResponse(batch.status());
-  json::object out = BatchJson(*batch);
+  ENAMEL_ASSIGN_OR_RETURN(BatchRow batch,
+                          store.batches.RescoreTogether(wanted, attempts, left_out, ActorOf(call)));
+  json::object out = BatchJson(batch);
   out["left_out"] = left_out;
   return JsonResponse(out, 202);
 }
 
-Response ListBatches(const Call& call, BatchRows& batches_rows, CohortRows& cohorts) {
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, cohorts);
-  if (!taught.ok()) return ErrorResponse(taught.status());
-  Result<std::vector<BatchRow>> rows = batches_rows.Batches();
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListBatches(const Call& call, BatchRows& batches_rows, CohortRows& cohorts) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> taught, VisibleCohorts(call, cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<BatchRow> rows, batches_rows.Batches());
   json::array batches;
-  for (const BatchRow& row : *rows) {
-    if (Teaches(*taught, row.cohort)) batches.push_back(BatchJson(row));
+  for (const BatchRow& row : rows) {
+    if (Teaches(taught, row.cohort)) batches.push_back(BatchJson(row));
   }
   return JsonResponse({{"batches", std::move(batches)}});
 }
 
-Response GetBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
-  Result<BatchRow> row = SeenBatch(call, batches, cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
-  return JsonResponse(BatchJson(*row));
+Result<Response> GetBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
+  ENAMEL_ASSIGN_OR_RETURN(BatchRow row, SeenBatch(call, batches, cohorts));
+  return JsonResponse(BatchJson(row));
 }
 
-Response CancelBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
+Result<Response> CancelBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
   Result<BatchRow> row = SeenBatch(call, batches, cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
+  ENAMEL_RETURN_IF_ERROR(row.status());
   if (Status done = batches.CancelBatch(call.id, ActorOf(call)); !done.ok()) {
-    return ErrorResponse(done);
+    return done;
   }
   row = SeenBatch(call, batches, cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
+  ENAMEL_RETURN_IF_ERROR(row.status());
   return JsonResponse(BatchJson(*row));
 }
 

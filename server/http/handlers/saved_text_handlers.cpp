@@ -46,58 +46,48 @@ Result<SavedText> OwnText(const Call& call, SavedTextRows& texts) {
                 "instead"};
 }
 
-Response Refused(const Call& call, SavedTextRows& texts, const Status& status) {
-  if (status.field() != kStale) return ErrorResponse(status);
-  Result<SavedText> now = texts.SavedTextById(call.id);
-  if (!now.ok()) return ErrorResponse(now.status());
-  return Stale(status, SavedTextJson(call, *now), now->revision);
+Result<Response> Refused(const Call& call, SavedTextRows& texts, const Status& status) {
+  if (status.field() != kStale) return status;
+  ENAMEL_ASSIGN_OR_RETURN(SavedText now, texts.SavedTextById(call.id));
+  return Stale(status, SavedTextJson(call, now), now.revision);
 }
 
 }  // namespace
 
-Response ListSavedTexts(const Call& call, SavedTextRows& texts) {
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<SavedText>> rows = texts.SavedTexts(call.caller->person.id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const SavedText& row) {
+Result<Response> ListSavedTexts(const Call& call, SavedTextRows& texts) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<SavedText> rows, texts.SavedTexts(call.caller->person.id));
+  json::value next = CutPage(rows, page, [](const SavedText& row) {
     return FallingKey(static_cast<uint64_t>(row.saved_ms)) + row.id.Text();
   });
   json::array out;
-  for (const SavedText& row : *rows) out.push_back(SavedTextJson(call, row));
+  for (const SavedText& row : rows) out.push_back(SavedTextJson(call, row));
   return JsonResponse({{"texts", std::move(out)}, {"next", std::move(next)}});
 }
 
-Response AddSavedText(const Call& call, SavedTextRows& texts) {
+Result<Response> AddSavedText(const Call& call, SavedTextRows& texts) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SavedText> text = TextIn(call);
-  if (!text.ok()) return ErrorResponse(text.status());
-  Result<SavedText> row = texts.AddSavedText(*text, ActorOf(call));
-  if (!row.ok()) return ErrorResponse(row.status());
-  return WithETag(JsonResponse(SavedTextJson(call, *row), 201), row->revision);
+  ENAMEL_ASSIGN_OR_RETURN(SavedText text, TextIn(call));
+  ENAMEL_ASSIGN_OR_RETURN(SavedText row, texts.AddSavedText(text, ActorOf(call)));
+  return WithETag(JsonResponse(SavedTextJson(call, row), 201), row.revision);
 }
 
-Response ReplaceSavedText(const Call& call, SavedTextRows& texts) {
+Result<Response> ReplaceSavedText(const Call& call, SavedTextRows& texts) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SavedText> stored = OwnText(call, texts);
-  if (!stored.ok()) return ErrorResponse(stored.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<SavedText> text = TextIn(call);
-  if (!text.ok()) return ErrorResponse(text.status());
-  text->id = call.id;
-  text->revision = *revision;
-  Result<SavedText> row = texts.ReplaceSavedText(*text, ActorOf(call));
+  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, texts));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  ENAMEL_ASSIGN_OR_RETURN(SavedText text, TextIn(call));
+  text.id = call.id;
+  text.revision = revision;
+  Result<SavedText> row = texts.ReplaceSavedText(text, ActorOf(call));
   if (!row.ok()) return Refused(call, texts, row.status());
   return WithETag(JsonResponse(SavedTextJson(call, *row)), row->revision);
 }
 
-Response DeleteSavedText(const Call& call, SavedTextRows& texts) {
-  Result<SavedText> stored = OwnText(call, texts);
-  if (!stored.ok()) return ErrorResponse(stored.status());
-  Result<int32_t> revision = IfMatch(call.request);
-  if (!revision.ok()) return ErrorResponse(revision.status());
-  const Status done = texts.DeleteSavedText(call.id, *revision, ActorOf(call));
+Result<Response> DeleteSavedText(const Call& call, SavedTextRows& texts) {
+  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, texts));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
+  const Status done = texts.DeleteSavedText(call.id, revision, ActorOf(call));
   return done.ok() ? Done() : Refused(call, texts, done);
 }
 

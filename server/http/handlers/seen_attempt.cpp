@@ -11,10 +11,9 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   Result<AttemptRow> row = store.attempts.AttemptById(attempt);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   const Person& viewer = call.caller->person;
-  Result<bool> teaches = store.attempts.Teaches(viewer.id, row->id);
-  if (!teaches.ok()) return teaches.status();
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, store.attempts.Teaches(viewer.id, row->id));
   // As if it did not exist: an id must not reveal whether somebody has made an attempt.
-  if (!CanSeeAttempt(viewer, *row, *teaches)) return none;
+  if (!CanSeeAttempt(viewer, *row, teaches)) return none;
   if (viewer.role != Role::kStudent) {
     ENAMEL_ASSIGN_OR_RETURN(const auto hidden, store.markings.HiddenFrom(viewer.id));
     const auto found = hidden.find(attempt);
@@ -24,14 +23,13 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
     }
   }
   // Whether it counts is the exercise version's to say that the attempt was made of.
-  Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
-  if (!exercise.ok()) return exercise.status();
-  return SeenAttempt{std::move(*row), *teaches, exercise->graded};
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow exercise, store.exercises.ExerciseById(row->exercise));
+  return SeenAttempt{std::move(*row), teaches, exercise.graded};
 }
 
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, attempt);
-  if (!seen.ok()) return seen;
+  ENAMEL_RETURN_IF_ERROR(seen.status());
   if (CanReviewAttempt(call.caller->person, seen->row, seen->teaches)) return seen;
   return Status{Code::kForbidden, "only instructors of this attempt's cohort can do this"};
 }
@@ -46,7 +44,7 @@ Result<bool> IsCallersReference(const Call& call, Store& store, const Uuid& atte
   const Person& viewer = call.caller->person;
   const Result<AttemptRow> cut = store.attempts.AttemptById(attempt);
   if (cut.status().code() == Code::kNotFound) return false;
-  if (!cut.ok()) return cut.status();
+  ENAMEL_RETURN_IF_ERROR(cut.status());
   ENAMEL_ASSIGN_OR_RETURN(const auto counting, store.references.Counting(cut->exercise));
   const auto reference = std::ranges::find(counting, attempt, &ReferenceRow::attempt);
   if (reference == counting.end()) return false;

@@ -28,17 +28,15 @@ Result<ExerciseRow> VisibleExercise(const Call& call, AttemptRows& attempts_rows
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   if (CanUseExercise(viewer, *row)) return row;
   if (row->state == ExerciseState::kDraft) return none;
-  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, exercises);
-  if (!visible.ok()) return visible.status();
-  if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> visible, VisibleExercises(call, exercises));
+  if (std::ranges::find(visible, row->name, &ExerciseRow::name) != visible.end()) return row;
   AttemptFilter own;
   own.person = viewer.id;
   own.exercise = row->id;
   // Whether there is one, not how many.
   own.limit = 1;
-  Result<std::vector<AttemptRow>> attempts = attempts_rows.Attempts(own);
-  if (!attempts.ok()) return attempts.status();
-  if (!attempts->empty()) return row;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AttemptRow> attempts, attempts_rows.Attempts(own));
+  if (!attempts.empty()) return row;
   return none;
 }
 
@@ -51,10 +49,9 @@ Result<ExerciseRow> ChangeableExercise(const Call& call, AttemptRows& attempts,
 }
 
 Status MayUseName(const Call& call, ExerciseRows& exercises, const std::string& name) {
-  Result<std::vector<ExerciseRow>> versions = exercises.ExerciseVersions(name);
-  if (!versions.ok()) return versions.status();
-  if (versions->empty() || CanChangeExercise(call.caller->person, versions->front())) return {};
-  return {Code::kForbidden, WhoseText(versions->front()) + "; choose another name", "name"};
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> versions, exercises.ExerciseVersions(name));
+  if (versions.empty() || CanChangeExercise(call.caller->person, versions.front())) return {};
+  return {Code::kForbidden, WhoseText(versions.front()) + "; choose another name", "name"};
 }
 
 }  // namespace enamel::server::http

@@ -13,18 +13,16 @@ Result<std::vector<Cohort>> VisibleCohorts(const Call& call, CohortRows& cohorts
 
 Result<Cohort> VisibleCohort(const Call& call, CohortRows& cohorts) {
   // Through the list, so that one rule decides visibility.
-  Result<std::vector<Cohort>> visible = VisibleCohorts(call, cohorts);
-  if (!visible.ok()) return visible.status();
-  for (const Cohort& cohort : *visible) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> visible, VisibleCohorts(call, cohorts));
+  for (const Cohort& cohort : visible) {
     if (cohort.id == call.id) return cohort;
   }
   return Status{Code::kNotFound, "there is no such cohort", "id"};
 }
 
 Result<bool> IsInCohort(const Call& call, CohortRows& cohorts, const Uuid& cohort) {
-  Result<std::vector<Cohort>> own = cohorts.CohortsOf(call.caller->person.id);
-  if (!own.ok()) return own.status();
-  return std::ranges::find(*own, cohort, &Cohort::id) != own->end();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> own, cohorts.CohortsOf(call.caller->person.id));
+  return std::ranges::find(own, cohort, &Cohort::id) != own.end();
 }
 
 Result<AssignmentRow> SeeAssignment(const Call& call, AssignmentRows& assignments,
@@ -34,9 +32,8 @@ Result<AssignmentRow> SeeAssignment(const Call& call, AssignmentRows& assignment
   Status none{Code::kNotFound, "there is no such assignment", "id"};
   Result<AssignmentRow> row = assignments.AssignmentById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<bool> in_cohort = IsInCohort(call, cohorts, row->cohort);
-  if (!in_cohort.ok()) return in_cohort.status();
-  if (CanSeeAssignment(call.caller->person, row->cohort, *in_cohort)) return row;
+  ENAMEL_ASSIGN_OR_RETURN(bool in_cohort, IsInCohort(call, cohorts, row->cohort));
+  if (CanSeeAssignment(call.caller->person, row->cohort, in_cohort)) return row;
   return none;
 }
 

@@ -32,7 +32,7 @@ json::object SessionJson(const auth::Identity& identity) {
           {"confirmed_until_ms", identity.confirmed_until_ms}};
 }
 
-Response SignedInResponse(const auth::SignedIn& signed_in, const Request& request) {
+Result<Response> SignedInResponse(const auth::SignedIn& signed_in, const Request& request) {
   Response response = JsonResponse(SessionJson(signed_in.identity));
   response.headers.emplace_back("Set-Cookie",
                                 SetSessionCookie(ToHex(signed_in.token), request.tls));
@@ -43,11 +43,11 @@ Response SignedInResponse(const auth::SignedIn& signed_in, const Request& reques
 
 }  // namespace
 
-boost::asio::awaitable<Response> SignIn(Call call) {
+boost::asio::awaitable<Result<Response>> SignIn(Call call) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body =
       TextMembers(call.request, {{"login", kMaxLogin}, {"password", kMaxPassword}});
-  if (!body.ok()) co_return ErrorResponse(body.status());
+  if (!body.ok()) co_return body.status();
   auth::SignInRequest request;
   request.login = std::string((*body)["login"].as_string());
   request.password = std::string((*body)["password"].as_string());
@@ -59,26 +59,26 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.log_id = call.request.id;
   request.device_tokens = DeviceCookie(call.request);
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
-  if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
+  if (!signed_in.ok()) co_return signed_in.status();
   co_return SignedInResponse(*signed_in, call.request);
 }
 
-boost::asio::awaitable<Response> ConfirmSession(Call call) {
+boost::asio::awaitable<Result<Response>> ConfirmSession(Call call) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body = TextMembers(call.request, {{"password", kMaxPassword}});
-  if (!body.ok()) co_return ErrorResponse(body.status());
+  if (!body.ok()) co_return body.status();
   std::string password((*body)["password"].as_string());
   Status confirmed =
       co_await call.authenticator.Confirm(*call.caller, std::move(password), call.request.peer);
-  if (!confirmed.ok()) co_return ErrorResponse(confirmed);
+  if (!confirmed.ok()) co_return confirmed;
   co_return Done();
 }
 
-boost::asio::awaitable<Response> ChangePassword(Call call) {
+boost::asio::awaitable<Result<Response>> ChangePassword(Call call) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body =
       TextMembers(call.request, {{"old_password", kMaxPassword}, {"new_password", kMaxPassword}});
-  if (!body.ok()) co_return ErrorResponse(body.status());
+  if (!body.ok()) co_return body.status();
   auth::Authenticator::PasswordChange change;
   change.old_password = std::string((*body)["old_password"].as_string());
   change.new_password = std::string((*body)["new_password"].as_string());
@@ -88,47 +88,47 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   change.device_tokens = DeviceCookie(call.request);
   Result<auth::SignedIn> signed_in =
       co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
-  if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
+  if (!signed_in.ok()) co_return signed_in.status();
   co_return SignedInResponse(*signed_in, call.request);
 }
 
-boost::asio::awaitable<Response> SetPin(Call call) {
+boost::asio::awaitable<Result<Response>> SetPin(Call call) {
   if (!IsJson(call.request)) co_return NotJson();
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) {
-    co_return ErrorResponse(confirmed);
+    co_return confirmed;
   }
   Result<json::object> body = TextMembers(call.request, {{"pin", kMaxPassword}});
-  if (!body.ok()) co_return ErrorResponse(body.status());
+  if (!body.ok()) co_return body.status();
   std::string pin((*body)["pin"].as_string());
   Status set = co_await call.authenticator.SetPin(*call.caller, std::move(pin), call.request.peer);
-  if (!set.ok()) co_return ErrorResponse(set);
+  if (!set.ok()) co_return set;
   co_return Done();
 }
 
-Response SetLanguage(const Call& call, PeopleRows& people) {
+Result<Response> SetLanguage(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string language = body.Text("language", 0, kMaxLanguage);
-  if (Status read = body.Finish(); !read.ok()) return ErrorResponse(read);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (!language.empty() && std::ranges::find(kPageLanguages, language) == kPageLanguages.end()) {
-    return ErrorResponse(
-        {Code::kInvalidInput,
-         "expected language as en, de, zh, or empty for the browser's, found \"" + language + "\"",
-         "language"});
+    return Status(
+        Code::kInvalidInput,
+        "expected language as en, de, zh, or empty for the browser's, found \"" + language + "\"",
+        "language");
   }
   if (Status set = people.SetLanguage(call.caller->person.id, language); !set.ok()) {
-    return ErrorResponse(set);
+    return set;
   }
   auth::Identity identity = *call.caller;
   identity.person.language = language;
   return JsonResponse(SessionJson(identity));
 }
 
-Response GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }
+Result<Response> GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }
 
-Response SignOut(const Call& call) {
+Result<Response> SignOut(const Call& call) {
   if (Status ended = call.authenticator.SignOutFrom(*call.caller, call.request.peer); !ended.ok()) {
-    return ErrorResponse(ended);
+    return ended;
   }
   Response response = Done();
   // The session is over on the server already; this tidies up the browser.
@@ -138,22 +138,22 @@ Response SignOut(const Call& call) {
   return response;
 }
 
-Response ListSessions(const Call& call, SessionRows& sessions) {
+Result<Response> ListSessions(const Call& call, SessionRows& sessions) {
   return SessionsResponse(call, sessions, call.caller->person.id);
 }
 
-Response EndSession(const Call& call, SessionRows& sessions) {
+Result<Response> EndSession(const Call& call, SessionRows& sessions) {
   Result<SessionRow> session = sessions.SessionById(call.id);
   bool own = session.ok() && session->person == call.caller->person.id;
   if (!session.ok() && session.status().code() != Code::kNotFound) {
-    return ErrorResponse(session.status());
+    return session.status();
   }
   // Somebody else's session and none at all get the same answer.
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
-    return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
+    return Status(Code::kNotFound, "there is no such session", "id");
   }
-  Status ended = sessions.EndSessionById(call.id, ActorOf(call));
-  return ended.ok() ? Done() : ErrorResponse(ended);
+  ENAMEL_RETURN_IF_ERROR(sessions.EndSessionById(call.id, ActorOf(call)));
+  return Done();
 }
 
 }  // namespace enamel::server::http

@@ -156,39 +156,36 @@ json::object ImportJson(const ToothImport::About& about) {
           {"tooth", std::move(tooth)}};
 }
 
-Response PictureResponse(const Call& call, ToothImport::Picture picture) {
-  const auto bytes = call.teeth->PictureOf(call.id, picture);
-  if (!bytes.ok()) return ErrorResponse(bytes.status());
+Result<Response> PictureResponse(const Call& call, ToothImport::Picture picture) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, call.teeth->PictureOf(call.id, picture));
   Response response;
   response.content_type = "application/octet-stream";
-  response.body = AsText(**bytes);
+  response.body = AsText(*bytes);
   return response;
 }
 
-Response ImportResponse(const Result<ToothImport::About>& about, int status = 200) {
-  return about.ok() ? JsonResponse(ImportJson(*about), status) : ErrorResponse(about.status());
+Result<Response> ImportResponse(const Result<ToothImport::About>& about, int status = 200) {
+  ENAMEL_RETURN_IF_ERROR(about.status());
+  return JsonResponse(ImportJson(*about), status);
 }
 
 }  // namespace
 
-Response MakeFirstAdmin(const Call& call, PeopleRows& people) {
+Result<Response> MakeFirstAdmin(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
-  Result<Newcomer> newcomer = NewcomerOf(call);
-  if (!newcomer.ok()) return ErrorResponse(newcomer.status());
+  ENAMEL_ASSIGN_OR_RETURN(Newcomer newcomer, NewcomerOf(call));
   if (call.first_admin == nullptr) {
-    return ErrorResponse(
-        {Code::kForbidden, "this server has an admin already, or gives no link", "token"});
+    return Status(Code::kForbidden, "this server has an admin already, or gives no link", "token");
   }
   // Before the password is hashed, which costs memory and time: a stranger gets none of either.
-  Status taken = call.first_admin->Take(newcomer->token, enamel::UnixMs());
-  if (!taken.ok()) return ErrorResponse(taken);
-  Result<Person> made = MakeAdmin(call, people, *newcomer);
+  ENAMEL_RETURN_IF_ERROR(call.first_admin->Take(newcomer.token, enamel::UnixMs()));
+  Result<Person> made = MakeAdmin(call, people, newcomer);
   if (made.ok()) return JsonResponse(PersonJson(*made), 201);
   call.first_admin->GiveBack();
-  return ErrorResponse(made.status());
+  return made.status();
 }
 
-Response ListBuiltinTeeth(const Call&) {
+Result<Response> ListBuiltinTeeth(const Call&) {
   json::array teeth;
   for (const scene::BuiltinScene& tooth : scene::BuiltinScenes()) {
     teeth.push_back({{"name", tooth.name}, {"summary", tooth.summary}});
@@ -196,20 +193,20 @@ Response ListBuiltinTeeth(const Call&) {
   return JsonResponse({{"teeth", std::move(teeth)}});
 }
 
-Response PutBuiltinTooth(const Call& call, Store& store) {
+Result<Response> PutBuiltinTooth(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxToothName);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   Result<json::object> put = PutTooth(call, store, name);
   if (put.ok()) return JsonResponse(*put, 201);
   // An unknown name is a mistake in the body and no missing page.
   const Status& why = put.status();
-  if (why.code() != Code::kNotFound) return ErrorResponse(why);
+  if (why.code() != Code::kNotFound) return why;
   return ErrorResponse({Code::kInvalidInput, why.message(), "name"});
 }
 
-Response BeginToothImport(const Call& call) {
+Result<Response> BeginToothImport(const Call& call) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   ToothImport::Wanted wanted;
@@ -224,32 +221,33 @@ Response BeginToothImport(const Call& call) {
   if (body.Has("buccal")) wanted.buccal = body.Text("buccal", 2, kMaxToothName);
   if (body.Has("publish")) wanted.publish = body.Flag("publish");
   if (body.Has("practice")) wanted.practice = body.Flag("practice");
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }
 
-Response AddToothBytes(const Call& call) {
+Result<Response> AddToothBytes(const Call& call) {
   const std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "application/octet-stream") {
     return ErrorResponse(415, "unsupported_media_type",
                          "expected Content-Type: application/octet-stream", "content-type");
   }
-  Result<uint64_t> offset = QueryOffset(call.request, "offset");
-  if (!offset.ok()) return ErrorResponse(offset.status());
+  ENAMEL_ASSIGN_OR_RETURN(uint64_t offset, QueryOffset(call.request, "offset"));
   return ImportResponse(
-      call.teeth->Append(call.id, *offset, AsBytes(call.request.body), enamel::UnixMs()));
+      call.teeth->Append(call.id, offset, AsBytes(call.request.body), enamel::UnixMs()));
 }
 
-Response GetToothImport(const Call& call) { return ImportResponse(call.teeth->Get(call.id)); }
+Result<Response> GetToothImport(const Call& call) {
+  return ImportResponse(call.teeth->Get(call.id));
+}
 
-Response GetToothImportSurface(const Call& call) {
+Result<Response> GetToothImportSurface(const Call& call) {
   return PictureResponse(call, ToothImport::Picture::kSurface);
 }
 
-Response GetToothImportInside(const Call& call) {
+Result<Response> GetToothImportInside(const Call& call) {
   return PictureResponse(call, ToothImport::Picture::kStartTooth);
 }
 
-Response GiveUpToothImport(const Call& call) { return DoneOr(call.teeth->GiveUp(call.id)); }
+Result<Response> GiveUpToothImport(const Call& call) { return DoneOr(call.teeth->GiveUp(call.id)); }
 
 }  // namespace enamel::server::http

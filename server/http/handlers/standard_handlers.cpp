@@ -23,29 +23,25 @@ Result<std::optional<double>> CutOf(const Request& request) {
 
 }  // namespace
 
-Response FindStandard(const Call& call, Store& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
-  if (!row.ok()) return ErrorResponse(row.status());
+Result<Response> FindStandard(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(AssignmentRow row, SeeAssignment(call, store.assignments, store.cohorts));
   const std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "text/csv") {
     return ErrorResponse(415, "unsupported_media_type", "expected Content-Type: text/csv",
                          "content-type");
   }
-  Result<std::optional<double>> cut = CutOf(call.request);
-  if (!cut.ok()) return ErrorResponse(cut.status());
-  Result<std::vector<Mark>> marks = ReadMarks(call.request.body);
-  if (!marks.ok()) return ErrorResponse(marks.status());
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<double> cut, CutOf(call.request));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Mark> marks, ReadMarks(call.request.body));
   // None scored yet: examiners' totals are the points then.
-  if (auto works = ScoredUnder(store, row->id); works.ok()) {
-    for (Mark& mark : ComputedMarks(*works)) marks->push_back(std::move(mark));
+  if (auto works = ScoredUnder(store, row.id); works.ok()) {
+    for (Mark& mark : ComputedMarks(*works)) marks.push_back(std::move(mark));
   } else if (works.status().code() != Code::kNotFound) {
-    return ErrorResponse(works.status());
+    return works.status();
   }
-  Result<StandardSetting> standard = SetStandard(*marks, *cut);
-  if (!standard.ok()) return ErrorResponse(standard.status());
+  ENAMEL_ASSIGN_OR_RETURN(StandardSetting standard, SetStandard(marks, cut));
   Response response;
   response.content_type = "application/json";
-  response.body = StandardJson(*standard);
+  response.body = StandardJson(standard);
   return response;
 }
 

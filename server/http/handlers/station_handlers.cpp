@@ -43,7 +43,7 @@ json::object StationJson(const Call& call, const StationRow& row) {
           {"revision", row.revision}};
 }
 
-Response StationResponse(const Call& call, const StationRow& row) {
+Result<Response> StationResponse(const Call& call, const StationRow& row) {
   return WithETag(JsonResponse(StationJson(call, row)), row.revision);
 }
 
@@ -62,106 +62,96 @@ Status RevokingIsApart() {
 
 }  // namespace
 
-Response ListStations(const Call& call, StationRows& stations_rows) {
-  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::optional<bool>> revoked = QueryFlag(call.request, "revoked");
-  if (!revoked.ok()) return ErrorResponse(revoked.status());
-  Result<std::vector<StationRow>> rows = stations_rows.Stations();
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  if (*revoked) {
-    std::erase_if(*rows, [&](const StationRow& row) { return row.revoked != **revoked; });
+Result<Response> ListStations(const Call& call, StationRows& stations_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> revoked, QueryFlag(call.request, "revoked"));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<StationRow> rows, stations_rows.Stations());
+  if (revoked) {
+    std::erase_if(rows, [&](const StationRow& row) { return row.revoked != *revoked; });
   }
   json::value next =
       // Names may occur twice; the id makes each place in the list one row's.
-      CutPage(*rows, *page, [](const StationRow& row) { return row.name + "\n" + row.id.Text(); });
+      CutPage(rows, page, [](const StationRow& row) { return row.name + "\n" + row.id.Text(); });
   json::array stations;
-  for (const StationRow& row : *rows) stations.push_back(StationJson(call, row));
+  for (const StationRow& row : rows) stations.push_back(StationJson(call, row));
   return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
 }
 
-Response GetStation(const Call& call, StationRows& stations) {
-  Result<StationRow> row = stations.StationById(call.id);
-  return row.ok() ? StationResponse(call, *row) : ErrorResponse(row.status());
+Result<Response> GetStation(const Call& call, StationRows& stations) {
+  ENAMEL_ASSIGN_OR_RETURN(StationRow row, stations.StationById(call.id));
+  return StationResponse(call, row);
 }
 
-Response EditStation(const Call& call, StationRows& stations) {
+Result<Response> EditStation(const Call& call, StationRows& stations) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   // Understood in order to be refused with the reason: it is what somebody tries who wants a
   // revoked station back.
   bool unrevoke = body.Has("revoked") && !body.Flag("revoked", true);
   std::string wanted = body.Text("name", 1, kMaxStationName);
-  if (unrevoke) return ErrorResponse(NoUnrevoking());
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (unrevoke) return NoUnrevoking();
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   // Revoking wants the password again, which renaming does not.
-  if (body.Has("revoked")) return ErrorResponse(RevokingIsApart());
-  Result<std::string> name = CheckedName(wanted, "name");
-  if (!name.ok()) return ErrorResponse(name.status());
-  Result<int32_t> seen = IfMatch(call.request);
-  if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<StationRow> row = stations.RenameStation(call.id, *name, *seen, ActorOf(call));
+  if (body.Has("revoked")) return RevokingIsApart();
+  ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(wanted, "name"));
+  ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
+  Result<StationRow> row = stations.RenameStation(call.id, name, seen, ActorOf(call));
   if (row.ok()) return StationResponse(call, *row);
-  if (row.status().field() != kStale) return ErrorResponse(row.status());
-  Result<StationRow> current = stations.StationById(call.id);
-  if (!current.ok()) return ErrorResponse(current.status());
-  return Stale(row.status(), StationJson(call, *current), current->revision);
+  if (row.status().field() != kStale) return row.status();
+  ENAMEL_ASSIGN_OR_RETURN(StationRow current, stations.StationById(call.id));
+  return Stale(row.status(), StationJson(call, current), current.revision);
 }
 
-Response RevokeStation(const Call& call, StationRows& stations) {
-  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Status revoked = stations.RevokeStation(call.id, ActorOf(call));
-  if (!revoked.ok()) return ErrorResponse(revoked);
+Result<Response> RevokeStation(const Call& call, StationRows& stations) {
+  ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
+  ENAMEL_RETURN_IF_ERROR(stations.RevokeStation(call.id, ActorOf(call)));
   return GetStation(call, stations);
 }
 
-Response ListEnrolCodes(const Call& call, StationRows& stations) {
-  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<EnrolCodeRow>> rows = stations.OpenEnrolCodes(enamel::UnixMs());
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const EnrolCodeRow& row) { return row.id.Text(); });
+Result<Response> ListEnrolCodes(const Call& call, StationRows& stations) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<EnrolCodeRow> rows,
+                          stations.OpenEnrolCodes(enamel::UnixMs()));
+  json::value next = CutPage(rows, page, [](const EnrolCodeRow& row) { return row.id.Text(); });
   json::array codes;
-  for (const EnrolCodeRow& row : *rows) {
+  for (const EnrolCodeRow& row : rows) {
     codes.push_back(
         {{"id", row.id.Text()}, {"created_ms", row.created_ms}, {"expires_ms", row.expires_ms}});
   }
   return JsonResponse({{"codes", std::move(codes)}, {"next", std::move(next)}});
 }
 
-Response AddEnrolCode(const Call& call, StationRows& stations_rows) {
+Result<Response> AddEnrolCode(const Call& call, StationRows& stations_rows) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   int64_t minutes = body.Integer("minutes", 1, kMaxMinutes, 60);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   if (call.station_fingerprint.empty()) {
-    return ErrorResponse({Code::kNotFound, "this server accepts no stations"});
+    return Status(Code::kNotFound, "this server accepts no stations");
   }
   Bytes random = auth::NewToken();
   random.resize(kCodeBytes);
   std::string code = ToHex(random);
   UnixMs expires_ms = enamel::UnixMs() + minutes * 60'000;
   // The hash alone is stored; the code is in this answer and nowhere else.
-  Result<Uuid> id =
-      stations_rows.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
-  if (!id.ok()) return ErrorResponse(id.status());
-  return JsonResponse({{"id", id->Text()},
+  ENAMEL_ASSIGN_OR_RETURN(
+      Uuid id, stations_rows.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call)));
+  return JsonResponse({{"id", id.Text()},
                        {"code", code + "@" + std::string(call.station_fingerprint)},
                        {"station_port", call.station_port},
                        {"expires_ms", expires_ms}},
                       201);
 }
 
-Response WithdrawEnrolCode(const Call& call, StationRows& stations) {
+Result<Response> WithdrawEnrolCode(const Call& call, StationRows& stations) {
   return DoneOr(stations.WithdrawEnrolCode(call.id, ActorOf(call)));
 }
 
-Response ListListedDevices(const Call&, DeviceRows& devices_rows) {
-  Result<std::vector<ListedDevice>> rows = devices_rows.ListedDevices();
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListListedDevices(const Call&, DeviceRows& devices_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ListedDevice> rows, devices_rows.ListedDevices());
   json::array devices;
-  for (const ListedDevice& row : *rows) {
+  for (const ListedDevice& row : rows) {
     devices.push_back({{"name", row.name},
                        {"title", row.title},
                        {"added_ms", row.added_ms},
@@ -170,33 +160,31 @@ Response ListListedDevices(const Call&, DeviceRows& devices_rows) {
   return JsonResponse({{"devices", std::move(devices)}});
 }
 
-Response ListDevice(const Call& call, DeviceRows& devices) {
+Result<Response> ListDevice(const Call& call, DeviceRows& devices) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
   const std::string title = body.Text("title", 1, kMaxHandTextBytes);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (Status done = devices.ListDevice(name, title, ActorOf(call)); !done.ok()) {
-    return ErrorResponse(done);
+    return done;
   }
   return ListListedDevices(call, devices);
 }
 
-Response UnlistDevice(const Call& call, DeviceRows& devices) {
+Result<Response> UnlistDevice(const Call& call, DeviceRows& devices) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status done = devices.UnlistDevice(name, ActorOf(call)); !done.ok())
-    return ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(devices.UnlistDevice(name, ActorOf(call)));
   return ListListedDevices(call, devices);
 }
 
-Response ListStationSettings(const Call&, SettingRows& settings) {
-  const auto rows = settings.Settings();
-  if (!rows.ok()) return ErrorResponse(rows.status());
+Result<Response> ListStationSettings(const Call&, SettingRows& settings) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, settings.Settings());
   json::array out;
-  for (const StationSetting& row : *rows) {
+  for (const StationSetting& row : rows) {
     out.push_back({{"name", row.name},
                    {"scope", row.scope},
                    {"value", row.value},
@@ -206,7 +194,7 @@ Response ListStationSettings(const Call&, SettingRows& settings) {
   return JsonResponse({{"settings", std::move(out)}});
 }
 
-Response PutStationSetting(const Call& call, SettingRows& settings) {
+Result<Response> PutStationSetting(const Call& call, SettingRows& settings) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   StationSetting setting;
@@ -214,20 +202,18 @@ Response PutStationSetting(const Call& call, SettingRows& settings) {
   if (body.Has("scope")) setting.scope = body.Text("scope", 1, kMaxScope);
   setting.value = body.Text("value", 1, kMaxSetting);
   setting.fixed = body.Flag("fixed", false);
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status done = settings.PutSetting(setting, ActorOf(call)); !done.ok())
-    return ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(settings.PutSetting(setting, ActorOf(call)));
   return ListStationSettings(call, settings);
 }
 
-Response RemoveStationSetting(const Call& call, SettingRows& settings) {
+Result<Response> RemoveStationSetting(const Call& call, SettingRows& settings) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxSetting);
   const std::string scope = body.Has("scope") ? body.Text("scope", 1, kMaxScope) : "*";
-  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status done = settings.RemoveSetting(name, scope, ActorOf(call)); !done.ok())
-    return ErrorResponse(done);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(settings.RemoveSetting(name, scope, ActorOf(call)));
   return ListStationSettings(call, settings);
 }
 

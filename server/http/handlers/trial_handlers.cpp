@@ -48,24 +48,24 @@ json::object TrialJson(const ExerciseTrials::About& about) {
           {"problem", std::move(problem)}};
 }
 
-Response TrialResponse(const Result<ExerciseTrials::About>& about, int status = 200) {
-  return about.ok() ? JsonResponse(TrialJson(*about), status) : ErrorResponse(about.status());
+Result<Response> TrialResponse(const Result<ExerciseTrials::About>& about, int status = 200) {
+  ENAMEL_RETURN_IF_ERROR(about.status());
+  return JsonResponse(TrialJson(*about), status);
 }
 
 }  // namespace
 
-Response BeginExerciseTrial(const Call& call, Store& store) {
+Result<Response> BeginExerciseTrial(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<scene::Exercise> exercise = CheckedExercise(call, store);
-  if (!exercise.ok()) return ErrorResponse(exercise.status());
-  return TrialResponse(call.trials->Begin(call.caller->person.id, std::move(*exercise)), 201);
+  ENAMEL_ASSIGN_OR_RETURN(scene::Exercise exercise, CheckedExercise(call, store));
+  return TrialResponse(call.trials->Begin(call.caller->person.id, std::move(exercise)), 201);
 }
 
-Response GetExerciseTrial(const Call& call) {
+Result<Response> GetExerciseTrial(const Call& call) {
   return TrialResponse(call.trials->Get(call.caller->person.id, call.id));
 }
 
-Response GiveUpExerciseTrial(const Call& call) {
+Result<Response> GiveUpExerciseTrial(const Call& call) {
   return DoneOr(call.trials->GiveUp(call.caller->person.id, call.id));
 }
 

@@ -23,9 +23,8 @@ constexpr UnixMs kSignInBeforeMs = 15 * 60 * 1000;
 constexpr uint32_t kMaxSignIns = 20;
 
 Result<std::string> BlobText(StoredBlobs& blobs, const Sha256& hash) {
-  Result<Bytes> bytes = blobs.GetBlob(hash);
-  if (!bytes.ok()) return bytes.status();
-  return std::string(AsText(*bytes));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, blobs.GetBlob(hash));
+  return std::string(AsText(bytes));
 }
 
 json::object PersonJson(const AttemptRow& row) {
@@ -52,14 +51,12 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
   // answer.
   if (auto found = exercises_.find(row.exercise); found != exercises_.end()) return &found->second;
   Exercise exercise;
-  Result<ExerciseRow> stored = store_.exercises.ExerciseById(row.exercise);
-  if (!stored.ok()) return stored.status();
-  exercise.graded = stored->graded;
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow stored, store_.exercises.ExerciseById(row.exercise));
+  exercise.graded = stored.graded;
   ENAMEL_ASSIGN_OR_RETURN(exercise.references, store_.references.Counting(row.exercise));
-  Result<std::string> text = BlobText(store_.blobs, row.exercise_content);
-  if (!text.ok()) return text.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::string text, BlobText(store_.blobs, row.exercise_content));
   // One that cannot be read any more costs duration and time limit, not the whole list.
-  if (Result<scene::Exercise> document = scene::ExerciseFromJson(*text); document.ok()) {
+  if (Result<scene::Exercise> document = scene::ExerciseFromJson(text); document.ok()) {
     exercise.rate_hz = document->rate_hz;
     exercise.time_limit_s = document->time_limit_s;
   }
@@ -70,10 +67,9 @@ Result<std::string> AttemptView::StationName(const Uuid& id) {
   // All stations at once, with the first attempt that asks: one query, where a list would make as
   // many as it has rows.
   if (!stations_) {
-    Result<std::vector<StationRow>> rows = store_.stations.Stations();
-    if (!rows.ok()) return rows.status();
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<StationRow> rows, store_.stations.Stations());
     stations_.emplace();
-    for (const StationRow& row : *rows) stations_->emplace(row.id, row.name);
+    for (const StationRow& row : rows) stations_->emplace(row.id, row.name);
   }
   auto found = stations_->find(id);
   return found == stations_->end() ? std::string() : found->second;
@@ -82,10 +78,9 @@ Result<std::string> AttemptView::StationName(const Uuid& id) {
 Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
     const Sha256& content) {
   if (auto found = profiles_.find(content); found != profiles_.end()) return found->second;
-  Result<std::string> text = BlobText(store_.blobs, content);
-  if (!text.ok()) return text.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::string text, BlobText(store_.blobs, content));
   std::pair<std::string, std::string> names;
-  if (Result<scene::DeviceProfile> profile = scene::ProfileFromJson(*text); profile.ok()) {
+  if (Result<scene::DeviceProfile> profile = scene::ProfileFromJson(text); profile.ok()) {
     names = {profile->name, profile->title};
   }
   return profiles_.emplace(content, std::move(names)).first->second;
@@ -108,72 +103,65 @@ Result<bool> AttemptView::Teaches(const AttemptRow& row) {
 }
 
 Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
-  Result<bool> teaches = Teaches(row);
-  if (!teaches.ok()) return teaches.status();
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, Teaches(row));
   if (viewer_.role != Role::kStudent && !hidden_) {
     ENAMEL_ASSIGN_OR_RETURN(hidden_, store_.markings.HiddenFrom(viewer_.id));
   }
   if (hidden_ && hidden_->contains(row.id)) return false;
-  return CanSeeScore(viewer_, row, graded, *teaches);
+  return CanSeeScore(viewer_, row, graded, teaches);
 }
 
 Result<json::object> AttemptView::Json(const AttemptRow& row) {
-  Result<const Exercise*> exercise = ExerciseOf(row);
-  if (!exercise.ok()) return exercise.status();
-  Result<std::string> station = StationName(row.station);
-  if (!station.ok()) return station.status();
-  Result<std::pair<std::string, std::string>> profile = ProfileNameAndTitle(row.profile_content);
-  if (!profile.ok()) return profile.status();
-  Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
-  if (!visible.ok()) return visible.status();
+  ENAMEL_ASSIGN_OR_RETURN(const Exercise* exercise, ExerciseOf(row));
+  ENAMEL_ASSIGN_OR_RETURN(std::string station, StationName(row.station));
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, ProfileNameAndTitle(row.profile_content));
+  ENAMEL_ASSIGN_OR_RETURN(bool visible, ScoreVisible(row, exercise->graded));
 
   json::value score, computed, critical_fail, assignment;
   // Left out and not sent as hidden: a browser's developer tools show all that it was sent.
-  if (row.score && *visible) {
+  if (row.score && visible) {
     score = row.overridden ? row.overridden->score : *row.score;
     computed = *row.score;
     critical_fail = row.critical_fail;
   }
   if (row.assignment) assignment = row.assignment->Text();
-  Result<bool> teaches = Teaches(row);
-  if (!teaches.ok()) return teaches.status();
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, Teaches(row));
   ENAMEL_ASSIGN_OR_RETURN(json::value origin, DeviceOriginJson(row));
-  const uint32_t hidden = CanReviewAttempt(viewer_, row, *teaches) ? 0 : kReviewFlags;
+  const uint32_t hidden = CanReviewAttempt(viewer_, row, teaches) ? 0 : kReviewFlags;
   json::array flags;
   for (const char* name : AttemptFlagNames(row.flags & ~hidden)) flags.emplace_back(name);
-  return json::object{{"id", row.id.Text()},
-                      {"person", PersonJson(row)},
-                      {"exercise",
-                       {{"id", row.exercise.Text()},
-                        {"title", row.exercise_title},
-                        {"graded", (*exercise)->graded}}},
-                      {"station", {{"id", row.station.Text()}, {"name", *station}}},
-                      {"profile", {{"name", profile->first}, {"title", profile->second}}},
-                      {"state", AttemptStateName(row.state)},
-                      {"as_reference", row.as_reference},
-                      {"is_reference", (*exercise)->ReferenceCut(row.id.Text()) != nullptr},
-                      {"released", row.released},
-                      {"score", score},
-                      {"computed_score", computed},
-                      {"critical_fail", critical_fail},
-                      {"assignment_id", std::move(assignment)},
-                      {"exam", row.exam},
-                      {"due_ms", row.due_ms},
-                      {"flags", std::move(flags)},
-                      {"facts", json::parse(row.facts)},
-                      {"hand", HandJson(row.hand)},
-                      {"device_origin_um", std::move(origin)},
-                      {"progress", row.progress},
-                      {"ticketed_ms", row.ticketed_ms},
-                      {"sealed_ms", row.sealed_ms},
-                      {"ticks", row.ticks},
-                      {"gap_ticks", row.gap_ticks},
-                      {"chunks", row.chunks},
-                      {"trace_bytes", row.trace_bytes},
-                      {"problem", row.problem},
-                      {"problem_field", row.problem_field},
-                      {"recording_removed_ms", row.expired_ms},
-                      {"revision", row.revision}};
+  return json::object{
+      {"id", row.id.Text()},
+      {"person", PersonJson(row)},
+      {"exercise",
+       {{"id", row.exercise.Text()}, {"title", row.exercise_title}, {"graded", exercise->graded}}},
+      {"station", {{"id", row.station.Text()}, {"name", station}}},
+      {"profile", {{"name", profile.first}, {"title", profile.second}}},
+      {"state", AttemptStateName(row.state)},
+      {"as_reference", row.as_reference},
+      {"is_reference", exercise->ReferenceCut(row.id.Text()) != nullptr},
+      {"released", row.released},
+      {"score", score},
+      {"computed_score", computed},
+      {"critical_fail", critical_fail},
+      {"assignment_id", std::move(assignment)},
+      {"exam", row.exam},
+      {"due_ms", row.due_ms},
+      {"flags", std::move(flags)},
+      {"facts", json::parse(row.facts)},
+      {"hand", HandJson(row.hand)},
+      {"device_origin_um", std::move(origin)},
+      {"progress", row.progress},
+      {"ticketed_ms", row.ticketed_ms},
+      {"sealed_ms", row.sealed_ms},
+      {"ticks", row.ticks},
+      {"gap_ticks", row.gap_ticks},
+      {"chunks", row.chunks},
+      {"trace_bytes", row.trace_bytes},
+      {"problem", row.problem},
+      {"problem_field", row.problem_field},
+      {"recording_removed_ms", row.expired_ms},
+      {"revision", row.revision}};
 }
 
 // Only viewers of what is being made need it.
@@ -181,7 +169,7 @@ Result<json::value> AttemptView::DeviceOriginJson(const AttemptRow& row) {
   if (row.state != AttemptState::kRecording) return json::value();
   const Result<Bytes> bytes = store_.recordings.AttemptHeader(row.id);
   if (bytes.status().code() == Code::kNotFound) return json::value();  // erased since
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_RETURN_IF_ERROR(bytes.status());
   const auto header = trace::DecodeHeader(*bytes);
   if (!header.ok()) return json::value();  // a station of another version
   json::array out;
@@ -191,11 +179,10 @@ Result<json::value> AttemptView::DeviceOriginJson(const AttemptRow& row) {
 
 Result<json::value> AttemptView::ComparedWithJson(const AttemptResult& result,
                                                   const Exercise& exercise) {
-  Result<std::string> text = BlobText(store_.blobs, result.score_json);
-  if (!text.ok()) return text.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::string text, BlobText(store_.blobs, result.score_json));
   // From the score document and not from the exercise's present reference: the score refers to the
   // reference it was compared with then.
-  Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
+  Result<scoring::ScoreResult> score = scoring::ScoreFromJson(text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
   // Of one that does not count any more the attempt alone is named.
@@ -221,31 +208,27 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
 }
 
 Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
-  Result<std::optional<AppealRow>> appeal = store_.appeals.AppealOf(row.id);
-  if (!appeal.ok()) return appeal.status();
-  if (!*appeal) return json::value();
-  return json::value{{"filed_ms", (*appeal)->filed_ms},
-                     {"text", (*appeal)->text},
-                     {"state", (*appeal)->state},
-                     {"answer", (*appeal)->answer},
-                     {"answered_ms", (*appeal)->answered_ms}};
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<AppealRow> appeal, store_.appeals.AppealOf(row.id));
+  if (!appeal) return json::value();
+  return json::value{{"filed_ms", appeal->filed_ms},
+                     {"text", appeal->text},
+                     {"state", appeal->state},
+                     {"answer", appeal->answer},
+                     {"answered_ms", appeal->answered_ms}};
 }
 
 // The nearest earlier motion, for reviewers. Its owner only for viewers who may review that attempt
 // too.
 Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
-  Result<bool> teaches = Teaches(row);
-  if (!teaches.ok()) return teaches.status();
-  if (!CanReviewAttempt(viewer_, row, *teaches)) return json::value();
-  Result<std::optional<NearAttempt>> near = store_.motions.NearestTo(row.id);
-  if (!near.ok()) return near.status();
-  if (!*near) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, Teaches(row));
+  if (!CanReviewAttempt(viewer_, row, teaches)) return json::value();
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<NearAttempt> near, store_.motions.NearestTo(row.id));
+  if (!near) return json::value();
   constexpr double kMm = 1e-3;
   json::value attempt, person;
-  if (Result<AttemptRow> other = store_.attempts.AttemptById((*near)->attempt); other.ok()) {
-    Result<bool> teaches_other = Teaches(*other);
-    if (!teaches_other.ok()) return teaches_other.status();
-    if (CanReviewAttempt(viewer_, *other, *teaches_other)) {
+  if (Result<AttemptRow> other = store_.attempts.AttemptById(near->attempt); other.ok()) {
+    ENAMEL_ASSIGN_OR_RETURN(bool teaches_other, Teaches(*other));
+    if (CanReviewAttempt(viewer_, *other, teaches_other)) {
       attempt = other->id.Text();
       person = PersonJson(*other);
     }
@@ -253,20 +236,20 @@ Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
     return other.status();
   }
   json::value preset;
-  if ((*near)->presets > 0) {
-    const auto nearest_um = static_cast<double>((*near)->preset_um);
-    const double limit_um = scoring::kNearOfSize * static_cast<double>((*near)->size_um);
-    preset = json::value{{"others", (*near)->presets},
+  if (near->presets > 0) {
+    const auto nearest_um = static_cast<double>(near->preset_um);
+    const double limit_um = scoring::kNearOfSize * static_cast<double>(near->size_um);
+    preset = json::value{{"others", near->presets},
                          {"nearest_mm", nearest_um * kMm},
                          {"worth_a_look", nearest_um < limit_um}};
   }
   return json::value{{"attempt_id", std::move(attempt)},
                      {"person", std::move(person)},
-                     {"others", (*near)->others},
-                     {"nearest_mm", static_cast<double>((*near)->nearest_um) * kMm},
-                     {"median_mm", static_cast<double>((*near)->median_um) * kMm},
-                     {"size_mm", static_cast<double>((*near)->size_um) * kMm},
-                     {"worth_a_look", (*near)->worth_a_look},
+                     {"others", near->others},
+                     {"nearest_mm", static_cast<double>(near->nearest_um) * kMm},
+                     {"median_mm", static_cast<double>(near->median_um) * kMm},
+                     {"size_mm", static_cast<double>(near->size_um) * kMm},
+                     {"worth_a_look", near->worth_a_look},
                      {"preset", std::move(preset)}};
 }
 
@@ -334,12 +317,11 @@ Result<json::value> AttemptView::SignOffJson(const AttemptRow& row) {
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
   if ((row.flags & kContradicted) == 0) return out;
-  Result<bool> teaches = Teaches(row);
-  if (!teaches.ok()) return teaches.status();
-  if (!CanReviewAttempt(viewer_, row, *teaches)) return out;
-  Result<std::vector<ContradictionRow>> rows = store_.recordings.ContradictionsOf(row.id);
-  if (!rows.ok()) return rows.status();
-  for (const ContradictionRow& chunk : *rows) {
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, Teaches(row));
+  if (!CanReviewAttempt(viewer_, row, teaches)) return out;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ContradictionRow> rows,
+                          store_.recordings.ContradictionsOf(row.id));
+  for (const ContradictionRow& chunk : rows) {
     out.push_back(
         {{"seq", chunk.seq}, {"sha256", chunk.hash.Hex()}, {"received_ms", chunk.received_ms}});
   }
@@ -348,11 +330,9 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
 
 // What the viewer may do with it now, so that a page need not know the rules.
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
-  Result<bool> teaches = Teaches(row);
-  if (!teaches.ok()) return teaches.status();
-  Result<std::optional<AppealRow>> appeal = store_.appeals.AppealOf(row.id);
-  if (!appeal.ok()) return appeal.status();
-  bool reviews = CanReviewAttempt(viewer_, row, *teaches);
+  ENAMEL_ASSIGN_OR_RETURN(bool teaches, Teaches(row));
+  ENAMEL_ASSIGN_OR_RETURN(std::optional<AppealRow> appeal, store_.appeals.AppealOf(row.id));
+  bool reviews = CanReviewAttempt(viewer_, row, teaches);
   bool scored = row.state == AttemptState::kScored;
   // A recording that is whole and still here, which a new score or a reference needs.
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
@@ -369,9 +349,9 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
       {"rescore", reviews && (sealed || acceptable) && row.state != AttemptState::kScoring},
       {"excuse", reviews && row.assignment && (row.flags & (kExcused | kReturned)) == 0},
       {"unexcuse", reviews && (row.flags & kExcused) != 0},
-      {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *teaches)},
-      {"appeal", CanAppeal(viewer_, row) && !*appeal},
-      {"answer_appeal", reviews && *appeal && (*appeal)->state == "open"},
+      {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, teaches)},
+      {"appeal", CanAppeal(viewer_, row) && !appeal},
+      {"answer_appeal", reviews && appeal && appeal->state == "open"},
   };
   json::array out;
   for (const auto& action : actions) {
@@ -395,59 +375,46 @@ json::object ReferenceJson(const Person& viewer, const ReferenceRow& row) {
 
 Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   Result<json::object> out = Json(row);
-  if (!out.ok()) return out;
-  Result<const Exercise*> exercise = ExerciseOf(row);
-  if (!exercise.ok()) return exercise.status();
-  Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
-  if (!visible.ok()) return visible.status();
+  ENAMEL_RETURN_IF_ERROR(out.status());
+  ENAMEL_ASSIGN_OR_RETURN(const Exercise* exercise, ExerciseOf(row));
+  ENAMEL_ASSIGN_OR_RETURN(bool visible, ScoreVisible(row, exercise->graded));
   json::value reference, fingerprint;
-  if (*visible && row.state == AttemptState::kScored) {
-    Result<AttemptResult> result = store_.results.ResultOf(row.id);
-    if (!result.ok()) return result.status();
-    Result<json::value> compared = ComparedWithJson(*result, **exercise);
-    if (!compared.ok()) return compared.status();
-    reference = std::move(*compared);
-    if (!result->document.empty()) fingerprint = HashSha256(result->document).Hex();
+  if (visible && row.state == AttemptState::kScored) {
+    ENAMEL_ASSIGN_OR_RETURN(AttemptResult result, store_.results.ResultOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(json::value compared, ComparedWithJson(result, *exercise));
+    reference = std::move(compared);
+    if (!result.document.empty()) fingerprint = HashSha256(result.document).Hex();
   }
-  Result<json::value> overridden = OverrideJson(row, *visible);
-  if (!overridden.ok()) return overridden.status();
-  Result<json::value> appeal = AppealJson(row);
-  if (!appeal.ok()) return appeal.status();
-  Result<json::array> contradictions = ContradictionsJson(row);
-  if (!contradictions.ok()) return contradictions.status();
-  Result<json::value> nearness = NearnessJson(row);
-  if (!nearness.ok()) return nearness.status();
-  Result<json::value> evidence = EvidenceJson(row);
-  if (!evidence.ok()) return evidence.status();
-  Result<json::value> sign_off = SignOffJson(row);
-  if (!sign_off.ok()) return sign_off.status();
-  Result<json::array> may = MayDo(row);
-  if (!may.ok()) return may.status();
+  ENAMEL_ASSIGN_OR_RETURN(json::value overridden, OverrideJson(row, visible));
+  ENAMEL_ASSIGN_OR_RETURN(json::value appeal, AppealJson(row));
+  ENAMEL_ASSIGN_OR_RETURN(json::array contradictions, ContradictionsJson(row));
+  ENAMEL_ASSIGN_OR_RETURN(json::value nearness, NearnessJson(row));
+  ENAMEL_ASSIGN_OR_RETURN(json::value evidence, EvidenceJson(row));
+  ENAMEL_ASSIGN_OR_RETURN(json::value sign_off, SignOffJson(row));
+  ENAMEL_ASSIGN_OR_RETURN(json::array may, MayDo(row));
   // Gaps passed at the chair as well.
   double ticks = static_cast<double>(row.ticks + row.gap_ticks);
-  double rate_hz = (*exercise)->rate_hz;
+  double rate_hz = exercise->rate_hz;
   out->emplace("duration_s", rate_hz > 0 ? ticks / rate_hz : 0.0);
   out->emplace("reference", std::move(reference));
   out->emplace("result_fingerprint", std::move(fingerprint));
-  out->emplace("time_limit_s", (*exercise)->time_limit_s);
-  out->emplace("override", std::move(*overridden));
-  out->emplace("appeal", std::move(*appeal));
-  out->emplace("contradictions", std::move(*contradictions));
-  out->emplace("nearness", std::move(*nearness));
-  out->emplace("evidence", std::move(*evidence));
-  out->emplace("sign_off", std::move(*sign_off));
-  out->emplace("may", std::move(*may));
+  out->emplace("time_limit_s", exercise->time_limit_s);
+  out->emplace("override", std::move(overridden));
+  out->emplace("appeal", std::move(appeal));
+  out->emplace("contradictions", std::move(contradictions));
+  out->emplace("nearness", std::move(nearness));
+  out->emplace("evidence", std::move(evidence));
+  out->emplace("sign_off", std::move(sign_off));
+  out->emplace("may", std::move(may));
   return out;
 }
 
-Response JudgedMeanwhile(const Call& call, Store& store, const Status& status) {
-  if (status.field() != kStale) return ErrorResponse(status);
-  Result<AttemptRow> now = store.attempts.AttemptById(call.id);
-  if (!now.ok()) return ErrorResponse(now.status());
+Result<Response> JudgedMeanwhile(const Call& call, Store& store, const Status& status) {
+  if (status.field() != kStale) return status;
+  ENAMEL_ASSIGN_OR_RETURN(AttemptRow now, store.attempts.AttemptById(call.id));
   AttemptView view(store, call.caller->person);
-  Result<json::object> out = view.DetailJson(*now);
-  if (!out.ok()) return ErrorResponse(out.status());
-  return Stale(status, std::move(*out), now->revision);
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, view.DetailJson(now));
+  return Stale(status, std::move(out), now.revision);
 }
 
 }  // namespace enamel::server::http

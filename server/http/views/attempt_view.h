@@ -65,7 +65,7 @@ class AttemptView {
 
 // Why a judgement (release, override, excuse) did not happen: when somebody else judged since then,
 // 412 with the attempt as it is now.
-Response JudgedMeanwhile(const Call& call, Store& store, const Status& status);
+Result<Response> JudgedMeanwhile(const Call& call, Store& store, const Status& status);
 
 // Schema Reference: without the dentist's name if the viewer may not see it.
 boost::json::object ReferenceJson(const Person& viewer, const ReferenceRow& row);

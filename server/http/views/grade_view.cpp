@@ -22,19 +22,17 @@ json::value OrNull(const std::optional<double>& value) {
 
 Result<bool> GradeView::IsGraded(const Uuid& exercise) {
   if (auto found = graded_.find(exercise); found != graded_.end()) return found->second;
-  Result<ExerciseRow> row = store_.exercises.ExerciseById(exercise);
-  if (!row.ok()) return row.status();
-  graded_.emplace(exercise, row->graded);
-  return row->graded;
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, store_.exercises.ExerciseById(exercise));
+  graded_.emplace(exercise, row.graded);
+  return row.graded;
 }
 
 // Under way, or done and not released again: a release of other points is withdrawn.
 Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
   if (!row.score) return false;
   if (seen) return IsBeingScored(row);
-  Result<std::vector<ResultRow>> runs = store_.results.ResultsOf(row.id);
-  if (!runs.ok()) return runs.status();
-  return runs->size() > 1;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ResultRow> runs, store_.results.ResultsOf(row.id));
+  return runs.size() > 1;
 }
 
 Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
@@ -51,23 +49,20 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
   filter.cohort = whose.cohort;
   filter.limit = kAttemptsAtOnce;
   for (bool more = true; more;) {
-    Result<std::vector<AttemptRow>> rows = store_.attempts.Attempts(filter);
-    if (!rows.ok()) return rows.status();
-    more = rows->size() == kAttemptsAtOnce;
-    if (more) filter.before = rows->back().id;
-    for (AttemptRow& row : *rows) {
+    ENAMEL_ASSIGN_OR_RETURN(std::vector<AttemptRow> rows, store_.attempts.Attempts(filter));
+    more = rows.size() == kAttemptsAtOnce;
+    if (more) filter.before = rows.back().id;
+    for (AttemptRow& row : rows) {
       if ((row.flags & (kExcused | kReturned)) != 0) continue;
-      Result<bool> graded = IsGraded(row.exercise);
-      if (!graded.ok()) return graded.status();
+      ENAMEL_ASSIGN_OR_RETURN(bool graded, IsGraded(row.exercise));
       GradedAttempt each{row.id, row.ticketed_ms, {}, false, false};
-      each.shown = !IsReleasedFirst(row, *graded) || row.released;
+      each.shown = !IsReleasedFirst(row, graded) || row.released;
       // Checks a student's own attempts as for a viewer who shares no cohort with anybody.
       const bool seen = viewer_.role != Role::kStudent ? !hidden.contains(row.id)
-                                                       : CanSeeScore(viewer_, row, *graded, false);
+                                                       : CanSeeScore(viewer_, row, graded, false);
       if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
-      Result<bool> again = IsScoredAgain(row, seen);
-      if (!again.ok()) return again.status();
-      each.again = *again;
+      ENAMEL_ASSIGN_OR_RETURN(bool again, IsScoredAgain(row, seen));
+      each.again = again;
       // The present score may not be the one that counts in a minute.
       if (each.again && viewer_.role == Role::kStudent) each.score.reset();
       attempts[row.person].push_back(each);
@@ -81,10 +76,9 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
 }
 
 Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment, const Whose& whose) {
-  Result<std::map<Uuid, Work>> work = WorkOf(assignment, whose);
-  if (!work.ok()) return work.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto work, WorkOf(assignment, whose));
   std::map<Uuid, Grade> out;
-  for (const auto& [person, each] : *work) out.emplace(person, each.grade);
+  for (const auto& [person, each] : work) out.emplace(person, each.grade);
   return out;
 }
 

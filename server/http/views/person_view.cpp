@@ -20,14 +20,13 @@ json::object PersonJson(const Person& person) {
           {"revision", person.revision}};
 }
 
-Response SessionsResponse(const Call& call, SessionRows& sessions_rows, const Uuid& person) {
-  Result<Page> page = PageOf(call.request, 50, 200);
-  if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<SessionRow>> rows = sessions_rows.SessionsOf(person);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::value next = CutPage(*rows, *page, [](const SessionRow& row) { return row.id.Text(); });
+Result<Response> SessionsResponse(const Call& call, SessionRows& sessions_rows,
+                                  const Uuid& person) {
+  ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, 50, 200));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<SessionRow> rows, sessions_rows.SessionsOf(person));
+  json::value next = CutPage(rows, page, [](const SessionRow& row) { return row.id.Text(); });
   json::array sessions;
-  for (const SessionRow& row : *rows) {
+  for (const SessionRow& row : rows) {
     sessions.push_back({{"id", row.id.Text()},
                         {"via", row.via},
                         {"address", row.address},

@@ -9,6 +9,6 @@ namespace enamel::server::http {
 
 boost::json::object PersonJson(const Person& person);
 // The sessions of a person, a page of them, the caller's own marked.
-Response SessionsResponse(const Call& call, SessionRows& sessions_rows, const Uuid& person);
+Result<Response> SessionsResponse(const Call& call, SessionRows& sessions_rows, const Uuid& person);
 
 }  // namespace enamel::server::http

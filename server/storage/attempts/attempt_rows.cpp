@@ -157,7 +157,7 @@ Result<bool> Continue(Db& db, const AttemptFilter& filter, ListSql& list) {
   }
   Query q(db, kPlaceInOrders);
   if (!q.Bind(*filter.before).Next()) {
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return false;
   }
   if (filter.order == AttemptFilter::Order::kName) {

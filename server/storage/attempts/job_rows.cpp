@@ -114,7 +114,7 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms, const std::se
     Query still(db, std::string("SELECT 1 FROM jobs j WHERE j.tenant = ?1 AND ") + kMayBeTaken +
                         " AND j.id = ?3");
     if (still.Bind(now_ms, (*next)->id).Next()) return next;
-    if (!still.status().ok()) return still.status();
+    ENAMEL_RETURN_IF_ERROR(still.status());
   }
 }
 
@@ -235,7 +235,7 @@ Result<std::optional<JobRow>> JobRows::LeaseJob(UnixMs now_ms, UnixMs lease_ms,
   std::optional<JobRow> taken;
   Status status = rows_.WriteRow(
       [&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, owner_.id(), not_of, taken); });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return taken;
 }
 

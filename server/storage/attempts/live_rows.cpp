@@ -75,7 +75,7 @@ Result<std::vector<ChairRemark>> LiveRows::ChairRemarks(UnixMs since_ms) {
       out.push_back({q.Id(0), static_cast<uint64_t>(q.Int(1)), q.Text(2), q.Text(3),
                      static_cast<uint64_t>(q.Int(4)), q.Int(5), StateOf(q.Text(6)), q.Int(7)});
     }
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return out;
   });
 }

@@ -72,7 +72,7 @@ Result<AnnotationRow> RemarkRows::AddAnnotation(const AnnotationRow& annotation,
     return WriteAuditAbout(db, SubjectOf("annotation", row.id.Text()), by, "annotation.add",
                            row.attempt.Text(), "{}", RemarkJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return AnnotationById(row.id);
 }
 
@@ -89,7 +89,7 @@ Result<AnnotationRow> RemarkRows::ReplaceAnnotation(const AnnotationRow& row, co
     return WriteAuditAbout(db, SubjectOf("annotation", stored.id.Text()), by, "annotation.edit",
                            stored.attempt.Text(), RemarkJson(stored), RemarkJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return AnnotationById(row.id);
 }
 

@@ -26,7 +26,7 @@ Result<std::vector<AuditRow>> AuditIn(
     out.push_back(
         AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Id(7), q.Text(2)});
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 
@@ -81,7 +81,7 @@ Result<std::vector<AuditRow>> AuditRows::AuditAbout(const Uuid& person) {
       Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND person = ?2");
       q.Bind(person);
       while (q.Next()) objects.insert(q.Id(0).Text());
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
     }
     Query q(db, std::string(kAuditSelect) + " ORDER BY id");
     return AuditIn(

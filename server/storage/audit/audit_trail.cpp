@@ -38,7 +38,7 @@ Result<std::pair<int64_t, Uuid>> LastOfChain(Db& db, const Uuid& chain) {
       "1");
   std::pair<int64_t, Uuid> out{};
   if (q.Bind(chain).Next()) out = {q.Int(0), q.Id(1)};
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 

@@ -283,7 +283,7 @@ Result<bool> AddPart(Db& db, const StatePart& part, const SubjectKind& kind, con
       if (!value.empty()) state[prefix + name] = value;
     }
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return found;
 }
 
@@ -364,7 +364,7 @@ Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {
       }
       out.push_back({SubjectOf(kind.name, key), object});
     }
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
   }
   return out;
 }

@@ -109,13 +109,11 @@ class BackupMaker {
     std::optional<Rewriter::Upkeep> alone;
     if (file_) {
       ENAMEL_RETURN_IF_ERROR(OpenShared());
-      auto upkeep = store_->engine->rewriter.TakeUpkeep();
-      if (!upkeep.ok()) return upkeep.status();
-      alone.emplace(std::move(*upkeep));
+      ENAMEL_ASSIGN_OR_RETURN(auto upkeep, store_->engine->rewriter.TakeUpkeep());
+      alone.emplace(std::move(upkeep));
     } else {
-      auto lock = TakeUpkeepLock(options_.data, FolderLock::Mode::kShared);
-      if (!lock.ok()) return lock.status();
-      shared.emplace(std::move(*lock));
+      ENAMEL_ASSIGN_OR_RETURN(auto lock, TakeUpkeepLock(options_.data, FolderLock::Mode::kShared));
+      shared.emplace(std::move(lock));
     }
     ENAMEL_ASSIGN_OR_RETURN(const auto ours, TakePart(part_, disk_));
     if (const Status made = Make(); !made.ok()) {
@@ -491,7 +489,7 @@ class Restorer {
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(options_.data / "enamel.db", DbMode::kReadOnly));
     Query q(*db, "SELECT count(*) FROM people WHERE tenant = ?1");
     size_t count = q.Next() ? static_cast<size_t>(q.Int(0)) : 0;
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return count;
   }
 

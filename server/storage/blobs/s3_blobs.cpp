@@ -192,12 +192,10 @@ Result<size_t> S3Blobs::SweepRows(std::chrono::seconds age) {
   std::vector<Sha256> candidates;
   ENAMEL_RETURN_IF_ERROR(rows_.Read([&](sql::Db& db) -> Status {
     candidates.clear();
-    auto rows = AllBlobRows(db);
-    if (!rows.ok()) return rows.status();
-    auto named = NamedBlobs(db);
-    if (!named.ok()) return named.status();
-    for (const BlobRow& row : *rows) {
-      if (row.put_ms < before_ms && !named->contains(row.hash)) candidates.push_back(row.hash);
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, AllBlobRows(db));
+    ENAMEL_ASSIGN_OR_RETURN(auto named, NamedBlobs(db));
+    for (const BlobRow& row : rows) {
+      if (row.put_ms < before_ms && !named.contains(row.hash)) candidates.push_back(row.hash);
     }
     return Status::Ok();
   }));
@@ -228,9 +226,8 @@ Result<size_t> S3Blobs::SweepOrphans() {
   // Read after the list: the row of a day-old object exists by now, or never will.
   std::map<Sha256, int64_t> counts;
   ENAMEL_RETURN_IF_ERROR(rows_.Read([&](sql::Db& db) -> Status {
-    auto rows = AllBlobRows(db);
-    if (!rows.ok()) return rows.status();
-    for (const BlobRow& row : *rows) counts[row.hash] = row.generation;
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, AllBlobRows(db));
+    for (const BlobRow& row : rows) counts[row.hash] = row.generation;
     return Status::Ok();
   }));
   std::erase_if(orphans, [&](const Freed& blob) {

@@ -135,7 +135,7 @@ Status DatabaseLook::Beat() {
     MutexLock lock(mutex_);
     to_mend_ = PgRemedyOf(looked);
   }
-  if (!looked.ok()) return looked;
+  ENAMEL_RETURN_IF_ERROR(looked);
   beaten_ = now();
   asked_ = steady_clock::duration::zero();
   return looked;

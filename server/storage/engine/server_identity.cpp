@@ -45,7 +45,7 @@ Status MatchIdentityRow(sql::Db& db, ServerPart part, const std::optional<Sha256
   }
   Query q(db, "SELECT fingerprint FROM server_identity WHERE tenant = ?1 AND name = ?2");
   const bool there = q.Bind(words.name).Next();
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   if (!there || (fingerprint && q.Hash(0) == *fingerprint)) return Status::Ok();
   const std::string theirs = std::string("expected the ") + words.what +
                              " of the other servers of this database (" + Brief(q.Hash(0)) +

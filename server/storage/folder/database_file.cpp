@@ -190,11 +190,10 @@ Result<S3Place> ReadS3Place(const std::filesystem::path& folder, const PlaceInS3
   out.store.bucket = place.bucket;
   if (!place.region.empty()) out.store.region = place.region;
   if (!place.ca_file.empty()) out.store.ca_file = folder / place.ca_file;
-  auto credentials = place.credentials_file.empty()
-                         ? CredentialsOfEnvironment()
-                         : ReadCredentials(folder / place.credentials_file);
-  if (!credentials.ok()) return credentials.status();
-  out.store.credentials = std::move(*credentials);
+  ENAMEL_ASSIGN_OR_RETURN(auto credentials, place.credentials_file.empty()
+                                                ? CredentialsOfEnvironment()
+                                                : ReadCredentials(folder / place.credentials_file));
+  out.store.credentials = std::move(credentials);
   return out;
 }
 

@@ -136,7 +136,7 @@ class PosixDisk final : public Disk {
       if (target->get() < 0) return Failed("cannot create", to, errno);
       return WriteAll(target->get(), part, to);
     });
-    if (!content.ok()) return content.status();
+    ENAMEL_RETURN_IF_ERROR(content.status());
     static_cast<Content&>(out) = *content;
     return out;
   }

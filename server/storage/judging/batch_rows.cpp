@@ -64,7 +64,7 @@ Result<BatchRow> BatchRows::RescoreTogether(const BatchRow& row, const std::vect
     }
     return Status::Ok();
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return BatchById(id);
 }
 

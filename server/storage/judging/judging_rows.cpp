@@ -27,7 +27,7 @@ std::string OverrideJson(const std::optional<ScoreOverride>& score) {
 Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> revision) {
   auto row = FindAttempt(db, attempt);
   if (row.ok() && revision) {
-    if (Status same = MustBeRevision(row->revision, *revision); !same.ok()) return same;
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(row->revision, *revision));
   }
   return row;
 }
@@ -112,8 +112,7 @@ Status JudgingRows::OverrideScore(const Uuid& attempt, const std::optional<Score
 Status JudgingRows::FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
                                 const Actor& by, std::optional<int32_t> revision) {
   return rows_.Write([&](Db& db) -> Status {
-    auto row = FindSeen(db, attempt, revision);
-    if (!row.ok()) return row.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
     return SetFlags(db, attempt, flags, reason, by);
   });
 }
@@ -158,7 +157,7 @@ Result<uint32_t> JudgingRows::ReleaseAssignment(const Uuid& id, const Actor& by)
     released = static_cast<uint32_t>(attempts.size());
     return Status::Ok();
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return released;
 }
 

@@ -34,7 +34,7 @@ Result<MarkingRow> FindMarking(Db& db, const Uuid& id) {
       "p.person) FROM marking_people p WHERE p.tenant = ?1 AND p.marking = ?2 AND p.removed_ms = 0 "
       "ORDER BY p.person");
   for (q.Bind(id); q.Next();) out.markers.push_back({q.Id(0), static_cast<uint32_t>(q.Int(1))});
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 
@@ -126,7 +126,7 @@ Result<MarkingRow> MarkingRows::BeginMarking(const Uuid& assignment,
                               {"markers", std::to_string(markers.size())},
                               {"works", std::to_string(attempts.size())}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return MarkingById(id);
 }
 
@@ -234,7 +234,7 @@ Result<MarkingRow> MarkingRows::SetMarkers(const Uuid& id, const std::vector<Uui
         db, by, "marking.markers", id.Text(), "{}",
         JsonOf({{"added", std::to_string(added)}, {"removed", std::to_string(removed)}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return MarkingById(id);
 }
 

@@ -67,7 +67,7 @@ Result<std::vector<AssignedMotion>> MotionRows::MotionsUnder(const Uuid& assignm
       if (q.Int(1) == 0 || q.Int(3) == 0) continue;
       out.back().record.near_share = static_cast<double>(q.Int(2)) / static_cast<double>(q.Int(3));
     }
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return out;
   });
 }

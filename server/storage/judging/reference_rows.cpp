@@ -113,7 +113,7 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
             ? JsonOf({{"exercise", exercise}, {"version", version}})
             : JsonOf({{"exercise", exercise}, {"version", version}, {"anyway", anyway}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return row;
 }
 
@@ -135,7 +135,7 @@ Result<std::set<Uuid>> ReferenceRows::ExercisesWithReference() {
             "SELECT DISTINCT exercise FROM reference_cuts WHERE tenant = ?1 AND withdrawn_ms = 0");
     std::set<Uuid> out;
     while (q.Next()) out.insert(q.Id(0));
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return out;
   });
 }

@@ -97,7 +97,7 @@ Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
       "replay_realtime_factor, scored_ms, document FROM attempt_results WHERE tenant = ?1 AND "
       "attempt = ?2 AND run = ?3");
   if (!q.Bind(attempt, run).Next()) {
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return Status(Code::kNotFound,
                   "attempt " + attempt.Text() + " has no scoring run " + std::to_string(run),
                   "run");
@@ -263,7 +263,7 @@ Result<AttemptResult> ResultRows::ResultOf(const Uuid& attempt) {
             "attempt_results r ON r.tenant = a.tenant AND r.attempt = a.id WHERE a.tenant = ?1 AND "
             "a.id = ?2 ORDER BY r.run DESC LIMIT 1");
     if (!q.Bind(attempt).Next()) {
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
       return Status(Code::kNotFound, "no attempt " + attempt.Text());
     }
     if (q.IsNull(2))

@@ -110,7 +110,7 @@ Result<TimelineRow> TimelineRows::TimelineOf(const Uuid& attempt) {
         "SELECT content, tries, problem, asked_ms FROM timelines WHERE tenant = ?1 AND attempt = "
         "?2");
     if (!q.Bind(attempt).Next()) {
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
       return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no timeline");
     }
     TimelineRow out;

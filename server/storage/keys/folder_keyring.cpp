@@ -66,7 +66,7 @@ Result<DataKey> FolderKeyring::Read(const Uuid& person) const {
   if (!bytes.ok() && bytes.status().code() == Code::kNotFound) {
     return Status(Code::kNotFound, "there is no key for person " + person.Text());
   }
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_RETURN_IF_ERROR(bytes.status());
   if (bytes->size() != DataKey::kBytes) {
     return Status(Code::kStorage, KeyPath(person).string() + " has " +
                                       std::to_string(bytes->size()) +
@@ -86,7 +86,7 @@ Result<DataKey> FolderKeyring::Find(const Uuid& person) {
     found_.erase(held);
   }
   auto key = Read(person);
-  if (!key.ok()) return key;
+  ENAMEL_RETURN_IF_ERROR(key.status());
   if (found_.size() >= kMaxHeld) found_.clear();
   found_[MapKey(person)] = *key;
   return key;

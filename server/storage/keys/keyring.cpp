@@ -78,7 +78,7 @@ Status Join(Keyring& keyring, Keyring& other,
     if (progress) progress(++done, people.size());
     const auto key = other.Find(person);
     if (key.status().code() == Code::kNotFound) continue;  // erased meanwhile
-    if (!key.ok()) return key.status();
+    ENAMEL_RETURN_IF_ERROR(key.status());
     const Status put = keyring.Put(person, *key);
     // Only `keyring` knows that this one was erased.
     if (!put.ok() && put.code() != Code::kConflict) return put;

@@ -98,7 +98,7 @@ Result<DataKey> S3Keyring::Get(const KeyRow& row) {
         Code::kStorage,
         "the object " + object + " is lost at " + client_->Where() + "; restore it from a backup"));
   }
-  if (Status told = trouble_.Told(wrapped.status()); !told.ok()) return told;
+  ENAMEL_RETURN_IF_ERROR(trouble_.Told(wrapped.status()));
   ENAMEL_ASSIGN_OR_RETURN(const DataKey key, master_.Unwrap(row.person, *wrapped));
   Hold(row.person, {key, row.generation});
   return key;
@@ -220,7 +220,7 @@ Result<bool> S3Keyring::IsGone(const Uuid& person) {
     ENAMEL_ASSIGN_OR_RETURN(gone, IsErased(db, TombstoneOf(person)));
     return Status::Ok();
   });
-  if (!read.ok()) return read;
+  ENAMEL_RETURN_IF_ERROR(read);
   return gone;
 }
 

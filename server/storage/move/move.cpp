@@ -46,7 +46,7 @@ Status MustNotBeMovedElsewhere(const fs::path& from, const fs::path& to) {
   std::error_code error;
   const auto moved = ReadMark(from / kMovedMark);
   if (moved.status().code() == Code::kNotFound) return Status::Ok();
-  if (!moved.ok()) return moved.status();
+  ENAMEL_RETURN_IF_ERROR(moved.status());
   if (*moved == PathText(to) && fs::exists(to / kMoveMark, error)) return Status::Ok();
   return Status(Code::kConflict,
                 "this school was moved already, to " + *moved + "; move it from there");
@@ -236,7 +236,7 @@ class Mover {
   static Result<bool> HasRows(Db& to) {
     sql::Query any(to, "SELECT 1 FROM audit LIMIT 1");
     const bool has_rows = any.Next();
-    if (!any.status().ok()) return any.status();
+    ENAMEL_RETURN_IF_ERROR(any.status());
     return has_rows;
   }
 

@@ -78,7 +78,7 @@ Result<Uuid> CohortRows::CreateCohort(const std::string& name, const Actor& by) 
     id = InsertCohort(db, name, by);
     return id.status();
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return id;
 }
 
@@ -100,7 +100,7 @@ Result<Cohort> CohortRows::EditCohort(const Uuid& id, const CohortEdit& edit, in
     }
     return UpdateCohort(db, before, after, by);
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return after;
 }
 

@@ -107,7 +107,7 @@ Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
   Query q(db, "SELECT 1 FROM people WHERE tenant = ?1 AND role = " + Sql(Role::kAdmin) +
                   " AND disabled = 0 AND id <> ?2 LIMIT 1");
   if (q.Bind(person.id).Next()) return Status::Ok();
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return Status(Code::kConflict, "\"" + person.login +
                                      "\" is the only admin who may sign in; make somebody else an "
                                      "admin first");
@@ -152,7 +152,7 @@ Result<Uuid> PeopleRows::CreatePerson(const Person& person, const std::string& p
     }
     return Status::Ok();
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return row.id;
 }
 
@@ -196,7 +196,7 @@ Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
     const bool may = db.Changes() > 0;
     Query q(db, "SELECT pin, wrong_pins FROM people WHERE tenant = ?1 AND id = ?2");
     if (!q.Bind(person).Next()) {
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
       return Status(Code::kNotFound, "no person " + person.Text());
     }
     out.verifier = q.Text(0);
@@ -204,7 +204,7 @@ Result<PeopleRows::PinTry> PeopleRows::TryPin(const Uuid& person) {
     out.last = may && q.Int(1) >= kMaxWrongPins;
     return Status::Ok();
   });
-  if (!counted.ok()) return counted;
+  ENAMEL_RETURN_IF_ERROR(counted);
   return out;
 }
 
@@ -278,7 +278,7 @@ Result<Person> PeopleRows::EditPerson(const Uuid& id, const PersonEdit& edit, in
     if (edit.disabled) after.disabled = *edit.disabled;
     return UpdatePerson(db, before, after, "person.edit", by);
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return after;
 }
 

@@ -29,7 +29,7 @@ Result<RosterFacts> FactsIn(Db& db) {
   for (const Cohort& cohort : named) out.cohorts.emplace(cohort.name, cohort);
   Query members(db, "SELECT cohort, person FROM cohort_members WHERE tenant = ?1");
   while (members.Next()) out.members.emplace(members.Id(0), members.Id(1));
-  if (!members.status().ok()) return members.status();
+  ENAMEL_RETURN_IF_ERROR(members.status());
   return out;
 }
 
@@ -102,8 +102,7 @@ Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, 
     return facts;
   };
   if (how.dry_run) {
-    auto facts = rows_.Read(make);
-    if (!facts.ok()) return facts.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto facts, rows_.Read(make));
     return plan;
   }
   Status status = rows_.Write([&](Db& db) -> Status {
@@ -113,7 +112,7 @@ Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, 
     if (!facts.ok() || !plan.problems.empty()) return facts.status();
     return CarryOut(db, plan, *facts, how.move, by);
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return plan;
 }
 

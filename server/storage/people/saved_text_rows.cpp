@@ -81,7 +81,7 @@ Result<SavedText> SavedTextRows::AddSavedText(const SavedText& text, const Actor
     return WriteAuditAbout(db, SubjectOf(row), by, "person.text_save", row.owner.Text(), "{}",
                            WordsOf(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return SavedTextById(row.id);
 }
 
@@ -100,7 +100,7 @@ Result<SavedText> SavedTextRows::ReplaceSavedText(const SavedText& text, const A
     return WriteAuditAbout(db, SubjectOf(row), by, "person.text_edit", row.owner.Text(),
                            WordsOf(stored), WordsOf(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return SavedTextById(text.id);
 }
 

@@ -89,7 +89,7 @@ Result<std::vector<SchoolRow>> AllSchools(Db& db) {
   while (q.Next()) {
     out.push_back({q.Text(0), q.Id(1), HostsOf(q.Text(2)), StateNamed(q.Text(3)), q.Int(4)});
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 

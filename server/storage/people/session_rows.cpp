@@ -123,7 +123,7 @@ Result<size_t> SessionRows::EndSessionsOf(const Uuid& person, const Actor& by) {
     return WriteAudit(db, by, "session.end", person.Text(), "{}",
                       JsonOf({{"sessions", std::to_string(ended)}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ended;
 }
 

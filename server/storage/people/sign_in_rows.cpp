@@ -32,7 +32,7 @@ Result<bool> ReadCounter(Db& db, const Sha256& key, const char* lock, SignInCoun
                   lock);
   out = {};
   const bool found = q.Bind(key).Next();
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   if (found) {
     out = {static_cast<uint32_t>(q.Int(0)), static_cast<uint32_t>(q.Int(1)), q.Int(2), q.Int(3),
            q.Int(4)};

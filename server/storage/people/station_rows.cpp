@@ -24,7 +24,7 @@ Result<StationRow> FindStation(Db& db, const Uuid& id) {
 Status MayComeBack(Db& db, const StationRow& station) {
   auto stored = FindStation(db, station.id);
   if (stored.status().code() == Code::kNotFound) return Status::Ok();
-  if (!stored.ok()) return stored.status();
+  ENAMEL_RETURN_IF_ERROR(stored.status());
   // Recordings are signed with the key: under another one, the station's earlier recordings could
   // no longer be distinguished from forged ones.
   if (stored->public_key != station.public_key) {
@@ -65,7 +65,7 @@ Result<Uuid> StationRows::AddEnrolCode(const Sha256& code_hash, UnixMs expires_m
     return WriteAudit(db, by, "station.code", id.Text(), "{}",
                       JsonOf({{"expires_ms", std::to_string(expires_ms)}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return id;
 }
 
@@ -131,7 +131,7 @@ Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow
     return WriteAudit(db, by, again ? "station.enrol_again" : "station.enrol", station.id.Text(),
                       "{}", JsonOf({{"name", station.name}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return station;
 }
 
@@ -163,7 +163,7 @@ Result<StationRow> StationRows::RenameStation(const Uuid& id, const std::string&
   Result<StationRow> after = StationRow{};
   Status status = rows_.Write([&](Db& db) -> Status {
     after = FindStation(db, id);
-    if (!after.ok()) return after.status();
+    ENAMEL_RETURN_IF_ERROR(after.status());
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(after->revision, revision));
     if (after->name == name) return Status::Ok();
     {
@@ -181,7 +181,7 @@ Result<StationRow> StationRows::RenameStation(const Uuid& id, const std::string&
     return WriteAudit(db, by, "station.rename", id.Text(), JsonOf({{"name", before}}),
                       JsonOf({{"name", name}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return after;
 }
 

@@ -37,7 +37,7 @@ class RowsReader {
     if (next_ >= chunks_) return std::optional<Bytes>();
     if (page_.empty()) {
       auto page = rows_.Read([&](Db& db) { return ChunkRowsFrom(db, attempt_, next_); });
-      if (!page.ok()) return page.status();
+      ENAMEL_RETURN_IF_ERROR(page.status());
       page_.assign(std::make_move_iterator(page->begin()), std::make_move_iterator(page->end()));
     }
     if (page_.empty()) {
@@ -111,7 +111,7 @@ Result<std::vector<Bytes>> RecordingRows::NewestChunks(const Uuid& attempt, uint
         "seq DESC LIMIT ?4");
     return q.Bind(attempt, from, most).All<Bytes>();
   });
-  if (!rows.ok()) return rows;
+  ENAMEL_RETURN_IF_ERROR(rows.status());
   std::ranges::reverse(*rows);
   PersonalReader personal(keyring_);
   for (Bytes& row : *rows) {
@@ -139,7 +139,7 @@ Result<bool> RecordingRows::Reads(const Uuid& attempt, const Ingest& ingest,
     const auto chunk = parts.Next();
     const Code code = chunk.status().code();
     if (code == Code::kNotFound || code == Code::kStorage) return false;
-    if (!chunk.ok()) return chunk.status();
+    ENAMEL_RETURN_IF_ERROR(chunk.status());
     if (!*chunk) break;
   }
   const trace::Seal& seal = *parts.seal();
@@ -153,7 +153,7 @@ Result<bool> RecordingRows::IsWhole(const Uuid& attempt) {
     ENAMEL_ASSIGN_OR_RETURN(blobs.parts, PartsOf(db, attempt));
     return FindIngest(db, attempt, Look::kOnly);
   });
-  if (!ingest.ok()) return ingest.status();
+  ENAMEL_RETURN_IF_ERROR(ingest.status());
   if (ingest->trace_blob.IsZero() || ingest->expired) return true;
   blobs.last = ingest->trace_blob;
   const bool there =

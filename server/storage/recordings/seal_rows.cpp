@@ -97,7 +97,7 @@ Status SealRows::HealIfLost(const trace::Seal& seal, const Ingest& before) {
   ENAMEL_ASSIGN_OR_RETURN(const bool whole, recordings_.IsWhole(seal.attempt));
   if (whole) return Status::Ok();
   auto end = rows_.Read([&](Db& db) { return EndOfRows(db, seal.attempt); });
-  if (!end.ok()) return end.status();
+  ENAMEL_RETURN_IF_ERROR(end.status());
   // Nothing came again: only the answer to the seal was lost. The station is asked when it offers.
   if (end->next == 0) return Status::Ok();
   if (end->next != before.chunks || end->last != before.head) {
@@ -152,13 +152,13 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   // transaction that ends the attempt, as another connection may have been faster.
   auto check = [&](Db& db, Look look) -> Result<Ingest> {
     auto ingest = FindIngest(db, seal.attempt, look);
-    if (!ingest.ok()) return ingest;
+    ENAMEL_RETURN_IF_ERROR(ingest.status());
     bool quarantined = ingest->state == AttemptState::kQuarantined && ingest->trace_blob.IsZero();
     if (ingest->state == AttemptState::kTicketed || quarantined) {
       return Status(Code::kConflict, "attempt " + seal.attempt.Text() + " is " +
                                          AttemptStateName(ingest->state) + " and cannot be sealed");
     }
-    if (Status status = SealMatches(*ingest, seal); !status.ok()) return status;
+    ENAMEL_RETURN_IF_ERROR(SealMatches(*ingest, seal));
     return ingest;
   };
   ENAMEL_RETURN_IF_ERROR(gate_.Check());
@@ -221,7 +221,7 @@ Status SealRows::AcceptCommitted(const Uuid& attempt, const Actor& by) {
            !ingest.expired && ingest.chunks > 0;
   };
   auto before = rows_.Read([&](Db& db) { return FindIngest(db, attempt, Look::kOnly); });
-  if (!before.ok()) return before.status();
+  ENAMEL_RETURN_IF_ERROR(before.status());
   if (!unsealed(*before)) return Status::Ok();
   ENAMEL_RETURN_IF_ERROR(gate_.Check());
   ENAMEL_ASSIGN_OR_RETURN(const TraceBlobs blobs,

@@ -14,7 +14,7 @@ namespace {
 Result<std::optional<Uuid>> SignerOf(Db& db, const Uuid& attempt, SignedAt at) {
   Query q(db, "SELECT signer FROM sign_offs WHERE tenant = ?1 AND attempt = ?2 AND stage = ?3");
   const bool found = q.Bind(attempt, SignedAtName(at)).Next();
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return found ? std::optional(q.Id(0)) : std::nullopt;
 }
 
@@ -80,7 +80,7 @@ Result<std::vector<SignOffRow>> SignOffRows::SignOffsOf(const Uuid& attempt) {
       const auto at = SignedAtFromName(q.Text(0));
       if (at) out.push_back({*at, q.Id(1), q.Text(2), q.Int(3)});
     }
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return out;
   });
 }

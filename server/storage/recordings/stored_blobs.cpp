@@ -22,7 +22,7 @@ Result<Sha256> StoredBlobs::PutAttemptText(const Uuid& attempt, std::string_view
 
 Result<Bytes> StoredBlobs::GetBlob(const Sha256& hash) {
   auto bytes = blobs_.Get(hash);
-  if (!bytes.ok()) return bytes;
+  ENAMEL_RETURN_IF_ERROR(bytes.status());
   return OpenPersonal(keyring_, std::move(bytes).value());
 }
 

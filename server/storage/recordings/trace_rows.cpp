@@ -17,7 +17,7 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
                   "flags, exam, trace_bytes FROM attempts WHERE tenant = ?1 AND id = ?2") +
                   (look == Look::kToDecide ? db.RowLock() : ""));
   if (!q.Bind(attempt).Next()) {
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return Status(Code::kNotFound,
                   "no attempt " + attempt.Text() + "; its ticket was not issued here");
   }
@@ -31,7 +31,7 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
   Query q(db, "SELECT header FROM attempts WHERE tenant = ?1 AND id = ?2");
   bool found = q.Bind(attempt).Next();
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   if (!found || q.IsNull(0)) {
     return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no recording");
   }
@@ -50,7 +50,7 @@ Result<ChunkEnd> EndOfRows(Db& db, const Uuid& attempt) {
           "SELECT seq, hash FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq DESC "
           "LIMIT 1");
   if (q.Bind(attempt).Next()) return ChunkEnd{static_cast<uint32_t>(q.Int(0)) + 1, q.Hash(1)};
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   ENAMEL_ASSIGN_OR_RETURN(const Bytes header, HeaderOf(db, attempt));
   return ChunkEnd{0, HashSha256(header)};
 }

@@ -74,7 +74,7 @@ Status DeleteStore(const fs::path& folder, const std::optional<DatabaseFile>& da
   if (lock.status().code() == Code::kUnavailable) {
     return {Code::kUnavailable, lock.status().message(), kServerHasIt};
   }
-  if (!lock.ok()) return lock.status();
+  ENAMEL_RETURN_IF_ERROR(lock.status());
   if (!database) {
     ENAMEL_RETURN_IF_ERROR(RemoveFolder(folder / "keyring"));
     return RemoveFolder(folder);

@@ -133,7 +133,7 @@ Result<std::vector<Row>> NextRows(sql::Db& db, const Table& table, const Row* la
       row.push_back(ValueOf(q, static_cast<int>(i), table.columns[i].type));
     }
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 
@@ -182,7 +182,7 @@ Result<Table> TableNamed(sql::Db& sqlite, const std::string& name) {
     if (q.Int(2) > 0) key[q.Int(2)] = out.columns.size();
     out.columns.push_back({q.Text(0), type});
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   for (const auto& [place, column] : key) out.key.push_back(column);
   if (!out.key.empty()) return out;
   return Status(Code::kStorage, "table " + name + " has no primary key, which rows are read by");
@@ -199,7 +199,7 @@ Result<std::map<std::string, std::set<std::string>>> References(sql::Db& sqlite)
     auto& to = out[q.Text(0)];
     if (!q.IsNull(1)) to.insert(q.Text(1));
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return out;
 }
 

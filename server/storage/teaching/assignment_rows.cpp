@@ -170,7 +170,7 @@ Result<AssignmentRow> AssignmentRows::AddAssignment(const AssignmentRow& assignm
     ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
     return WriteAudit(db, by, "assignment.add", row.id.Text(), "{}", TermsJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return AssignmentById(row.id);
 }
 
@@ -189,7 +189,7 @@ Result<AssignmentRow> AssignmentRows::ReplaceAssignment(const AssignmentRow& ass
     ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
     return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(stored), TermsJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return AssignmentById(assignment.id);
 }
 
@@ -242,7 +242,7 @@ Result<AssignmentMove> AssignmentRows::MoveAssignment(const Uuid& id, const Uuid
     return WriteAudit(db, by, "assignment.move", id.Text(), TermsJson(move.before),
                       TermsJson(move.after));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return move;
 }
 
@@ -287,7 +287,7 @@ Result<std::vector<AssignmentRow>> AssignmentRows::Assignments(const AssignmentF
       Query q(db, sql + " ORDER BY a.due_ms = 0, a.due_ms, a.id");
       for (const Uuid& id : ids) q.Bind(id);
       while (q.Next()) out.push_back(AssignmentOf(q));
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
     }
     return WithStations(db, std::move(out));
   });
@@ -316,7 +316,7 @@ Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& pers
         AssignedRow& row = out.emplace_back(AssignedRow{AssignmentOf(q), {}});
         q.Read(kAssignmentColumns, row.attempts_used, row.exercise);
       }
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
     }
     for (AssignedRow& row : out) ENAMEL_RETURN_IF_ERROR(AddStations(db, row.assignment));
     return out;

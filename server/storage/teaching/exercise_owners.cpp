@@ -18,7 +18,7 @@ Result<bool> IsInstructor(Db& db, const Uuid& person, bool may_be_disabled) {
   Query q(db, "SELECT disabled FROM people WHERE tenant = ?1 AND id = ?2 AND role = " +
                   Sql(Role::kInstructor));
   const bool found = q.Bind(person).Next() && (may_be_disabled || q.Int(0) == 0);
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   return found;
 }
 

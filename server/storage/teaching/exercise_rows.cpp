@@ -33,7 +33,7 @@ namespace {
 // A published version never changes: attempts name it, and their scores depend on it.
 Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
   auto row = FindExercise(db, id);
-  if (!row.ok()) return row;
+  ENAMEL_RETURN_IF_ERROR(row.status());
   if (row->state != ExerciseState::kDraft) {
     return Status(Code::kConflict, "expected a draft, version " + std::to_string(row->version) +
                                        " of \"" + row->name + "\" is " +
@@ -183,7 +183,7 @@ Result<ExerciseRow> ExerciseRows::PublishExercise(ExerciseRow exercise, const Uu
     ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort, by));
     return WriteAudit(db, by, "exercise.publish", row.id.Text(), "{}", VersionJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ExerciseById(row.id);
 }
 
@@ -201,7 +201,7 @@ Result<ExerciseRow> ExerciseRows::PutDraft(const ExerciseRow& draft, const Actor
     ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
     return WriteAudit(db, by, "exercise.draft", row.id.Text(), "{}", VersionJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ExerciseById(row.id);
 }
 
@@ -229,7 +229,7 @@ Result<ExerciseRow> ExerciseRows::ReplaceDraft(const ExerciseRow& draft, const A
     }
     return WriteAudit(db, by, "exercise.draft", row.id.Text(), before, VersionJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ExerciseById(row.id);
 }
 
@@ -265,7 +265,7 @@ Result<ExerciseRow> ExerciseRows::PublishDraft(const Uuid& id, int32_t revision,
     ENAMEL_RETURN_IF_ERROR(q.Bind(id, row.version, row.published_ms, row.revision).Run());
     return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(found), VersionJson(row));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ExerciseById(row.id);
 }
 
@@ -358,7 +358,7 @@ Result<std::vector<ExerciseRow>> ExerciseRows::ExerciseVersions(const std::strin
 Result<ExerciseRow> ExerciseRows::ShareExercise(const Uuid& id, const SharingEdit& edit,
                                                 const Actor& by) {
   Status status = rows_.Write([&](Db& db) { return ShareName(db, id, edit, by); });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return ExerciseById(id);
 }
 

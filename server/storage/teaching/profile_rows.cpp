@@ -111,7 +111,7 @@ Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& r
         db, by, "profile.report", row.profile, "{}",
         JsonOf({{"version", std::to_string(added.version)}, {"content", added.content.Hex()}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return added;
 }
 
@@ -151,7 +151,7 @@ Result<CalibrationRow> ProfileRows::AddCalibration(const CalibrationRow& row, co
     return WriteAudit(db, by, "profile.calibration", row.profile, "{}",
                       JsonOf({{"id", added.id.Text()}, {"device", added.device}}));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return added;
 }
 

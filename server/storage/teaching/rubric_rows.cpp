@@ -67,7 +67,7 @@ Result<RubricRow> RubricRows::PublishRubric(const RubricRow& row, const Actor& b
     return WriteAudit(db, by, "exercise.rubric", row.exercise.Text(),
                       earlier.empty() ? "{}" : RubricJson(earlier.front()), RubricJson(added));
   });
-  if (!status.ok()) return status;
+  ENAMEL_RETURN_IF_ERROR(status);
   return added;
 }
 

@@ -94,7 +94,7 @@ Result<ErasureReport> Erasures::ErasePerson(const Uuid& person, bool with_refere
                                             const Actor& by) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, rows_.Read([&](Db& db) { return FindPerson(db, person); }));
   auto references = rows_.Read([&](Db& db) { return ReferencesBy(db, person); });
-  if (!references.ok()) return references.status();
+  ENAMEL_RETURN_IF_ERROR(references.status());
   if (!references->empty() && !with_references) {
     return Status(Code::kConflict,
                   Counted(references->size(), "attempt of this person is a reference cut",
@@ -102,12 +102,10 @@ Result<ErasureReport> Erasures::ErasePerson(const Uuid& person, bool with_refere
                       ", the first is " + references->front().Text() +
                       "; make another attempt the reference first, or erase with the references");
   }
-  auto alone = rewriter_.TakeUpkeep();
-  if (!alone.ok()) return alone.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto alone, rewriter_.TakeUpkeep());
   ENAMEL_RETURN_IF_ERROR(rows_
                              .Read([&](Db& db) -> Result<bool> {
-                               Status others = MustNotBeTheOnlyAdmin(db, found);
-                               if (!others.ok()) return others;
+                               ENAMEL_RETURN_IF_ERROR(MustNotBeTheOnlyAdmin(db, found));
                                return true;
                              })
                              .status());
@@ -133,7 +131,7 @@ Result<ErasureReport> Erasures::ErasePerson(const Uuid& person, bool with_refere
   report.finished = rewriter_.RunIfMarked().ok();
   // The person's own texts are gone by now.
   auto mentions = rows_.Read([&](Db& db) { return MentionsOf(db, found); });
-  if (!mentions.ok()) return mentions.status();
+  ENAMEL_RETURN_IF_ERROR(mentions.status());
   report.mentions = std::move(*mentions);
   return report;
 }
@@ -171,7 +169,7 @@ Status Erasures::EraseAgain() {
   std::map<Sha256, Tombstone> tombstones;
   for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = rows_.Read([](Db& db) { return PeopleIn(db); });
-  if (!people.ok()) return people.status();
+  ENAMEL_RETURN_IF_ERROR(people.status());
   std::vector<Blobs::Freed> all_freed;
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));

@@ -220,14 +220,12 @@ Result<RetentionReport> RetentionRows::ApplyRetention(UnixMs now_ms, bool dry_ru
   RetentionReport report;
   ENAMEL_RETURN_IF_ERROR(rows_
                              .Read([&](Db& db) -> Result<bool> {
-                               Status found = FindDue(db, now_ms, report);
-                               if (!found.ok()) return found;
+                               ENAMEL_RETURN_IF_ERROR(FindDue(db, now_ms, report));
                                return true;
                              })
                              .status());
   if (dry_run) return report;
-  auto alone = rewriter_.TakeUpkeep();
-  if (!alone.ok()) return alone.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto alone, rewriter_.TakeUpkeep());
   std::vector<Blobs::Freed> freed;
   bool anything =
       !report.unfinished.empty() || !report.recordings.empty() || !report.attempts.empty();

@@ -64,9 +64,9 @@ Result<Manifest::File> FileOf(const json::value& value) {
   if (!value.is_object()) return Bad("files", "objects");
   auto path = Text(value.as_object(), "path"), hash = Text(value.as_object(), "sha256");
   auto bytes = Number(value.as_object(), "bytes");
-  if (!path.ok()) return path.status();
-  if (!hash.ok()) return hash.status();
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_RETURN_IF_ERROR(path.status());
+  ENAMEL_RETURN_IF_ERROR(hash.status());
+  ENAMEL_RETURN_IF_ERROR(bytes.status());
   auto sha256 = Sha256::FromHex(*hash);
   if (!sha256.ok()) return Bad("sha256", "64 hexadecimal digits");
   if (!MayBeInBackup(*path)) {
@@ -178,7 +178,7 @@ Result<Manifest> ManifestFromJson(std::string_view text) {
   auto version = Number(root, "version"), created = Number(root, "created_ms"),
        schema = Number(root, "schema");
   if (!format.ok() || *format != kFormat) return Bad("format", "\"" + std::string(kFormat) + "\"");
-  if (!version.ok()) return version.status();
+  ENAMEL_RETURN_IF_ERROR(version.status());
   if (*version != kVersion) {
     return Status(Code::kVersion, "a backup of version " + std::to_string(*version) +
                                       ", this enamel-server restores " + std::to_string(kVersion) +
@@ -210,7 +210,7 @@ Result<Manifest> ReadManifest(const std::filesystem::path& backup) {
                       " has no manifest.json: it is no backup, or one that was "
                       "not finished; name another");
   }
-  if (!text.ok()) return text.status();
+  ENAMEL_RETURN_IF_ERROR(text.status());
   return ManifestFromJson(AsText(*text));
 }
 

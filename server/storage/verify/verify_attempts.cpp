@@ -144,7 +144,7 @@ class AttemptCheck {
     std::vector<ChunkRow> out;
     for (q.Bind(attempt, from, kRowsAtOnce); q.Next();)
       out.push_back({q.Int(0), q.Int(1), q.Hash(2), q.Blob(3)});
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return out;
   }
 

@@ -90,7 +90,7 @@ class AuditCheck {
   Result<uint64_t> Count(const char* sql) {
     Query q(db_, sql);
     const uint64_t count = q.Next() ? static_cast<uint64_t>(q.Int(0)) : 0;
-    if (!q.status().ok()) return q.status();
+    ENAMEL_RETURN_IF_ERROR(q.status());
     return count;
   }
 
@@ -245,7 +245,7 @@ class AuditCheck {
               "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action = "
               "'attempt.ticket'");
       if (q.Bind(object).Next()) person = ColumnsOf(q.Text(0))["person"];
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
     }
     bool gone = false;
     if (const auto id = Uuid::Parse(person); id.ok()) {
@@ -253,7 +253,7 @@ class AuditCheck {
               "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'person.erase' "
               "AND NOT EXISTS (SELECT 1 FROM people WHERE tenant = ?1 AND id = ?3)");
       gone = q.Bind(TombstoneOf(*id).Hex(), *id).Next();
-      if (!q.status().ok()) return q.status();
+      ENAMEL_RETURN_IF_ERROR(q.status());
     }
     erased_[object] = gone;
     return gone;

@@ -221,7 +221,7 @@ Status CheckRuns(Db& db, const Uuid& attempt, const std::map<int64_t, Run>& runs
       find(run, std::string(name) + " " + stated[name] + ", as the audit trail says", value);
     }
   }
-  if (!q.status().ok()) return q.status();
+  ENAMEL_RETURN_IF_ERROR(q.status());
   for (const auto& [number, unused] : runs) {
     if (number > run) find(number, "a row of the audit trail that names it", "none");
   }

@@ -306,12 +306,11 @@ Status Delay(Hour& hour, Step& step) {
   NoteTimes(hour, step);
   if (rig.is_stopped()) return hour.Wait(1);
   if (!cut.empty()) return Status(Code::kUnavailable, "the force was ended: " + cut);
-  const auto figures = calibrator.Figures();
-  if (!figures.ok()) return figures.status();
+  ENAMEL_ASSIGN_OR_RETURN(const auto figures, calibrator.Figures());
   json::array axes;
   int64_t ticks = 0;
   double surely = 0;
-  for (const AxisFigures& axis : *figures) {
+  for (const AxisFigures& axis : figures) {
     axes.push_back(FiguresJson(axis));
     ticks = std::max(ticks, WholeTicks(axis.delay_ticks));
     surely = std::max(surely, axis.delay_ticks.value - axis.delay_ticks.uncertainty);

@@ -170,7 +170,7 @@ Status Hour::OpenUnit(json::object& attempt) {
   attempt["ok"] = opened.ok();
   attempt["cause"] = opened.ok() ? "" : opened.status().field();
   attempt["message"] = opened.ok() ? "" : opened.status().message();
-  if (!opened.ok()) return opened.status();
+  ENAMEL_RETURN_IF_ERROR(opened.status());
   rig_.Hold(std::move(*opened));
   NoteUnit();
   return Status::Ok();

@@ -154,7 +154,7 @@ Status ReplayTrace(const ReplayOptions& options) {
   auto moment = trace::ReplayToMoment(make_core, recording.header, recording.file.chunks, how,
                                       keyframes.frames(), ShowProgress);
   if (ProgressIsSeen()) std::fprintf(stderr, "\r%20s\r", "");
-  if (!moment.ok()) return moment.status();
+  ENAMEL_RETURN_IF_ERROR(moment.status());
   keyframes.Keep(!moment->discarded.empty());
 
   const trace::ReplayReport& r = moment->report;

@@ -53,11 +53,10 @@ Status CheckTorque(const scene::DeviceProfile& profile) {
 
 // A custom document, by its path.
 Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
-  Result<scene::DeviceProfile> profile = scene::FindProfile(path);
-  if (!profile.ok()) return profile.status();
-  Result<DeviceModel> model = ModelOf(*profile);
+  ENAMEL_ASSIGN_OR_RETURN(scene::DeviceProfile profile, scene::FindProfile(path));
+  Result<DeviceModel> model = ModelOf(profile);
   Status status = model.status();
-  if (status.ok()) status = CheckTorque(*profile);
+  if (status.ok()) status = CheckTorque(profile);
   if (status.ok()) return std::vector<DeviceModel>{*model};
   return InDocument(path, status);
 }
@@ -99,9 +98,8 @@ Status CheckSuites(const std::vector<std::string>& names) {
 // Other motions give other figures, so what is named must exist.
 Status CheckRecordings(const QualifyOptions& options) {
   if (options.motion.empty()) return Status::Ok();
-  Result<std::vector<HandMotion>> found = RecordedMotions(options.motion);
-  if (!found.ok()) return found.status();
-  if (!found->empty()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<HandMotion> found, RecordedMotions(options.motion));
+  if (!found.empty()) return Status::Ok();
   return {Code::kInvalidInput,
           "--motion: expected a CSV file of a motion or a folder of them, found none in " +
               options.motion + "; leave the option out for generated motions",
@@ -111,13 +109,12 @@ Status CheckRecordings(const QualifyOptions& options) {
 // Nothing would be said of a calibration that belongs to another device.
 Status CheckCalibration(const QualifyOptions& options, const std::vector<DeviceModel>& models) {
   if (options.calibration.empty()) return Status::Ok();
-  Result<scene::Calibration> found = CalibrationIn(options.calibration);
-  if (!found.ok()) return found.status();
+  ENAMEL_ASSIGN_OR_RETURN(scene::Calibration found, CalibrationIn(options.calibration));
   for (const DeviceModel& m : models) {
-    if (m.name == found->profile) return Status::Ok();
+    if (m.name == found.profile) return Status::Ok();
   }
   return {Code::kInvalidInput,
-          "--calibration: it is of profile '" + found->profile + "'; choose that with --profile",
+          "--calibration: it is of profile '" + found.profile + "'; choose that with --profile",
           "calibration"};
 }
 

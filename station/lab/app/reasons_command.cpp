@@ -24,7 +24,7 @@ Status RunReasons(const ReasonsCommand& command) {
   bench::Progress progress;
   auto html = FaultSheet(options, [&](double ratio) { progress.Show("mistakes", ratio); });
   progress.Clear();
-  if (!html.ok()) return html.status();
+  ENAMEL_RETURN_IF_ERROR(html.status());
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(command.sheet, AsBytes(*html)));
   std::printf("%s: open it in a browser, and print it from there.\n", command.sheet.c_str());
   return Status::Ok();

@@ -41,7 +41,7 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
     ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_um * 1000));
     return scene::EncodeVolume(built.volume);
   }();
-  if (!blob.ok()) return blob.status();
+  ENAMEL_RETURN_IF_ERROR(blob.status());
   malloc_trim(0);
   // First returns the allocator's leftovers from building, which the volume would use, hiding its
   // size.

@@ -162,11 +162,9 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
     loop.Tick();
     // The recorder runs on this thread: it packs when a chunk is full, as on its own.
     if (++ticks % Recorder::kTicksPerChunk != 0) continue;
-    auto moved = recorder.Pump();
-    if (!moved.ok()) return moved.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto moved, recorder.Pump());
   }
-  auto seal = recorder.Finish();
-  if (!seal.ok()) return seal.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto seal, recorder.Finish());
   ENAMEL_ASSIGN_OR_RETURN(auto stored, spool.Get(header.ticket.attempt));
   totals.ticks += stored.ticks;
   totals.bytes += stored.bytes;

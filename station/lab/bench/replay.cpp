@@ -40,16 +40,16 @@ Result<Reach> MeasureReach(const Attempt& attempt, const trace::Keyframes& made)
   uint64_t ticks = attempt.seal.ticks;
   for (int i = 1; i <= kMoments; ++i) {
     auto from = std::chrono::steady_clock::now();
-    auto keyframes =
-        trace::Keyframes::Decode(bytes, HashSha256(trace::EncodeHeader(attempt.header)));
-    if (!keyframes.ok()) return keyframes.status();
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto keyframes,
+        trace::Keyframes::Decode(bytes, HashSha256(trace::EncodeHeader(attempt.header))));
     trace::MomentOptions options;
     // Not round numbers: a moment just before a keyframe is as likely as one just after.
     options.to_tick = ticks * static_cast<uint64_t>(i) / kMoments - static_cast<uint64_t>(137 * i);
     auto moment = trace::ReplayToMoment(
         [&] { return std::make_unique<core::Core>(attempt.header.params, attempt.built.volume); },
-        attempt.header, attempt.chunks, options, *keyframes);
-    if (!moment.ok()) return moment.status();
+        attempt.header, attempt.chunks, options, keyframes);
+    ENAMEL_RETURN_IF_ERROR(moment.status());
     double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
     out.worst_s = std::max(out.worst_s, s);
     out.mean_s += s / kMoments;
@@ -69,7 +69,7 @@ Result<std::vector<double>> TimeChunks(const Attempt& attempt) {
     return true;
   });
   marks.push_back(Clock::now());
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   // The time of a wrong replay is worthless.
   if (!report->witness_ok || report->state_hash != attempt.seal.state_hash) {
     return Status(Code::kConflict, "the replay disagrees with the recording");

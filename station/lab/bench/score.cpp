@@ -104,7 +104,7 @@ Result<Replayed> Replay(const Attempt& attempt, bool provenance, Least& time) {
                                 }
                               });
   time.Take(from);
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   if (!report->witness_ok || report->state_hash != attempt.seal.state_hash) {
     return Status(Code::kConflict, "the replay disagrees with the recording");
   }
@@ -171,9 +171,9 @@ Status JudgeByAll(const Attempt& attempt, const References& references,
     const scene::Rubric& rubric = attempt.exercise.rubric;
     ENAMEL_ASSIGN_OR_RETURN(auto judged,
                             scoring::JudgeCut(*reference->r, replayed.core->volume(), rubric));
-    auto score = scoring::ApplyRubric(rubric, metrics, std::move(judged.measures),
-                                      std::move(judged.found.mistakes));
-    if (!score.ok()) return score.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto score,
+                            scoring::ApplyRubric(rubric, metrics, std::move(judged.measures),
+                                                 std::move(judged.found.mistakes)));
     if (!first) first = std::move(metrics);
   }
   if (references.size() > 1) {
@@ -181,9 +181,9 @@ Status JudgeByAll(const Attempt& attempt, const References& references,
     for (size_t i = 0; i < references.size(); ++i) {
       members.push_back({std::to_string(i), &references[i]->cut.core->volume(), among[i]});
     }
-    auto envelope =
-        scoring::PlaceInEnvelope(attempt.built.volume, replayed.core->volume(), *first, members);
-    if (!envelope.ok()) return envelope.status();
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto envelope,
+        scoring::PlaceInEnvelope(attempt.built.volume, replayed.core->volume(), *first, members));
   }
   time.Take(from);
   return Status::Ok();
@@ -196,14 +196,12 @@ Status MeasureOnce(const Attempt& attempt, const References& references,
   ENAMEL_RETURN_IF_ERROR(Verify(attempt));
   out.verify.Take(from);
   // Alternately, so that a machine that slows down affects both.
-  auto without = Replay(attempt, false, out.replay);
-  if (!without.ok()) return without.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto without, Replay(attempt, false, out.replay));
   ENAMEL_ASSIGN_OR_RETURN(auto replayed, Replay(attempt, true, out.replay_with_provenance));
 
   from = Now_s();
-  auto planned =
-      Measure(attempt, reference, replayed, scoring::MetricPlan::For(attempt.exercise.rubric));
-  if (!planned.ok()) return planned.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto planned, Measure(attempt, reference, replayed,
+                                                scoring::MetricPlan::For(attempt.exercise.rubric)));
   out.measure.Take(from);
 
   from = Now_s();

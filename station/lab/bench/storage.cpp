@@ -163,14 +163,14 @@ Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options
   out.deviation = timeline::EncodeDeviation(deviation).size();
   out.volume = scene::EncodeChange(cut.volume, built.volume, built.scene.volume).size();
   Replay(cut, built.volume, deviation, out);
-  auto metrics = scoring::ComputeMetrics(built.scene, *exercise, cut.Data(built.volume),
-                                         reference.Data(built.volume));
-  if (!metrics.ok()) return metrics.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto metrics,
+                          scoring::ComputeMetrics(built.scene, *exercise, cut.Data(built.volume),
+                                                  reference.Data(built.volume)));
   const scoring::AcceptableCut r(built.volume, reference.volume,
                                  {built.scene.tooth, built.scene.up});
   ENAMEL_ASSIGN_OR_RETURN(auto judged, scoring::JudgeCut(r, cut.volume, exercise->rubric));
   ENAMEL_ASSIGN_OR_RETURN(
-      const auto score, scoring::ApplyRubric(exercise->rubric, *metrics, std::move(judged.measures),
+      const auto score, scoring::ApplyRubric(exercise->rubric, metrics, std::move(judged.measures),
                                              std::move(judged.found.mistakes)));
   out.score = PackedBytes(scoring::ToJson(score));
   if (const auto motion = scoring::MotionOf(cut.process->samples())) {

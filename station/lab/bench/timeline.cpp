@@ -51,7 +51,7 @@ Status ReplayInto(const Attempt& attempt, timeline::Recorder* recorder, Bytes& o
                                     {output.anchor, (tick.input.flags & core::kBurOn) != 0,
                                      tick.input.gap_ticks, core.bur()});
                     });
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   if (recorder != nullptr) out = recorder->Finish(core.volume());
   took = Seconds(from);
   return Status::Ok();

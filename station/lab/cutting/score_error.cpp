@@ -35,7 +35,7 @@ Result<Scored> Cut(const AttemptOptions& options) {
                               [&](const trace::Tick& tick, const core::TickOutput& output) {
                                 out.process->Add(tick, output);
                               });
-  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(report.status());
   // As on the server: figures of a recording that does not replay would be meaningless.
   if (!report->witness_ok) return Status(Code::kConflict, "a replay disagrees with its recording");
   out.realtime_factor = static_cast<double>(report->ticks) / params.rate_hz / report->seconds;
@@ -54,15 +54,15 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   ENAMEL_ASSIGN_OR_RETURN(auto student, Cut(options));
   const scene::BuiltScene& built = student.attempt.built;
   const scene::Exercise& exercise = student.attempt.exercise;
-  auto metrics =
-      scoring::ComputeMetrics(built.scene, exercise, student.Data(), reference.Data(), {});
-  if (!metrics.ok()) return metrics.status();
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto metrics,
+      scoring::ComputeMetrics(built.scene, exercise, student.Data(), reference.Data(), {}));
   const scoring::AcceptableCut r(built.volume, reference.core->volume(),
                                  {built.scene.tooth, built.scene.up});
   ENAMEL_ASSIGN_OR_RETURN(const auto judged,
                           scoring::JudgeCut(r, student.core->volume(), exercise.rubric));
   ENAMEL_ASSIGN_OR_RETURN(const auto score,
-                          scoring::ApplyRubric(exercise.rubric, *metrics, judged.measures));
+                          scoring::ApplyRubric(exercise.rubric, metrics, judged.measures));
   ScoreFigures out;
   out.voxel_nm = voxel_nm;
   out.mb = static_cast<double>(built.volume.MemoryBytes()) * 1e-6;

@@ -150,11 +150,11 @@ class Study {
       for (uint64_t seed : options_.seeds) {
         Tell(exercise.name + ", " + profile.name + ", " + std::string(preset.name));
         ENAMEL_ASSIGN_OR_RETURN(const auto cut, CutBy(preset, built, exercise, profile, seed));
-        auto metrics = scoring::ComputeMetrics(built.scene, exercise, cut.Data(built.volume),
-                                               reference.Data(built.volume));
-        if (!metrics.ok()) return metrics.status();
+        ENAMEL_ASSIGN_OR_RETURN(
+            auto metrics, scoring::ComputeMetrics(built.scene, exercise, cut.Data(built.volume),
+                                                  reference.Data(built.volume)));
         ENAMEL_ASSIGN_OR_RETURN(auto judged, scoring::JudgeCut(r, cut.volume, exercise.rubric));
-        ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise.rubric, *metrics,
+        ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise.rubric, metrics,
                                                                        std::move(judged.measures)));
         out_.rows.push_back({exercise.name, profile.name, std::string(preset.name), preset.rank,
                              seed != 0 ? seed : preset.seed, score.critical_fail, score.score});

@@ -38,9 +38,8 @@ bool Numbers(std::string_view line, double* out, int n) {
 }
 
 Result<HandMotion> Recorded(const std::filesystem::path& path) {
-  Result<Bytes> bytes = ReadFile(path, kLargestFile);
-  if (!bytes.ok()) return bytes.status();
-  std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, ReadFile(path, kLargestFile));
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto Refuse = [&](size_t line, const char* what) {
     return Status(Code::kInvalidInput,
                   path.string() + ":" + std::to_string(line) + ": " + what +
@@ -185,9 +184,8 @@ Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder) {
   std::sort(paths.begin(), paths.end());
   std::vector<HandMotion> out;
   for (const fs::path& path : paths) {
-    Result<HandMotion> motion = Recorded(path);
-    if (!motion.ok()) return motion.status();
-    out.push_back(std::move(*motion));
+    ENAMEL_ASSIGN_OR_RETURN(HandMotion motion, Recorded(path));
+    out.push_back(std::move(motion));
   }
   return out;
 }

@@ -50,7 +50,7 @@ Result<std::vector<ExerciseStroke>> StrokesOfExercises(const StrokesOptions& opt
               [&](size_t i) { found[i] = StrokesOn(scenes[i], options); });
   std::vector<ExerciseStroke> out;
   for (auto& some : found) {
-    if (!some.ok()) return some.status();
+    ENAMEL_RETURN_IF_ERROR(some.status());
     out.insert(out.end(), some->begin(), some->end());
   }
   return out;

@@ -61,10 +61,9 @@ std::vector<std::string> Line(const std::string& what, const std::string& interv
 
 Result<Calibration> CalibrationIn(const std::string& path) {
   constexpr size_t kLargest = 1 << 20;
-  Result<Bytes> bytes = ReadFile(path, kLargest);
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, ReadFile(path, kLargest));
   Result<Calibration> calibration =
-      scene::CalibrationFromJson({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+      scene::CalibrationFromJson({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!calibration.ok()) return InDocument(path, calibration.status());
   return calibration;
 }

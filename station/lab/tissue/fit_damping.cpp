@@ -247,21 +247,18 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
   const std::vector<CsvRow>& rows = table.rows;
   if (rows.empty())
     return Refuse("the file is empty: expected a line of column names and rows of numbers");
-  Result<Layout> layout = LayoutOf(rows.front().cells);
-  if (!layout.ok()) return layout.status();
+  ENAMEL_ASSIGN_OR_RETURN(Layout layout, LayoutOf(rows.front().cells));
   size_t skipped = 0;
-  Result<std::vector<Sample3>> samples = SamplesOf(rows, *layout, &skipped);
-  if (!samples.ok()) return samples.status();
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Sample3> samples, SamplesOf(rows, layout, &skipped));
   DampingReport report;
   if (skipped > 0)
     report.notes.push_back(std::to_string(skipped) + " rows without numbers were left out");
-  ENAMEL_RETURN_IF_ERROR(SettleUnits(&*samples, layout->position.to_unit, &report));
-  if (!layout->axis) {
-    for (Sample3& s : *samples) s.axis = bur_axis;
+  ENAMEL_RETURN_IF_ERROR(SettleUnits(&samples, layout.position.to_unit, &report));
+  if (!layout.axis) {
+    for (Sample3& s : samples) s.axis = bur_axis;
   }
   std::vector<double> steps;
-  for (size_t i = 1; i < samples->size(); ++i)
-    steps.push_back((*samples)[i].t_s - (*samples)[i - 1].t_s);
+  for (size_t i = 1; i < samples.size(); ++i) steps.push_back(samples[i].t_s - samples[i - 1].t_s);
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
                    steps.end());
   // The median: missing rows do not lower the rate.
@@ -273,8 +270,8 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
                   "time_s");
   report.rate_hz = 1 / dt;
   std::vector<std::string> tissues;
-  for (const Sample3& s : *samples) {
-    if (layout->tissue && !s.tissue.empty() &&
+  for (const Sample3& s : samples) {
+    if (layout.tissue && !s.tissue.empty() &&
         std::find(tissues.begin(), tissues.end(), s.tissue) == tissues.end())
       tissues.push_back(s.tissue);
   }
@@ -282,7 +279,7 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
   // Otherwise a column of numbers mistaken for names would be fitted for minutes.
   if (tissues.size() > 64) return Refuse("more than 64 tissues in the tissue column", "tissue");
   for (const std::string& tissue : tissues)
-    report.fits.push_back(FitTissue(*samples, tissue, dt, *layout));
+    report.fits.push_back(FitTissue(samples, tissue, dt, layout));
   return report;
 }
 

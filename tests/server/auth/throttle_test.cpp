@@ -46,8 +46,7 @@ TEST(ThrottleTest, RefusalTellsTheSecondsToWait) {
   Fail(throttle, "ada", kHere, 11, 1000);
   Status refused = throttle.Admit("ada", kHere, 1000 + 4'500).status();
   EXPECT_EQ(refused.message(), "too many failed sign-ins; try again in 12 s");
-  EXPECT_EQ(RetryAfterSeconds(refused), 12);
-  EXPECT_EQ(RetryAfterSeconds(Status(Code::kUnavailable, "the disk is full")), 0);
+  EXPECT_EQ(refused.retry_after_s(), 12);
 }
 
 TEST(ThrottleTest, StrangerDelaysTheOwnersThirdTryElsewhereByFourSecondsAtMost) {
