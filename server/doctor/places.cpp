@@ -4,8 +4,8 @@
 
 #include "common/base/unix_time.h"
 #include "common/net/web_question.h"
-#include "common/postgres/pg_db.h"
 #include "server/doctor/doctor.h"
+#include "server/postgres/pg_db.h"
 #include "server/storage/engine/database.h"
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/folder/database_file.h"

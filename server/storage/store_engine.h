@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "common/base/uuid.h"
-#include "common/s3/s3_client.h"
 #include "common/trace/trace.h"
+#include "server/s3/s3_client.h"
 #include "server/storage/attempts/lease_owner.h"
 #include "server/storage/audit/audit_row.h"
 #include "server/storage/blobs/blobs.h"

@@ -29,8 +29,8 @@ const std::map<std::string, Names>& Allowed() {
         {"common/language", {"common/base", "common/scoring"}},
         {"common/sql", {"common/base"}},
         {"common/sqlite", {"common/sql"}},
-        {"common/postgres", {"common/sql"}},
-        {"common/s3", {"common/base"}},
+        {"server/postgres", {"common/sql"}},
+        {"server/s3", {"common/base"}},
         {"common/math", {"common/base"}},
         {"common/board", {}},
         {"common/haptics", {"common/board", "common/math"}},
@@ -92,8 +92,8 @@ const std::map<std::string, Names>& Allowed() {
         {"server/agreement", {"common/base"}},
         {"server/results", {"server/training", "common/trace"}},
         {"server/storage",
-         {"server/ops", "server/training", "server/results", "common/sqlite", "common/postgres",
-          "common/s3", "common/protocol", "common/trace", "common/scene", "common/scoring"}},
+         {"server/ops", "server/training", "server/results", "common/sqlite", "server/postgres",
+          "server/s3", "common/protocol", "common/trace", "common/scene", "common/scoring"}},
         {"server/auth", {"server/storage"}},
         {"server/roster", {"server/auth", "server/storage", "server/training"}},
         {"server/live", {"server/training", "server/storage", "common/protocol", "common/trace"}},
@@ -109,7 +109,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/app",
          {"server/http", "server/ops", "server/stations", "server/jobs", "common/import"}},
         {"server/doctor",
-         {"server/app", "common/program", "common/net", "common/postgres", "common/s3"}},
+         {"server/app", "common/program", "common/net", "server/postgres", "server/s3"}},
         {"server/commands",
          {"server/app", "server/doctor", "common/program", "server/agreement", "common/scoring",
           "common/language"}},
@@ -214,14 +214,14 @@ struct Ban {
 TEST(LayeringTest, LibrariesStayInTheirRooms) {
   const std::vector<Ban> bans = {
       {"SQLite", R"re(^<sqlite3\.h)re", {"common/sqlite"}},
-      {"libpq", R"re(^<libpq)re", {"common/postgres"}},
-      {"libcurl", R"re(^<curl/)re", {"common/s3"}},
+      {"libpq", R"re(^<libpq)re", {"server/postgres"}},
+      {"libcurl", R"re(^<curl/)re", {"server/s3"}},
       {"OpenGL", R"re(^<(epoxy|GL|GLFW)/)re", {"station/render"}},
       {"hidapi", R"re(^<hidapi)re", {"station/hid"}},
       {"libusb", R"re(^<libusb)re", {"station/sdk"}},
       {"libsodium",
        R"re(^<sodium)re",
-       {"common/base", "common/s3", "common/trace", "server/auth", "server/storage", "server/app",
+       {"common/base", "server/s3", "common/trace", "server/auth", "server/storage", "server/app",
         "server/commands", "server/doctor", "station/app", "common/net", "server/stations",
         "station/session", "station/uplink"}},
   };
@@ -248,7 +248,7 @@ TEST(LayeringTest, SqlIsWrittenInServerStorageAndStationSpoolOnly) {
   for (const auto& [folder, unused] : Allowed()) {
     if (!fs::exists(kRoot / folder)) continue;
     const bool may = folder == "server/storage" || folder == "station/spool" ||
-                     folder == "common/sqlite" || folder == "common/postgres";
+                     folder == "common/sqlite" || folder == "server/postgres";
     for (const auto& file : Sources(folder)) {
       std::istringstream lines(ReadAll(file));
       int number = 0;

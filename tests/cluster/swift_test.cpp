@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 #include "server/storage/keys/key_bucket.h"
 
 // The client against a real S3 store: OpenStack Swift with its S3 API, which with_swift.sh starts.

@@ -2,7 +2,7 @@
 
 #include "common/base/check.h"
 #include "common/base/utf8.h"
-#include "common/s3/xml.h"
+#include "server/s3/xml.h"
 
 namespace {
 

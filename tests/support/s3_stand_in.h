@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/base/bytes.h"
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 
 namespace enamel::test {
 

@@ -12,8 +12,8 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
-#include "common/s3/s3_figures.h"
 #include "common/sql/db.h"
+#include "server/s3/s3_figures.h"
 #include "server/storage/folder/disk.h"
 
 namespace enamel::server {

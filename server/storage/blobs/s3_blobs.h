@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/mutex.h"
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 #include "server/storage/blobs/blobs.h"
 #include "server/storage/blobs/s3_trouble.h"
 #include "server/storage/engine/transactions.h"

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
-#include "common/postgres/pg_db.h"
 #include "common/sql/query.h"
+#include "server/postgres/pg_db.h"
 #include "server/storage/engine/database_log.h"
 
 namespace enamel::server {

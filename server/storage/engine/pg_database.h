@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/postgres/pg_db.h"
 #include "common/sql/db.h"
+#include "server/postgres/pg_db.h"
 
 // The store's tables in PostgreSQL, as the server opens them.
 namespace enamel::server {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 #include "server/storage/folder/disk.h"
 
 namespace enamel::server {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/base/result.h"
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 
 namespace enamel::server {
 

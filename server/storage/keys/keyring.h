@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
-#include "common/s3/s3_figures.h"
+#include "server/s3/s3_figures.h"
 #include "server/storage/keys/data_key.h"
 
 namespace enamel::server {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 #include "server/storage/attempts/live_rows.h"
 #include "server/storage/engine/database.h"
 #include "server/storage/engine/pg_database.h"

@@ -10,8 +10,8 @@
 
 #include "common/base/histogram.h"
 #include "common/base/result.h"
-#include "common/s3/s3_figures.h"
 #include "common/sql/db.h"
+#include "server/s3/s3_figures.h"
 #include "server/storage/blobs/blobs.h"
 #include "server/storage/engine/database_look.h"
 #include "server/storage/engine/recording_gate.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "common/postgres/libpq.h"
-#include "common/postgres/pg_db.h"
+#include "server/postgres/libpq.h"
+#include "server/postgres/pg_db.h"
 
 // Waiting for the server. A server that hangs keeps its connections open and its kernel answers
 // keepalives, so only a deadline of ours finds out.

@@ -5,7 +5,7 @@
 #include "common/base/result.h"
 
 // libcurl (https://curl.se/libcurl/c), opened when the first S3 store is asked: who keeps blobs in
-// a folder needs no libcurl on the machine. Private to common/s3.
+// a folder needs no libcurl on the machine. Private to server/s3.
 namespace enamel::s3 {
 
 struct Libcurl {

@@ -1,8 +1,8 @@
 #include <regex>
 
-#include "common/postgres/pg_db.h"
-#include "common/postgres/pg_text.h"
 #include "common/sql/query.h"
+#include "server/postgres/pg_db.h"
+#include "server/postgres/pg_text.h"
 
 namespace enamel::sql {
 namespace {

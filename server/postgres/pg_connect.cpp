@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/postgres/libpq.h"
-#include "common/postgres/pg_db.h"
-#include "common/postgres/pg_text.h"
 #include "common/sql/query.h"
+#include "server/postgres/libpq.h"
+#include "server/postgres/pg_db.h"
+#include "server/postgres/pg_text.h"
 
 // Finding the server that takes writes.
 namespace enamel::sql {

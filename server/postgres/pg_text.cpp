@@ -1,4 +1,4 @@
-#include "common/postgres/pg_text.h"
+#include "server/postgres/pg_text.h"
 
 #include <algorithm>
 

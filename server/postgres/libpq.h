@@ -5,7 +5,7 @@
 #include "common/base/result.h"
 
 // libpq (https://www.postgresql.org/docs/15/libpq.html), opened when the first connection is: who
-// uses SQLite needs no PostgreSQL on the machine. Private to common/postgres.
+// uses SQLite needs no PostgreSQL on the machine. Private to server/postgres.
 namespace enamel::sql {
 
 struct Libpq {

@@ -1,4 +1,4 @@
-#include "common/s3/xml.h"
+#include "server/s3/xml.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 #include <thread>
 
-#include "common/postgres/libpq.h"
-#include "common/postgres/pg_db.h"
-#include "common/postgres/pg_statement.h"
 #include "common/sql/query.h"
+#include "server/postgres/libpq.h"
+#include "server/postgres/pg_db.h"
+#include "server/postgres/pg_statement.h"
 
 namespace enamel::sql {
 namespace {

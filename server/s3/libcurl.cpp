@@ -1,4 +1,4 @@
-#include "common/s3/libcurl.h"
+#include "server/s3/libcurl.h"
 
 #include <dlfcn.h>
 

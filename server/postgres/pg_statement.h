@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "common/postgres/libpq.h"
-#include "common/postgres/pg_db.h"
+#include "server/postgres/libpq.h"
+#include "server/postgres/pg_db.h"
 
-// Private to common/postgres.
+// Private to server/postgres.
 namespace enamel::sql {
 
 // Parameters and rows travel in PostgreSQL's binary form (network byte order). Prepared when it is

@@ -1,4 +1,4 @@
-#include "common/postgres/pg_statement.h"
+#include "server/postgres/pg_statement.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "common/s3/endpoint.h"
+#include "server/s3/endpoint.h"
 
 #include <algorithm>
 #include <cstring>

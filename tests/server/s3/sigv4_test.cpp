@@ -1,4 +1,4 @@
-#include "common/s3/sigv4.h"
+#include "server/s3/sigv4.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 
 // Where an S3 store is, as people write it. Pure functions. Thread safety: any thread. Private to
-// common/s3.
+// server/s3.
 namespace enamel::s3 {
 
 // Letters, digits and `others` alone, at least one and at most `most` of them.

@@ -1,4 +1,4 @@
-#include "common/postgres/pg_db.h"
+#include "server/postgres/pg_db.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/base/unix_time.h"
-#include "common/postgres/pg_text.h"
 #include "common/sql/query.h"
+#include "server/postgres/pg_text.h"
 #include "tests/support/becomes.h"
 #include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"

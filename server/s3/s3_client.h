@@ -12,9 +12,9 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
-#include "common/s3/s3_figures.h"
-#include "common/s3/sigv4.h"
-#include "common/s3/xml.h"
+#include "server/s3/s3_figures.h"
+#include "server/s3/sigv4.h"
+#include "server/s3/xml.h"
 
 // Reads and writes the objects of one bucket of an S3 store (S3 API Reference; also OpenStack Swift
 // with s3api, Ceph, MinIO). Only this folder includes libcurl's header, and the first client opens

@@ -1,4 +1,4 @@
-#include "common/s3/s3_client.h"
+#include "server/s3/s3_client.h"
 
 #include <sodium.h>
 
@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "common/base/utf8.h"
-#include "common/s3/endpoint.h"
-#include "common/s3/libcurl.h"
+#include "server/s3/endpoint.h"
+#include "server/s3/libcurl.h"
 
 namespace enamel::s3 {
 namespace {

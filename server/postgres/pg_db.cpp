@@ -1,12 +1,12 @@
-#include "common/postgres/pg_db.h"
+#include "server/postgres/pg_db.h"
 
 #include <utility>
 
 #include "common/base/hex.h"
 #include "common/base/uuid.h"
-#include "common/postgres/libpq.h"
-#include "common/postgres/pg_statement.h"
-#include "common/postgres/pg_text.h"
+#include "server/postgres/libpq.h"
+#include "server/postgres/pg_statement.h"
+#include "server/postgres/pg_text.h"
 
 namespace enamel::sql {
 using Kind = PgFailure::Kind;

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-// The store's SQL in PostgreSQL's words. Private to common/postgres.
+// The store's SQL in PostgreSQL's words. Private to server/postgres.
 namespace enamel::sql {
 
 // Parameters: "?1" becomes "$1". Text inside '…' and "…" is unchanged.

@@ -1,4 +1,4 @@
-#include "common/postgres/libpq.h"
+#include "server/postgres/libpq.h"
 
 #include <dlfcn.h>
 
