@@ -27,8 +27,8 @@
 #include "server/storage/store_pool.h"
 #include "server/storage/upkeep/readiness.h"
 
-// The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
-// test compares the two both ways.
+// The API's table of routes, which is made of the contract, schemas/api/openapi.yaml (operations.cmake), and what a handler
+// gets.
 namespace enamel::server::http {
 
 class Api;

@@ -38,7 +38,7 @@ const kFaults = {
     "        csrf: {type: string}",
     "        csrf: {type: string}\n        unsaid: {type: integer}",
   ],
-  "a name twice": ["operationId: alive", "operationId: ready"],
+  "a name twice": ["operationId: getAlive", "operationId: getReady"],
 };
 for (const [name, [from, to]] of Object.entries(kFaults))
   test(`${name} is found`, async () => assert.notDeepEqual(await problemsOf(planted(from, to)), []));

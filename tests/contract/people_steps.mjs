@@ -41,10 +41,10 @@ const mesh = (title) => ({
 });
 
 export const server = [
-  { of: "alive", by: "nobody" },
-  { of: "ready", by: "nobody" },
-  { of: "health", by: "nobody" },
-  { of: "metrics", by: "nobody" },
+  { of: "getAlive", by: "nobody" },
+  { of: "getReady", by: "nobody" },
+  { of: "getHealth", by: "nobody" },
+  { of: "getMetrics", by: "nobody" },
   {
     of: "makeFirstAdmin",
     by: "newcomer",
@@ -54,7 +54,7 @@ export const server = [
   { of: "listAudit", by: "admin", query: "?action=person.&limit=2" },
   { of: "startBackup", by: "admin" },
   {
-    of: "serverHealth",
+    of: "getServerHealth",
     by: "admin",
     before: (w) =>
       until(
@@ -65,7 +65,7 @@ export const server = [
   },
   // A backup that fails: nothing can be put into this folder.
   {
-    of: "serverHealth",
+    of: "getServerHealth",
     by: "admin",
     before: async (w) => {
       rmSync(w.backups, { recursive: true });
@@ -153,7 +153,7 @@ export const people = [
       w.leaving.take(answer);
     },
   },
-  { of: "currentSession", by: "sam" },
+  { of: "getSession", by: "sam" },
   {
     of: "listSessions",
     by: "sam",
@@ -163,7 +163,7 @@ export const people = [
   },
   { of: "confirmSession", by: "sam", body: (w) => ({ password: w.sam.password }) },
   { of: "setLanguage", by: "sam", body: () => ({ language: "de" }) },
-  { of: "choosePin", by: "ben", body: () => ({ pin: "804217" }) },
+  { of: "setPin", by: "ben", body: () => ({ pin: "804217" }) },
   { of: "signOut", by: "leaving", alone: true },
   {
     of: "endSession",
@@ -229,7 +229,7 @@ export const devices = [
   { of: "addCalibration", by: "admin", at: () => kProfile, absent: 400, body: () => golden("scene_calibration") },
   { of: "listCalibrations", by: "ben", at: () => kProfile },
 
-  { of: "builtinTeeth", by: "admin" },
+  { of: "listBuiltinTeeth", by: "admin" },
   {
     of: "putBuiltinTooth",
     by: "admin",
@@ -250,7 +250,7 @@ export const devices = [
     body: () => kMesh,
   },
   {
-    of: "toothImport",
+    of: "getToothImport",
     by: "admin",
     before: imported,
     at: (w) => w.tooth,
@@ -269,7 +269,7 @@ export const devices = [
     },
     at: (w) => w.tooth,
   },
-  { of: "getToothImportStartTooth", by: "admin", at: (w) => w.tooth },
+  { of: "getToothImportInside", by: "admin", at: (w) => w.tooth },
 ];
 
 // What nothing else may come after.

@@ -44,7 +44,7 @@ export const exercises = [
   { of: "listExercises", by: "sam" },
   { of: "listExercises", by: "ben", hidden: true, query: "?state=published" },
   {
-    of: "exerciseDocument",
+    of: "getExerciseDocument",
     by: "ben",
     at: (w) => w.exercise,
     shared: true,
@@ -53,13 +53,13 @@ export const exercises = [
     },
   },
   {
-    of: "addDraft",
+    of: "putDraft",
     by: "ben",
     query: "?dry_run=true",
     body: (w) => ({ ...w.document, name: "private", title: "Private" }),
   },
   {
-    of: "addDraft",
+    of: "putDraft",
     by: "ben",
     body: (w) => ({ ...w.document, name: "private", title: "Private" }),
     after: (w, { json }) => {
@@ -69,10 +69,10 @@ export const exercises = [
   { of: "replaceDraft", by: "ben", ...bens, body: (w) => ({ ...w.document, name: "private", title: "Still private" }) },
   { of: "getExercise", by: "ben", ...bens },
   { of: "publishDraft", by: "ben", ...bens },
-  { of: "exerciseVersions", by: "ben", ...bens },
-  { of: "exerciseVersions", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "listExerciseVersions", by: "ben", ...bens },
+  { of: "listExerciseVersions", by: "sam", shared: true, at: (w) => w.exercise },
   { of: "getExercise", by: "sam", shared: true, at: (w) => w.exercise },
-  { of: "initialSurface", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "getInitialSurface", by: "sam", shared: true, at: (w) => w.exercise },
   { of: "retireExercise", by: "ben", ...bens, body: () => ({ reason: "A better one is there" }) },
   { of: "offerExerciseAgain", by: "ben", ...bens },
   { of: "shareExercise", by: "ben", ...bens, body: (w) => ({ shared: false, owner_id: w.ben.id }) },
@@ -109,7 +109,7 @@ export const exercises = [
     at: (w) => w.ofParts,
   },
   {
-    of: "scoringMetrics",
+    of: "listScoringMetrics",
     by: "ben",
     after: (w, { json }) => assert.deepEqual(json.metrics.map(({ name }) => name).sort(), [...w.metrics].sort()),
   },
@@ -121,7 +121,7 @@ export const exercises = [
       w.rubric = json.rubrics[0].document;
     },
   },
-  { of: "previewRubric", by: "ben", ...bens, body: (w) => w.rubric },
+  { of: "previewRubricChange", by: "ben", ...bens, body: (w) => w.rubric },
   {
     of: "publishRubric",
     by: "ben",
@@ -140,7 +140,7 @@ export const exercises = [
     after: (w, { json }) => (w.trial = json.id),
   },
   {
-    of: "exerciseTrial",
+    of: "getExerciseTrial",
     by: "ben",
     mine: ["ben"],
     before: (w) =>
@@ -152,7 +152,7 @@ export const exercises = [
     at: (w) => w.trial,
   },
   { of: "giveUpExerciseTrial", by: "ben", mine: ["ben"], at: (w) => w.trial },
-  { of: "exerciseReferences", by: "ben", shared: true, at: (w) => w.exercise },
+  { of: "listReferences", by: "ben", shared: true, at: (w) => w.exercise },
 ];
 
 export const assignments = [
@@ -194,12 +194,12 @@ export const assignments = [
   },
   { of: "moveAssignment", by: "ben", at: (w) => w.extra, tagged: true, body: (w) => ({ exercise_id: w.exercise }) },
   { of: "deleteAssignment", by: "ben", at: (w) => w.extra },
-  { of: "assignmentInsight", by: "ben", at: (w) => w.assignment },
-  { of: "assignmentGrading", by: "ben", at: (w) => w.assignment },
-  { of: "cohortGrades", by: "ben", at: (w) => w.demo },
-  { of: "cohortGradesFile", by: "ben", at: (w) => w.demo },
-  { of: "cohortGrading", by: "ben", at: (w) => w.demo },
-  { of: "cohortAttemptsFile", by: "ben", at: (w) => w.demo },
+  { of: "getInsight", by: "ben", at: (w) => w.assignment },
+  { of: "getAssignmentGrading", by: "ben", at: (w) => w.assignment },
+  { of: "getCohortGrades", by: "ben", at: (w) => w.demo },
+  { of: "getGradesFile", by: "ben", at: (w) => w.demo },
+  { of: "getCohortGrading", by: "ben", at: (w) => w.demo },
+  { of: "getAttemptsFile", by: "ben", at: (w) => w.demo },
   {
     of: "findStandard",
     by: "ben",
@@ -212,10 +212,10 @@ export const assignments = [
 
 // While somebody works at the chair.
 export const live = [
-  { of: "watchAttempt", by: "ben", at: (w) => w.recording },
-  { of: "liveCut", by: "ben", at: (w) => w.recording },
+  { of: "getLive", by: "ben", at: (w) => w.recording },
+  { of: "getLiveCut", by: "ben", at: (w) => w.recording },
   { of: "sendLiveRemark", by: "ben", at: (w) => w.recording, body: () => ({ text: "Stop, the wall is thin." }) },
-  { of: "liveRemarks", by: "ben", at: (w) => w.recording },
+  { of: "listLiveRemarks", by: "ben", at: (w) => w.recording },
 ];
 
 const read = (of, more) => ({ of, by: "ben", mine: ["sam"], at: (w) => w.scored, ...more });
@@ -301,9 +301,9 @@ export const attempts = [
   read("getSeries"),
   read("getTicks"),
   read("listResults"),
-  read("overrideScore", { body: () => ({ score: 77, reason: "Seen at the chair" }) }),
+  read("putOverride", { body: () => ({ score: 77, reason: "Seen at the chair" }) }),
   read("getAttempt"),
-  read("removeOverride"),
+  read("deleteOverride"),
   read("addAnnotation", {
     body: () => ({ tick: 10, point_um: [0, 0, 0], text: "Look here" }),
     after: (w, { json, headers }) => {
@@ -355,7 +355,7 @@ export const attempts = [
     body: () => ({ text: "The wall was there before" }),
   },
   read("answerAppeal", { body: () => ({ outcome: "reject", answer: "It was not" }) }),
-  read("excuseAttempt", { body: () => ({ reason: "The power failed" }) }),
+  read("excuse", { body: () => ({ reason: "The power failed" }) }),
   read("takeExcuseBack"),
   read("rescore"),
   read("restoreResult", {
@@ -404,8 +404,8 @@ export const attempts = [
       w.reference = json.id;
     },
   }),
-  { of: "exerciseReferences", by: "sam", shared: true, at: (w) => w.exercise },
-  { of: "previewRubric", by: "admin", alone: true, at: (w) => w.exercise, body: (w) => w.rubric },
+  { of: "listReferences", by: "sam", shared: true, at: (w) => w.exercise },
+  { of: "previewRubricChange", by: "admin", alone: true, at: (w) => w.exercise, body: (w) => w.rubric },
   // Compared with two references, what was cut before is scored again.
   {
     of: "getScore",

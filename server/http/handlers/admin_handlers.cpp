@@ -2,8 +2,8 @@
 #include <charconv>
 
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/views/audit_view.h"
@@ -68,9 +68,9 @@ Result<AuditFilter> AuditFilterOf(const Request& request) {
 
 }  // namespace
 
-Result<Response> ListAudit(const Call& call, AuditRows& audit_rows) {
+Result<Response> ListAudit(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(AuditFilter filter, AuditFilterOf(call.request));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<AuditRow> rows, audit_rows.FindAudit(filter));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<AuditRow> rows, store.audit.FindAudit(filter));
   json::array audit;
   for (const AuditRow& row : rows) audit.push_back(AuditJson(row));
   json::value next;
@@ -80,7 +80,7 @@ Result<Response> ListAudit(const Call& call, AuditRows& audit_rows) {
   return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }
 
-Result<Response> ListJobs(const Call& call, JobRows& jobs_rows) {
+Result<Response> ListJobs(const Call& call, Store& store) {
   JobFilter filter;
   ENAMEL_ASSIGN_OR_RETURN(std::string state, QueryText(call.request, "state"));
   filter.state = state;
@@ -93,7 +93,7 @@ Result<Response> ListJobs(const Call& call, JobRows& jobs_rows) {
   filter.limit = page.limit;
   ENAMEL_ASSIGN_OR_RETURN(std::optional<Uuid> before, IdOf(page));
   filter.before = before;
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<JobRow> rows, jobs_rows.FindJobs(filter));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<JobRow> rows, store.jobs.FindJobs(filter));
   json::array jobs;
   for (const JobRow& row : rows) {
     jobs.push_back({{"id", row.id.Text()},

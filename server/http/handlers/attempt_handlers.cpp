@@ -4,10 +4,10 @@
 #include "common/scene/json/json.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
 #include "server/http/kept.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/site.h"
@@ -276,16 +276,16 @@ Result<Response> GetDeviation(const Call& call, Store& store) {
 }
 
 // Anybody who is signed in: it belongs to nobody, and the timelines that begin with it name it.
-Result<Response> GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines) {
+Result<Response> GetStartTooth(const Call& call, Store& store) {
   const Status none{Code::kNotFound, "there is no such start tooth", "name"};
   Result<Sha256> content = Sha256::FromHex(call.name);
   if (!content.ok()) return none;
   // Before reading any blob: other blobs are named by their hash too.
-  ENAMEL_ASSIGN_OR_RETURN(bool known, timelines.IsStartTooth(*content));
+  ENAMEL_ASSIGN_OR_RETURN(bool known, store.timelines.IsStartTooth(*content));
   if (!known) return none;
   return KeptResponse(
       call.request, {*content, "application/octet-stream", "private, max-age=31536000, immutable"},
-      *call.bodies, [&] { return blobs.GetBlob(*content); });
+      *call.bodies, [&] { return store.blobs.GetBlob(*content); });
 }
 
 Result<Response> GetSeries(const Call& call, Store& store) {

@@ -4,9 +4,9 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/views/grade_view.h"
@@ -60,10 +60,10 @@ Result<CohortEdit> EditOf(const Call& call) {
 
 }  // namespace
 
-Result<Response> ListCohorts(const Call& call, CohortRows& cohorts_rows) {
+Result<Response> ListCohorts(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
   ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> archived, QueryFlag(call.request, "archived"));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> rows, VisibleCohorts(call, cohorts_rows));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> rows, VisibleCohorts(call, store.cohorts));
   std::erase_if(rows, [&](const Cohort& cohort) {
     // Active cohorts, unless the request asks for the archive.
     return (cohort.archived_ms != 0) != archived.value_or(false);
@@ -72,7 +72,7 @@ Result<Response> ListCohorts(const Call& call, CohortRows& cohorts_rows) {
   // A school has hundreds of cohorts, of some 30 members each: a list counts the students.
   std::vector<Uuid> ids;
   for (const Cohort& row : rows) ids.push_back(row.id);
-  ENAMEL_ASSIGN_OR_RETURN(const auto sizes, cohorts_rows.SizesOf(ids));
+  ENAMEL_ASSIGN_OR_RETURN(const auto sizes, store.cohorts.SizesOf(ids));
   json::array cohorts;
   for (size_t i = 0; i < rows.size(); ++i) {
     json::object cohort = SummaryJson(rows[i]);
@@ -83,9 +83,9 @@ Result<Response> ListCohorts(const Call& call, CohortRows& cohorts_rows) {
   return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
 }
 
-Result<Response> GetCohort(const Call& call, CohortRows& cohorts) {
-  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, cohorts));
-  return CohortResponse(cohorts, cohort);
+Result<Response> GetCohort(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, VisibleCohort(call, store.cohorts));
+  return CohortResponse(store.cohorts, cohort);
 }
 
 // A row for each student, a grade for each assignment of the cohort and for everybody. Not in
@@ -121,29 +121,29 @@ Result<Response> GetCohortGrades(const Call& call, Store& store) {
   return JsonResponse({{"assignments", std::move(assignments)}, {"students", std::move(students)}});
 }
 
-Result<Response> AddCohort(const Call& call, CohortRows& cohorts) {
+Result<Response> AddCohort(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string wanted = body.Text("name", 1, kMaxNameBytes);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(wanted, "name"));
-  ENAMEL_ASSIGN_OR_RETURN(Uuid id, cohorts.CreateCohort(name, ActorOf(call)));
-  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, cohorts.CohortById(id));
-  return CohortResponse(cohorts, cohort, 201);
+  ENAMEL_ASSIGN_OR_RETURN(Uuid id, store.cohorts.CreateCohort(name, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, store.cohorts.CohortById(id));
+  return CohortResponse(store.cohorts, cohort, 201);
 }
 
-Result<Response> EditCohort(const Call& call, CohortRows& cohorts) {
+Result<Response> EditCohort(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_ASSIGN_OR_RETURN(CohortEdit edit, EditOf(call));
   ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
-  Result<Cohort> cohort = cohorts.EditCohort(call.id, edit, seen, ActorOf(call));
-  if (cohort.ok()) return CohortResponse(cohorts, *cohort);
+  Result<Cohort> cohort = store.cohorts.EditCohort(call.id, edit, seen, ActorOf(call));
+  if (cohort.ok()) return CohortResponse(store.cohorts, *cohort);
   if (cohort.status().field() != kStale) return cohort.status();
-  ENAMEL_ASSIGN_OR_RETURN(Cohort current, cohorts.CohortById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(Cohort current, store.cohorts.CohortById(call.id));
   return Stale(cohort.status(), SummaryJson(current), current.revision);
 }
 
-Result<Response> ChangeMembers(const Call& call, CohortRows& cohorts) {
+Result<Response> ChangeMembers(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
@@ -151,9 +151,9 @@ Result<Response> ChangeMembers(const Call& call, CohortRows& cohorts) {
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   // Without If-Match: two people who add students to a cohort at once both mean it, and neither
   // undoes the other.
-  ENAMEL_RETURN_IF_ERROR(cohorts.ChangeMembers(call.id, add, remove, ActorOf(call)));
-  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, cohorts.CohortById(call.id));
-  return CohortResponse(cohorts, cohort);
+  ENAMEL_RETURN_IF_ERROR(store.cohorts.ChangeMembers(call.id, add, remove, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Cohort cohort, store.cohorts.CohortById(call.id));
+  return CohortResponse(store.cohorts, cohort);
 }
 
 }  // namespace enamel::server::http

@@ -13,10 +13,10 @@
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/checked_exercise.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
 #include "server/http/kept.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/views/attempt_view.h"
@@ -241,11 +241,11 @@ Result<Response> GetInitialSurface(const Call& call, Store& store) {
   return response;
 }
 
-Result<Response> ListExerciseVersions(const Call& call, AttemptRows& attempts,
-                                      ExerciseRows& exercises) {
-  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, attempts, exercises));
+Result<Response> ListExerciseVersions(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, VisibleExercise(call, store.attempts, store.exercises));
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> rows, exercises.ExerciseVersions(row.name));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ExerciseRow> rows,
+                          store.exercises.ExerciseVersions(row.name));
   if (!CanUseExercise(call.caller->person, row)) {
     std::erase_if(
         rows, [](const ExerciseRow& version) { return version.state == ExerciseState::kDraft; });
@@ -315,8 +315,9 @@ Result<Response> PublishDraft(const Call& call, Store& store) {
   return WholeResponse(call, store, *row);
 }
 
-Result<Response> RetireExercise(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
-  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row, ChangeableExercise(call, attempts, exercises));
+Result<Response> RetireExercise(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ExerciseRow row,
+                          ChangeableExercise(call, store.attempts, store.exercises));
   std::string reason;
   if (!call.request.body.empty()) {
     if (!IsJson(call.request)) return NotJson();
@@ -325,7 +326,7 @@ Result<Response> RetireExercise(const Call& call, AttemptRows& attempts, Exercis
     ENAMEL_RETURN_IF_ERROR(body.Finish());
     ENAMEL_RETURN_IF_ERROR(CheckOneLine(reason, "reason"));
   }
-  return DoneOr(exercises.RetireExercise(call.id, ActorOf(call), reason));
+  return DoneOr(store.exercises.RetireExercise(call.id, ActorOf(call), reason));
 }
 
 Result<Response> OfferExerciseAgain(const Call& call, Store& store) {

@@ -6,9 +6,9 @@
 
 #include "common/base/csv.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
+#include "server/http/operations.h"
 #include "server/http/views/grade_view.h"
 #include "server/training/access.h"
 

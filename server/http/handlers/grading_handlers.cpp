@@ -5,10 +5,10 @@
 
 #include "common/scoring/score.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/training/access.h"
 
 // All attempts of an assignment or a cohort with the points lost by criterion, in one answer: a page

@@ -6,8 +6,8 @@
 #include "server/http/api.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/ops/metrics.h"
 
 // How the server does, for those who run it: figures, of which the page makes sentences.
@@ -225,7 +225,7 @@ Result<Response> GetServerHealth(const Call& call, Store& store) {
   return JsonResponse(health);
 }
 
-Result<Response> StartBackup(const Call& call) {
+Result<Response> StartBackup(const Call& call, Store&) {
   if (Status started = call.backups->Start(ActorOf(call)); !started.ok()) {
     return started;
   }

@@ -4,10 +4,10 @@
 
 #include "common/scoring/score.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/query.h"
 #include "server/http/views/grade_view.h"
 #include "server/jobs/regrade.h"

@@ -5,9 +5,9 @@
 #include "common/protocol/remark.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/query.h"
 
 // What was said to the chair of an attempt in progress, and where it has cut.

@@ -4,8 +4,8 @@
 
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 
 // For those who run the server.
 namespace enamel::server::http {
@@ -45,7 +45,7 @@ std::pair<const char*, int> StatusOf(Readiness ready, bool draining) {
 }  // namespace
 
 // On the thread of its connection: it answers as long as this process turns over.
-boost::asio::awaitable<Result<Response>> GetAlive(Call) {
+boost::asio::awaitable<Result<Response>> GetAlive(Call, Store&) {
   co_return JsonResponse({{"status", "ok"}});
 }
 
@@ -68,7 +68,11 @@ boost::asio::awaitable<Result<Response>> GetReady(Call call, Store& store) {
   co_return JsonResponse(out, answer);
 }
 
-boost::asio::awaitable<Result<Response>> GetMetrics(Call call) {
+boost::asio::awaitable<Result<Response>> GetHealth(Call call, Store& store) {
+  return GetReady(call, store);
+}
+
+boost::asio::awaitable<Result<Response>> GetMetrics(Call call, Store&) {
   if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
     // Not 403: strangers need not know that the figures exist.
     co_return Status(Code::kNotFound, "you are not allowed to see this");

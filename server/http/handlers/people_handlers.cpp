@@ -5,8 +5,8 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/views/person_view.h"
@@ -126,9 +126,9 @@ Result<NewPerson> NewPersonOf(const Call& call) {
 
 }  // namespace
 
-Result<Response> ListPeople(const Call& call, PeopleRows& people_rows) {
+Result<Response> ListPeople(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(PeopleFilter filter, FilterOf(call));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<Person> rows, people_rows.FindPeople(filter));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Person> rows, store.people.FindPeople(filter));
   json::value next;
   if (rows.size() == filter.limit) {
     rows.pop_back();
@@ -139,9 +139,9 @@ Result<Response> ListPeople(const Call& call, PeopleRows& people_rows) {
   return JsonResponse({{"people", std::move(people)}, {"next", std::move(next)}});
 }
 
-Result<Response> GetPerson(const Call& call, CohortRows& cohorts_rows, PeopleRows& people) {
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> cohorts, cohorts_rows.CohortsOf(call.id));
+Result<Response> GetPerson(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> cohorts, store.cohorts.CohortsOf(call.id));
   json::object out = PersonJson(person);
   json::array in;
   for (const Cohort& cohort : cohorts) {
@@ -151,18 +151,18 @@ Result<Response> GetPerson(const Call& call, CohortRows& cohorts_rows, PeopleRow
   return WithETag(JsonResponse(out), person.revision);
 }
 
-Result<Response> AddPerson(const Call& call, PeopleRows& people) {
+Result<Response> AddPerson(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   ENAMEL_ASSIGN_OR_RETURN(NewPerson wanted, NewPersonOf(call));
   ENAMEL_ASSIGN_OR_RETURN(auth::OneTimePassword password, NewPassword());
-  ENAMEL_ASSIGN_OR_RETURN(Uuid id, people.CreatePerson(wanted.person, password.verifier,
-                                                       wanted.cohorts, ActorOf(call)));
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(id));
+  ENAMEL_ASSIGN_OR_RETURN(Uuid id, store.people.CreatePerson(wanted.person, password.verifier,
+                                                             wanted.cohorts, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(id));
   return WithPassword(call, person, password.text, 201);
 }
 
-Result<Response> EditPerson(const Call& call, PeopleRows& people) {
+Result<Response> EditPerson(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_ASSIGN_OR_RETURN(PersonEdit edit, EditOf(call));
   ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
@@ -170,18 +170,18 @@ Result<Response> EditPerson(const Call& call, PeopleRows& people) {
   if (edit.role) {
     ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   }
-  Result<Person> person = people.EditPerson(call.id, edit, seen, ActorOf(call));
+  Result<Person> person = store.people.EditPerson(call.id, edit, seen, ActorOf(call));
   if (person.ok()) return PersonResponse(*person);
   if (person.status().field() != kStale) return person.status();
-  ENAMEL_ASSIGN_OR_RETURN(Person current, people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(Person current, store.people.PersonById(call.id));
   return Stale(person.status(), PersonJson(current), current.revision);
 }
 
-Result<Response> ResetPassword(const Call& call, PeopleRows& people) {
+Result<Response> ResetPassword(const Call& call, Store& store) {
   ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
   ENAMEL_ASSIGN_OR_RETURN(auth::OneTimePassword password, NewPassword());
-  ENAMEL_RETURN_IF_ERROR(people.SetPassword(call.id, password.verifier, true, ActorOf(call)));
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
+  ENAMEL_RETURN_IF_ERROR(store.people.SetPassword(call.id, password.verifier, true, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(call.id));
   return WithPassword(call, person, password.text, 200);
 }
 
@@ -199,14 +199,14 @@ json::array MentionsJson(const std::vector<Mentions>& mentions) {
 
 }  // namespace
 
-Result<Response> ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
+Result<Response> ErasePerson(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string login = body.Text("login", 1, kMaxLoginBytes);
   bool with_references = body.Flag("with_references", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(call.id));
   // Typed by hand: the page's button alone erases nobody.
   if (person.login != login) {
     return Status(
@@ -219,25 +219,25 @@ Result<Response> ErasePerson(const Call& call, Erasures& erasures, PeopleRows& p
     return Status(Code::kConflict, "you cannot erase yourself; ask another admin");
   }
   ENAMEL_ASSIGN_OR_RETURN(ErasureReport erased,
-                          erasures.ErasePerson(call.id, with_references, ActorOf(call)));
+                          store.erasures.ErasePerson(call.id, with_references, ActorOf(call)));
   return JsonResponse({{"attempts", erased.attempts},
                        {"references", erased.references},
                        {"blobs", erased.blobs},
                        {"mentions", MentionsJson(erased.mentions)}});
 }
 
-Result<Response> ListSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
-  return SessionsResponse(call, sessions, call.id);
+Result<Response> ListSessionsOf(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(call.id));
+  return SessionsResponse(call, store.sessions, call.id);
 }
 
-Result<Response> EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
-  ENAMEL_ASSIGN_OR_RETURN(Person person, people.PersonById(call.id));
-  ENAMEL_ASSIGN_OR_RETURN(size_t ended, sessions.EndSessionsOf(call.id, ActorOf(call)));
+Result<Response> EndSessionsOf(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(Person person, store.people.PersonById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(size_t ended, store.sessions.EndSessionsOf(call.id, ActorOf(call)));
   return JsonResponse({{"ended", ended}});
 }
 
-Result<Response> ImportRoster(const Call& call, RosterRows& roster_rows) {
+Result<Response> ImportRoster(const Call& call, Store& store) {
   // The sender only guesses the encoding that the type may name. The reader looks at the bytes.
   std::string_view type = call.request.Header("content-type");
   type = type.substr(0, type.find(';'));
@@ -272,7 +272,7 @@ Result<Response> ImportRoster(const Call& call, RosterRows& roster_rows) {
   }
   ENAMEL_ASSIGN_OR_RETURN(
       roster::ImportResult result,
-      roster::ImportRoster(roster_rows, call.request.body, options, ActorOf(call)));
+      roster::ImportRoster(store.roster, call.request.body, options, ActorOf(call)));
   json::object out = roster::ImportJson(result);
   size_t problems = result.plan.problems.size();
   if (problems == 0) return JsonResponse(out);

@@ -6,8 +6,8 @@
 #include "common/scene/profile_criteria.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 
@@ -176,22 +176,22 @@ Result<Response> ListOf(const Call& call, const char* name, const Result<std::ve
 
 }  // namespace
 
-Result<Response> ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows) {
+Result<Response> ListProfiles(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, profiles_rows.Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, store.profiles.Profiles());
   json::value next = CutPage(rows, page, [](const ProfileRow& row) { return row.name; });
   json::array profiles;
   for (const ProfileRow& row : rows) {
-    ENAMEL_ASSIGN_OR_RETURN(json::object profile, ProfileJson(blobs, row));
+    ENAMEL_ASSIGN_OR_RETURN(json::object profile, ProfileJson(store.blobs, row));
     profiles.push_back(std::move(profile));
   }
   return JsonResponse({{"profiles", std::move(profiles)}, {"next", std::move(next)}});
 }
 
-Result<Response> GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, VersionsOf(call, profiles));
-  ENAMEL_ASSIGN_OR_RETURN(json::object out, ProfileJson(blobs, rows.front()));
-  ENAMEL_ASSIGN_OR_RETURN(scene::DeviceProfile profile, Document(blobs, rows.front()));
+Result<Response> GetProfile(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, VersionsOf(call, store.profiles));
+  ENAMEL_ASSIGN_OR_RETURN(json::object out, ProfileJson(store.blobs, rows.front()));
+  ENAMEL_ASSIGN_OR_RETURN(scene::DeviceProfile profile, Document(store.blobs, rows.front()));
   out.emplace("document", json::parse(scene::ToJson(profile)));
   auto criteria = scene::CheckProfile(profile);
   out.emplace("acceptable", scene::IsAcceptable(criteria));
@@ -199,7 +199,7 @@ Result<Response> GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& p
   return JsonResponse(out);
 }
 
-Result<Response> PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+Result<Response> PutProfile(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> dry_run, QueryFlag(call.request, "dry_run"));
   Result<scene::DeviceProfile> profile = scene::ProfileFromJson(call.request.body);
@@ -214,25 +214,26 @@ Result<Response> PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& p
   if (dry_run.value_or(false) || !scene::IsAcceptable(criteria)) {
     return Judgement(criteria, std::move(out), 200);
   }
-  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, store.blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
   ENAMEL_RETURN_IF_ERROR(
-      profiles.PutProfile({profile->name, profile->title, content}, ActorOf(call)));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows, profiles.ProfileVersions(profile->name));
+      store.profiles.PutProfile({profile->name, profile->title, content}, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ProfileRow> rows,
+                          store.profiles.ProfileVersions(profile->name));
   out["stored"] = true;
   out["version"] = rows.front().version;
   return Judgement(criteria, std::move(out), 201);
 }
 
-Result<Response> ListProfileVersions(const Call& call, ProfileRows& profiles) {
-  return ListOf(call, "versions", VersionsOf(call, profiles), VersionJson);
+Result<Response> ListProfileVersions(const Call& call, Store& store) {
+  return ListOf(call, "versions", VersionsOf(call, store.profiles), VersionJson);
 }
 
-Result<Response> ListProfileReports(const Call& call, ProfileRows& profiles) {
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
-  return ListOf(call, "reports", profiles.ProfileReports(std::string(call.name)), ReportJson);
+Result<Response> ListProfileReports(const Call& call, Store& store) {
+  if (auto there = VersionsOf(call, store.profiles); !there.ok()) return there.status();
+  return ListOf(call, "reports", store.profiles.ProfileReports(std::string(call.name)), ReportJson);
 }
 
-Result<Response> AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+Result<Response> AddProfileReport(const Call& call, Store& store) {
   std::string_view given = call.request.Header("content-type");
   given = given.substr(0, given.find(';'));
   ProfileReportRow row;
@@ -256,18 +257,19 @@ Result<Response> AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileR
   if (error || call.request.body.empty()) {
     return Status(Code::kInvalidInput, "expected what `enamel-lab qualify` wrote as body", "body");
   }
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
-  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, blobs.PutBlob(AsBytes(call.request.body)));
+  if (auto there = VersionsOf(call, store.profiles); !there.ok()) return there.status();
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 content, store.blobs.PutBlob(AsBytes(call.request.body)));
   row.content = content;
   row.bytes = call.request.body.size();
-  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow added, profiles.AddProfileReport(row, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow added,
+                          store.profiles.AddProfileReport(row, ActorOf(call)));
   return JsonResponse(ReportJson(added), 201);
 }
 
 // Never shown inside the page: somebody's HTML under our own address could act as the page.
-Result<Response> GetProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
-  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow row, profiles.ProfileReportById(call.id));
-  Result<Bytes> bytes = blobs.GetBlob(row.content);
+Result<Response> GetProfileReport(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(ProfileReportRow row, store.profiles.ProfileReportById(call.id));
+  Result<Bytes> bytes = store.blobs.GetBlob(row.content);
   if (!bytes.ok()) return Status(Code::kInternal, bytes.status().message());
   Response response;
   response.content_type = row.media_type;
@@ -279,13 +281,13 @@ Result<Response> GetProfileReport(const Call& call, StoredBlobs& blobs, ProfileR
   return response;
 }
 
-Result<Response> ListCalibrations(const Call& call, ProfileRows& profiles) {
-  if (auto there = VersionsOf(call, profiles); !there.ok()) return there.status();
-  return ListOf(call, "calibrations", profiles.Calibrations(std::string(call.name)),
+Result<Response> ListCalibrations(const Call& call, Store& store) {
+  if (auto there = VersionsOf(call, store.profiles); !there.ok()) return there.status();
+  return ListOf(call, "calibrations", store.profiles.Calibrations(std::string(call.name)),
                 CalibrationJson);
 }
 
-Result<Response> AddCalibration(const Call& call, ProfileRows& profiles) {
+Result<Response> AddCalibration(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<scene::Calibration> calibration = scene::CalibrationFromJson(call.request.body);
   if (!calibration.ok()) {
@@ -305,7 +307,7 @@ Result<Response> AddCalibration(const Call& call, ProfileRows& profiles) {
   row.device = calibration->device;
   row.measured_ms = calibration->measured_ms;
   row.document = scene::ToJson(*calibration);
-  ENAMEL_ASSIGN_OR_RETURN(CalibrationRow added, profiles.AddCalibration(row, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(CalibrationRow added, store.profiles.AddCalibration(row, ActorOf(call)));
   return JsonResponse(CalibrationJson(added), 201);
 }
 

@@ -2,10 +2,10 @@
 
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
 #include "server/http/kept.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/views/attempt_view.h"
 #include "server/training/access.h"
@@ -282,8 +282,8 @@ Result<Response> WithdrawReference(const Call& call, Store& store) {
   return DoneOr(store.references.WithdrawReference(call.id, ActorOf(call)));
 }
 
-Result<Response> CancelJob(const Call& call, JobRows& jobs) {
-  return DoneOr(jobs.CancelJob(call.id, ActorOf(call)));
+Result<Response> CancelJob(const Call& call, Store& store) {
+  return DoneOr(store.jobs.CancelJob(call.id, ActorOf(call)));
 }
 
 }  // namespace enamel::server::http

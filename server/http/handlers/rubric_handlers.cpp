@@ -7,11 +7,11 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/query.h"
 #include "server/jobs/regrade.h"
 #include "server/training/access.h"
@@ -135,7 +135,7 @@ Result<BatchRow> SeenBatch(const Call& call, BatchRows& batches, CohortRows& coh
 
 }  // namespace
 
-Result<Response> ListScoringMetrics(const Call&) {
+Result<Response> ListScoringMetrics(const Call&, Store&) {
   json::array out;
   for (const scoring::MetricInfo& metric : scoring::Metrics()) {
     out.push_back({{"name", metric.name},
@@ -235,9 +235,9 @@ Result<Response> RescoreCohort(const Call& call, Store& store) {
   return JsonResponse(out, 202);
 }
 
-Result<Response> ListBatches(const Call& call, BatchRows& batches_rows, CohortRows& cohorts) {
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> taught, VisibleCohorts(call, cohorts));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<BatchRow> rows, batches_rows.Batches());
+Result<Response> ListBatches(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Cohort> taught, VisibleCohorts(call, store.cohorts));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<BatchRow> rows, store.batches.Batches());
   json::array batches;
   for (const BatchRow& row : rows) {
     if (Teaches(taught, row.cohort)) batches.push_back(BatchJson(row));
@@ -245,18 +245,18 @@ Result<Response> ListBatches(const Call& call, BatchRows& batches_rows, CohortRo
   return JsonResponse({{"batches", std::move(batches)}});
 }
 
-Result<Response> GetBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
-  ENAMEL_ASSIGN_OR_RETURN(BatchRow row, SeenBatch(call, batches, cohorts));
+Result<Response> GetBatch(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(BatchRow row, SeenBatch(call, store.batches, store.cohorts));
   return JsonResponse(BatchJson(row));
 }
 
-Result<Response> CancelBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
-  Result<BatchRow> row = SeenBatch(call, batches, cohorts);
+Result<Response> CancelBatch(const Call& call, Store& store) {
+  Result<BatchRow> row = SeenBatch(call, store.batches, store.cohorts);
   ENAMEL_RETURN_IF_ERROR(row.status());
-  if (Status done = batches.CancelBatch(call.id, ActorOf(call)); !done.ok()) {
+  if (Status done = store.batches.CancelBatch(call.id, ActorOf(call)); !done.ok()) {
     return done;
   }
-  row = SeenBatch(call, batches, cohorts);
+  row = SeenBatch(call, store.batches, store.cohorts);
   ENAMEL_RETURN_IF_ERROR(row.status());
   return JsonResponse(BatchJson(*row));
 }

@@ -2,8 +2,8 @@
 
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
@@ -54,9 +54,10 @@ Result<Response> Refused(const Call& call, SavedTextRows& texts, const Status& s
 
 }  // namespace
 
-Result<Response> ListSavedTexts(const Call& call, SavedTextRows& texts) {
+Result<Response> ListSavedTexts(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<SavedText> rows, texts.SavedTexts(call.caller->person.id));
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<SavedText> rows,
+                          store.saved_texts.SavedTexts(call.caller->person.id));
   json::value next = CutPage(rows, page, [](const SavedText& row) {
     return FallingKey(static_cast<uint64_t>(row.saved_ms)) + row.id.Text();
   });
@@ -65,30 +66,30 @@ Result<Response> ListSavedTexts(const Call& call, SavedTextRows& texts) {
   return JsonResponse({{"texts", std::move(out)}, {"next", std::move(next)}});
 }
 
-Result<Response> AddSavedText(const Call& call, SavedTextRows& texts) {
+Result<Response> AddSavedText(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_ASSIGN_OR_RETURN(SavedText text, TextIn(call));
-  ENAMEL_ASSIGN_OR_RETURN(SavedText row, texts.AddSavedText(text, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(SavedText row, store.saved_texts.AddSavedText(text, ActorOf(call)));
   return WithETag(JsonResponse(SavedTextJson(call, row), 201), row.revision);
 }
 
-Result<Response> ReplaceSavedText(const Call& call, SavedTextRows& texts) {
+Result<Response> ReplaceSavedText(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, texts));
+  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, store.saved_texts));
   ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
   ENAMEL_ASSIGN_OR_RETURN(SavedText text, TextIn(call));
   text.id = call.id;
   text.revision = revision;
-  Result<SavedText> row = texts.ReplaceSavedText(text, ActorOf(call));
-  if (!row.ok()) return Refused(call, texts, row.status());
+  Result<SavedText> row = store.saved_texts.ReplaceSavedText(text, ActorOf(call));
+  if (!row.ok()) return Refused(call, store.saved_texts, row.status());
   return WithETag(JsonResponse(SavedTextJson(call, *row)), row->revision);
 }
 
-Result<Response> DeleteSavedText(const Call& call, SavedTextRows& texts) {
-  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, texts));
+Result<Response> DeleteSavedText(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(SavedText stored, OwnText(call, store.saved_texts));
   ENAMEL_ASSIGN_OR_RETURN(int32_t revision, IfMatch(call.request));
-  const Status done = texts.DeleteSavedText(call.id, revision, ActorOf(call));
-  return done.ok() ? Done() : Refused(call, texts, done);
+  const Status done = store.saved_texts.DeleteSavedText(call.id, revision, ActorOf(call));
+  return done.ok() ? Done() : Refused(call, store.saved_texts, done);
 }
 
 }  // namespace enamel::server::http

@@ -4,8 +4,8 @@
 #include "server/auth/device_name.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/site.h"
 #include "server/http/views/person_view.h"
 
@@ -43,7 +43,7 @@ Result<Response> SignedInResponse(const auth::SignedIn& signed_in, const Request
 
 }  // namespace
 
-boost::asio::awaitable<Result<Response>> SignIn(Call call) {
+boost::asio::awaitable<Result<Response>> SignIn(Call call, Store&) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body =
       TextMembers(call.request, {{"login", kMaxLogin}, {"password", kMaxPassword}});
@@ -63,7 +63,7 @@ boost::asio::awaitable<Result<Response>> SignIn(Call call) {
   co_return SignedInResponse(*signed_in, call.request);
 }
 
-boost::asio::awaitable<Result<Response>> ConfirmSession(Call call) {
+boost::asio::awaitable<Result<Response>> ConfirmSession(Call call, Store&) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body = TextMembers(call.request, {{"password", kMaxPassword}});
   if (!body.ok()) co_return body.status();
@@ -74,7 +74,7 @@ boost::asio::awaitable<Result<Response>> ConfirmSession(Call call) {
   co_return Done();
 }
 
-boost::asio::awaitable<Result<Response>> ChangePassword(Call call) {
+boost::asio::awaitable<Result<Response>> ChangePassword(Call call, Store&) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body =
       TextMembers(call.request, {{"old_password", kMaxPassword}, {"new_password", kMaxPassword}});
@@ -92,7 +92,7 @@ boost::asio::awaitable<Result<Response>> ChangePassword(Call call) {
   co_return SignedInResponse(*signed_in, call.request);
 }
 
-boost::asio::awaitable<Result<Response>> SetPin(Call call) {
+boost::asio::awaitable<Result<Response>> SetPin(Call call, Store&) {
   if (!IsJson(call.request)) co_return NotJson();
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) {
     co_return confirmed;
@@ -105,7 +105,7 @@ boost::asio::awaitable<Result<Response>> SetPin(Call call) {
   co_return Done();
 }
 
-Result<Response> SetLanguage(const Call& call, PeopleRows& people) {
+Result<Response> SetLanguage(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string language = body.Text("language", 0, kMaxLanguage);
@@ -116,7 +116,7 @@ Result<Response> SetLanguage(const Call& call, PeopleRows& people) {
         "expected language as en, de, zh, or empty for the browser's, found \"" + language + "\"",
         "language");
   }
-  if (Status set = people.SetLanguage(call.caller->person.id, language); !set.ok()) {
+  if (Status set = store.people.SetLanguage(call.caller->person.id, language); !set.ok()) {
     return set;
   }
   auth::Identity identity = *call.caller;
@@ -124,9 +124,11 @@ Result<Response> SetLanguage(const Call& call, PeopleRows& people) {
   return JsonResponse(SessionJson(identity));
 }
 
-Result<Response> GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }
+Result<Response> GetSession(const Call& call, Store&) {
+  return JsonResponse(SessionJson(*call.caller));
+}
 
-Result<Response> SignOut(const Call& call) {
+Result<Response> SignOut(const Call& call, Store&) {
   if (Status ended = call.authenticator.SignOutFrom(*call.caller, call.request.peer); !ended.ok()) {
     return ended;
   }
@@ -138,12 +140,12 @@ Result<Response> SignOut(const Call& call) {
   return response;
 }
 
-Result<Response> ListSessions(const Call& call, SessionRows& sessions) {
-  return SessionsResponse(call, sessions, call.caller->person.id);
+Result<Response> ListSessions(const Call& call, Store& store) {
+  return SessionsResponse(call, store.sessions, call.caller->person.id);
 }
 
-Result<Response> EndSession(const Call& call, SessionRows& sessions) {
-  Result<SessionRow> session = sessions.SessionById(call.id);
+Result<Response> EndSession(const Call& call, Store& store) {
+  Result<SessionRow> session = store.sessions.SessionById(call.id);
   bool own = session.ok() && session->person == call.caller->person.id;
   if (!session.ok() && session.status().code() != Code::kNotFound) {
     return session.status();
@@ -152,7 +154,7 @@ Result<Response> EndSession(const Call& call, SessionRows& sessions) {
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
     return Status(Code::kNotFound, "there is no such session", "id");
   }
-  ENAMEL_RETURN_IF_ERROR(sessions.EndSessionById(call.id, ActorOf(call)));
+  ENAMEL_RETURN_IF_ERROR(store.sessions.EndSessionById(call.id, ActorOf(call)));
   return Done();
 }
 

@@ -9,8 +9,8 @@
 #include "server/auth/first_admin.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/query.h"
 #include "server/http/views/person_view.h"
 #include "server/jobs/builtin_content.h"
@@ -171,7 +171,7 @@ Result<Response> ImportResponse(const Result<ToothImport::About>& about, int sta
 
 }  // namespace
 
-Result<Response> MakeFirstAdmin(const Call& call, PeopleRows& people) {
+Result<Response> MakeFirstAdmin(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   ENAMEL_ASSIGN_OR_RETURN(Newcomer newcomer, NewcomerOf(call));
   if (call.first_admin == nullptr) {
@@ -179,13 +179,13 @@ Result<Response> MakeFirstAdmin(const Call& call, PeopleRows& people) {
   }
   // Before the password is hashed, which costs memory and time: a stranger gets none of either.
   ENAMEL_RETURN_IF_ERROR(call.first_admin->Take(newcomer.token, enamel::UnixMs()));
-  Result<Person> made = MakeAdmin(call, people, newcomer);
+  Result<Person> made = MakeAdmin(call, store.people, newcomer);
   if (made.ok()) return JsonResponse(PersonJson(*made), 201);
   call.first_admin->GiveBack();
   return made.status();
 }
 
-Result<Response> ListBuiltinTeeth(const Call&) {
+Result<Response> ListBuiltinTeeth(const Call&, Store&) {
   json::array teeth;
   for (const scene::BuiltinScene& tooth : scene::BuiltinScenes()) {
     teeth.push_back({{"name", tooth.name}, {"summary", tooth.summary}});
@@ -203,10 +203,10 @@ Result<Response> PutBuiltinTooth(const Call& call, Store& store) {
   // An unknown name is a mistake in the body and no missing page.
   const Status& why = put.status();
   if (why.code() != Code::kNotFound) return why;
-  return ErrorResponse({Code::kInvalidInput, why.message(), "name"});
+  return Status(Code::kInvalidInput, why.message(), "name");
 }
 
-Result<Response> BeginToothImport(const Call& call) {
+Result<Response> BeginToothImport(const Call& call, Store&) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   ToothImport::Wanted wanted;
@@ -225,7 +225,7 @@ Result<Response> BeginToothImport(const Call& call) {
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }
 
-Result<Response> AddToothBytes(const Call& call) {
+Result<Response> AddToothBytes(const Call& call, Store&) {
   const std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "application/octet-stream") {
     return ErrorResponse(415, "unsupported_media_type",
@@ -236,18 +236,20 @@ Result<Response> AddToothBytes(const Call& call) {
       call.teeth->Append(call.id, offset, AsBytes(call.request.body), enamel::UnixMs()));
 }
 
-Result<Response> GetToothImport(const Call& call) {
+Result<Response> GetToothImport(const Call& call, Store&) {
   return ImportResponse(call.teeth->Get(call.id));
 }
 
-Result<Response> GetToothImportSurface(const Call& call) {
+Result<Response> GetToothImportSurface(const Call& call, Store&) {
   return PictureResponse(call, ToothImport::Picture::kSurface);
 }
 
-Result<Response> GetToothImportInside(const Call& call) {
+Result<Response> GetToothImportInside(const Call& call, Store&) {
   return PictureResponse(call, ToothImport::Picture::kStartTooth);
 }
 
-Result<Response> GiveUpToothImport(const Call& call) { return DoneOr(call.teeth->GiveUp(call.id)); }
+Result<Response> GiveUpToothImport(const Call& call, Store&) {
+  return DoneOr(call.teeth->GiveUp(call.id));
+}
 
 }  // namespace enamel::server::http

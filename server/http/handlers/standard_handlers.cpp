@@ -2,8 +2,8 @@
 
 #include "server/agreement/standard.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_teaching.h"
+#include "server/http/operations.h"
 #include "server/jobs/marked_work.h"
 
 // A pass mark from marks that examiners made of an assignment's work.

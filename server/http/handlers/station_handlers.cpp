@@ -7,8 +7,8 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/training/names.h"
@@ -62,10 +62,10 @@ Status RevokingIsApart() {
 
 }  // namespace
 
-Result<Response> ListStations(const Call& call, StationRows& stations_rows) {
+Result<Response> ListStations(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kMaxPage, kMaxPage));
   ENAMEL_ASSIGN_OR_RETURN(std::optional<bool> revoked, QueryFlag(call.request, "revoked"));
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<StationRow> rows, stations_rows.Stations());
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<StationRow> rows, store.stations.Stations());
   if (revoked) {
     std::erase_if(rows, [&](const StationRow& row) { return row.revoked != *revoked; });
   }
@@ -77,12 +77,12 @@ Result<Response> ListStations(const Call& call, StationRows& stations_rows) {
   return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
 }
 
-Result<Response> GetStation(const Call& call, StationRows& stations) {
-  ENAMEL_ASSIGN_OR_RETURN(StationRow row, stations.StationById(call.id));
+Result<Response> GetStation(const Call& call, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(StationRow row, store.stations.StationById(call.id));
   return StationResponse(call, row);
 }
 
-Result<Response> EditStation(const Call& call, StationRows& stations) {
+Result<Response> EditStation(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   // Understood in order to be refused with the reason: it is what somebody tries who wants a
@@ -95,23 +95,23 @@ Result<Response> EditStation(const Call& call, StationRows& stations) {
   if (body.Has("revoked")) return RevokingIsApart();
   ENAMEL_ASSIGN_OR_RETURN(std::string name, CheckedName(wanted, "name"));
   ENAMEL_ASSIGN_OR_RETURN(int32_t seen, IfMatch(call.request));
-  Result<StationRow> row = stations.RenameStation(call.id, name, seen, ActorOf(call));
+  Result<StationRow> row = store.stations.RenameStation(call.id, name, seen, ActorOf(call));
   if (row.ok()) return StationResponse(call, *row);
   if (row.status().field() != kStale) return row.status();
-  ENAMEL_ASSIGN_OR_RETURN(StationRow current, stations.StationById(call.id));
+  ENAMEL_ASSIGN_OR_RETURN(StationRow current, store.stations.StationById(call.id));
   return Stale(row.status(), StationJson(call, current), current.revision);
 }
 
-Result<Response> RevokeStation(const Call& call, StationRows& stations) {
+Result<Response> RevokeStation(const Call& call, Store& store) {
   ENAMEL_RETURN_IF_ERROR(RequireConfirmed(call));
-  ENAMEL_RETURN_IF_ERROR(stations.RevokeStation(call.id, ActorOf(call)));
-  return GetStation(call, stations);
+  ENAMEL_RETURN_IF_ERROR(store.stations.RevokeStation(call.id, ActorOf(call)));
+  return GetStation(call, store);
 }
 
-Result<Response> ListEnrolCodes(const Call& call, StationRows& stations) {
+Result<Response> ListEnrolCodes(const Call& call, Store& store) {
   ENAMEL_ASSIGN_OR_RETURN(Page page, PageOf(call.request, kDefaultPage, kMaxPage));
   ENAMEL_ASSIGN_OR_RETURN(std::vector<EnrolCodeRow> rows,
-                          stations.OpenEnrolCodes(enamel::UnixMs()));
+                          store.stations.OpenEnrolCodes(enamel::UnixMs()));
   json::value next = CutPage(rows, page, [](const EnrolCodeRow& row) { return row.id.Text(); });
   json::array codes;
   for (const EnrolCodeRow& row : rows) {
@@ -121,7 +121,7 @@ Result<Response> ListEnrolCodes(const Call& call, StationRows& stations) {
   return JsonResponse({{"codes", std::move(codes)}, {"next", std::move(next)}});
 }
 
-Result<Response> AddEnrolCode(const Call& call, StationRows& stations_rows) {
+Result<Response> AddEnrolCode(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   int64_t minutes = body.Integer("minutes", 1, kMaxMinutes, 60);
@@ -136,7 +136,7 @@ Result<Response> AddEnrolCode(const Call& call, StationRows& stations_rows) {
   UnixMs expires_ms = enamel::UnixMs() + minutes * 60'000;
   // The hash alone is stored; the code is in this answer and nowhere else.
   ENAMEL_ASSIGN_OR_RETURN(
-      Uuid id, stations_rows.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call)));
+      Uuid id, store.stations.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call)));
   return JsonResponse({{"id", id.Text()},
                        {"code", code + "@" + std::string(call.station_fingerprint)},
                        {"station_port", call.station_port},
@@ -144,12 +144,12 @@ Result<Response> AddEnrolCode(const Call& call, StationRows& stations_rows) {
                       201);
 }
 
-Result<Response> WithdrawEnrolCode(const Call& call, StationRows& stations) {
-  return DoneOr(stations.WithdrawEnrolCode(call.id, ActorOf(call)));
+Result<Response> WithdrawEnrolCode(const Call& call, Store& store) {
+  return DoneOr(store.stations.WithdrawEnrolCode(call.id, ActorOf(call)));
 }
 
-Result<Response> ListListedDevices(const Call&, DeviceRows& devices_rows) {
-  ENAMEL_ASSIGN_OR_RETURN(std::vector<ListedDevice> rows, devices_rows.ListedDevices());
+Result<Response> ListListedDevices(const Call&, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<ListedDevice> rows, store.devices.ListedDevices());
   json::array devices;
   for (const ListedDevice& row : rows) {
     devices.push_back({{"name", row.name},
@@ -160,29 +160,29 @@ Result<Response> ListListedDevices(const Call&, DeviceRows& devices_rows) {
   return JsonResponse({{"devices", std::move(devices)}});
 }
 
-Result<Response> ListDevice(const Call& call, DeviceRows& devices) {
+Result<Response> ListDevice(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
   const std::string title = body.Text("title", 1, kMaxHandTextBytes);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
-  if (Status done = devices.ListDevice(name, title, ActorOf(call)); !done.ok()) {
+  if (Status done = store.devices.ListDevice(name, title, ActorOf(call)); !done.ok()) {
     return done;
   }
-  return ListListedDevices(call, devices);
+  return ListListedDevices(call, store);
 }
 
-Result<Response> UnlistDevice(const Call& call, DeviceRows& devices) {
+Result<Response> UnlistDevice(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
-  ENAMEL_RETURN_IF_ERROR(devices.UnlistDevice(name, ActorOf(call)));
-  return ListListedDevices(call, devices);
+  ENAMEL_RETURN_IF_ERROR(store.devices.UnlistDevice(name, ActorOf(call)));
+  return ListListedDevices(call, store);
 }
 
-Result<Response> ListStationSettings(const Call&, SettingRows& settings) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows, settings.Settings());
+Result<Response> ListStationSettings(const Call&, Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.settings.Settings());
   json::array out;
   for (const StationSetting& row : rows) {
     out.push_back({{"name", row.name},
@@ -194,7 +194,7 @@ Result<Response> ListStationSettings(const Call&, SettingRows& settings) {
   return JsonResponse({{"settings", std::move(out)}});
 }
 
-Result<Response> PutStationSetting(const Call& call, SettingRows& settings) {
+Result<Response> PutStationSetting(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   StationSetting setting;
@@ -203,18 +203,18 @@ Result<Response> PutStationSetting(const Call& call, SettingRows& settings) {
   setting.value = body.Text("value", 1, kMaxSetting);
   setting.fixed = body.Flag("fixed", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
-  ENAMEL_RETURN_IF_ERROR(settings.PutSetting(setting, ActorOf(call)));
-  return ListStationSettings(call, settings);
+  ENAMEL_RETURN_IF_ERROR(store.settings.PutSetting(setting, ActorOf(call)));
+  return ListStationSettings(call, store);
 }
 
-Result<Response> RemoveStationSetting(const Call& call, SettingRows& settings) {
+Result<Response> RemoveStationSetting(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxSetting);
   const std::string scope = body.Has("scope") ? body.Text("scope", 1, kMaxScope) : "*";
   ENAMEL_RETURN_IF_ERROR(body.Finish());
-  ENAMEL_RETURN_IF_ERROR(settings.RemoveSetting(name, scope, ActorOf(call)));
-  return ListStationSettings(call, settings);
+  ENAMEL_RETURN_IF_ERROR(store.settings.RemoveSetting(name, scope, ActorOf(call)));
+  return ListStationSettings(call, store);
 }
 
 }  // namespace enamel::server::http

@@ -5,8 +5,8 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/checked_exercise.h"
-#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/operations.h"
 #include "server/jobs/exercise_trial.h"
 
 // Trials of drafts: the target cut exactly, and an untouched tooth, judged by the draft's rubric.
@@ -61,11 +61,11 @@ Result<Response> BeginExerciseTrial(const Call& call, Store& store) {
   return TrialResponse(call.trials->Begin(call.caller->person.id, std::move(exercise)), 201);
 }
 
-Result<Response> GetExerciseTrial(const Call& call) {
+Result<Response> GetExerciseTrial(const Call& call, Store&) {
   return TrialResponse(call.trials->Get(call.caller->person.id, call.id));
 }
 
-Result<Response> GiveUpExerciseTrial(const Call& call) {
+Result<Response> GiveUpExerciseTrial(const Call& call, Store&) {
   return DoneOr(call.trials->GiveUp(call.caller->person.id, call.id));
 }
 
