@@ -7,8 +7,7 @@
 #include "common/mesh/registration.h"
 
 // Turns the scan of a tooth that a dentist prepared into a target. The scan is laid on the
-// exercise's tooth; the target is the part of the tooth that the scan lacks. Not real-time; run by
-// hand, never in the server.
+// exercise's tooth; the target is the part of the tooth that the scan lacks. Not real-time: seconds.
 namespace enamel::import {
 
 struct PreparedOptions {

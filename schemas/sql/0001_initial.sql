@@ -30,6 +30,7 @@ CREATE TABLE people (
   pin                  TEXT NOT NULL DEFAULT '',
   -- Tries of the PIN since the last right one. At 10 it is locked.
   wrong_pins           INTEGER NOT NULL DEFAULT 0 CHECK (wrong_pins BETWEEN 0 AND 10),
+  may_import_teeth     INTEGER NOT NULL DEFAULT 0 CHECK (may_import_teeth IN (0, 1)),  -- as an instructor
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 ) STRICT, WITHOUT ROWID;

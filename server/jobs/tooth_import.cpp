@@ -3,17 +3,21 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <fstream>
 #include <utility>
 
-#include "common/base/file.h"
 #include "common/import/mesh_kind.h"
+#include "common/import/prepared_tooth.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/prepared_target.h"
 #include "common/scene/tooth_number.h"
 #include "common/scene/volume_blob.h"
 #include "common/surface/surface.h"
 #include "common/timeline/start_tooth.h"
 #include "server/jobs/builtin_content.h"
+#include "server/jobs/stored_tooth.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/names.h"
 
@@ -23,6 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMinPulp_mm3 = 0.5;  // a ball of 1 mm, which a bur can meet; chosen
+// As of `enamel-station target`.
+constexpr int32_t kTargetLeeway_um = 250;
 constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
 
 Status Invalid(const std::string& message, const char* field) {
@@ -38,8 +44,9 @@ Status CheckWanted(const ToothImport::Wanted& wanted) {
     return Invalid(kind.message(), "file_name");
   ENAMEL_RETURN_IF_ERROR(mesh::CheckScale(ScaleOf(wanted)));
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
-  ENAMEL_RETURN_IF_ERROR(import::CheckFacing({wanted.tooth, wanted.up, wanted.buccal}));
-  if (!scene::IsToothNumber(wanted.tooth)) {
+  if (!wanted.prepared_of)
+    ENAMEL_RETURN_IF_ERROR(import::CheckFacing({wanted.tooth, wanted.up, wanted.buccal}));
+  if (!wanted.prepared_of && !scene::IsToothNumber(wanted.tooth)) {
     return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
                        (wanted.tooth == 0 ? "none" : std::to_string(wanted.tooth)),
                    "tooth");
@@ -83,6 +90,15 @@ Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) 
   return name;
 }
 
+Result<std::string> FreeExerciseName(ExerciseRows& exercises, const std::string& wanted) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, exercises.AllExercises());
+  std::string name = wanted;
+  for (int again = 2; std::ranges::find(all, name, &ExerciseRow::name) != all.end(); ++again) {
+    name = wanted + "-" + std::to_string(again);
+  }
+  return name;
+}
+
 // Refuses a crown whose pulp a graded cut could hardly expose.
 Status CheckPulp(const import::ImportedScene& imported) {
   constexpr auto kPulp = static_cast<size_t>(cutting::Tissue::kPulp);
@@ -97,45 +113,67 @@ Status CheckPulp(const import::ImportedScene& imported) {
                  "practice");
 }
 
+}  // namespace
+
 // A folder that only this account reads, with one file; gone with this.
-class PrivateFile {
+class ToothImport::MeshFile {
  public:
-  static Result<PrivateFile> Write(const std::string& name, ByteView bytes) {
+  static Result<std::unique_ptr<MeshFile>> Make(const std::string& name) {
     std::error_code error;
     const fs::path temp = fs::temp_directory_path(error);
     std::string made = (temp / "enamel-mesh-XXXXXX").string();
     if (error || ::mkdtemp(made.data()) == nullptr) {
       return Status(Code::kStorage, "no folder for the mesh can be made in " + temp.string());
     }
-    PrivateFile out(made, name);
-    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(out.path(), bytes, 0600));
+    auto out = std::make_unique<MeshFile>(made, name);
+    out->file_.open(out->path(), std::ios::binary);
+    ENAMEL_RETURN_IF_ERROR(out->Written());
     return out;
   }
-  ~PrivateFile() {
+  MeshFile(fs::path folder, const std::string& name)
+      : folder_(std::move(folder)), path_(folder_ / name) {}
+  ~MeshFile() {
     std::error_code ignored;
-    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+    fs::remove_all(folder_, ignored);
   }
-  PrivateFile(PrivateFile&& other) noexcept
-      : folder_(std::exchange(other.folder_, {})), name_(std::move(other.name_)) {}
-  PrivateFile(const PrivateFile&) = delete;
-  PrivateFile& operator=(const PrivateFile&) = delete;
-  fs::path path() const { return folder_ / name_; }
+  MeshFile(const MeshFile&) = delete;
+  MeshFile& operator=(const MeshFile&) = delete;
+
+  const fs::path& path() const { return path_; }
+  // Errors: kStorage, as of a disk that is full.
+  Status Append(ByteView bytes) {
+    file_.write(reinterpret_cast<const char*>(bytes.data()),
+                static_cast<std::streamsize>(bytes.size()));
+    file_.flush();
+    return Written();
+  }
 
  private:
-  PrivateFile(fs::path folder, std::string name)
-      : folder_(std::move(folder)), name_(std::move(name)) {}
-  fs::path folder_;
-  std::string name_;
+  Status Written() const {
+    if (file_) return Status::Ok();
+    return Status(Code::kStorage, "the mesh cannot be written to " + path_.string());
+  }
+  const fs::path folder_, path_;
+  std::ofstream file_;
 };
-
-}  // namespace
 
 struct ToothImport::Made {
   import::ImportedScene imported;
+  bool is_target = false;
   std::optional<SceneRow> scene;  // none: only shown
   std::vector<ExerciseRow> exercises;
   std::shared_ptr<const Bytes> surface, inside;
+
+  void ShowVolume() {
+    const cutting::Volume& volume = imported.volume;
+    surface = std::make_shared<const Bytes>(EncodeSurface(surface::ExtractSurface(volume)));
+    inside =
+        std::make_shared<const Bytes>(timeline::EncodeStartTooth(timeline::StartToothOf(volume)));
+  }
 };
+
+ToothImport::ToothImport(Store& store, std::filesystem::path child)
+    : store_(store), child_(std::move(child)) {}
 
 ToothImport::~ToothImport() {
   std::thread last;
@@ -165,6 +203,9 @@ Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor&
   }
   // Its last word was said under the lock: it is over, or about to be.
   if (thread_.joinable()) thread_.join();
+  // Named by us and not by the sender: the name appears in messages and in the provenance.
+  ENAMEL_ASSIGN_OR_RETURN(
+      file_, MeshFile::Make(PlainName(wanted.title, wanted.tooth) + "." + wanted.kind));
   About fresh;
   fresh.id = Uuid::New();
   fresh.bytes = wanted.bytes;
@@ -172,7 +213,6 @@ Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor&
   surface_ = inside_ = nullptr;
   wanted_ = wanted;
   by_ = by;
-  file_.clear();
   heard_ms_ = now_ms;
   return *about_;
 }
@@ -193,15 +233,14 @@ Result<ToothImport::About> ToothImport::Append(const Uuid& id, uint64_t offset, 
                       " announced bytes, found more; begin again",
                   "bytes");
   }
-  file_.insert(file_.end(), bytes.begin(), bytes.end());
-  about_->received = file_.size();
+  ENAMEL_RETURN_IF_ERROR(file_->Append(bytes));
+  about_->received += bytes.size();
   heard_ms_ = now_ms;
   if (about_->received < about_->bytes) return *about_;
   about_->state = State::kWorking;
-  thread_ =
-      std::thread([this, wanted = wanted_, file = std::exchange(file_, {}), by = by_]() mutable {
-        Work(std::move(wanted), std::move(file), std::move(by));
-      });
+  thread_ = std::thread([this, wanted = wanted_, file = std::move(file_), by = by_]() mutable {
+    Work(std::move(wanted), std::move(file), std::move(by));
+  });
   return *about_;
 }
 
@@ -226,12 +265,18 @@ Status ToothImport::GiveUp(const Uuid& id) {
     return Status(Code::kConflict, "expected an upload that is not complete; this one is");
   }
   about_.reset();
-  file_ = {};
+  file_.reset();
   return Status::Ok();
 }
 
-void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
-  Result<Made> made = Make(wanted, file, by);
+Status ToothImport::MustBeOf(const Uuid& id, const Uuid& person) const {
+  MutexLock lock(mutex_);
+  return MustBe(by_.person == person ? id : Uuid{});
+}
+
+void ToothImport::Work(Wanted wanted, std::unique_ptr<MeshFile> file, Actor by) {
+  Result<Made> made = Make(wanted, *file, by);
+  file.reset();
   MutexLock lock(mutex_);
   about_->state = made.ok() ? State::kDone : State::kRefused;
   about_->phase.clear();
@@ -240,7 +285,7 @@ void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
     return;
   }
   about_->findings = std::move(made->imported.report);
-  about_->placement = std::move(made->imported.placement);
+  if (!made->is_target) about_->placement = std::move(made->imported.placement);
   about_->size_mm = made->imported.size_mm;
   surface_ = std::move(made->surface);
   inside_ = std::move(made->inside);
@@ -248,8 +293,9 @@ void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
   about_->exercises = std::move(made->exercises);
 }
 
-Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& file,
+Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const MeshFile& file,
                                             const Actor& by) {
+  if (wanted.prepared_of) return MakeTarget(wanted, file, by);
   ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
   const std::string plain = PlainName(title, wanted.tooth);
   import::ImportOptions options;
@@ -270,10 +316,8 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
     MutexLock lock(mutex_);
     about_->share = share;
   };
-  // Named by us and not by the sender: the name appears in messages and in the provenance.
-  ENAMEL_ASSIGN_OR_RETURN(const auto stored, PrivateFile::Write(plain + "." + wanted.kind, file));
   Made made;
-  ENAMEL_ASSIGN_OR_RETURN(made.imported, import::ImportTooth(stored.path(), options));
+  ENAMEL_ASSIGN_OR_RETURN(made.imported, import::ImportTooth(file.path(), options));
   if (wanted.publish) {
     ENAMEL_ASSIGN_OR_RETURN(made.imported.scene.name, FreeName(store_.scenes, plain));
     made.imported.scene.title = title;
@@ -281,11 +325,53 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   } else {
     if (const Status pulp = CheckPulp(made.imported); !pulp.ok())
       made.imported.report.push_back(pulp.message());
-    const cutting::Volume& volume = made.imported.volume;
-    made.surface = std::make_shared<const Bytes>(EncodeSurface(surface::ExtractSurface(volume)));
-    made.inside =
-        std::make_shared<const Bytes>(timeline::EncodeStartTooth(timeline::StartToothOf(volume)));
+    made.ShowVolume();
   }
+  made.imported.volume = {};
+  return made;
+}
+
+// A draft, because nobody has looked at its title, burs and rubric yet.
+Result<ToothImport::Made> ToothImport::MakeTarget(const Wanted& wanted, const MeshFile& file,
+                                                  const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
+  ENAMEL_ASSIGN_OR_RETURN(const ExerciseRow row,
+                          store_.exercises.ExerciseById(*wanted.prepared_of));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes text, store_.blobs.GetBlob(row.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const scene::Scene tooth, scene::SceneFromJson(AsText(text)));
+  ENAMEL_ASSIGN_OR_RETURN(const cutting::Volume whole, StoredVolume(store_.blobs, tooth.volume));
+  {
+    MutexLock lock(mutex_);
+    about_->phase = "placing";
+  }
+  import::PreparedOptions options;
+  options.scale = ScaleOf(wanted);
+  options.placed = wanted.placed;
+  ENAMEL_ASSIGN_OR_RETURN(auto taken,
+                          import::TakePrepared(tooth, whole, file.path(), options, child_));
+  Made made;
+  made.is_target = true;
+  made.imported = std::move(taken.prepared);
+  scene::Scene& prepared = made.imported.scene;
+  prepared.title = title;
+  ENAMEL_ASSIGN_OR_RETURN(prepared.name, FreeName(store_.scenes, prepared.name));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto target,
+      scene::TargetFromPrepared(tooth, whole, made.imported.volume,
+                                HashSha256(AsBytes(scene::ToJson(prepared))), kTargetLeeway_um));
+  if (!wanted.publish) {
+    made.ShowVolume();
+    return made;
+  }
+  scene::Exercise exercise = scene::PreparedExercise(tooth, row.scene, target);
+  exercise.title = title;
+  exercise.graded = !wanted.practice;
+  ENAMEL_ASSIGN_OR_RETURN(exercise.name, FreeExerciseName(store_.exercises, exercise.name));
+  ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, prepared,
+                                                 scene::EncodeVolume(made.imported.volume), by));
+  ENAMEL_ASSIGN_OR_RETURN(const ExerciseRow document, StoreExercise(store_.blobs, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const ExerciseRow draft, store_.exercises.PutDraft(document, by));
+  made.exercises.push_back(draft);
   made.imported.volume = {};
   return made;
 }

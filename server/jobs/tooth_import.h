@@ -20,13 +20,13 @@ namespace enamel::server {
 // (common/import/import_tooth.h reads it in the limited child): scene, volume and its exercises,
 // assigned to nobody. Or only shows what would become of it, in coarser voxels, and stores nothing.
 //
-// The file comes in parts, in order; with its last byte a thread of its own begins to work. One at
+// The file comes in parts, in order, and waits on the disk; with its last byte a thread of its own begins to work. One at
 // a time: it takes some hundred megabytes and a processor for up to some minutes. An upload without
 // new bytes for kForgottenMs gives way to another. The outcome can be read until the next one
 // begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
 class ToothImport {
  public:
-  static constexpr size_t kMaxFileBytes = size_t{32} << 20;
+  static constexpr size_t kMaxFileBytes = size_t{128} << 20;
   static constexpr UnixMs kForgottenMs = 5 * 60'000;
   static constexpr int32_t kVoxelNm = 50'000, kShownVoxelNm = 100'000;
 
@@ -42,6 +42,10 @@ class ToothImport {
     std::string up = "auto", buccal = "auto";
     bool publish = true;    // false: only shown
     bool practice = false;  // its exercises are not graded
+    // A dentist prepared the tooth of this exercise: the scan is laid on it, and becomes the target of a draft. Then title
+    // and file decide alone; tooth and directions are the exercise's.
+    std::optional<Uuid> prepared_of;
+    bool placed = false;  // the scan is nearly in place already (import::PreparedOptions)
   };
   enum class State { kReceiving, kWorking, kDone, kRefused };
   struct About {
@@ -51,16 +55,16 @@ class ToothImport {
     std::string phase;  // of the work, as import::ImportOptions::phase; empty: none yet
     double share = 0;   // of the phase "filling"
     std::vector<std::string> findings;           // once done: what was repaired and assumed
-    std::optional<import::Placement> placement;  // once done
+    std::optional<import::Placement> placement;  // once done, but for a target
     dvec3 size_mm{0};                            // once done: mesiodistal, buccolingual, height
     Status problem;                              // once refused
-    std::optional<SceneRow> scene;               // once published, with its exercises
+    std::optional<SceneRow>
+        scene;  // once published, with its exercises; or a target's, with its draft
     std::vector<ExerciseRow> exercises;
   };
 
   // `child`: the mesh reader; empty: beside the running program.
-  explicit ToothImport(Store& store, std::filesystem::path child = {})
-      : store_(store), child_(std::move(child)) {}
+  explicit ToothImport(Store& store, std::filesystem::path child = {});
   ~ToothImport();
   ToothImport(const ToothImport&) = delete;
   ToothImport& operator=(const ToothImport&) = delete;
@@ -73,6 +77,8 @@ class ToothImport {
   Result<About> Append(const Uuid& id, uint64_t offset, ByteView bytes, UnixMs now_ms);
   // Errors: kNotFound.
   Result<About> Get(const Uuid& id) const;
+  // Errors: kNotFound, also where another person began it.
+  Status MustBeOf(const Uuid& id, const Uuid& person) const;
   // Once shown: its surface (surface_blob.h), or what is inside of it (common/timeline/start_tooth.h).
   // Errors: kNotFound.
   enum class Picture { kSurface, kStartTooth };
@@ -83,8 +89,10 @@ class ToothImport {
 
  private:
   struct Made;
-  void Work(Wanted wanted, Bytes file, Actor by);
-  Result<Made> Make(const Wanted& wanted, const Bytes& file, const Actor& by);
+  class MeshFile;
+  void Work(Wanted wanted, std::unique_ptr<MeshFile> file, Actor by);
+  Result<Made> Make(const Wanted& wanted, const MeshFile& file, const Actor& by);
+  Result<Made> MakeTarget(const Wanted& wanted, const MeshFile& file, const Actor& by);
   Status Publish(const Wanted& wanted, const Actor& by, Made& made);
   Status MustBe(const Uuid& id) const ENAMEL_REQUIRES(mutex_);
 
@@ -96,7 +104,7 @@ class ToothImport {
       ENAMEL_GUARDED_BY(mutex_);
   Wanted wanted_ ENAMEL_GUARDED_BY(mutex_);
   Actor by_ ENAMEL_GUARDED_BY(mutex_);
-  Bytes file_ ENAMEL_GUARDED_BY(mutex_);
+  std::unique_ptr<MeshFile> file_ ENAMEL_GUARDED_BY(mutex_);
   UnixMs heard_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
   std::thread thread_ ENAMEL_GUARDED_BY(mutex_);
 };

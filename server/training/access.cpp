@@ -92,6 +92,10 @@ Status CheckConsent(bool consent) {
                 "consent");
 }
 
+bool CanImportTeeth(const Person& viewer) {
+  return Is(viewer, Role::kAdmin) || (Is(viewer, Role::kInstructor) && viewer.may_import_teeth);
+}
+
 bool CanEditExercises(const Person& viewer) { return CanRecordReference(viewer); }
 
 bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise) {

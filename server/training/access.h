@@ -42,6 +42,8 @@ bool CanSeeReferenceCut(const Person& viewer, const ReferenceRow& reference,
                         const AttemptRow& compared, bool graded);
 // Making exercises of one's own: instructors and admins, whatever their cohorts.
 bool CanEditExercises(const Person& viewer);
+// Making teeth of meshes: admins, and instructors whom an admin allowed it.
+bool CanImportTeeth(const Person& viewer);
 // Reading an exercise, its drafts too, and assigning it: its owner, instructors when it is shared,
 // admins. A person also sees exercises assigned to them.
 bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise);

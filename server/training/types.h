@@ -36,6 +36,7 @@ struct Person {
   int32_t revision = 1;               // server/training/revision.h
   std::string language;               // of the page, of kPageLanguages; empty: the browser's
   bool pin_locked = false;            // PeopleRows::TryPin
+  bool may_import_teeth = false;      // as an instructor (CanImportTeeth)
 };
 
 // Which people; nothing set: all.
@@ -53,6 +54,7 @@ struct PersonEdit {
   std::optional<std::string> display_name{};
   std::optional<Role> role{};
   std::optional<bool> disabled{};
+  std::optional<bool> may_import_teeth{};
 };
 
 struct Cohort {

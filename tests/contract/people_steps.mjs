@@ -237,6 +237,13 @@ export const devices = [
     after: (w, { json }) => (w.shapes = json.exercises.map(({ id }) => id)),
   },
   ...[0, 1, 2, 3].map((i) => ({ of: "getExercise", by: "admin", alone: true, at: (w) => w.shapes[i] })),
+  ...["ben", "ivo"].map((name) => ({
+    of: "editPerson",
+    by: "admin",
+    alone: true,
+    at: (w) => w[name].id,
+    body: () => ({ may_import_teeth: true }),
+  })),
   { of: "beginToothImport", by: "admin", body: () => mesh("First"), after: (w, { json }) => (w.tooth = json.id) },
   { of: "giveUpToothImport", by: "admin", at: (w) => w.tooth },
   {

@@ -92,7 +92,7 @@ export function generateWords() {
   export type Cases = { readonly [choice: string]: Message };
   export type Message = string | readonly (string | readonly [string, Cases])[];
   export type Messages = { readonly [key: string]: Message };
-  export type Part = "first" | "account_page" | "attempt_page" | "closer" | "compare_search" | "exercise_page" | "staff" | "live" | "more" | "marking" | "editors" | "copy_form" | "my_progress" | "tooth_import" | "builtin";
+  export type Part = "first" | "account_page" | "attempt_page" | "closer" | "compare_search" | "exercise_page" | "staff" | "live" | "more" | "marking" | "editors" | "copy_form" | "my_progress" | "tooth_import" | "target_scan" | "builtin";
   export const kAtOnce: Messages;
   export const kParts: { readonly [language in "en" | "de" | "zh"]: { readonly [part in Part]: () => Promise<{ readonly default: Messages }> } };
   export interface Places {

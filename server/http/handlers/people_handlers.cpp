@@ -88,6 +88,7 @@ Result<PersonEdit> EditOf(const Call& call) {
   // Longer than any role: an error message then shows the text as sent.
   std::string role = body.Has("role") ? body.Text("role", 1, 16) : "";
   if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
+  if (body.Has("may_import_teeth")) edit.may_import_teeth = body.Flag("may_import_teeth", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (edit.display_name) {
     ENAMEL_ASSIGN_OR_RETURN(std::string name,

@@ -8,6 +8,7 @@
 #include "server/http/operations.h"
 #include "server/http/site.h"
 #include "server/http/views/person_view.h"
+#include "server/training/access.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -28,6 +29,7 @@ json::object SessionJson(const auth::Identity& identity) {
           {"csrf", identity.csrf},
           {"must_change_password", person.must_change_password},
           {"pin_locked", person.pin_locked},
+          {"may_import_teeth", CanImportTeeth(person)},
           {"language", person.language},
           {"confirmed_until_ms", identity.confirmed_until_ms}};
 }

@@ -15,6 +15,7 @@
 #include "server/http/views/person_view.h"
 #include "server/jobs/builtin_content.h"
 #include "server/jobs/tooth_import.h"
+#include "server/training/access.h"
 #include "server/training/names.h"
 
 // The first steps of a new server: its first admin, and teeth to work on.
@@ -156,7 +157,20 @@ json::object ImportJson(const ToothImport::About& about) {
           {"tooth", std::move(tooth)}};
 }
 
+// Who may import at all, and, with an id, whether it is the caller's own. Another's import does not exist for an
+// instructor.
+Status MayImport(const Call& call) {
+  const Person& caller = call.caller->person;
+  if (!CanImportTeeth(caller)) {
+    return Status(Code::kForbidden,
+                  "expected an admin, or an instructor whom an admin has allowed to import teeth");
+  }
+  if (call.id.IsZero() || caller.role == Role::kAdmin) return Status::Ok();
+  return call.teeth->MustBeOf(call.id, caller.id);
+}
+
 Result<Response> PictureResponse(const Call& call, ToothImport::Picture picture) {
+  ENAMEL_RETURN_IF_ERROR(MayImport(call));
   ENAMEL_ASSIGN_OR_RETURN(const auto bytes, call.teeth->PictureOf(call.id, picture));
   Response response;
   response.content_type = "application/octet-stream";
@@ -206,7 +220,8 @@ Result<Response> PutBuiltinTooth(const Call& call, Store& store) {
   return Status(Code::kInvalidInput, why.message(), "name");
 }
 
-Result<Response> BeginToothImport(const Call& call, Store&) {
+Result<Response> BeginToothImport(const Call& call, Store& store) {
+  ENAMEL_RETURN_IF_ERROR(MayImport(call));
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   ToothImport::Wanted wanted;
@@ -214,7 +229,10 @@ Result<Response> BeginToothImport(const Call& call, Store&) {
   wanted.bytes = static_cast<uint64_t>(body.Integer("bytes", 0, int64_t{1} << 40));
   wanted.unit = body.Text("unit", 1, kMaxToothName);
   wanted.title = body.Text("title", 1, kMaxNameBytes);
-  wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
+  wanted.prepared_of = body.MaybeId("prepared_of");
+  if (!wanted.prepared_of || body.Has("tooth"))
+    wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
+  if (body.Has("placed")) wanted.placed = body.Flag("placed");
   if (body.Has("scale")) wanted.scale = body.Number("scale", 1e-6, 1e6);
   if (body.Has("longest_mm")) wanted.longest_mm = body.Number("longest_mm", 3, 40);
   if (body.Has("up")) wanted.up = body.Text("up", 2, kMaxToothName);
@@ -222,10 +240,16 @@ Result<Response> BeginToothImport(const Call& call, Store&) {
   if (body.Has("publish")) wanted.publish = body.Flag("publish");
   if (body.Has("practice")) wanted.practice = body.Flag("practice");
   ENAMEL_RETURN_IF_ERROR(body.Finish());
+  if (wanted.prepared_of) {
+    const auto exercise = store.exercises.ExerciseById(*wanted.prepared_of);
+    if (!exercise.ok() || !CanUseExercise(call.caller->person, *exercise))
+      return Status(Code::kInvalidInput, "there is no such exercise", "prepared_of");
+  }
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }
 
 Result<Response> AddToothBytes(const Call& call, Store&) {
+  ENAMEL_RETURN_IF_ERROR(MayImport(call));
   const std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "application/octet-stream") {
     return ErrorResponse(415, "unsupported_media_type",
@@ -237,6 +261,7 @@ Result<Response> AddToothBytes(const Call& call, Store&) {
 }
 
 Result<Response> GetToothImport(const Call& call, Store&) {
+  ENAMEL_RETURN_IF_ERROR(MayImport(call));
   return ImportResponse(call.teeth->Get(call.id));
 }
 
@@ -249,6 +274,7 @@ Result<Response> GetToothImportInside(const Call& call, Store&) {
 }
 
 Result<Response> GiveUpToothImport(const Call& call, Store&) {
+  ENAMEL_RETURN_IF_ERROR(MayImport(call));
   return DoneOr(call.teeth->GiveUp(call.id));
 }
 

@@ -59,6 +59,7 @@ void AddSharing(const Person& viewer, const ExerciseRow& row, json::object& out)
   if (CanUseExercise(viewer, row) && row.state == ExerciseState::kPublished) {
     may.emplace_back("assign");
   }
+  if (CanUseExercise(viewer, row) && CanImportTeeth(viewer)) may.emplace_back("scan_target");
   out.emplace("owner", std::move(owner));
   out.emplace("shared", row.shared);
   out.emplace("may", std::move(may));

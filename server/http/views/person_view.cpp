@@ -16,6 +16,7 @@ json::object PersonJson(const Person& person) {
           {"role", RoleName(person.role)},
           {"disabled", person.disabled},
           {"must_change_password", person.must_change_password},
+          {"may_import_teeth", person.may_import_teeth},
           {"created_ms", person.created_ms},
           {"revision", person.revision}};
 }

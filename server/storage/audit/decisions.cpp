@@ -140,7 +140,7 @@ const std::vector<SubjectKind>& Kinds() {
        "SELECT id FROM people WHERE tenant = ?1",
        {{"",
          "SELECT login, display_name, role, disabled, created_ms, verifier, must_change_password, "
-         "password_ms, pin FROM people WHERE tenant = ?1 AND id = ?2"}}},
+         "password_ms, pin, may_import_teeth FROM people WHERE tenant = ?1 AND id = ?2"}}},
       {"session",
        Key::kId,
        "SELECT id FROM sessions WHERE tenant = ?1",

@@ -1,6 +1,7 @@
 #include "server/storage/people/people_rows.h"
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <string>
 #include <vector>
 
@@ -26,14 +27,15 @@ Status KeepAnAdmin(Db& db, const Person& before, const Person& after) {
   return Admits(after) ? Status::Ok() : MustNotBeTheOnlyAdmin(db, before);
 }
 
-// What of a person is edited, for the audit trail: a name only where it changes.
+// What of a person is edited, for the audit trail: name and rights only where they change.
 std::string EditJson(const Person& person, const Person& other) {
-  if (person.display_name == other.display_name) {
-    return JsonOf({{"role", RoleName(person.role)}, {"disabled", person.disabled ? "yes" : "no"}});
-  }
-  return JsonOf({{"display_name", person.display_name},
-                 {"role", RoleName(person.role)},
-                 {"disabled", person.disabled ? "yes" : "no"}});
+  boost::json::object out;
+  if (person.display_name != other.display_name) out["display_name"] = person.display_name;
+  out["role"] = RoleName(person.role);
+  out["disabled"] = person.disabled ? "yes" : "no";
+  if (person.may_import_teeth != other.may_import_teeth)
+    out["may_import_teeth"] = person.may_import_teeth ? "yes" : "no";
+  return boost::json::serialize(out);
 }
 
 // A name in letters of another script that is drawn as another person's. Only these names are
@@ -63,7 +65,7 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
   // end. A new name does not change rights.
   bool ends_sessions = after.role != before.role || (after.disabled && !before.disabled);
   if (!ends_sessions && after.display_name == before.display_name &&
-      after.disabled == before.disabled) {
+      after.disabled == before.disabled && after.may_import_teeth == before.may_import_teeth) {
     return Status::Ok();
   }
   ENAMEL_RETURN_IF_ERROR(KeepAnAdmin(db, before, after));
@@ -74,9 +76,10 @@ Status UpdatePerson(Db& db, const Person& before, Person& after, const char* act
   {
     Query q(db,
             "UPDATE people SET display_name = ?3, role = ?4, disabled = ?5, revision = ?6, "
-            "search_name = ?7 WHERE tenant = ?1 AND id = ?2");
+            "search_name = ?7, may_import_teeth = ?8 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(after.id, after.display_name, after.role, after.disabled,
-                                  after.revision, SearchName(after.display_name))
+                                  after.revision, SearchName(after.display_name),
+                                  after.may_import_teeth)
                                .Run());
   }
   if (ends_sessions) ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, after.id));
@@ -276,6 +279,7 @@ Result<Person> PeopleRows::EditPerson(const Uuid& id, const PersonEdit& edit, in
     if (edit.display_name) after.display_name = *edit.display_name;
     if (edit.role) after.role = *edit.role;
     if (edit.disabled) after.disabled = *edit.disabled;
+    if (edit.may_import_teeth) after.may_import_teeth = *edit.may_import_teeth;
     return UpdatePerson(db, before, after, "person.edit", by);
   });
   ENAMEL_RETURN_IF_ERROR(status);

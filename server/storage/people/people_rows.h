@@ -71,7 +71,7 @@ class PeopleRows {
 // A Person of the table as `p`.
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
-    "p.password_ms, p.revision, p.language, p.wrong_pins >= 10";
+    "p.password_ms, p.revision, p.language, p.wrong_pins >= 10, p.may_import_teeth";
 static_assert(PeopleRows::kMaxWrongPins == 10);
 // A condition: the login or the name has the word (SearchWords) that is bound as `word`, "?4".
 std::string NameHas(const std::string& word);

@@ -7,8 +7,12 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "common/import/prepared_tooth.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/preparation.h"
 #include "server/auth/first_admin.h"
+#include "server/jobs/builtin_content.h"
 #include "tests/server/http/running_server.h"
 
 // The first steps of a new server, over the wire.
@@ -118,6 +122,99 @@ class ToothImportTest : public testing::Test {
   RawResponse last_;
 };
 
+TEST_F(ToothImportTest, AnInstructorImportsOnceAnAdminAllowsItAndSeesNobodyElses) {
+  const std::string body = json::serialize(json::object{{"file_name", "crown.obj"},
+                                                        {"bytes", Box().size()},
+                                                        {"unit", "mm"},
+                                                        {"title", "Mine"},
+                                                        {"tooth", 46},
+                                                        {"practice", true}});
+  Visitor ben(server_.port(), "ben");
+  EXPECT_EQ(ben.Post("/api/v1/tooth-imports", body).status, 403);
+  EXPECT_FALSE(Parsed(ben.Get("/api/v1/session")).at("may_import_teeth").as_bool());
+  const Person before = *school_.store->people.PersonById(school_.ben);
+  const RawResponse allowed = root_.Send("PATCH", "/api/v1/people/" + before.id.Text(),
+                                         "X-Enamel-Csrf: " + root_.csrf +
+                                             "\r\nContent-Type: application/json\r\nIf-Match: \"" +
+                                             std::to_string(before.revision) + "\"\r\n",
+                                         R"({"may_import_teeth":true})");
+  ASSERT_EQ(allowed.status, 200) << allowed.body;
+  EXPECT_TRUE(Parsed(ben.Get("/api/v1/session")).at("may_import_teeth").as_bool())
+      << "the session goes on";
+  const json::value others = Begin("crown.obj", Box().size(), "mm", "The admin's");
+  ASSERT_EQ(last_.status, 201);
+  const std::string theirs = Path(std::string(others.at("id").as_string()));
+  EXPECT_EQ(ben.Get(theirs).status, 404) << "another's";
+  EXPECT_EQ(root_.Send("DELETE", theirs, "X-Enamel-Csrf: " + root_.csrf + "\r\n", "").status, 204);
+  const RawResponse begun = ben.Post("/api/v1/tooth-imports", body);
+  ASSERT_EQ(begun.status, 201) << begun.body;
+  const std::string own = Path(std::string(Parsed(begun).at("id").as_string()));
+  ASSERT_EQ(
+      ben.Send("PUT", own + "/bytes?offset=0",
+               "X-Enamel-Csrf: " + ben.csrf + "\r\nContent-Type: application/octet-stream\r\n",
+               Box())
+          .status,
+      200);
+  json::value now = Parsed(ben.Get(own));
+  // Bounded by the reader's own time.
+  for (int i = 0; i < 20'000 && now.at("state") == "working"; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    now = Parsed(ben.Get(own));
+  }
+  ASSERT_EQ(now.at("state").as_string(), "done") << json::serialize(now);
+  for (const ExerciseRow& row : *school_.store->exercises.AllExercises()) {
+    if (row.title.find("Mine") != std::string::npos) EXPECT_EQ(row.owner, before.id) << row.name;
+  }
+}
+
+std::string ObjOf(const mesh::Triangles& mesh) {
+  std::string out;
+  for (const dvec3& v : mesh.vertices) {
+    out +=
+        "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+  }
+  for (const auto& t : mesh.indices) {
+    out += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
+           std::to_string(t[2] + 1) + "\n";
+  }
+  return out;
+}
+
+TEST_F(ToothImportTest, AScanOfAPreparedToothBecomesTheTargetOfADraft) {
+  constexpr int32_t kVoxel_nm = 200'000;
+  Store& store = *school_.store;
+  const Actor by{school_.root, "test"};
+  const scene::BuiltScene block = *scene::BuildBuiltinScene("block", kVoxel_nm);
+  const SceneRow row = *StoreBuiltinScene(store.blobs, store.scenes, "block", kVoxel_nm, by);
+  const auto published =
+      *PublishExercisesOf(store.blobs, store.exercises, block.scene, row.content, by);
+  const auto exercises = scene::BuiltinExercises(block.scene, row.content);
+  const auto shape = *scene::TargetShape(block.scene, exercises.front().target);
+  const std::string scan = ObjOf(import::ToothSurface_mm(scene::Prepared(block.volume, shape)));
+  const json::object of{{"prepared_of", published.front().id.Text()}, {"placed", true}};
+  const json::value shown =
+      Import("scan.obj", scan, "mm", "As cut by a dentist", 46,
+             {{"prepared_of", of.at("prepared_of")}, {"placed", true}, {"publish", false}});
+  ASSERT_EQ(last_.status, 200) << last_.body;
+  ASSERT_EQ(shown.at("state").as_string(), "done") << json::serialize(shown);
+  EXPECT_TRUE(shown.at("tooth").is_null() && shown.at("stance").is_null());
+  const json::value done = Import("scan.obj", scan, "mm", "As cut by a dentist", 46, of);
+  ASSERT_EQ(done.at("state").as_string(), "done") << json::serialize(done);
+  const Uuid id =
+      *Uuid::Parse(std::string_view(done.at("tooth").at("exercises").at(0).at("id").as_string()));
+  const ExerciseRow draft = *store.exercises.ExerciseById(id);
+  EXPECT_EQ(draft.state, ExerciseState::kDraft);
+  EXPECT_EQ(draft.title, "As cut by a dentist");
+  const scene::Exercise document =
+      *scene::ExerciseFromJson(AsText(*store.blobs.GetBlob(draft.content)));
+  EXPECT_EQ(document.scene, row.content);
+  EXPECT_FALSE(document.target.prepared.IsZero());
+  const json::value another = Import("scan.obj", Box(), "mm", "Another", 46, of);
+  EXPECT_EQ(another.at("state").as_string(), "refused") << json::serialize(another);
+  Begin("scan.obj", scan.size(), "mm", "Of nothing", 46, {{"prepared_of", Uuid::New().Text()}});
+  EXPECT_EQ(last_.status, 400) << last_.body;
+}
+
 TEST_F(ToothImportTest, MeshBecomesAToothWithItsExercises) {
   const json::value done = Import("Crown.OBJ", Box(), "mm", "Ein Würfel", 46);
   ASSERT_EQ(done.at("state").as_string(), "done") << json::serialize(done);
@@ -146,6 +243,7 @@ TEST_F(ToothImportTest, MeshBecomesAToothWithItsExercises) {
 TEST_F(ToothImportTest, WhatIsShownIsPublishedOnlyWhenSentAgainAndStandsAsGiven) {
   const json::value shown = Import("box.obj", Box(), "m", "Box", 46,
                                    {{"publish", false}, {"longest_mm", 8}, {"up", "-z"}});
+  ASSERT_EQ(last_.status, 200) << last_.body;
   ASSERT_EQ(shown.at("state").as_string(), "done") << json::serialize(shown);
   EXPECT_TRUE(shown.at("tooth").is_null());
   EXPECT_EQ(shown.at("stance").at("up").as_array(), json::parse("[0e0,0e0,-1e0]"));
@@ -201,7 +299,7 @@ TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
   }
   const RawResponse large =
       root_.Post("/api/v1/tooth-imports",
-                 R"({"file_name":"a.stl","bytes":99999999,"unit":"mm","title":"t","tooth":46})");
+                 R"({"file_name":"a.stl","bytes":999999999,"unit":"mm","title":"t","tooth":46})");
   EXPECT_EQ(large.status, 413) << large.body;
   EXPECT_EQ(school_.store->scenes.Scenes()->size(), 1u) << "the school's own";
 }

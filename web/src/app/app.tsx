@@ -35,6 +35,7 @@ type SessionState =
       readonly person: Person;
       readonly language: Session["language"];
       readonly mustChange: boolean;
+      readonly mayImport: boolean; // teeth
     };
 
 const session = signal<SessionState>({ state: "unknown" });
@@ -95,7 +96,13 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   await loadWords("builtin").catch(() => undefined);
   chosenBefore.value = undefined;
   draftsOf(person.id);
-  session.value = { state: "in", person, language: kept.language, mustChange };
+  session.value = {
+    state: "in",
+    person,
+    language: kept.language,
+    mustChange,
+    mayImport: begun.may_import_teeth,
+  };
 }
 
 // Before anybody is signed in: for this browser, and for the next person who signs in.
@@ -270,6 +277,7 @@ function screen(route: Route, person: Person): ComponentChildren {
         <StaffExercisesPage
           client={client}
           admin={person.role === "admin"}
+          mayImport={session.value.state === "in" && session.value.mayImport}
           query={route.query}
           onQuery={narrow}
           onOpen={navigate}

@@ -79,25 +79,26 @@ const empty = (): Readonly<Record<ExerciseState, string>> => ({
 interface StaffProps {
   readonly client: Client;
   readonly admin: boolean;
+  readonly mayImport: boolean; // teeth
   readonly query: URLSearchParams;
   readonly onQuery: (query: Readonly<Record<string, string>>) => void;
   readonly onOpen: (path: string) => void;
 }
 
 // For instructors: drafts, published and retired exercises.
-export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: StaffProps) {
+export function StaffExercisesPage({ client, admin, mayImport, query, onQuery, onOpen }: StaffProps) {
   const asked = query.get("state");
   const state: ExerciseState = asked === "draft" || asked === "retired" ? asked : "published";
   const { loaded, reload } = useRequest(state, (signal) => client.all("/exercises", { state, signal }));
   const [adding, setAdding] = useState(false);
-  const importing = admin && query.get("import") === "tooth";
+  const importing = mayImport && query.get("import") === "tooth";
   const closeImport = () => onQuery({ import: "" });
   return (
     <>
       <div class="toolbar">
         <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
         <div class="button-row">
-          {admin && (
+          {mayImport && (
             <button type="button" class="button" onClick={() => onQuery({ import: "tooth" })}>
               {say("tooth_import.ask")}
             </button>
@@ -164,7 +165,9 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
         ))}
       {importing && (
         <Dialog wide title={say("tooth_import.title")} onClose={closeImport}>
-          <ToothImport show={({ AddTooth }) => <AddTooth client={client} onDone={reload} onClose={closeImport} />} />
+          <ToothImport
+            show={({ AddTooth }) => <AddTooth client={client} admin={admin} onDone={reload} onClose={closeImport} />}
+          />
         </Dialog>
       )}
       {adding && (

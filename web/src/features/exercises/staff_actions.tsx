@@ -6,8 +6,11 @@ import type { Exercise } from "../../api/types";
 import { say, sayWith } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { Confirm, Dialog } from "../../widgets/dialog";
+import { part } from "../../widgets/part";
 import { Copying } from "./copying";
 import { DocumentForm } from "./document_form";
+
+const TargetScanPart = part("target_scan", () => import("./target_scan"));
 
 interface Props {
   readonly client: Client;
@@ -17,7 +20,7 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-type Open = "copy" | "publish" | "retire" | "delete" | "replace" | "share";
+type Open = "copy" | "scan" | "publish" | "retire" | "delete" | "replace" | "share";
 
 // What a teacher can do with an exercise: replace, publish or delete a draft; retire what is
 // published.
@@ -52,17 +55,30 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
       />
     </Dialog>
   );
-  const copyButton = (
-    <button type="button" class="button" onClick={() => setOpen("copy")}>
-      {say("copy_exercise.ask")}
-    </button>
+  const scan = open === "scan" && (
+    <Dialog title={say("target_scan.title", { title: wordedTitle(exercise.title) })} onClose={close}>
+      <TargetScanPart show={({ TargetScan }) => <TargetScan client={client} exercise={exercise} onClose={close} />} />
+    </Dialog>
+  );
+  const copyButtons = (
+    <>
+      <button type="button" class="button" onClick={() => setOpen("copy")}>
+        {say("copy_exercise.ask")}
+      </button>
+      {exercise.may.includes("scan_target") && (
+        <button type="button" class="button" onClick={() => setOpen("scan")}>
+          {say("target_scan.ask")}
+        </button>
+      )}
+    </>
   );
   // Others' exercises are to read, to assign and to copy.
   if (!exercise.may.includes("change"))
     return (
       <div class="actions">
-        <div class="button-row">{copyButton}</div>
+        <div class="button-row">{copyButtons}</div>
         {copy}
+        {scan}
       </div>
     );
   return (
@@ -102,9 +118,10 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
         <button type="button" class="button" onClick={() => setOpen("share")}>
           {exercise.shared ? say("staff.unshare_ask") : say("staff.share_ask")}
         </button>
-        {copyButton}
+        {copyButtons}
       </div>
       {copy}
+      {scan}
       <div aria-live="polite">
         {done !== undefined && (
           <Notice tone="good">

@@ -110,6 +110,10 @@ const compared = () => [
     title: say("people.disabled"),
     text: (person: PersonDetail) => (person.disabled ? "yes" : "no"),
   },
+  {
+    title: say("person.may_import_teeth"),
+    text: (person: PersonDetail) => (person.may_import_teeth ? "yes" : "no"),
+  },
 ];
 
 function Details({
@@ -125,10 +129,10 @@ function Details({
 }) {
   const edit = useEdit(
     read,
-    ({ display_name, role }, tag) =>
+    ({ display_name, role, may_import_teeth }, tag) =>
       client.tagged("PATCH", "/people/{id}", {
         id: read.value.id,
-        body: { display_name: display_name.trim(), role },
+        body: { display_name: display_name.trim(), role, may_import_teeth },
         tag,
       }),
     onRead,
@@ -155,7 +159,15 @@ function Details({
         problem={edit.problemOf("role")}
         {...(self ? { hint: say("person.own_account") } : {})}
       />
-      <EditNotices edit={edit} compared={compared()} fields={["display_name", "role"]} />
+      {edit.draft.role === "instructor" && (
+        <CheckField
+          label={say("person.may_import_teeth")}
+          hint={say("person.may_import_teeth_hint")}
+          value={edit.draft.may_import_teeth}
+          onValue={(may) => edit.set({ may_import_teeth: may })}
+        />
+      )}
+      <EditNotices edit={edit} compared={compared()} fields={["display_name", "role", "may_import_teeth"]} />
       <div>
         <Button busy={edit.busy} blocked={edit.changed ? undefined : say("rubric.nothing_changed")}>
           {say("common.save")}
