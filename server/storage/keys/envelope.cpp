@@ -29,7 +29,8 @@ Bytes SealEnvelope(const EnvelopeHead& head, const DataKey& cipher,
 std::optional<EnvelopeHead> HeadOfEnvelope(ByteView sealed, std::string_view magic) {
   if (sealed.size() < kEnvelopeBytes || AsText(sealed.first(magic.size())) != magic) return {};
   ByteReader in(sealed.subspan(magic.size()));
-  EnvelopeHead out{magic};
+  EnvelopeHead out;
+  out.magic = magic;
   out.version = in.U16();
   out.flags = in.U16();
   out.person = Uuid::FromBytes(in.Raw(16));
