@@ -55,13 +55,13 @@ start_run() {
   pids+=("$runner")
 }
 wait_for_line() {
-  for _ in $(seq 6000); do
+  for _ in $(seq 18000); do
     grep -q "$1" "$work/run.log" && return
     kill -0 "$runner" 2>/dev/null || { cat "$work/run.log"; fail "./run ended before it said \"$1\""; }
     sleep 0.05
   done
   cat "$work/run.log"
-  fail "./run did not say \"$1\" within 300 s"
+  fail "./run did not say \"$1\" within 900 s"
 }
 wait_for_ticks() {
   wait_for_line "attempt by a simulated student"
