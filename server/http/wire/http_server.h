@@ -42,7 +42,9 @@ struct TlsFiles {
 // Deadlines of a connection; each covers the whole of its phase, so a byte now and then does not
 // extend it.
 struct HttpDeadlines {
-  std::chrono::milliseconds idle{30'000};       // between requests
+  // Between requests. Longer than the 60 s after which Chromium gives up a connection that it opened ahead: on one that the
+  // server closed first, it shows the request that it was sending as failed.
+  std::chrono::milliseconds idle{75'000};
   std::chrono::milliseconds handshake{10'000};  // TLS
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
   std::chrono::milliseconds body{30'000};
