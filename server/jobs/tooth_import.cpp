@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMinPulp_mm3 = 0.5;  // a ball of 1 mm, which a bur can meet; chosen
-// As of `enamel-station target`.
+// The default of `enamel-station target`.
 constexpr int32_t kTargetLeeway_um = 250;
 constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
 
