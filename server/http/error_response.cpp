@@ -104,7 +104,8 @@ Response ErrorResponse(const Status& status) {
                          "The server could not do this; its log says why. Try again, or tell the "
                          "person who runs the server.");
   }
-  return ErrorResponse(http_status, CodeName(status.code()), status.message(), status.field());
+  return MadeResponse(http_status, CodeName(status.code()), status.message(), status.field(),
+                      status.retry_after_s());
 }
 
 Response Done() {
