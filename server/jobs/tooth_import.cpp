@@ -79,24 +79,25 @@ std::string PlainName(std::string_view title, int tooth) {
   return out;
 }
 
-// A name that no tooth has: exercises are named by it, and another tooth is not a version of
-// theirs.
-Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, scenes_rows.Scenes());
+// The name that is wanted, or with the first number with which no row has it.
+template <typename Row>
+std::string FreeName(const std::vector<Row>& rows, const std::string& wanted) {
   std::string name = wanted;
-  for (int again = 2; std::ranges::find(scenes, name, &SceneRow::name) != scenes.end(); ++again) {
+  for (int again = 2; std::ranges::find(rows, name, &Row::name) != rows.end(); ++again) {
     name = wanted + "-" + std::to_string(again);
   }
   return name;
 }
 
+// Exercises are named by their tooth, and another tooth is not a version of theirs.
+Result<std::string> FreeToothName(SceneRows& scenes, const std::string& wanted) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, scenes.Scenes());
+  return FreeName(all, wanted);
+}
+
 Result<std::string> FreeExerciseName(ExerciseRows& exercises, const std::string& wanted) {
   ENAMEL_ASSIGN_OR_RETURN(const auto all, exercises.AllExercises());
-  std::string name = wanted;
-  for (int again = 2; std::ranges::find(all, name, &ExerciseRow::name) != all.end(); ++again) {
-    name = wanted + "-" + std::to_string(again);
-  }
-  return name;
+  return FreeName(all, wanted);
 }
 
 // Refuses a crown whose pulp a graded cut could hardly expose.
@@ -319,7 +320,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const MeshFile
   Made made;
   ENAMEL_ASSIGN_OR_RETURN(made.imported, import::ImportTooth(file.path(), options));
   if (wanted.publish) {
-    ENAMEL_ASSIGN_OR_RETURN(made.imported.scene.name, FreeName(store_.scenes, plain));
+    ENAMEL_ASSIGN_OR_RETURN(made.imported.scene.name, FreeToothName(store_.scenes, plain));
     made.imported.scene.title = title;
     ENAMEL_RETURN_IF_ERROR(Publish(wanted, by, made));
   } else {
@@ -354,7 +355,7 @@ Result<ToothImport::Made> ToothImport::MakeTarget(const Wanted& wanted, const Me
   made.imported = std::move(taken.prepared);
   scene::Scene& prepared = made.imported.scene;
   prepared.title = title;
-  ENAMEL_ASSIGN_OR_RETURN(prepared.name, FreeName(store_.scenes, prepared.name));
+  ENAMEL_ASSIGN_OR_RETURN(prepared.name, FreeToothName(store_.scenes, prepared.name));
   ENAMEL_ASSIGN_OR_RETURN(
       const auto target,
       scene::TargetFromPrepared(tooth, whole, made.imported.volume,
@@ -365,7 +366,8 @@ Result<ToothImport::Made> ToothImport::MakeTarget(const Wanted& wanted, const Me
   }
   scene::Exercise exercise = scene::PreparedExercise(tooth, row.scene, target);
   exercise.title = title;
-  exercise.graded = !wanted.practice;
+  // A tooth without a pulp has practice exercises only (CheckPulp).
+  exercise.graded = row.graded && !wanted.practice;
   ENAMEL_ASSIGN_OR_RETURN(exercise.name, FreeExerciseName(store_.exercises, exercise.name));
   ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, prepared,
                                                  scene::EncodeVolume(made.imported.volume), by));

@@ -13,6 +13,7 @@
 #include "common/scene/preparation.h"
 #include "server/auth/first_admin.h"
 #include "server/jobs/builtin_content.h"
+#include "server/jobs/tooth_import.h"
 #include "tests/server/http/running_server.h"
 
 // The first steps of a new server, over the wire.
@@ -205,6 +206,7 @@ TEST_F(ToothImportTest, AScanOfAPreparedToothBecomesTheTargetOfADraft) {
   const ExerciseRow draft = *store.exercises.ExerciseById(id);
   EXPECT_EQ(draft.state, ExerciseState::kDraft);
   EXPECT_EQ(draft.title, "As cut by a dentist");
+  EXPECT_EQ(draft.graded, published.front().graded);
   const scene::Exercise document =
       *scene::ExerciseFromJson(AsText(*store.blobs.GetBlob(draft.content)));
   EXPECT_EQ(document.scene, row.content);
@@ -299,7 +301,8 @@ TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
   }
   const RawResponse large =
       root_.Post("/api/v1/tooth-imports",
-                 R"({"file_name":"a.stl","bytes":999999999,"unit":"mm","title":"t","tooth":46})");
+                 R"({"file_name":"a.stl","unit":"mm","title":"t","tooth":46,"bytes":)" +
+                     std::to_string(ToothImport::kMaxFileBytes + 1) + "}");
   EXPECT_EQ(large.status, 413) << large.body;
   EXPECT_EQ(school_.store->scenes.Scenes()->size(), 1u) << "the school's own";
 }
