@@ -11,7 +11,7 @@ namespace enamel::scoring::half_planes {
 
 inline constexpr int kPlaces = 72;
 inline constexpr int kSections = 8, kHalfPlanes = 2 * kSections;
-// Of 5 degrees: a turn is 72 of them, so that the directions do not depend on libm.
+// A turn is 72 steps of 5 degrees: the directions do not depend on libm.
 inline constexpr double kCosStep = 0.99619469809174553, kSinStep = 0.08715574274765817;
 // And of 22.5: between every other half plane and the one before, which is one of the places.
 inline constexpr double kCosBetween = 0.92387953251128674, kSinBetween = 0.38268343236508977;
@@ -64,7 +64,7 @@ class Profile {
     return HeightWhere_m(
         d, [r_m](double) { return r_m; }, from_z_m, to_z_m);
   }
-  // The same along a line whose distance from the axis follows the height.
+  // Height_m along a line whose distance from the axis follows the height.
   template <typename RadiusAt>
   std::optional<double> HeightWhere_m(const Direction& d, const RadiusAt& radius_m, double from_z_m,
                                       double to_z_m) const {

@@ -125,7 +125,7 @@ class Reader {
         out = number;
     }
   }
-  // As it was written, also where the text has more digits: what is read is written again alike.
+  // A number with more digits is read as it would be written, so that it is written alike again.
   void operator()(const char* name, double& out, double unit = 1) {
     if (const json::value* v = Member(name)) Number(*v, name, "a number", unit, out);
   }

@@ -30,7 +30,7 @@ inline constexpr Name<NoValue> kWhy[] = {{NoValue::kNotInTask, "not_in_task"},
 inline constexpr Name<Acceptance> kAcceptances[] = {{Acceptance::kAcceptable, "acceptable"},
                                                     {Acceptance::kWithRemarks, "with_remarks"},
                                                     {Acceptance::kNotAcceptable, "not_acceptable"}};
-// Whether the dearer side of a region is what was cut too far.
+// The side of a region that costs more; true: what was cut too far.
 inline constexpr Name<bool> kSides[] = {{true, "over"}, {false, "left"}};
 
 // const where V writes.
@@ -89,7 +89,7 @@ void Members(V& v, Of<V, CriterionResult>& c) {
   v("comment", c.comment);
 }
 
-// Of the region and its cost.
+// A region and its cost make one object.
 template <typename V>
 void Members(V& v, Of<V, RegionMeasure>& m, Of<V, RegionCost>& cost) {
   v("name", m.name);

@@ -15,7 +15,7 @@ inline constexpr std::string_view kChangePassword = "change-password";
 
 // 400, 401, 403, 404, 409, 412, 413, 428, 429, 503 carry the Status's message. Every fault of ours
 // (kStorage, kVersion, kInternal) becomes a 500 without detail, which goes to the log here.
-// Retry-After is the wait of a throttled sign-in; 5 s otherwise. A message may repeat any bytes of
+// Retry-After is the Status's, else 5 s. A message may repeat any bytes of
 // the peer: invalid UTF-8 is replaced.
 Response ErrorResponse(const Status& status);
 
@@ -28,7 +28,7 @@ Response ErrorResponse(int status, std::string_view code, std::string_view messa
 Response Done();
 // That, or the refusal.
 Result<Response> DoneOr(const Status& status);
-// What a handler came to.
+// A handler's response, or its refusal as one.
 Response Answered(Result<Response> result);
 
 }  // namespace enamel::server::http

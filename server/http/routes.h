@@ -27,8 +27,8 @@
 #include "server/storage/store_pool.h"
 #include "server/storage/upkeep/readiness.h"
 
-// The API's table of routes, which is made of the contract, schemas/api/openapi.yaml (operations.cmake), and what a handler
-// gets.
+// The API's table of routes, and what a handler gets. operations.cmake makes the table of the contract,
+// schemas/api/openapi.yaml.
 namespace enamel::server::http {
 
 class Api;

@@ -12,7 +12,7 @@ constexpr double kAirFeed_m_per_s = 10e-3;
 constexpr double kRoughFeed_m_per_s = 3e-3;
 constexpr double kFinishFeed_m_per_s = 3e-3;
 constexpr double kWallLift_m = 40e-6;    // wall passes stay this far above the floor
-constexpr size_t kMostSides = 100;       // of a finishing ring
+constexpr size_t kMaxRingSides = 100;    // of a finishing ring
 constexpr double kFloorInset_m = 25e-6;  // floor passes stay this far off the walls
 
 // Outlines that clear the outer one, innermost first: a round clears its inside up to one bur
@@ -124,7 +124,7 @@ class Planner {
     for (const Outline& r : Rounds(Grown(tip_, -kFloorInset_m), radius_)) {
       std::vector<dvec3> c = CornersAt(r, floor_, options_.clockwise);
       c.push_back(c[0]);
-      if (ring.corners.size() + c.size() > kMostSides) AddFloor(std::exchange(ring, {}));
+      if (ring.corners.size() + c.size() > kMaxRingSides) AddFloor(std::exchange(ring, {}));
       ring.corners.insert(ring.corners.end(), c.begin(), c.end());
     }
     AddFloor(std::move(ring));

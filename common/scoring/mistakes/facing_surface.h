@@ -39,7 +39,7 @@ class FacingSurface {
   FacingSurface(const surface::Mesh& cut, const ToothPlace& place);
 
   double MeanArea_m2() const;
-  // Of each family, in triangles as they are.
+  // Each family's surface, in triangles as they are.
   using Families = std::array<std::optional<surface::DistanceQuery>, kFamilies>;
   Families Surfaces() const;
   // The number of the connected upward surface that each triangle belongs to; -1 for walls.

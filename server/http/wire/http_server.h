@@ -42,8 +42,9 @@ struct TlsFiles {
 // Deadlines of a connection; each covers the whole of its phase, so a byte now and then does not
 // extend it.
 struct HttpDeadlines {
-  // Between requests. Longer than the 60 s after which Chromium gives up a connection that it opened ahead: on one that the
-  // server closed first, it shows the request that it was sending as failed.
+  // Between requests. Chromium gives up a connection that it opened ahead after 60 s
+  // (ClientSocketPoolManager::unused_idle_socket_timeout). If the server closes it first, a request that Chromium has just
+  // sent on it fails before the user.
   std::chrono::milliseconds idle{75'000};
   std::chrono::milliseconds handshake{10'000};  // TLS
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
