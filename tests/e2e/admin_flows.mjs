@@ -262,6 +262,7 @@ async function importRoster(world) {
 async function search(world) {
   const page = await signedIn(world, "admin", "/people");
   await page.getByRole("link", { name: "Search" }).click();
+  await page.getByLabel("Name or login").and(page.locator(":focus")).waitFor(); // its part of the page may still load
   await page.keyboard.type("student t");
   await page.getByRole("region", { name: "People" }).getByRole("link", { name: "Student Two" }).waitFor();
   const made = page.getByRole("region", { name: "Attempts" }).getByRole("link", { name: /^Student Two, / });
