@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/cutting/voxel_limit.h"
 #include "common/import/band_sampler.h"
@@ -258,15 +259,26 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
                                       const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
   if (mesh.indices.empty()) return Invalid("the mesh holds no triangles");
-  ENAMEL_ASSIGN_OR_RETURN(const mesh::Triangles mesh_mm, mesh::InMm(mesh, options.scale));
   Enter(options, "repairing");
+  CutCrowns crowns;
+  if (options.around.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(crowns.tooth, mesh::InMm(mesh, options.scale));
+  } else {
+    ENAMEL_ASSIGN_OR_RETURN(crowns, CutOut(mesh, options.scale, options.around));
+  }
   mesh::RepairOptions repair;
   repair.finest_mm = FinestPiece_mm(options);
-  ENAMEL_ASSIGN_OR_RETURN(mesh::Solid solid, mesh::MakeSolid(mesh_mm, repair));
+  ENAMEL_ASSIGN_OR_RETURN(mesh::Solid solid, mesh::MakeSolid(crowns.tooth, repair));
   ENAMEL_RETURN_IF_ERROR(CheckOneBody(solid));
   Enter(options, "placing");
   ENAMEL_ASSIGN_OR_RETURN(PlacedSolid placed,
                           Place(std::move(solid), {options.tooth, options.up, options.buccal}));
+  NeighbourTeeth neighbours;
+  for (const mesh::Triangles& crown : crowns.neighbours) {
+    auto made = NeighbourTooth::Make(crown, placed);
+    if (!made.ok()) return Invalid("the neighbour: " + made.status().message(), "around");
+    neighbours.push_back(*std::move(made));
+  }
   const mesh::Box box = mesh::BoxOf(placed.solid.mesh);
   const mesh::TriangleTree boundary(placed.solid.boundary), whole(placed.solid.mesh);
   mesh::SignedProbe probe(boundary, whole);
@@ -282,10 +294,18 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        mesh::Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; the pulp's size by the crown's");
+  if (!options.around.empty())
+    out.report.push_back("cut out of a scan of several teeth, with " +
+                         Counted(neighbours.size(), "neighbour"));
   WarnOfThinWalls(
       boundary, [&](const dvec3& p) { return whole.Inside(p); }, options, out);
+  const mesh::Box kept = BoxWith(box, neighbours);
   ENAMEL_RETURN_IF_ERROR(Fill(
-      box, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, options, out));
+      kept,
+      [&] {
+        return FieldWith(std::make_unique<DepthField>(boundary, whole, tissues), neighbours, kept);
+      },
+      options, out));
   Finish(fossa, source + "; tissues by depth from the surface are an assumption", options, out);
   if (cutting::SolidVolume_m3(out.volume)[static_cast<size_t>(Tissue::kPulp)] <= 0)
     out.report.push_back("no pulp has room in this crown: no cut can expose one");
@@ -353,6 +373,10 @@ Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOpti
   ImportOptions named = options;
   if (named.name.empty()) named.name = read.name;
   const std::string source = "imported from " + read.provenance + ", " + mesh::Words(options.scale);
+  if (!read.whole && !options.around.empty()) {
+    return Invalid("expected one surface to cut a tooth out of, found one surface per tissue",
+                   "around");
+  }
   Result<ImportedScene> out = read.whole ? ImportTriangles(*read.whole, source, named)
                                          : ImportLayers(read.surfaces, source, named);
   if (!out.ok()) {

@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
+#include "common/import/jaw_scan.h"
 #include "common/import/layers.h"
 #include "common/import/place.h"
 #include "common/mesh/triangles.h"
@@ -29,6 +30,9 @@ struct ImportOptions {
   std::string up = "auto", buccal = "auto";
   // With one surface per tissue: gaps and crossings that are mended (layers.h), 0 to 0.5.
   double bridge_mm = 0.1;
+  // Where the file is a scan of several teeth: the crown within the first curve is the tooth, those within the others are
+  // its neighbours. Empty: the file is one tooth.
+  GumCurves around = {};
   std::string name = {};             // of the scene; empty: made from the file's name
   int threads = 0;                   // 0: as many as the machine has
   std::filesystem::path child = {};  // empty: enamel-import-child beside the running program

@@ -100,9 +100,10 @@ Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
   mesh::Stance& stance = found.stance;
   if (const auto hole = HoleOf(solid); hole && Dot(*hole, stance.up) < -kBelow) stance.gum = hole;
   ENAMEL_ASSIGN_OR_RETURN(const dmat3 turn, TurnOf(solid.mesh, stance.up, facing));
-  Move(solid, turn, MiddleOf(solid.mesh, turn));
+  const dvec3 middle = MiddleOf(solid.mesh, turn);
+  Move(solid, turn, middle);
   PlacedSolid placed{std::move(solid), std::nullopt,
-                     PlacementOf(turn, stance, std::move(found.by), facing)};
+                     PlacementOf(turn, stance, std::move(found.by), facing), turn, middle};
   if (stance.gum) placed.gum = turn * *stance.gum;
   return placed;
 }

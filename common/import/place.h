@@ -26,6 +26,9 @@ struct PlacedSolid {
   mesh::Solid solid;
   std::optional<dvec3> gum;  // as in mesh::Stance, scene frame
   Placement placement;
+  // A point p of the file is at turn p - middle.
+  dmat3 turn{1.0};
+  dvec3 middle{0};
 };
 struct PlacedLayers {
   LayerSolids layers;

@@ -32,26 +32,6 @@ struct CellHash {
   }
 };
 
-Triangles Weld(const Triangles& in) {
-  Triangles out;
-  std::unordered_map<std::array<int64_t, 3>, uint32_t, CellHash> known;
-  known.reserve(in.vertices.size());
-  std::vector<uint32_t> to(in.vertices.size());
-  for (size_t i = 0; i < in.vertices.size(); ++i) {
-    std::array<int64_t, 3> key;
-    for (int k = 0; k < 3; ++k)
-      // By cells of a micrometre: quick, and two vertices on either side of a cell's border stay
-      // two.
-      key[static_cast<size_t>(k)] = std::llround(in.vertices[i][k] / kWeld_mm);
-    auto [it, fresh] = known.emplace(key, static_cast<uint32_t>(out.vertices.size()));
-    if (fresh) out.vertices.push_back(in.vertices[i]);
-    to[i] = it->second;
-  }
-  out.indices.reserve(in.indices.size());
-  for (const Triangle& t : in.indices) out.indices.push_back({to[t[0]], to[t[1]], to[t[2]]});
-  return out;
-}
-
 void DropUseless(Triangles& mesh, MeshReport& report) {
   std::vector<std::pair<Triangle, uint32_t>> known;  // corners in order, index
   for (uint32_t i = 0; i < mesh.indices.size(); ++i) {
@@ -271,9 +251,29 @@ double BoxVolume(const Triangles& mesh) {
 
 }  // namespace
 
+Triangles Welded(const Triangles& in) {
+  Triangles out;
+  std::unordered_map<std::array<int64_t, 3>, uint32_t, CellHash> known;
+  known.reserve(in.vertices.size());
+  std::vector<uint32_t> to(in.vertices.size());
+  for (size_t i = 0; i < in.vertices.size(); ++i) {
+    std::array<int64_t, 3> key;
+    for (int k = 0; k < 3; ++k)
+      // By cells of a micrometre: quick, and two vertices on either side of a cell's border stay
+      // two.
+      key[static_cast<size_t>(k)] = std::llround(in.vertices[i][k] / kWeld_mm);
+    auto [it, fresh] = known.emplace(key, static_cast<uint32_t>(out.vertices.size()));
+    if (fresh) out.vertices.push_back(in.vertices[i]);
+    to[i] = it->second;
+  }
+  out.indices.reserve(in.indices.size());
+  for (const Triangle& t : in.indices) out.indices.push_back({to[t[0]], to[t[1]], to[t[2]]});
+  return out;
+}
+
 Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) {
   Solid solid;
-  solid.mesh = Weld(mesh_mm);
+  solid.mesh = Welded(mesh_mm);
   MeshReport& report = solid.report;
   DropUseless(solid.mesh, report);
   if (solid.mesh.indices.size() < 4) {

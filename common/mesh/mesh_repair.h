@@ -42,6 +42,9 @@ struct Solid {
   MeshReport report;
 };
 
+// Vertices nearer than a micrometre are one; triangles that then name a vertex twice stay.
+Triangles Welded(const Triangles& mesh_mm);
+
 // Makes a closed, outward mesh of triangles in millimetres, or reports why it cannot be one. It
 // welds vertices nearer than a micrometre, turns faces to agree and closes holes by flat fans.
 // Parts that overlap or are nested become one solid, and so does a surface that crosses itself:

@@ -8,7 +8,6 @@
 namespace enamel::mesh {
 namespace {
 
-constexpr double kSmallest_mm = 3, kLargest_mm = 40;
 // A file's rounding must not make 40.0000 mm too large.
 constexpr double kRounding = 1e-5;  // of coordinates in a file
 constexpr double kCoarsest_mm = 5e-3;
@@ -25,8 +24,8 @@ Status Invalid(std::string message, std::string field) {
   return Status(Code::kInvalidInput, std::move(message), std::move(field));
 }
 
-bool IsToothSize(double extent_mm) {
-  return extent_mm >= kSmallest_mm * (1 - kRounding) && extent_mm <= kLargest_mm * (1 + kRounding);
+bool Fits(double extent_mm, const Sized& sized) {
+  return extent_mm >= sized.min_mm * (1 - kRounding) && extent_mm <= sized.max_mm * (1 + kRounding);
 }
 
 // The coarsest step between coordinates of a mesh: what a float far from 0 cannot tell apart. A
@@ -40,15 +39,15 @@ double Step(const Triangles& mesh, double farthest) {
   return farthest * 0x1p-23;
 }
 
-Status CheckFineness(const Triangles& mesh, const Box& box, double scale_mm) {
+Status CheckFineness(const Triangles& mesh, const Box& box, double scale_mm, const Sized& sized) {
   double farthest = 0;
   for (int k = 0; k < 3; ++k)
     farthest = std::max({farthest, std::abs(box.lo[k]), std::abs(box.hi[k])});
   const double step_mm = scale_mm * Step(mesh, farthest);
   if (step_mm <= kCoarsest_mm) return Status::Ok();
-  return Invalid("expected a tooth near its file's origin, found one " + Fixed(farthest, 0) +
-                     " units away, where coordinates come in steps of " + Fixed(1e3 * step_mm, 1) +
-                     " um: move it to the origin in a mesh program",
+  return Invalid(std::string("expected a ") + sized.what + " near its file's origin, found one " +
+                     Fixed(farthest, 0) + " units away, where coordinates come in steps of " +
+                     Fixed(1e3 * step_mm, 1) + " um: move it to the origin in a mesh program",
                  "unit");
 }
 
@@ -85,8 +84,8 @@ std::string Words(const FileScale& scale) {
 
 Status CheckScale(const FileScale& scale) {
   ENAMEL_RETURN_IF_ERROR(UnitInMm(scale.unit).status());
-  if (scale.longest_mm != 0 && !IsToothSize(scale.longest_mm)) {
-    return Invalid("expected a tooth whose longest side has 3 to 40 mm, found " +
+  if (scale.longest_mm != 0 && !Fits(scale.longest_mm, {"", kTooth.min_mm, kScan.max_mm})) {
+    return Invalid("expected a longest side of 3 mm (a tooth) to 200 mm (a jaw), found " +
                        Fixed(scale.longest_mm) + " mm",
                    "longest_mm");
   }
@@ -105,29 +104,29 @@ Result<double> ScaleInMm(const Triangles& mesh, const FileScale& scale) {
   return Invalid("expected a mesh with an extent, found all of it in one point", "longest_mm");
 }
 
-Status CheckSize(const Triangles& mesh, const FileScale& scale) {
+Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& sized) {
   ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(mesh, scale));
   const Box box = BoxOf(mesh);
   const double extent = box.extent(), extent_mm = extent * scale_mm;
-  if (IsToothSize(extent_mm)) return CheckFineness(mesh, box, scale_mm);
+  if (Fits(extent_mm, sized)) return CheckFineness(mesh, box, scale_mm, sized);
   std::string fits;
   for (const Unit& u : kUnits) {
-    if (IsToothSize(extent * u.mm * scale.factor))
+    if (Fits(extent * u.mm * scale.factor, sized))
       fits += (fits.empty() ? "" : " or ") + std::string(u.name);
   }
   return Invalid(
-      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent_mm, extent_mm < 1 ? 4 : 2) +
+      std::string("expected a ") + sized.what + " of " + Fixed(sized.min_mm, 0) + " to " +
+          Fixed(sized.max_mm, 0) + " mm, found one of " + Fixed(extent_mm, extent_mm < 1 ? 4 : 2) +
           " mm with the unit '" + scale.unit + "'" +
           (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) + ": " +
-          (fits.empty()
-               ? "no known unit makes it a tooth; where you know how long the tooth is, give "
-                 "its longest side in mm"
-               : "its numbers look like " + fits),
+          (fits.empty() ? std::string("no known unit makes it a ") + sized.what +
+                              "; where you know how long it is, give its longest side in mm"
+                        : "its numbers look like " + fits),
       "unit");
 }
 
-Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale) {
-  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh, scale));
+Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale, const Sized& sized) {
+  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh, scale, sized));
   ENAMEL_ASSIGN_OR_RETURN(const double scale_mm, ScaleInMm(mesh, scale));
   Triangles out = mesh;
   for (dvec3& v : out.vertices) v *= scale_mm;

@@ -30,11 +30,20 @@ Status CheckScale(const FileScale& scale);
 // Millimetres in 1 of the mesh's coordinates. Errors: CheckScale's, and a mesh without extent.
 Result<double> ScaleInMm(const Triangles& mesh, const FileScale& scale);
 
-// A tooth of 3 to 40 mm, in millimetres, of a mesh in a file's coordinates. Coordinates that are all
-// floats carry 24 bits, so a tooth far from the origin is coarse: steps over 5 um are refused.
+// What a file is expected to hold, by the longest side of its box.
+struct Sized {
+  const char* what;
+  double min_mm, max_mm;
+};
+inline constexpr Sized kTooth{"tooth", 3, 40};
+// A jaw's scan is some 70 mm wide; a sextant is 20 mm.
+inline constexpr Sized kScan{"scan of several teeth", 3, 200};
+
+// In millimetres, a mesh in a file's coordinates. Coordinates that are all floats carry 24 bits, so a tooth far from the
+// origin is coarse: steps over 5 um are refused.
 // Errors: ScaleInMm's, and kInvalidInput, field "unit"; the message names the units that would fit.
-Status CheckSize(const Triangles& mesh, const FileScale& scale);
-Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale);
+Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& sized = kTooth);
+Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale, const Sized& sized = kTooth);
 
 // "12.35": a number for people.
 std::string Fixed(double value, int digits = 2);
