@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json/basic_parser_impl.hpp>
 #include <charconv>
+#include <cmath>
 #include <set>
 
 #include "server/http/error_response.h"
@@ -110,6 +111,19 @@ std::string Shown(const json::value* found) {
   if (found->is_array()) return "a list of " + std::to_string(found->get_array().size());
   if (found->is_object()) return "an object";
   return found->is_double() ? Decimal(found->get_double()) : json::serialize(*found);
+}
+
+// Three numbers, each at most `limit` from 0.
+std::optional<std::array<double, 3>> PointOf(const json::value& value, double limit) {
+  std::array<double, 3> out{};
+  if (!value.is_array() || value.get_array().size() != out.size()) return std::nullopt;
+  for (size_t axis = 0; axis < out.size(); ++axis) {
+    const json::value& entry = value.get_array()[axis];
+    if (!entry.is_number()) return std::nullopt;
+    out[axis] = entry.to_number<double>();
+    if (!(std::abs(out[axis]) <= limit)) return std::nullopt;
+  }
+  return out;
 }
 
 std::optional<Uuid> IdOf(const json::value& value) {
@@ -300,6 +314,28 @@ std::optional<std::array<int32_t, 3>> BodyReader::MaybePoint(std::string_view na
   if (fits) return out;
   Refuse(name, "three whole numbers of -1000000 to 1000000, or null");
   return std::nullopt;
+}
+
+std::vector<BodyReader::Curve> BodyReader::Curves(std::string_view name, size_t at_most) {
+  constexpr double kFar = 10'000;
+  std::vector<Curve> out;
+  const json::value* found = Find(name);
+  if (!found) return out;
+  bool fits = found->is_array() && found->get_array().size() <= at_most;
+  for (size_t i = 0; fits && i < found->get_array().size(); ++i) {
+    const json::value& points = found->get_array()[i];
+    Curve& curve = out.emplace_back();
+    fits = points.is_array();
+    for (size_t k = 0; fits && k < points.get_array().size(); ++k) {
+      const auto point = PointOf(points.get_array()[k], kFar);
+      fits = point.has_value();
+      if (fits) curve.push_back(*point);
+    }
+  }
+  if (fits) return out;
+  Refuse(name, "at most " + std::to_string(at_most) +
+                   " lists of points of three numbers of -10000 to 10000");
+  return {};
 }
 
 Status BodyReader::Finish() {

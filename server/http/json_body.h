@@ -57,6 +57,9 @@ class BodyReader {
   std::string Document(std::string_view name);
   // Exactly three; none: null or absent.
   std::optional<std::array<int32_t, 3>> MaybePoint(std::string_view name);
+  // Lists of points, each of three numbers within ten metres; none: absent. The points in each are for the caller to count.
+  using Curve = std::vector<std::array<double, 3>>;
+  std::vector<Curve> Curves(std::string_view name, size_t at_most);
 
   Status Finish();
 

@@ -44,9 +44,21 @@ Status CheckWanted(const ToothImport::Wanted& wanted) {
     return Invalid(kind.message(), "file_name");
   ENAMEL_RETURN_IF_ERROR(mesh::CheckScale(ScaleOf(wanted)));
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
-  if (!wanted.prepared_of)
+  if (wanted.prepared_of && (wanted.jaw || !wanted.around.empty())) {
+    return Invalid("expected the scan of one tooth for a target, found one of several teeth",
+                   wanted.jaw ? "jaw" : "around");
+  }
+  if (wanted.jaw && (wanted.publish || !wanted.around.empty())) {
+    return Invalid(
+        "a scan of several teeth is only shown: expected `publish` false and no curves; then send "
+        "the curves "
+        "around a tooth without `jaw`",
+        "jaw");
+  }
+  const bool one_tooth = !wanted.prepared_of && !wanted.jaw;
+  if (one_tooth)
     ENAMEL_RETURN_IF_ERROR(import::CheckFacing({wanted.tooth, wanted.up, wanted.buccal}));
-  if (!wanted.prepared_of && !scene::IsToothNumber(wanted.tooth)) {
+  if (one_tooth && !scene::IsToothNumber(wanted.tooth)) {
     return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
                        (wanted.tooth == 0 ? "none" : std::to_string(wanted.tooth)),
                    "tooth");
@@ -114,19 +126,38 @@ Status CheckPulp(const import::ImportedScene& imported) {
                  "practice");
 }
 
+// A scan as a picture of plaster, with the normals of its triangles' areas at each vertex.
+surface::Mesh PlasterOf(const mesh::Triangles& scan) {
+  surface::Mesh out;
+  std::vector<dvec3> normals(scan.vertices.size(), dvec3(0));
+  for (const auto& t : scan.indices) {
+    const dvec3& a = scan.vertices[t[0]];
+    const dvec3 area = glm::cross(scan.vertices[t[1]] - a, scan.vertices[t[2]] - a);
+    for (uint32_t v : t) normals[v] += area;
+  }
+  for (size_t v = 0; v < normals.size(); ++v) {
+    const double length = glm::length(normals[v]);
+    out.position_m.emplace_back(scan.vertices[v] * 1e-3);
+    out.normal.emplace_back(length > 0 ? normals[v] / length : dvec3(0, 0, 1));
+  }
+  out.tissue.assign(scan.vertices.size(), static_cast<uint8_t>(cutting::Tissue::kGypsum));
+  out.triangles = scan.indices;
+  return out;
+}
+
 }  // namespace
 
-// A folder that only this account reads, with one file; gone with this.
+// A folder that only this account reads, with one file; gone with this. Written by one thread, then read by one.
 class ToothImport::MeshFile {
  public:
-  static Result<std::unique_ptr<MeshFile>> Make(const std::string& name) {
+  static Result<std::shared_ptr<MeshFile>> Make(const std::string& name) {
     std::error_code error;
     const fs::path temp = fs::temp_directory_path(error);
     std::string made = (temp / "enamel-mesh-XXXXXX").string();
     if (error || ::mkdtemp(made.data()) == nullptr) {
       return Status(Code::kStorage, "no folder for the mesh can be made in " + temp.string());
     }
-    auto out = std::make_unique<MeshFile>(made, name);
+    auto out = std::make_shared<MeshFile>(made, name);
     out->file_.open(out->path(), std::ios::binary);
     ENAMEL_RETURN_IF_ERROR(out->Written());
     return out;
@@ -160,7 +191,7 @@ class ToothImport::MeshFile {
 
 struct ToothImport::Made {
   import::ImportedScene imported;
-  bool is_target = false;
+  bool is_tooth = true;           // in a stance of its own: no target, no jaw
   std::optional<SceneRow> scene;  // none: only shown
   std::vector<ExerciseRow> exercises;
   std::shared_ptr<const Bytes> surface, inside;
@@ -190,9 +221,28 @@ Status ToothImport::MustBe(const Uuid& id) const {
   return Status(Code::kNotFound, "this import does not exist; begin again");
 }
 
-Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor& by,
-                                              UnixMs now_ms) {
-  ENAMEL_RETURN_IF_ERROR(CheckWanted(wanted));
+// Named by us and not by the sender: the name appears in messages and in the provenance.
+Result<std::shared_ptr<ToothImport::MeshFile>> ToothImport::FileFor(Wanted& wanted,
+                                                                    const Actor& by) const {
+  if (!wanted.mesh_of)
+    return MeshFile::Make(PlainName(wanted.title, wanted.tooth) + "." + wanted.kind);
+  if (!file_ || !about_ || about_->id != *wanted.mesh_of || by_.person != by.person)
+    return Status(Code::kConflict, "that file is not there any more: send it again", "mesh_of");
+  wanted.kind = wanted_.kind;
+  wanted.bytes = wanted_.bytes;
+  return file_;
+}
+
+void ToothImport::Start() {
+  about_->state = State::kWorking;
+  thread_ = std::thread([this, wanted = wanted_, file = file_, by = by_]() mutable {
+    Work(wanted, std::move(file), by);
+  });
+}
+
+Result<ToothImport::About> ToothImport::Begin(const Wanted& asked, const Actor& by, UnixMs now_ms) {
+  ENAMEL_RETURN_IF_ERROR(CheckWanted(asked));
+  Wanted wanted = asked;
   MutexLock lock(mutex_);
   if (about_) {
     const bool stale = about_->state == State::kReceiving && now_ms - heard_ms_ >= kForgottenMs;
@@ -204,17 +254,18 @@ Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor&
   }
   // Its last word was said under the lock: it is over, or about to be.
   if (thread_.joinable()) thread_.join();
-  // Named by us and not by the sender: the name appears in messages and in the provenance.
-  ENAMEL_ASSIGN_OR_RETURN(
-      file_, MeshFile::Make(PlainName(wanted.title, wanted.tooth) + "." + wanted.kind));
+  ENAMEL_ASSIGN_OR_RETURN(file_, FileFor(wanted, by));
   About fresh;
   fresh.id = Uuid::New();
   fresh.bytes = wanted.bytes;
   about_ = std::move(fresh);
   surface_ = inside_ = nullptr;
-  wanted_ = wanted;
+  wanted_ = std::move(wanted);
   by_ = by;
   heard_ms_ = now_ms;
+  if (!wanted_.mesh_of) return *about_;
+  about_->received = about_->bytes;
+  Start();
   return *about_;
 }
 
@@ -238,10 +289,7 @@ Result<ToothImport::About> ToothImport::Append(const Uuid& id, uint64_t offset, 
   about_->received += bytes.size();
   heard_ms_ = now_ms;
   if (about_->received < about_->bytes) return *about_;
-  about_->state = State::kWorking;
-  thread_ = std::thread([this, wanted = wanted_, file = std::move(file_), by = by_]() mutable {
-    Work(std::move(wanted), std::move(file), std::move(by));
-  });
+  Start();
   return *about_;
 }
 
@@ -275,7 +323,7 @@ Status ToothImport::MustBeOf(const Uuid& id, const Uuid& person) const {
   return MustBe(by_.person == person ? id : Uuid{});
 }
 
-void ToothImport::Work(Wanted wanted, std::unique_ptr<MeshFile> file, Actor by) {
+void ToothImport::Work(const Wanted& wanted, std::shared_ptr<MeshFile> file, const Actor& by) {
   Result<Made> made = Make(wanted, *file, by);
   file.reset();
   MutexLock lock(mutex_);
@@ -286,16 +334,18 @@ void ToothImport::Work(Wanted wanted, std::unique_ptr<MeshFile> file, Actor by) 
     return;
   }
   about_->findings = std::move(made->imported.report);
-  if (!made->is_target) about_->placement = std::move(made->imported.placement);
+  if (made->is_tooth) about_->placement = std::move(made->imported.placement);
   about_->size_mm = made->imported.size_mm;
   surface_ = std::move(made->surface);
   inside_ = std::move(made->inside);
   about_->scene = std::move(made->scene);
   about_->exercises = std::move(made->exercises);
+  if (about_->scene) file_.reset();
 }
 
 Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const MeshFile& file,
                                             const Actor& by) {
+  if (wanted.jaw) return ShowJaw(wanted, file);
   if (wanted.prepared_of) return MakeTarget(wanted, file, by);
   ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
   const std::string plain = PlainName(title, wanted.tooth);
@@ -304,6 +354,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const MeshFile
   options.scale = ScaleOf(wanted);
   options.up = wanted.up;
   options.buccal = wanted.buccal;
+  options.around = wanted.around;
   options.voxel_nm = wanted.publish ? kVoxelNm : kShownVoxelNm;
   options.name = plain;
   options.threads = 1;  // stations that stream want the other processors
@@ -332,6 +383,20 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const MeshFile
   return made;
 }
 
+Result<ToothImport::Made> ToothImport::ShowJaw(const Wanted& wanted, const MeshFile& file) {
+  {
+    MutexLock lock(mutex_);
+    about_->phase = "reading";
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const mesh::Triangles scan,
+                          import::ReadJawScan(file.path(), ScaleOf(wanted), child_));
+  Made made;
+  made.is_tooth = false;
+  made.imported.size_mm = mesh::BoxOf(scan).size();
+  made.surface = std::make_shared<const Bytes>(EncodeSurface(PlasterOf(scan)));
+  return made;
+}
+
 // A draft, because nobody has looked at its title, burs and rubric yet.
 Result<ToothImport::Made> ToothImport::MakeTarget(const Wanted& wanted, const MeshFile& file,
                                                   const Actor& by) {
@@ -351,7 +416,7 @@ Result<ToothImport::Made> ToothImport::MakeTarget(const Wanted& wanted, const Me
   ENAMEL_ASSIGN_OR_RETURN(auto taken,
                           import::TakePrepared(tooth, whole, file.path(), options, child_));
   Made made;
-  made.is_target = true;
+  made.is_tooth = false;
   made.imported = std::move(taken.prepared);
   scene::Scene& prepared = made.imported.scene;
   prepared.title = title;

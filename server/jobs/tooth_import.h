@@ -23,7 +23,7 @@ namespace enamel::server {
 // The file comes in parts, in order, and waits on the disk; with its last byte a thread of its own begins to work. One at
 // a time: it takes some hundred megabytes and a processor for up to some minutes. An upload without
 // new bytes for kForgottenMs gives way to another. The outcome can be read until the next one
-// begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
+// begins, or the server ends. Until then, or until it is published, the file waits for being imported in another way. Thread safety: any thread. The destructor waits for the thread.
 class ToothImport {
  public:
   static constexpr size_t kMaxFileBytes = size_t{128} << 20;
@@ -46,6 +46,10 @@ class ToothImport {
     // and file decide alone; tooth and directions are the exercise's.
     std::optional<Uuid> prepared_of;
     bool placed = false;  // the scan is nearly in place already (import::PreparedOptions)
+    bool jaw =
+        false;  // the file holds several teeth: its surface is shown as it is, in mm along the file's axes
+    import::GumCurves around;     // then: the curves along the gums (import::ImportOptions)
+    std::optional<Uuid> mesh_of;  // the last import, of the same person: its file is taken again
   };
   enum class State { kReceiving, kWorking, kDone, kRefused };
   struct About {
@@ -70,7 +74,7 @@ class ToothImport {
   ToothImport& operator=(const ToothImport&) = delete;
 
   // Errors: kInvalidInput (kind, unit, title, tooth, no bytes; with field), kTooLarge, kUnavailable
-  // while another is under way.
+  // while another is under way, kConflict with field "mesh_of" where that file is not there any more.
   Result<About> Begin(const Wanted& wanted, const Actor& by, UnixMs now_ms);
   // The next bytes. Errors: kNotFound, kConflict with field "offset" where others are expected (the
   // message says which) or it is complete, kTooLarge.
@@ -90,8 +94,12 @@ class ToothImport {
  private:
   struct Made;
   class MeshFile;
-  void Work(Wanted wanted, std::unique_ptr<MeshFile> file, Actor by);
+  void Start() ENAMEL_REQUIRES(mutex_);
+  void Work(const Wanted& wanted, std::shared_ptr<MeshFile> file, const Actor& by);
+  Result<std::shared_ptr<MeshFile>> FileFor(Wanted& wanted, const Actor& by) const
+      ENAMEL_REQUIRES(mutex_);
   Result<Made> Make(const Wanted& wanted, const MeshFile& file, const Actor& by);
+  Result<Made> ShowJaw(const Wanted& wanted, const MeshFile& file);
   Result<Made> MakeTarget(const Wanted& wanted, const MeshFile& file, const Actor& by);
   Status Publish(const Wanted& wanted, const Actor& by, Made& made);
   Status MustBe(const Uuid& id) const ENAMEL_REQUIRES(mutex_);
@@ -104,7 +112,7 @@ class ToothImport {
       ENAMEL_GUARDED_BY(mutex_);
   Wanted wanted_ ENAMEL_GUARDED_BY(mutex_);
   Actor by_ ENAMEL_GUARDED_BY(mutex_);
-  std::unique_ptr<MeshFile> file_ ENAMEL_GUARDED_BY(mutex_);
+  std::shared_ptr<MeshFile> file_ ENAMEL_GUARDED_BY(mutex_);
   UnixMs heard_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
   std::thread thread_ ENAMEL_GUARDED_BY(mutex_);
 };

@@ -230,15 +230,23 @@ Result<Response> BeginToothImport(const Call& call, Store& store) {
   wanted.unit = body.Text("unit", 1, kMaxToothName);
   wanted.title = body.Text("title", 1, kMaxNameBytes);
   wanted.prepared_of = body.MaybeId("prepared_of");
-  if (!wanted.prepared_of || body.Has("tooth"))
+  if (body.Has("jaw")) wanted.jaw = body.Flag("jaw");
+  if (body.Has("tooth") || (!wanted.prepared_of && !wanted.jaw))
     wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
   if (body.Has("placed")) wanted.placed = body.Flag("placed");
   if (body.Has("scale")) wanted.scale = body.Number("scale", 1e-6, 1e6);
-  if (body.Has("longest_mm")) wanted.longest_mm = body.Number("longest_mm", 3, 40);
+  if (body.Has("longest_mm")) {
+    wanted.longest_mm = body.Number("longest_mm", mesh::kTooth.min_mm, mesh::kScan.max_mm);
+  }
   if (body.Has("up")) wanted.up = body.Text("up", 2, kMaxToothName);
   if (body.Has("buccal")) wanted.buccal = body.Text("buccal", 2, kMaxToothName);
   if (body.Has("publish")) wanted.publish = body.Flag("publish");
   if (body.Has("practice")) wanted.practice = body.Flag("practice");
+  wanted.mesh_of = body.MaybeId("mesh_of");
+  for (const auto& curve : body.Curves("around", import::kMaxGumCurves)) {
+    auto& points = wanted.around.emplace_back();
+    for (const auto& [x, y, z] : curve) points.emplace_back(x, y, z);
+  }
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   if (wanted.prepared_of) {
     const auto exercise = store.exercises.ExerciseById(*wanted.prepared_of);

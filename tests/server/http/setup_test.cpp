@@ -92,7 +92,8 @@ class ToothImportTest : public testing::Test {
     const json::value begun = Begin(file_name, file.size(), unit, title, tooth, more);
     if (last_.status != 201) return begun;
     const std::string id(begun.at("id").as_string());
-    for (size_t at = 0; at < file.size(); at += kPart) {
+    for (size_t at = static_cast<size_t>(begun.at("received").to_number<int64_t>());
+         at < file.size(); at += kPart) {
       last_ = Put(id, at, file.substr(at, kPart));
       EXPECT_EQ(last_.status, 200) << last_.body;
       if (last_.status != 200) return {};
@@ -117,11 +118,86 @@ class ToothImportTest : public testing::Test {
            "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   }
 
+  // A plate of 30 x 30 mm with a crown of 8 x 8 x 6 in its middle, in steps of a millimetre.
+  static std::string Plate() {
+    std::string out;
+    for (int y = 0; y <= 30; ++y)
+      for (int x = 0; x <= 30; ++x) {
+        const bool crown = std::abs(x - 15) <= 4 && std::abs(y - 15) <= 4;
+        out += "v " + std::to_string(x) + " " + std::to_string(y) + (crown ? " 6\n" : " 0\n");
+      }
+    for (int y = 0; y < 30; ++y)
+      for (int x = 1; x <= 30; ++x) {
+        const int a = 31 * y + x;
+        out += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " +
+               std::to_string(a + 32) + " " + std::to_string(a + 31) + "\n";
+      }
+    return out;
+  }
+  // Around the crown: its middle line, corners between.
+  static json::array PlateGum() {
+    return {
+        json::parse("[[10,10,0],[15,10,0],[20,10,0],[20,15,0],[20,20,0],[15,20,0],[10,20,0],"
+                    "[10,15,0]]")};
+  }
+
   School school_;
   RunningServer server_{school_};
   Visitor root_{server_.port(), "root"};
   RawResponse last_;
 };
+
+// The file is sent once, however often it is looked at.
+TEST_F(ToothImportTest, ACrownIsCutOutOfAScanThatWasSentOnce) {
+  const std::string scan = Plate();
+  const json::value jaw =
+      Import("plate.obj", scan, "mm", "Sextant", 46, {{"jaw", true}, {"publish", false}});
+  ASSERT_EQ(jaw.at("state").as_string(), "done") << json::serialize(jaw);
+  EXPECT_TRUE(jaw.at("stance").is_null());
+  const json::value id = jaw.at("id");
+  EXPECT_EQ(root_.Get(Path(std::string(id.as_string())) + "/surface").body.substr(0, 4), "ENTM");
+  EXPECT_EQ(root_.Get(Path(std::string(id.as_string())) + "/start-tooth").status, 404);
+  const json::value shown =
+      Import("plate.obj", scan, "mm", "Sextant", 46,
+             {{"publish", false}, {"mesh_of", id}, {"around", PlateGum()}, {"up", "+z"}});
+  ASSERT_EQ(shown.at("state").as_string(), "done") << json::serialize(shown);
+  EXPECT_NEAR(shown.at("stance").at("size_mm").at(2).as_double(), 6, 1e-9);
+  EXPECT_NEAR(shown.at("stance").at("size_mm").at(0).as_double(), 10, 1e-9);
+  Begin("plate.obj", scan.size(), "mm", "Sextant", 46, {{"mesh_of", id}});
+  EXPECT_EQ(last_.status, 409) << "not the last one: " << last_.body;
+  EXPECT_EQ(Parsed(last_).at("error").at("field").as_string(), "mesh_of");
+  const json::value refused =
+      Import("plate.obj", scan, "mm", "Sextant", 46,
+             {{"publish", false},
+              {"mesh_of", shown.at("id")},
+              {"around", json::array{json::parse("[[1,1,0],[2,1,0],[1,1,0]]")}}});
+  ASSERT_EQ(refused.at("state").as_string(), "refused") << json::serialize(refused);
+  EXPECT_EQ(refused.at("problem").at("field").as_string(), "around");
+  const json::value put = Import("plate.obj", scan, "mm", "Sextant", 46,
+                                 {{"mesh_of", refused.at("id")},
+                                  {"around", PlateGum()},
+                                  {"up", "+z"},
+                                  {"buccal", "+y"},
+                                  {"practice", true}});
+  ASSERT_EQ(put.at("state").as_string(), "done") << json::serialize(put);
+  EXPECT_FALSE(put.at("tooth").at("exercises").as_array().empty());
+  Begin("plate.obj", scan.size(), "mm", "Sextant", 46, {{"mesh_of", put.at("id")}});
+  EXPECT_EQ(last_.status, 409) << "what was published is not kept: " << last_.body;
+}
+
+TEST_F(ToothImportTest, WhatAJawCannotBeIsRefusedWithTheField) {
+  auto field = [&](const json::object& more) {
+    Begin("plate.obj", 100, "mm", "Sextant", 46, more);
+    EXPECT_EQ(last_.status, 400) << last_.body;
+    return std::string(Parsed(last_).at("error").at("field").as_string());
+  };
+  EXPECT_EQ(field({{"jaw", true}}), "jaw") << "published";
+  EXPECT_EQ(field({{"jaw", true}, {"publish", false}, {"around", PlateGum()}}), "jaw");
+  EXPECT_EQ(field({{"around", json::parse("[[[1,2]]]")}}), "around");
+  EXPECT_EQ(field({{"around", json::parse("[[[1,2,1e9]]]")}}), "around");
+  EXPECT_EQ(field({{"around", json::parse("[[],[],[],[]]")}}), "around");
+  EXPECT_EQ(field({{"around", 3}}), "around");
+}
 
 TEST_F(ToothImportTest, AnInstructorImportsOnceAnAdminAllowsItAndSeesNobodyElses) {
   const std::string body = json::serialize(json::object{{"file_name", "crown.obj"},
