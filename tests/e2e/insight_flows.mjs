@@ -34,6 +34,7 @@ export const insightFlows = [
     run: firstAdmin,
   },
   { name: "a scan becomes a tooth on the page, and a wrong unit is reported with the right one", run: importTooth },
+  { name: "one tooth is cut out of a scan of several, by points along its gum", run: cutOutTooth },
 ];
 
 // Nothing is wider than the screen, at each of the sizes that people use.
@@ -394,4 +395,74 @@ async function importTooth(world) {
   await accessible(page, "a tooth that was imported");
   await dialog.getByRole("button", { name: "Close" }).click();
   await dialog.waitFor({ state: "detached" });
+}
+
+// Three round crowns of a radius of 3.5 mm, 12 mm apart, on a flat gum of 36 x 20 mm, as binary STL.
+function threeCrowns() {
+  const kStep = 0.25;
+  const height = (x, y) => {
+    const off = Math.min(...[-12, 0, 12].map((at) => Math.hypot(x - at, y)));
+    return off >= 3.5 ? 0 : 5 * Math.min(1, (3.5 - off) / 0.5);
+  };
+  const at = (x, y) => [x, y, height(x, y)];
+  const triangles = [];
+  for (let x = -18; x < 18; x += kStep)
+    for (let y = -10; y < 10; y += kStep) {
+      const [a, b, c, d] = [at(x, y), at(x + kStep, y), at(x + kStep, y + kStep), at(x, y + kStep)];
+      triangles.push([a, b, c], [a, c, d]);
+    }
+  const out = Buffer.alloc(84 + 50 * triangles.length);
+  out.writeUInt32LE(triangles.length, 80);
+  triangles.forEach((corners, i) => {
+    corners.flat().forEach((value, k) => {
+      out.writeFloatLE(value, 84 + 50 * i + 12 + 4 * k);
+    });
+  });
+  return out;
+}
+
+async function cutOutTooth(world) {
+  const page = await signedIn(world, "admin", "/exercises");
+  await page.getByRole("button", { name: "Add a tooth…" }).click();
+  const dialog = page.getByRole("dialog", { name: "Add a tooth" });
+  await dialog
+    .getByLabel("Mesh of a crown or tooth")
+    .setInputFiles({ name: "jaw.stl", mimeType: "model/stl", buffer: threeCrowns() });
+  await dialog.getByLabel("The file holds several teeth").check();
+  await dialog.getByLabel("Name", { exact: true }).fill("Molar of the scan");
+  await dialog.getByLabel("Tooth", { exact: true }).selectOption("46");
+  await accessible(page, "a scan of several teeth");
+  await dialog.getByRole("button", { name: "Show the scan" }).click();
+  const frame = dialog.locator(".tooth-frame[aria-busy=false]");
+  await frame.locator("canvas").waitFor({ timeout: 120_000 });
+  await dialog.getByText("No points yet.").waitFor();
+  // From above, nothing of the gum is hidden.
+  await frame.focus();
+  for (let i = 0; i < 8; ++i) await page.keyboard.press("ArrowUp");
+  await pictures(world, page, "jaw");
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await frame.scrollIntoViewIfNeeded();
+  const box = await frame.locator("canvas").boundingBox();
+  const around = async (share, points) => {
+    for (let i = 0; i < points; ++i) {
+      const angle = (2 * Math.PI * i) / points;
+      const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => share * box.height * part);
+      await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 + y);
+      await page.mouse.move(box.x, box.y);
+      await dialog.getByText(new RegExp(`^${i + 1} points?\\.$`)).waitFor();
+      await page.waitForTimeout(350); // the second click of two would look at the place
+    }
+  };
+  await around(0.14, 10);
+  await dialog.getByRole("button", { name: "Remove the last point" }).click();
+  await dialog.getByText("9 points.").waitFor();
+  await accessible(page, "points along a gum");
+  await pictures(world, page, "jaw_points");
+  const begun = page.waitForRequest((request) => request.url().endsWith("/tooth-imports"));
+  await dialog.getByRole("button", { name: "Show the tooth" }).click();
+  assert.ok(JSON.parse((await begun).postData()).mesh_of, "the file is sent once");
+  await dialog.getByText(/^The occlusal direction/).waitFor({ timeout: 120_000 });
+  await pictures(world, page, "jaw_tooth");
+  await dialog.getByRole("button", { name: "Back to the scan" }).click();
+  await dialog.getByText("9 points.").waitFor();
 }

@@ -12,18 +12,19 @@ const kPartBytes = 512 * 1024; // of a mesh, in one request: the server takes 1 
 const kUnits = ["mm", "um", "cm", "m", "inch"] as const;
 type Scale = (typeof kUnits)[number] | "factor" | "longest";
 
-// Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. If the person leaves
+// Sends a mesh in parts, unless the server still has it from the import `mesh_of`, and asks until it is done or refused; `onChange` hears of each step. If the person leaves
 // before all of it was sent, the server forgets the upload.
 async function importMesh(
   client: Client,
   file: File,
-  about: ToothWanted,
+  wanted: ToothWanted,
   onChange: (now: ToothImport) => void,
   signal: AbortSignal,
 ): Promise<ApiResult<ToothImport>> {
-  let now: ApiResult<ToothImport> = await client.post("/tooth-imports", {
-    body: { file_name: file.name, bytes: file.size, ...about },
-  });
+  const body = { file_name: file.name, bytes: file.size, ...wanted };
+  let now: ApiResult<ToothImport> = await client.post("/tooth-imports", { body });
+  if (!now.ok && now.error.field === "mesh_of")
+    now = await client.post("/tooth-imports", { body: { ...body, mesh_of: null } });
   while (now.ok) {
     const { id, state, received: offset } = now.value;
     if (signal.aborted) {
@@ -33,8 +34,8 @@ async function importMesh(
     onChange(now.value);
     if (state === "done" || state === "refused") return now;
     if (state === "receiving") {
-      const body = file.slice(offset, offset + kPartBytes);
-      now = await client.put("/tooth-imports/{id}/bytes", { id, offset, body, type: "application/octet-stream" });
+      const part = file.slice(offset, offset + kPartBytes);
+      now = await client.put("/tooth-imports/{id}/bytes", { id, offset, body: part, type: "application/octet-stream" });
     } else {
       await new Promise((done) => setTimeout(done, kPollMs));
       now = await client.get("/tooth-imports/{id}", { id });
@@ -43,7 +44,7 @@ async function importMesh(
   return now;
 }
 
-export type MeshWanted = Omit<ToothWanted, "unit" | "scale" | "longest_mm">;
+export type MeshWanted = Omit<ToothWanted, "unit" | "scale" | "longest_mm" | "mesh_of">;
 
 // A mesh that somebody chooses, says the scale of, and sends.
 export function useMeshUpload(client: Client) {
@@ -53,6 +54,7 @@ export function useMeshUpload(client: Client) {
   const [longest, setLongest] = useState(10);
   const [now, setNow] = useState<ToothImport>();
   const [refused, setRefused] = useState<string>();
+  const sentBefore = useRef<{ readonly file: File; readonly id: string } | undefined>(undefined);
   const leaving = useRef(new AbortController());
   useEffect(() => () => leaving.current.abort(), []);
   const busy = now !== undefined && (now.state === "receiving" || now.state === "working");
@@ -61,14 +63,17 @@ export function useMeshUpload(client: Client) {
   const send = async (wanted: MeshWanted): Promise<ToothImport | undefined> => {
     if (file === undefined || busy) return undefined;
     setRefused(undefined);
+    const before = sentBefore.current;
     const about = {
       ...wanted,
+      mesh_of: before?.file === file ? before.id : null,
       unit: scale === "factor" || scale === "longest" ? ("mm" as const) : scale,
       ...(scale === "factor" ? { scale: factor } : {}),
       ...(scale === "longest" ? { longest_mm: longest } : {}),
     };
     const sent = await importMesh(client, file, about, setNow, leaving.current.signal);
     if (leaving.current.signal.aborted) return undefined;
+    sentBefore.current = sent.ok ? { file, id: sent.value.id } : undefined;
     setNow(sent.ok ? sent.value : undefined);
     if (!sent.ok) setRefused(placedMessage(sent.error));
     return sent.ok ? sent.value : undefined;
@@ -96,7 +101,7 @@ export function useMeshUpload(client: Client) {
           value={longest}
           onValue={setLongest}
           min={3}
-          max={40}
+          max={200}
           step="any"
           hint={say("tooth_import.longest_hint")}
         />

@@ -6,6 +6,7 @@ import { Notice } from "../../widgets/basics";
 import { Button, needed } from "../../widgets/button";
 import { CheckField, SelectField, TextField } from "../../widgets/form";
 import { BuiltinTooth } from "./builtin_tooth";
+import { drawn, type GumCurves, JawCut, kLeastPoints, kNoCurves } from "./jaw_cut";
 import { Findings, useMeshUpload } from "./mesh_upload";
 import { type Shown, ToothUpright, uprightOf } from "./tooth_upright";
 import { directionText, type Upright } from "./upright";
@@ -22,8 +23,8 @@ interface Props {
   readonly onClose: () => void;
 }
 
-// A built-in tooth, or a mesh of the person's, with its exercises. First shows what a mesh becomes, then publishes it as
-// it was turned.
+// A built-in tooth, or a mesh of the person's, with its exercises. Where the mesh holds several teeth, the person cuts one
+// out. Then the dialog shows what a mesh becomes, and publishes it as it was turned.
 export function AddTooth({ client, admin, onDone, onClose }: Props) {
   const mesh = useMeshUpload(client);
   const [title, setTitle] = useState("");
@@ -32,12 +33,22 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
   const [shown, setShown] = useState<Shown>();
   const [upright, setUpright] = useState<Upright>();
   const [agreed, setAgreed] = useState(false);
+  const [several, setSeveral] = useState(false); // teeth in the file
+  const [jaw, setJaw] = useState<string>(); // the import that showed them
+  const [curves, setCurves] = useState(kNoCurves);
   const { file, now, busy, problems } = mesh;
 
+  const wanted = { title: title.trim(), tooth: Number(tooth) };
+  const showJaw = async () => {
+    const done = await mesh.send({ ...wanted, jaw: true, publish: false });
+    if (done?.state !== "done") return;
+    setJaw(done.id);
+    setCurves(kNoCurves);
+  };
   const send = async (publish: boolean, as: Upright | undefined) => {
     const done = await mesh.send({
-      title: title.trim(),
-      tooth: Number(tooth),
+      ...wanted,
+      ...(jaw === undefined ? {} : { around: drawn(curves) }),
       ...(as === undefined ? {} : { up: directionText(as.up), buccal: directionText(as.buccal) }),
       publish,
       practice,
@@ -100,7 +111,7 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
         {problems}
         <div class="button-row">
           <button type="button" class="button" disabled={busy} onClick={() => setShown(undefined)}>
-            {say("tooth_import.back")}
+            {jaw === undefined ? say("tooth_import.back") : say("jaw_cut.back")}
           </button>
           <Button busy={busy} blocked={unsure && !agreed ? say("tooth_import.agree_first") : undefined}>
             {say("tooth_import.publish")}
@@ -114,10 +125,16 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
       class="form"
       onSubmit={(event) => {
         event.preventDefault();
-        void send(false, undefined);
+        void (several ? showJaw() : send(false, undefined));
       }}
     >
       {mesh.fields(say("tooth_import.mesh"))}
+      <CheckField
+        label={say("jaw_cut.several")}
+        value={several}
+        onValue={setSeveral}
+        hint={say("jaw_cut.several_hint")}
+      />
       <TextField
         label={say("account.name")}
         value={title}
@@ -136,7 +153,7 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
         ]}
         hint={say("tooth_import.tooth_hint")}
       />
-      {problems}
+      {jaw === undefined && problems}
       <div class="button-row">
         <button type="button" class="button" onClick={onClose}>
           {say("common.cancel")}
@@ -149,6 +166,27 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
             [say("tooth_import.tooth")]: tooth,
           })}
         >
+          {say(several ? "jaw_cut.show" : "tooth_import.show")}
+        </Button>
+      </div>
+    </form>
+  );
+  const cut = (id: string) => (
+    <form
+      class="form"
+      style={{ display: shown === undefined ? "" : "none" }}
+      onSubmit={(event) => {
+        event.preventDefault();
+        void send(false, undefined);
+      }}
+    >
+      <JawCut client={client} id={id} title={title} curves={curves} onCurves={setCurves} />
+      {shown === undefined && problems}
+      <div class="button-row">
+        <button type="button" class="button" disabled={busy} onClick={() => setJaw(undefined)}>
+          {say("tooth_import.back")}
+        </button>
+        <Button busy={busy} blocked={missing(curves)}>
           {say("tooth_import.show")}
         </Button>
       </div>
@@ -158,11 +196,18 @@ export function AddTooth({ client, admin, onDone, onClose }: Props) {
   return (
     <>
       {preview()}
-      <div class="form" style={{ display: shown === undefined ? "" : "none" }}>
+      {jaw !== undefined && cut(jaw)}
+      <div class="form" style={{ display: shown === undefined && jaw === undefined ? "" : "none" }}>
         {admin && <BuiltinTooth client={client} onDone={onDone} />}
         <h3>{say("tooth_import.own")}</h3>
         {form()}
       </div>
     </>
   );
+}
+
+// Why no tooth can be cut out yet.
+function missing(curves: GumCurves): string | undefined {
+  const few = curves.findIndex(({ length }, i) => length < kLeastPoints && (i === 0 || length > 0));
+  return few < 0 ? undefined : say("jaw_cut.few", { least: kLeastPoints });
 }
