@@ -198,8 +198,10 @@ Status CheckOneBody(const mesh::Solid& solid) {
     if (body.area_mm2 > kCrumb * largest && !joins) apart.push_back(body);
   }
   if (apart.size() <= 1) return Status::Ok();
-  return Invalid("expected one tooth, found " + std::to_string(apart.size()) +
-                 " bodies apart from each other: export the tooth alone, or join its parts");
+  return Invalid(
+      "expected one tooth, found " + std::to_string(apart.size()) +
+      " bodies apart from each other: say that the file holds several teeth and cut one out, "
+      "export the tooth alone, or join its parts");
 }
 
 void Enter(const ImportOptions& options, std::string_view phase) {

@@ -114,15 +114,17 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& siz
     if (Fits(extent * u.mm * scale.factor, sized))
       fits += (fits.empty() ? "" : " or ") + std::string(u.name);
   }
-  return Invalid(
-      std::string("expected a ") + sized.what + " of " + Fixed(sized.min_mm, 0) + " to " +
-          Fixed(sized.max_mm, 0) + " mm, found one of " + Fixed(extent_mm, extent_mm < 1 ? 4 : 2) +
-          " mm with the unit '" + scale.unit + "'" +
-          (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) + ": " +
-          (fits.empty() ? std::string("no known unit makes it a ") + sized.what +
-                              "; where you know how long it is, give its longest side in mm"
-                        : "its numbers look like " + fits),
-      "unit");
+  return Invalid(std::string("expected a ") + sized.what + " of " + Fixed(sized.min_mm, 0) +
+                     " to " + Fixed(sized.max_mm, 0) + " mm, found one of " +
+                     Fixed(extent_mm, extent_mm < 1 ? 4 : 2) + " mm with the unit '" + scale.unit +
+                     "'" + (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) +
+                     ": " +
+                     (!fits.empty() ? "its numbers look like " + fits
+                      : Fits(extent_mm, kScan)
+                          ? "if the file holds several teeth, say so and cut one out"
+                          : std::string("no known unit makes it a ") + sized.what +
+                                "; where you know how long it is, give its longest side in mm"),
+                 "unit");
 }
 
 Result<Triangles> InMm(const Triangles& mesh, const FileScale& scale, const Sized& sized) {

@@ -154,6 +154,7 @@ TEST_F(JawScanTest, RefusesWhatIsNoCrownOfATooth) {
   EXPECT_NE(message({good[0], {good[0][0]}}).find("neighbour 1: expected 3 to 200"),
             std::string::npos);
   EXPECT_NE(message(good, "um").find("its numbers look like mm"), std::string::npos);
+  EXPECT_NE(message({}).find("holds several teeth"), std::string::npos) << message({});
   // A curve on a tooth's top.
   std::vector<dvec3> small;
   for (const dvec3& p : AlongGum(made, 6, 16, -2.9)) small.push_back(p);
