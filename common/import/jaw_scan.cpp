@@ -38,7 +38,7 @@ class BesideField : public scene::BrickField {
   }
   void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) override {
     tooth_->Brick(corner_m, voxel_m, reach_m, out);
-    const dvec3 lo = corner_m * 1e3, hi = lo + 7 * voxel_m * 1e3;
+    const dvec3 lo = corner_m * 1e3, hi = lo + (cutting::kBrickSide - 1) * voxel_m * 1e3;
     for (Beside& b : beside_) {
       const mesh::Box& box = b.tooth->box();
       const dvec3 gap = glm::max(dvec3(0), glm::max(box.lo - hi, lo - box.hi));

@@ -15,7 +15,7 @@
 // A scan of several teeth in one surface: one crown of it becomes the tooth, and crowns beside it its neighbours.
 namespace enamel::import {
 
-// Closed curves along gums, in mm along the file's axes (mesh::Jaw): the tooth's, then those of its neighbours.
+// Closed curves along gums, in mm along the file's axes (mesh::Jaw): first around the tooth, then around its neighbours.
 using GumCurves = std::vector<std::vector<dvec3>>;
 inline constexpr size_t kMaxGumCurves = 3;
 
@@ -23,8 +23,8 @@ struct CutCrowns {
   mesh::Triangles tooth;
   std::vector<mesh::Triangles> neighbours;
 };
-// Requires: at least one curve. Errors: kInvalidInput, field "around" (mesh::Jaw::Crown; a crown of no tooth's size; too many
-// curves); mesh::InMm's.
+// Requires: at least one curve. Errors: mesh::InMm's; mesh::Jaw::Crown's; kInvalidInput, field "around", of a crown of no
+// tooth's size and of too many curves.
 Result<CutCrowns> CutOut(const mesh::Triangles& scan, const mesh::FileScale& scale,
                          const GumCurves& around);
 
@@ -50,7 +50,7 @@ class NeighbourTooth {
 };
 using NeighbourTeeth = std::vector<std::unique_ptr<NeighbourTooth>>;
 
-// What of tooth and neighbours is kept: the neighbours as far as a bur at the tooth reaches them.
+// The box of the tooth and of those parts of its neighbours that a bur at the tooth reaches.
 mesh::Box BoxWith(const mesh::Box& tooth, const NeighbourTeeth& neighbours);
 // The tooth's field with what of its neighbours is in the box (mm). Where both are, the tooth is.
 std::unique_ptr<scene::BrickField> FieldWith(std::unique_ptr<scene::BrickField> tooth,

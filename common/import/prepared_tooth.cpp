@@ -324,7 +324,9 @@ Status CheckFit(const std::vector<mesh::Fit>& fits) {
   const mesh::Fit& fit = fits.front();
   std::string why;
   auto add = [&](const std::string& text) { why += (why.empty() ? "" : ", ") + text; };
-  if (fit.agree_share < kMinAgree) {
+  const bool collar = fit.agree_share >= kMinCollar && fit.rms_mm <= kCollarRms_mm &&
+                      fit.p95_mm <= kCollarP95_mm && fit.outside_share <= kCollarOutside;
+  if (fit.agree_share < kMinAgree && !collar) {
     add("at least " + Percent(kMinAgree) +
         " has to agree, as what was not prepared holds the "
         "scan in its place");

@@ -20,7 +20,10 @@ struct PreparedOptions {
 // The limits of a fit. A scanner errs by 0.02 mm, and a model by as much; unrelated surfaces that
 // cross within kAgree_mm have an RMS of 0.087 mm.
 inline constexpr double kMaxRms_mm = 0.07, kMaxP95_mm = 0.14;
-inline constexpr double kMaxOutside = 0.05, kMinAgree = 0.15;
+inline constexpr double kMaxOutside = 0.05, kMinAgree = 0.2;
+// A narrow collar holds a scan too, where it agrees as exactly as only the same tooth does.
+inline constexpr double kMinCollar = 0.1, kCollarRms_mm = 0.05, kCollarP95_mm = 0.125,
+                        kCollarOutside = 0.005;
 
 struct PreparedTooth {
   // The tooth as it was scanned, on the voxels of the tooth it was made from: its scene is that

@@ -18,11 +18,11 @@ namespace {
 // A person clicks on the surface itself, which the page draws to a hundredth of a millimetre. This is the longest edge of
 // a coarse scan.
 constexpr double kOffSurface_mm = 1.5;
-// A gum that is followed between two points is little longer than the straight line. What is much longer goes around a
-// hole or over another tooth, which nobody meant.
+// Between two points a gum is little longer than the straight line. A much longer way goes around a hole or over another
+// tooth, which nobody meant.
 constexpr double kDetour = 3, kDetourMore_mm = 2;
-// Of the many ways of one length that a regular mesh has between two points, the one along the
-// straight line is meant: a step this far off it counts double.
+// A regular mesh has many shortest ways between two points. A person means the one along the straight
+// line, so a step this far off it counts double.
 constexpr double kStray_mm = 1;
 
 Status Invalid(const std::string& message) {
@@ -121,7 +121,7 @@ bool Jaw::AddWay(uint32_t one, uint32_t other, std::vector<Edge>& way) const {
 }
 
 Result<Triangles> Jaw::SmallerSide(std::vector<Edge> way) const {
-  // A stretch that is gone to and fro parts nothing from anything.
+  // A way to and fro parts nothing from anything.
   std::sort(way.begin(), way.end());
   way.erase(std::unique(way.begin(), way.end()), way.end());
   constexpr uint32_t kNone = ~0u;

@@ -14,15 +14,19 @@ namespace enamel::mesh {
 namespace {
 
 constexpr size_t kFirstPoints = 200, kGridPoints = 500, kFewPoints = 1000, kManyPoints = 4000;
-constexpr size_t kAfterFirst = 100, kAfterGrid = 6;
+constexpr size_t kAfterFirst = 100, kAfterGrid = 10;
 constexpr double kGridStep_mm = 0.4, kGridMargin_mm = 3, kFar_mm = 40;
 constexpr double kReach_mm = 2;        // of distances to the surface itself
 constexpr double kSameFacing = 0.5;    // cosine
 constexpr double kOtherPose_mm = 0.5;  // poses nearer than this are one
 constexpr double kOutsideCost = 4;
 // A crown is reduced by at most 2 mm, most often by 1 to 1.5.
-constexpr double kSlide_mm = 1.6, kSlideStep_mm = 0.4, kOtherSlide_mm = 0.2;
-constexpr size_t kSlidPoints = 300, kAfterSlide = 12;
+constexpr double kSlide_mm = 1.6, kSlideStep_mm = 0.3, kOtherSlide_mm = 0.5;
+constexpr size_t kSlidPoints = 300, kAfterSlide = 32;
+// Where the surface was not cut, it agrees to a scanner's error; where a cut happens to lie near the
+// tooth's surface, distances up to kAgree_mm are alike. So a pose this much more exact is right, even
+// where less of the surface agrees.
+constexpr double kExacter = 0.65, kExactShare = 0.1;
 constexpr double kStill_mm = 1e-4;     // a step that moves less is the last; a scan is off by 0.01
 constexpr double kMinScale_mm = 0.03;  // of Tukey's weight: no scan is better
 
@@ -337,7 +341,7 @@ std::vector<Candidate> Slid(const DistanceGrid& grid, const Triangles& moving,
           if (glm::length(slide) > kSlide_mm) continue;
           Candidate c = candidate;
           c.pose.shift += slide;
-          for (double scale : {0.4, 0.3, 0.3, 0.2, 0.2, 0.15})
+          for (double scale : {0.25, 0.25, 0.2, 0.2, 0.15, 0.15})
             Step(AwayFrom(grid, points, c.pose), points, scale, false, c.pose);
           c.cost = ExactCost(grid, points, c.pose, false);
           all.push_back(c);
@@ -474,6 +478,16 @@ std::vector<Fit> FitOnto(const Triangles& fixed, const Triangles& moving) {
     if (out.empty()) Refine(distances, many, c.pose, false);
     Fit fit = Measure(distances, many, c.pose);
     if (fit.agree_share > 0) out.push_back(std::move(fit));
+  }
+  const auto exacter = std::find_if(out.begin(), out.end(), [&](const Fit& fit) {
+    return fit.rms_mm < kExacter * out.front().rms_mm &&
+           fit.outside_share <= out.front().outside_share && fit.agree_share >= kExactShare;
+  });
+  if (exacter != out.end()) {
+    std::rotate(out.begin(), exacter, exacter + 1);
+    Rigid pose = out.front().fixed_from_moving;
+    Refine(distances, many, pose, false);
+    out.front() = Measure(distances, many, pose);
   }
   return out;
 }

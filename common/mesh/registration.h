@@ -49,15 +49,15 @@ struct Fit {
   std::vector<double> distance_mm;  // signed, + outside, of points of equal area; within 2 mm
 };
 
-// The poses in which `moving` fits the closed mesh `fixed` best, best first, at most six that
+// The poses in which `moving` fits the closed mesh `fixed` best, best first, at most ten that
 // differ by over half a millimetre somewhere; none where nothing agrees.
 //
 // 600 even turns (Alexa, CVPR 2022: super-Fibonacci spirals) in seven places each are improved by
 // Gauss-Newton steps on a grid of signed distances, slid by up to 1.6 mm each way (a crown reduced
 // evenly fits nearly as well where its cut lies on the tooth's surface), then the best on the surface
-// itself. Points
-// deep inside have no weight (Tukey's biweight), because they were cut. Points outside keep Huber's
-// weight, because nothing grows on a tooth. So neither the cut nor a missing root pulls the pose.
+// itself. Points deep inside have no weight (Tukey's biweight), because they were cut. Points outside
+// keep Huber's weight, because nothing grows on a tooth. So neither the cut nor a missing root pulls
+// the pose. A pose in which less of the surface agrees, but much more exactly, goes before.
 // Point-to-plane steps: Chen and Medioni, Image and Vision Computing 10(3), 1992.
 std::vector<Fit> FitOnto(const Triangles& fixed, const Triangles& moving);
 // From one pose that is nearly right: within some 0.5 mm and 5 degrees.

@@ -121,7 +121,8 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& siz
                      ": " +
                      (!fits.empty() ? "its numbers look like " + fits
                       : Fits(extent_mm, kScan)
-                          ? "if the file holds several teeth, say so and cut one out"
+                          ? "a file that holds several teeth has to be imported as such, and one "
+                            "tooth cut out of it"
                           : std::string("no known unit makes it a ") + sized.what +
                                 "; where you know how long it is, give its longest side in mm"),
                  "unit");

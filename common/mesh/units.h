@@ -30,7 +30,7 @@ Status CheckScale(const FileScale& scale);
 // Millimetres in 1 of the mesh's coordinates. Errors: CheckScale's, and a mesh without extent.
 Result<double> ScaleInMm(const Triangles& mesh, const FileScale& scale);
 
-// What a file is expected to hold, by the longest side of its box.
+// The expected content of a file, by the longest side of its box.
 struct Sized {
   const char* what;
   double min_mm, max_mm;

@@ -227,7 +227,8 @@ Result<std::shared_ptr<ToothImport::MeshFile>> ToothImport::FileFor(Wanted& want
   if (!wanted.mesh_of)
     return MeshFile::Make(PlainName(wanted.title, wanted.tooth) + "." + wanted.kind);
   if (!file_ || !about_ || about_->id != *wanted.mesh_of || by_.person != by.person)
-    return Status(Code::kConflict, "that file is not there any more: send it again", "mesh_of");
+    return Status(Code::kConflict, "the server no longer keeps that file: send it again",
+                  "mesh_of");
   wanted.kind = wanted_.kind;
   wanted.bytes = wanted_.bytes;
   return file_;

@@ -74,7 +74,7 @@ class ToothImport {
   ToothImport& operator=(const ToothImport&) = delete;
 
   // Errors: kInvalidInput (kind, unit, title, tooth, no bytes; with field), kTooLarge, kUnavailable
-  // while another is under way, kConflict with field "mesh_of" where that file is not there any more.
+  // while another is under way, kConflict with field "mesh_of" where the server no longer keeps that file.
   Result<About> Begin(const Wanted& wanted, const Actor& by, UnixMs now_ms);
   // The next bytes. Errors: kNotFound, kConflict with field "offset" where others are expected (the
   // message says which) or it is complete, kTooLarge.

@@ -114,7 +114,7 @@ TEST_F(JawScanTest, ACrownBecomesTheToothAndItsNeighboursStandBesideIt) {
     if (static_cast<cutting::Tissue>(t) == cutting::Tissue::kNeighbour) continue;
     EXPECT_NEAR(beside[t] * 1e9, volumes[t] * 1e9, 0.2) << t << ": the tooth is the same";
   }
-  // What the formula has of them within 2 mm of the tooth's box.
+  // Their volume by the formula, within 2 mm of the tooth's box.
   const dvec3 up = with->placement.up, buccal = with->placement.buccal,
               mesial = glm::cross(buccal, up);
   auto turned = [&](const dvec3& p) { return dvec3(Dot(p, mesial), Dot(p, buccal), Dot(p, up)); };

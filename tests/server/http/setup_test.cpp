@@ -147,7 +147,7 @@ class ToothImportTest : public testing::Test {
   RawResponse last_;
 };
 
-// The file is sent once, however often it is looked at.
+// A person sends the file once, and looks at it as often as needed.
 TEST_F(ToothImportTest, ACrownIsCutOutOfAScanThatWasSentOnce) {
   const std::string scan = Plate();
   const json::value jaw =
