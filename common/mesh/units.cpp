@@ -109,22 +109,24 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& siz
   const Box box = BoxOf(mesh);
   const double extent = box.extent(), extent_mm = extent * scale_mm;
   if (Fits(extent_mm, sized)) return CheckFineness(mesh, box, scale_mm, sized);
+  const bool by_length = scale.longest_mm > 0;
   std::string fits;
   for (const Unit& u : kUnits) {
-    if (Fits(extent * u.mm * scale.factor, sized))
+    if (!by_length && Fits(extent * u.mm * scale.factor, sized))
       fits += (fits.empty() ? "" : " or ") + std::string(u.name);
   }
-  return Invalid(std::string("expected a ") + sized.what + " of " + Fixed(sized.min_mm, 0) +
+  std::string what = std::string("expected a ") + sized.what + " of " + Fixed(sized.min_mm, 0) +
                      " to " + Fixed(sized.max_mm, 0) + " mm, found one of " +
-                     Fixed(extent_mm, extent_mm < 1 ? 4 : 2) + " mm with the unit '" + scale.unit +
-                     "'" + (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6)) +
-                     ": " +
-                     (!fits.empty() ? "its numbers look like " + fits
-                      : Fits(extent_mm, kScan)
-                          ? "a file that holds several teeth has to be imported as such, and one "
-                            "tooth cut out of it"
-                          : std::string("no known unit makes it a ") + sized.what +
-                                "; where you know how long it is, give its longest side in mm"),
+                     Fixed(extent_mm, extent_mm < 1 ? 4 : 2) + " mm";
+  what += by_length ? " by its longest side"
+                    : " with the unit '" + scale.unit + "'" +
+                          (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6));
+  if (!fits.empty()) return Invalid(what + ": its numbers look like " + fits, "unit");
+  if (Fits(extent_mm, kScan))
+    what += "; import a file that holds several teeth as such, and cut one tooth out of it";
+  if (by_length) return Invalid(what, "longest_mm");
+  return Invalid(what + "; no known unit makes it a " + sized.what +
+                     ": where you know how long it is, give its longest side in mm",
                  "unit");
 }
 
