@@ -2,14 +2,24 @@
 // has changed something, and plays the faults of a server that the real one cannot be asked for.
 import { createServer, request as ask } from "node:http";
 
-// { url, target, changed, faults, close }. `target`: address of the server behind. `changed`: whether a request that
+// { url, target, changed, faults, hold, close }. `target`: address of the server behind. `changed`: whether a request that
 // changes something passed since it was set to false; a sign-in does not count. `faults`: functions of (request,
-// response), asked in turn; the one that returns true has answered, or will.
+// response), asked in turn; the one that returns true has answered, or will. `hold()`: requests wait until the function that it returns is called,
+// as while the server is started anew.
 export async function startProxy() {
   const proxy = { target: undefined, changed: false, faults: [] };
+  let held = Promise.resolve();
+  proxy.hold = () => {
+    let release;
+    held = new Promise((resolve) => {
+      release = resolve;
+    });
+    return release;
+  };
   const server = createServer((request, response) => {
     if (!["GET", "HEAD"].includes(request.method) && request.url !== "/api/v1/session") proxy.changed = true;
-    if (!proxy.faults.some((fault) => fault(request, response))) passOn(proxy.target, request, response);
+    if (!proxy.faults.some((fault) => fault(request, response)))
+      void held.then(() => response.destroyed || passOn(proxy.target, request, response));
   });
   await new Promise((resolve, reject) => server.once("error", reject).listen(0, "127.0.0.1", resolve));
   proxy.url = `http://127.0.0.1:${server.address().port}`;
@@ -23,7 +33,8 @@ export async function startProxy() {
 
 function passOn(target, request, response) {
   const to = new URL(request.url, target);
-  const onward = ask(to, { method: request.method, headers: request.headers }, (answer) => {
+  // Its own connection: one that was kept may be one that the server has just closed.
+  const onward = ask(to, { method: request.method, headers: request.headers, agent: false }, (answer) => {
     response.writeHead(answer.statusCode, answer.rawHeaders);
     answer.pipe(response);
     answer.once("error", () => response.destroy());

@@ -46,9 +46,10 @@ export async function openSchool({ folder, dist }) {
       if (proxy.changed) await renew();
     },
     restart: async (...more) => {
+      const release = proxy.hold(); // a page that asks meanwhile waits
       await ended(server.child);
       proxy.changed = true; // the next flow has the usual options again
-      await start(...more);
+      await start(...more).finally(release);
     },
     empty: async () => {
       await ended(server.child);
