@@ -200,8 +200,8 @@ Status CheckOneBody(const mesh::Solid& solid) {
   if (apart.size() <= 1) return Status::Ok();
   return Invalid(
       "expected one tooth, found " + std::to_string(apart.size()) +
-      " bodies apart from each other: say that the file holds several teeth and cut one out, "
-      "export the tooth alone, or join its parts");
+      " bodies apart from each other: cut one out on the server's page, export the tooth alone, or "
+      "join its parts");
 }
 
 void Enter(const ImportOptions& options, std::string_view phase) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -23,8 +22,8 @@ struct CutCrowns {
   mesh::Triangles tooth;
   std::vector<mesh::Triangles> neighbours;
 };
-// Requires: at least one curve. Errors: mesh::InMm's; mesh::Jaw::Crown's; kInvalidInput, field "around", of a crown of no
-// tooth's size and of too many curves.
+// Requires: at least one curve. Errors: those of mesh::InMm and mesh::Jaw::Crown, and kInvalidInput, field "around", of a
+// crown of no tooth's size and of too many curves.
 Result<CutCrowns> CutOut(const mesh::Triangles& scan, const mesh::FileScale& scale,
                          const GumCurves& around);
 

@@ -193,11 +193,14 @@ Result<Triangles> Jaw::SmallerSide(std::vector<Edge> way) const {
   return out;
 }
 
+Status Jaw::CheckCurve(std::span<const dvec3> curve_mm) {
+  if (curve_mm.size() >= kMinPoints && curve_mm.size() <= kMaxPoints) return Status::Ok();
+  return Invalid("expected " + std::to_string(kMinPoints) + " to " + std::to_string(kMaxPoints) +
+                 " points around a tooth, found " + std::to_string(curve_mm.size()));
+}
+
 Result<Triangles> Jaw::Crown(std::span<const dvec3> curve_mm) const {
-  if (curve_mm.size() < kMinPoints || curve_mm.size() > kMaxPoints) {
-    return Invalid("expected " + std::to_string(kMinPoints) + " to " + std::to_string(kMaxPoints) +
-                   " points around a tooth, found " + std::to_string(curve_mm.size()));
-  }
+  ENAMEL_RETURN_IF_ERROR(CheckCurve(curve_mm));
   if (mesh_.indices.empty()) return Invalid("the scan holds no triangles");
   std::vector<uint32_t> stations;
   for (const dvec3& p : curve_mm) {

@@ -23,11 +23,11 @@ class Jaw {
   // Millimetres; vertices nearer than a micrometre are joined (mesh_repair.h).
   explicit Jaw(const Triangles& mesh_mm);
 
-  // The crown inside the closed curve, an open shell. Errors: kInvalidInput, field "around": too few or too many points,
+  // Errors: kInvalidInput, field "around": too few or too many points.
+  static Status CheckCurve(std::span<const dvec3> curve_mm);
+  // The crown inside the closed curve, an open shell. Errors: CheckCurve's, and kInvalidInput, field "around":
   // a point off the surface, two that the surface does not join nearby, a curve that parts no crown from the rest.
   Result<Triangles> Crown(std::span<const dvec3> curve_mm) const;
-
-  const Triangles& mesh() const { return mesh_; }
 
  private:
   struct Step {

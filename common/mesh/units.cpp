@@ -123,7 +123,7 @@ Status CheckSize(const Triangles& mesh, const FileScale& scale, const Sized& siz
                           (scale.factor == 1 ? "" : " and the scale " + Fixed(scale.factor, 6));
   if (!fits.empty()) return Invalid(what + ": its numbers look like " + fits, "unit");
   if (Fits(extent_mm, kScan))
-    what += "; import a file that holds several teeth as such, and cut one tooth out of it";
+    what += "; one tooth can be cut out of a scan of several teeth on the server's page";
   if (by_length) return Invalid(what, "longest_mm");
   return Invalid(what + "; no known unit makes it a " + sized.what +
                      ": where you know how long it is, give its longest side in mm",

@@ -8,6 +8,7 @@
 
 #include "common/import/mesh_kind.h"
 #include "common/import/prepared_tooth.h"
+#include "common/mesh/cut_out.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -51,10 +52,10 @@ Status CheckWanted(const ToothImport::Wanted& wanted) {
   if (wanted.jaw && (wanted.publish || !wanted.around.empty())) {
     return Invalid(
         "a scan of several teeth is only shown: expected `publish` false and no curves; then send "
-        "the curves "
-        "around a tooth without `jaw`",
+        "the curves around a tooth without `jaw`",
         "jaw");
   }
+  for (const auto& curve : wanted.around) ENAMEL_RETURN_IF_ERROR(mesh::Jaw::CheckCurve(curve));
   const bool one_tooth = !wanted.prepared_of && !wanted.jaw;
   if (one_tooth)
     ENAMEL_RETURN_IF_ERROR(import::CheckFacing({wanted.tooth, wanted.up, wanted.buccal}));

@@ -450,7 +450,6 @@ async function cutOutTooth(world) {
       await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 + y);
       await page.mouse.move(box.x, box.y);
       await dialog.getByText(new RegExp(`^${i + 1} points?\\.$`)).waitFor();
-      await page.waitForTimeout(350); // the second click of two would look at the place
     }
   };
   await around(0.14, 10);

@@ -85,13 +85,13 @@ TEST(JawTest, CurvesThatPartNoCrownAreRefusedWithWhatToDo) {
 class JawScanTest : public testing::Test {
  protected:
   static Result<ImportedScene> Import(const MadeJaw& jaw, const GumCurves& around,
-                                      const std::string& unit = "mm", double longest_mm = 0) {
+                                      const std::string& unit = "mm") {
     ImportOptions options;
     options.tooth = 46;
     options.voxel_nm = 200'000;
     options.threads = 1;
     options.up = "+z";
-    options.scale = {unit, 1, longest_mm};
+    options.scale = {unit};
     options.around = around;
     return ImportTriangles(jaw.mesh, "made", options);
   }
@@ -154,7 +154,7 @@ TEST_F(JawScanTest, RefusesWhatIsNoCrownOfATooth) {
   EXPECT_NE(message({good[0], {good[0][0]}}).find("neighbour 1: expected 3 to 200"),
             std::string::npos);
   EXPECT_NE(message(good, "um").find("its numbers look like mm"), std::string::npos);
-  EXPECT_NE(message({}).find("holds several teeth"), std::string::npos) << message({});
+  EXPECT_NE(message({}).find("a scan of several teeth"), std::string::npos) << message({});
   // A curve on a tooth's top.
   std::vector<dvec3> small;
   for (const dvec3& p : AlongGum(made, 6, 16, -2.9)) small.push_back(p);

@@ -250,7 +250,6 @@ TEST(PreparedToothTest, ACrownThatWasReducedEvenlyIsFoundByItsCollar) {
 
 // Above 20 to 60 % of the height, closed and open: crowns that the project did not make, and made ones.
 TEST(PreparedToothTest, EvenReductionsAreFoundAboveAnyShareOfTheHeight) {
-  if (!Full()) GTEST_SKIP() << "skipped: takes long; ./check --full";
   struct Crown {
     std::string name;
     mesh::Triangles mesh;
@@ -279,6 +278,8 @@ TEST(PreparedToothTest, EvenReductionsAreFoundAboveAnyShareOfTheHeight) {
   for (const Crown& crown : crowns)
     for (const double share : {0.2, 0.3, 0.4, 0.5, 0.6})
       for (const bool open : {false, true}) {
+        // One that is found by its exactness alone stands for all in ./check.
+        if (!Full() && (crown.name != "scanned 36" || share != 0.2 || open)) continue;
         mesh::Triangles scan = ReducedAbove(crown.mesh, crown.up, share, crown.depth_mm);
         if (open) scan = CutOpen(scan, crown.up, 0.1, random);
         const auto fits = mesh::FitOnto(crown.mesh, mesh::Moved(scan, moved));
@@ -297,10 +298,11 @@ TEST(PreparedToothTest, EvenReductionsAreFoundAboveAnyShareOfTheHeight) {
         }
       }
   std::printf("%d reductions: %d found, %d taken where they are not\n", all, found, wrong);
+  if (all == 0) GTEST_SKIP() << "skipped: no shared data";
   EXPECT_EQ(wrong, 0);
   // 7 of 100 are refused: 4 above 20 % of the height, where a collar of 10 to 20 % of the scan is all that agrees, and 3 of
   // a made molar that nearly fits itself turned by half.
-  EXPECT_GE(found, all * 93 / 100);
+  EXPECT_GE(100 * found, 93 * all);
 }
 
 // Scans that the project did not make, prepared here: each crown against itself and the others.

@@ -196,6 +196,7 @@ TEST_F(ToothImportTest, WhatAJawCannotBeIsRefusedWithTheField) {
   EXPECT_EQ(field({{"around", json::parse("[[[1,2]]]")}}), "around");
   EXPECT_EQ(field({{"around", json::parse("[[[1,2,1e9]]]")}}), "around");
   EXPECT_EQ(field({{"around", json::parse("[[],[],[],[]]")}}), "around");
+  EXPECT_EQ(field({{"around", json::parse("[[[1,2,3],[1,2,4]]]")}}), "around") << "too few points";
   EXPECT_EQ(field({{"around", 3}}), "around");
 }
 

@@ -12,8 +12,8 @@ const kPartBytes = 512 * 1024; // of a mesh, in one request: the server takes 1 
 const kUnits = ["mm", "um", "cm", "m", "inch"] as const;
 type Scale = (typeof kUnits)[number] | "factor" | "longest";
 
-// Sends a mesh in parts, unless the server still has it from the import `mesh_of`, and asks until it is done or refused; `onChange` hears of each step. If the person leaves
-// before all of it was sent, the server forgets the upload.
+// Sends a mesh in parts, unless the server still keeps it from the import `mesh_of`, and asks until it is done or refused.
+// `onChange` hears of each step. If the person leaves before all of it was sent, the server forgets the upload.
 async function importMesh(
   client: Client,
   file: File,
