@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -22,6 +23,8 @@ constexpr double kFaceShare = 0.65;
 constexpr double kMinOfLargest = 0.1;
 // The steps of a bur's path are finer. Chosen.
 constexpr double kSmooth_m = 0.2e-3;
+// Walls over from one another: pieces of this size, whose normals are 135 degrees apart and more. Chosen.
+constexpr double kPatch_m = 0.4e-3, kOpposite = -0.7;
 
 }  // namespace
 
@@ -77,16 +80,47 @@ void FacingSurface::Classify() {
   }
   is_face = up > kFaceShare * all;
   if (wall > 0) middle_m = middle / wall;
-  double outward = 0;
-  for (size_t i = 0; i < at_m.size(); ++i) {
-    const dvec3 out = at_m[i] - middle_m;
-    if (normal[i].z <= kUp) outward += area_m2[i] * (normal[i].x * out.x + normal[i].y * out.y);
-  }
-  is_stump = !is_face && outward > 0;
+  is_stump = !is_face && StandsBetweenWalls();
   for (size_t i = 0; i < at_m.size(); ++i) {
     faces[i] = is_face || normal[i].z > kUp ? kUpward : SideOf(normal[i]);
   }
   if (!is_face && !is_stump) GiveShelvesToWalls();
+}
+
+// Pairs of wall that face opposite ways, one straight over from the other: with air between them, as in a cavity, or the
+// tooth, as in a stump. A mesio-occluso-distal cavity has both, and more of the first: its axial walls face outwards.
+bool FacingSurface::StandsBetweenWalls() const {
+  struct Patch {
+    dvec3 at_m{0}, normal{0};
+    double area_m2 = 0;
+  };
+  std::map<Cell, Patch> cells;
+  for (size_t i = 0; i < at_m.size(); ++i) {
+    if (normal[i].z > kUp) continue;
+    Patch& patch = cells[CellOf(at_m[i], kPatch_m)];
+    patch.at_m += area_m2[i] * at_m[i];
+    patch.normal += area_m2[i] * normal[i];
+    patch.area_m2 += area_m2[i];
+  }
+  std::vector<Patch> patches;
+  for (auto& [cell, patch] : cells) {
+    if (!(patch.area_m2 > 0)) continue;
+    patch.at_m /= patch.area_m2;
+    patch.normal = Unit(patch.normal);
+    patches.push_back(patch);
+  }
+  double air = 0, tooth = 0;
+  for (size_t i = 0; i < patches.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const Patch &a = patches[i], &b = patches[j];
+      if (Dot(a.normal, b.normal) > kOpposite) continue;
+      const dvec3 way = b.at_m - a.at_m;
+      const double along = Dot(way, a.normal);
+      if (Dot(way, way) - along * along > kPatch_m * kPatch_m) continue;
+      (along > 0 ? air : tooth) += std::min(a.area_m2, b.area_m2);
+    }
+  }
+  return tooth > air;
 }
 
 // A cavity's wall faces away from the side that it is on.

@@ -62,6 +62,7 @@ class FacingSurface {
  private:
   void Smooth();
   void Classify();
+  bool StandsBetweenWalls() const;
   Facing SideOf(const dvec3& n) const;
   void GiveShelvesToWalls();
 };

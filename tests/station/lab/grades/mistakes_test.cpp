@@ -151,6 +151,22 @@ TEST(AcceptableCutTest, CrownHasCuspsAxialWallsAndAMargin) {
                                                 "margin_mesial", "line_angles"}));
 }
 
+// Boxes that are open at both ends, joined by an isthmus: the axial walls face outwards, as a stump's do, the others in.
+TEST(AcceptableCutTest, CavityThatIsOpenAtBothEndsIsNoStump) {
+  const cutting::Volume block = PlainBlock(0);
+  const auto open = [](const dvec3& p) {
+    const Hollow isthmus = Box({-4, -0.7, -1.5}, {4, 0.7, 1});
+    const Hollow one = Box({2.6, -1.6, -2.7}, {4, 1.6, 1}),
+                 other = Box({-4, -1.6, -2.7}, {-2.6, 1.6, 1});
+    return std::min({isthmus(p), one(p), other(p)});
+  };
+  const cutting::Volume exact = CutAway(block, open);
+  const AcceptableCut r(block, exact, {});
+  EXPECT_FALSE(r.is_stump());
+  EXPECT_EQ(Names(r), (std::vector<std::string>{"floor_1", "floor_2", "wall_buccal", "wall_distal",
+                                                "wall_lingual", "wall_mesial", "line_angles"}));
+}
+
 TEST(MistakesTest, TheExactTaskAndWhatNoEyeSeesCostNothing) {
   const Scored exact = Usual().Score(Taken(FaultBlockCavity()));
   EXPECT_EQ(exact.score, 100);
