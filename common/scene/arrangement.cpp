@@ -76,9 +76,17 @@ double NextToDistally_mm(const ToothShape& tooth, const ToothShape& neighbour, d
   return -tooth.Along(WidestOf(tooth).distal_mm + WidestOf(neighbour).mesial_mm + gap_mm);
 }
 
-std::vector<Lesion> FissureCaries(const ToothShape& tooth) {
-  dvec3 fossa = FossaBottom_m(tooth) * 1e3;
-  return {{fossa, {0.55, 0.35, 1.3}}, {fossa - dvec3(0, 0, 1.7), {1.5, 1.1, 0.75}}};
+std::vector<Lesion> FissureCaries(const ToothShape& tooth, CariesDepth depth) {
+  const dvec3 fossa = FossaBottom_m(tooth) * 1e3;
+  switch (depth) {
+    case CariesDepth::kShallow:
+      return {{fossa, {0.45, 0.3, 1.2}}, {fossa - dvec3(0, 0, 1.4), {1.25, 0.95, 0.55}}};
+    case CariesDepth::kMedium:
+      return {{fossa, {0.55, 0.35, 1.3}}, {fossa - dvec3(0, 0, 1.7), {1.5, 1.1, 0.75}}};
+    case CariesDepth::kDeep:
+      break;
+  }
+  return {{fossa, {0.6, 0.4, 1.4}}, {fossa - dvec3(0, 0, 2.3), {1.9, 1.4, 1.25}}};
 }
 
 std::vector<Lesion> MesialCaries(const ToothShape& tooth) {

@@ -40,8 +40,11 @@ Box BoundsOf(const Arrangement& arrangement);
 double NextToMesially_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm);
 double NextToDistally_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm);
 
-// Occlusal caries under the fossa: through the enamel at its bottom and spread in the dentin.
-std::vector<Lesion> FissureCaries(const ToothShape& tooth);
+// Occlusal caries under the fossa: through the enamel at its bottom and spread in the dentin. The
+// last of the lesions is the one in the dentin. Chosen: shallow ends just below the junction, medium in
+// the outer half of the dentin, deep about a millimetre above the molar's pulp.
+enum class CariesDepth { kShallow, kMedium, kDeep };
+std::vector<Lesion> FissureCaries(const ToothShape& tooth, CariesDepth depth);
 // Caries of the mesial face just under the contact with the next tooth.
 std::vector<Lesion> MesialCaries(const ToothShape& tooth);
 

@@ -13,6 +13,9 @@ constexpr bool IsToothNumber(int number) {
 // Incisors and canines.
 constexpr bool IsAnterior(int tooth) { return IsToothNumber(tooth) && tooth % 10 <= 3; }
 
+// A milk tooth.
+constexpr bool IsDeciduous(int tooth) { return IsToothNumber(tooth) && tooth > 50; }
+
 // Where mesial is in a scene's frame (types.h): +1, along +x, or -1, along -x. The frame is
 // right-handed with buccal at +y and occlusal at +z. Look down on the lower jaw, so that occlusal
 // points at you: +x is to the right of +y. A lower right tooth's buccal side faces the patient's

@@ -36,9 +36,10 @@ std::string DateText(int64_t unix_ms) {
 
 // "occlusal", for the landmark that an exercise cuts at.
 std::string SurfaceKey(const Catalogue::Facts& facts) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kSurfaces = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSurfaces = {{
       {"occlusal_centre", "surface.occlusal"},
       {"caries", "surface.occlusal"},
+      {"chamber", "surface.occlusal"},
       {"mesial_box", "surface.mesial"},
       {"class_5", "surface.buccal"},
       {"labial_face", "surface.labial"},

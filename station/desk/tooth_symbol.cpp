@@ -31,7 +31,9 @@ std::array<bool, 5> CutFields(const Catalogue::Facts& facts) {
   std::array<bool, 5> cut{};
   const auto& landmark = facts.landmark;
   if (landmark == "crown_top") cut.fill(true);
-  if (landmark == "occlusal_centre" || landmark == "caries") cut[kMiddle] = true;
+  if (landmark == "occlusal_centre" || landmark == "caries" || landmark == "chamber") {
+    cut[kMiddle] = true;
+  }
   if (landmark == "mesial_box") cut[IsMesialRight(facts.tooth) ? kRight : kLeft] = true;
   if (landmark == "class_5" || landmark == "labial_face") {
     cut[IsUpper(facts.tooth) ? kTop : kBottom] = true;

@@ -43,10 +43,10 @@ offers "published" enamel-server admin list-exercises --data /var/lib/enamel --s
 offers "json text" enamel-station --log-format ""
 offers "de en zh" enamel-station open --language ""
 offers "omega3 omega6 omega7" enamel-station simulate --profile omega
-offers "builtin:premolar" enamel-station simulate --scene builtin:p
+offers "builtin:premolar" enamel-station simulate --scene builtin:pre
 offers "class-5-molar-46-buccal" enamel-server admin assign-exercise --exercise class-5
 offers "strokes" enamel-lab qualify --suite s
-offers "molar-buccal molar-caries molar-class-2" enamel-lab pictures molar-
+offers "molar-buccal molar-caries molar-caries-deep molar-caries-shallow molar-class-2 molar-left" enamel-lab pictures molar-
 offers "" enamel-server admin add-person --login ""
 offers "" enamel-station run --json ""
 

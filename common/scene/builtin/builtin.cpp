@@ -76,8 +76,21 @@ Draft SoundTooth(const ToothShape& tooth) {
                  {Tissue::kEnamel, Tissue::kDentin, Tissue::kPulp});
 }
 Draft Molar() { return SoundTooth(LowerFirstMolar()); }
-Draft Premolar() { return SoundTooth(UpperFirstPremolar()); }
+Draft MolarLeft() { return SoundTooth(LowerLeftFirstMolar()); }
+Draft Premolar() {
+  Draft out = SoundTooth(UpperFirstPremolar());
+  // Over the middle of the tooth, between its cusps.
+  out.scene.landmarks["chamber"] =
+      ToUm(SurfaceBelow_m(UpperFirstPremolar(), 0, 0).value_or(dvec3(0)));
+  return out;
+}
 Draft Incisor() { return SoundTooth(UpperCentralIncisor()); }
+// Its crown is a prefabricated one of steel: no stump is cut by a drawing.
+Draft PrimaryMolar() {
+  Draft out = SoundTooth(PrimarySecondMolar());
+  out.scene.landmarks.erase("crown_top");
+  return out;
+}
 
 // The same tooth, held with its buccal side up. Crown and cavity of the occlusal side are not to be
 // reached from there.
@@ -121,12 +134,27 @@ Draft IncisorLabial() {
   return out;
 }
 
-Draft MolarCaries() {
+Draft CariousMolar(const char* name, const char* with, CariesDepth depth) {
   const ToothShape& tooth = LowerFirstMolar();
-  Draft out = DraftOf("molar-46-caries", tooth.title + " with fissure caries, built in",
-                      {{{&tooth, 0, false, FissureCaries(tooth)}}},
+  Draft out = DraftOf(name, tooth.title + " with " + with + ", built in",
+                      {{{&tooth, 0, false, FissureCaries(tooth, depth)}}},
                       {Tissue::kEnamel, Tissue::kDentin, Tissue::kPulp, Tissue::kCaries});
   out.scene.landmarks["caries"] = out.scene.landmarks.at("occlusal_centre");
+  return out;
+}
+Draft MolarCaries() {
+  return CariousMolar("molar-46-caries", "fissure caries", CariesDepth::kMedium);
+}
+// There for their caries alone (exercises.cpp).
+Draft MolarShallowCaries() {
+  Draft out =
+      CariousMolar("molar-46-caries-shallow", "shallow fissure caries", CariesDepth::kShallow);
+  out.scene.landmarks.erase("crown_top");
+  return out;
+}
+Draft MolarDeepCaries() {
+  Draft out = CariousMolar("molar-46-caries-deep", "deep fissure caries", CariesDepth::kDeep);
+  out.scene.landmarks.erase("crown_top");
   return out;
 }
 
@@ -220,7 +248,14 @@ constexpr Builder kBuilders[] = {
     {{"molar", "lower first molar (FDI 46): enamel, dentin, pulp, two roots"}, Molar},
     {{"premolar", "upper first premolar (FDI 14), two roots"}, Premolar},
     {{"incisor", "upper central incisor (FDI 11)"}, Incisor},
+    {{"molar-left", "lower left first molar (FDI 36), the mirror image of the right one"},
+     MolarLeft},
+    {{"primary-molar", "lower right second primary molar (FDI 85): thin enamel, a wide pulp"},
+     PrimaryMolar},
     {{"molar-caries", "the molar with a soft lesion under its central fossa"}, MolarCaries},
+    {{"molar-caries-shallow", "the molar with a lesion that just reaches the dentin"},
+     MolarShallowCaries},
+    {{"molar-caries-deep", "the molar with a lesion a millimetre above the pulp"}, MolarDeepCaries},
     {{"molar-class-2", "the molar between two neighbours, with a soft lesion at the contact"},
      MolarClassTwo},
     {{"molar-buccal", "the molar, turned so that its buccal side is up"}, MolarBuccal},

@@ -15,38 +15,21 @@ namespace {
 // the stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where
 // the sections would give less or more. Heights are below the landmark crown_top; x is mesial here.
 struct CrownTask {
-  const char* tooth;  // the beginning of a scene's name
-  int32_t depth_um;   // of the shoulder: above the cervical line
+  int place;         // of the permanent tooth in its quadrant, from the middle
+  int32_t depth_um;  // of the shoulder: above the cervical line
   int32_t off_top_um, off_walls_um;
   Stump::Section foot, table;
   int32_t corner_um;
 };
-constexpr CrownTask kCrowns[] = {{"molar-46",
-                                  6'500,
-                                  1'200,
-                                  800,
-                                  {{0, 250}, {4'100, 4'050}},
-                                  {{50, -350}, {3'350, 3'050}},
-                                  1'800},
-                                 {"premolar-14",
-                                  6'500,
-                                  1'500,
-                                  1'000,
-                                  {{0, 50}, {1'900, 3'350}},
-                                  {{-50, 150}, {1'150, 2'450}},
-                                  700},
-                                 {"incisor-11",
-                                  9'000,
-                                  1'500,
-                                  1'000,
-                                  {{0, 100}, {2'500, 2'300}},
-                                  {{50, 400}, {2'100, 500}},
-                                  450}};
+constexpr CrownTask kCrowns[] = {
+    {6, 6'500, 1'200, 800, {{0, 250}, {4'100, 4'050}}, {{50, -350}, {3'350, 3'050}}, 1'800},
+    {4, 6'500, 1'500, 1'000, {{0, 50}, {1'900, 3'350}}, {{-50, 150}, {1'150, 2'450}}, 700},
+    {1, 9'000, 1'500, 1'000, {{0, 100}, {2'500, 2'300}}, {{50, 400}, {2'100, 500}}, 450}};
 
 const CrownTask* CrownOf(const Scene& scene) {
-  const auto* it = std::find_if(std::begin(kCrowns), std::end(kCrowns), [&](const CrownTask& c) {
-    return scene.name.starts_with(c.tooth);
-  });
+  const ToothShape* tooth = ShapeOf(scene);
+  if (tooth == nullptr || IsDeciduous(tooth->fdi)) return nullptr;
+  const auto* it = std::ranges::find(kCrowns, tooth->fdi % 10, &CrownTask::place);
   return it == std::end(kCrowns) ? nullptr : it;
 }
 

@@ -1,11 +1,14 @@
 #include "common/scene/builtin/exercises.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
+#include "common/scene/arrangement.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/builtin/drawn.h"
 #include "common/scene/builtin/rubrics.h"
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
@@ -30,33 +33,11 @@ std::string SidesText() {
 constexpr std::string_view kMediumRound = "806 314 001 524 016",
                            kMediumPear = "806 314 237 524 012";
 
-Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
-  Exercise e = ClassOneExercise(scene, scene_hash);
-  e.name = NameFor("class-2", scene);
-  e.title = "Class II cavity, mesial box";
-  // For the corners of the box. An inverted cone for its floor would refuse voxels of 0.1 mm
-  // (cutting/voxel_limit.h), on which schools practise too.
-  e.other_burs = {OfferedBur("pear-12", kMediumPear)};
-  e.target.landmark = "mesial_box";
-  e.target.half_size_um = {990, 1'600, 0};
-  e.target.depth_um = 3'500;
-  e.instructions = "Cut the mesial box " + Mm(2 * e.target.half_size_um[1]) + " wide and " +
-                   Mm(e.target.depth_um) +
-                   " deep from the marginal ridge, open to the mesial side, with its axial wall " +
-                   Mm(e.target.half_size_um[0]) +
-                   " inside the middle of the ridge. Do not touch the adjacent tooth.";
-  // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
-  e.target.leeway_side_um = 100;
-  e.rubric.name = "class-2-mesial";
-  e.rubric.prices.push_back(PriceOfCaries());
-  e.rubric.critical.clear();
-  for (const auto& critical : {CriticalOfCavity(), CriticalOfPulp(), CriticalOfWidth(true),
-                               CriticalOfContact(), CriticalOfCaries()}) {
-    AddCritical(e.rubric, critical);
-  }
-  e.rubric.restorations = TolerancesOfCavity(true);
-  e.rubric.criteria = HandCriteria(3, 2, {240, 600});
-  return e;
+int32_t Um(double mm) { return static_cast<int32_t>(std::lround(mm * 1e3)); }
+
+CariesDepth CariesDepthOf(const Scene& scene) {
+  if (scene.name.starts_with("molar-46-caries-shallow")) return CariesDepth::kShallow;
+  return scene.name.starts_with("molar-46-caries-deep") ? CariesDepth::kDeep : CariesDepth::kMedium;
 }
 
 Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
@@ -69,70 +50,15 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
       "Open the lesion under the central fossa and remove all soft caries, with no more sound "
       "tissue than you need to reach it. Keep the pulp covered.";
   e.target.landmark = "caries";
-  // The lesion's widest section and its bottom (FissureCaries in arrangement.h).
-  e.target.half_size_um = {1'550, 1'150, 0};
-  e.target.depth_um = 2'500;
+  // The lesion's widest section and its bottom.
+  const ToothShape* shape = ShapeOf(scene);
+  const ToothShape& tooth = shape == nullptr ? LowerFirstMolar() : *shape;
+  constexpr double kAround_mm = 0.05;
+  const Lesion lesion = FissureCaries(tooth, CariesDepthOf(scene)).back();
+  const double above_mm = FossaBottom_m(tooth).z * 1e3 - lesion.middle.z;
+  e.target.half_size_um = {Um(lesion.half.x + kAround_mm), Um(lesion.half.y + kAround_mm), 0};
+  e.target.depth_um = Um(above_mm + lesion.half.z + kAround_mm);
   e.rubric = CariesRubric();
-  return e;
-}
-
-// The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its
-// lower edge 1 mm above the cervical line.
-Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
-  Exercise e = ClassOneExercise(scene, scene_hash);
-  e.name = NameFor("class-5", scene);
-  e.title = "Class V cavity, buccal";
-  e.target.landmark = "class_5";
-  e.target.half_size_um = {2'000, 1'000, 0};
-  e.target.depth_um = 1'200;
-  e.instructions = "The buccal side faces up, and the root points away from you. Cut a box " +
-                   Mm(2 * e.target.half_size_um[0]) + " from mesial to distal, " +
-                   Mm(2 * e.target.half_size_um[1]) + " from gingival to occlusal and " +
-                   Mm(e.target.depth_um) +
-                   " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
-                   " Do not expose the pulp.";
-  e.rubric.name = "class-5-buccal";
-  // Its walls are turned: their tolerances are not those of an occlusal cavity.
-  e.rubric.restoration = Restoration::kNone;
-  e.rubric.restorations.clear();
-  std::erase_if(e.rubric.critical,
-                [](const RubricCritical& c) { return c.error == "gross_overextension"; });
-  return e;
-}
-
-// Through the roof of a molar's pulp chamber and down to half its height, as wide as the chamber is
-// there (teeth.cpp, 2.5 x 1.7 mm half, its middle 4 mm below the fossa): so that no roof is left to
-// hide a canal, and the floor, 1.1 mm lower, is not touched.
-constexpr std::array<std::array<int32_t, 2>, 8> kAccessOutline = {{{2'000, -800},
-                                                                   {2'000, 800},
-                                                                   {1'000, 1'450},
-                                                                   {-1'000, 1'450},
-                                                                   {-2'000, 800},
-                                                                   {-2'000, -800},
-                                                                   {-1'000, -1'450},
-                                                                   {1'000, -1'450}}};
-constexpr int32_t kAccessDepth_um = 4'000;
-
-bool HasKnownChamber(const Scene& scene) { return scene.name == "molar-46"; }
-
-Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
-  Exercise e = ClassOneExercise(scene, scene_hash);
-  e.name = NameFor("access", scene);
-  e.title = "Access cavity";
-  // To lift the roof from below, once the chamber is open.
-  e.other_burs = {OfferedBur("round-16", kMediumRound)};
-  PreparationPart part;
-  part.outline = PreparationPart::Outline::kPolygon;
-  part.corners_um.assign(kAccessOutline.begin(), kAccessOutline.end());
-  part.depth_um = kAccessDepth_um;
-  e.target.half_size_um = {2'000, 1'450, 0};
-  e.target.depth_um = kAccessDepth_um;
-  e.target.parts = {part};
-  e.instructions = "Open the pulp chamber from the central fossa: remove its whole roof, " +
-                   Mm(2 * e.target.half_size_um[0]) + " x " + Mm(2 * e.target.half_size_um[1]) +
-                   " and " + Mm(kAccessDepth_um) +
-                   " deep, with upright walls. Do not touch the floor of the chamber.";
-  e.rubric = ShapeRubric("access-cavity");
   return e;
 }
 
@@ -164,11 +90,10 @@ std::vector<Exercise> ExercisesOf(const Scene& scene, const Sha256& scene_hash) 
     return out;
   }
   // A front tooth has no fossa to cut into; of an imported one nothing else is known.
-  if (has("occlusal_centre") && !(IsAnterior(scene.tooth) && has("crown_top"))) {
+  const bool front = IsAnterior(scene.tooth) && has("crown_top");
+  const bool for_caries = has("caries") && !has("crown_top");
+  if (has("occlusal_centre") && !front && !for_caries) {
     out.push_back(ClassOneExercise(scene, scene_hash));
-  }
-  if (has("occlusal_centre") && HasKnownChamber(scene)) {
-    out.push_back(AccessExercise(scene, scene_hash));
   }
   if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));
   if (has("mesial_box")) out.push_back(ClassTwoExercise(scene, scene_hash));
@@ -204,6 +129,67 @@ const ToothShape* ShapeOf(const Scene& scene) {
   return nullptr;
 }
 
+Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("class-2", scene);
+  e.title = "Class II cavity, mesial box";
+  // For the corners of the box. An inverted cone for its floor would refuse voxels of 0.1 mm
+  // (cutting/voxel_limit.h), on which schools practise too.
+  e.other_burs = {OfferedBur("pear-12", kMediumPear)};
+  e.target.landmark = "mesial_box";
+  e.target.half_size_um = {990, 1'600, 0};
+  e.target.depth_um = 3'500;
+  e.instructions = "Cut the mesial box " + Mm(2 * e.target.half_size_um[1]) + " wide and " +
+                   Mm(e.target.depth_um) +
+                   " deep from the marginal ridge, open to the mesial side, with its axial wall " +
+                   Mm(e.target.half_size_um[0]) +
+                   " inside the middle of the ridge. Do not touch the adjacent tooth.";
+  // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
+  e.target.leeway_side_um = 100;
+  e.rubric.name = "class-2-mesial";
+  e.rubric.prices.push_back(PriceOfCaries());
+  e.rubric.critical.clear();
+  for (const auto& critical : {CriticalOfCavity(), CriticalOfPulp(), CriticalOfWidth(true),
+                               CriticalOfContact(), CriticalOfCaries()}) {
+    AddCritical(e.rubric, critical);
+  }
+  e.rubric.restorations = TolerancesOfCavity(true);
+  e.rubric.criteria = HandCriteria(3, 2, {240, 600});
+  return e;
+}
+
+// The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its
+// lower edge 1 mm above the cervical line.
+Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("class-5", scene);
+  e.title = "Class V cavity, buccal";
+  e.target.landmark = "class_5";
+  e.target.half_size_um = {2'000, 1'000, 0};
+  e.target.depth_um = 1'200;
+  e.instructions = "The buccal side faces up, and the root points away from you. Cut a box " +
+                   Mm(2 * e.target.half_size_um[0]) + " from mesial to distal, " +
+                   Mm(2 * e.target.half_size_um[1]) + " from gingival to occlusal and " +
+                   Mm(e.target.depth_um) +
+                   " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
+                   " Do not expose the pulp.";
+  e.rubric.name = "class-5-buccal";
+  // Its walls are turned: their tolerances are not those of an occlusal cavity.
+  e.rubric.restoration = Restoration::kNone;
+  e.rubric.restorations.clear();
+  std::erase_if(e.rubric.critical,
+                [](const RubricCritical& c) { return c.error == "gross_overextension"; });
+  return e;
+}
+
+Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  // To lift the roof from below, once the chamber is open.
+  e.other_burs = {OfferedBur("round-16", kMediumRound)};
+  e.rubric = ShapeRubric("access-cavity");
+  return e;
+}
+
 Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
                           const CavityTarget& target) {
   Exercise e = ClassOneExercise(scene, scene_hash);
@@ -225,6 +211,7 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
 
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash) {
   std::vector<Exercise> out = ExercisesOf(scene, scene_hash);
+  std::ranges::move(DrawnExercises(scene, scene_hash), std::back_inserter(out));
   if (!Has(scene, Tissue::kNeighbour)) return out;
   for (Exercise& e : out) {
     if (e.name.starts_with("crown")) AddCritical(e.rubric, {CriticalOfContact().back()});
@@ -248,6 +235,11 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   // Otherwise its ends would be in the marginal ridges, 5.2 mm apart.
   if (scene.name.starts_with("premolar")) e.target.half_size_um = {1'600, 1'100, 0};
   e.target.depth_um = 2'000;
+  // Thin enamel over a wide pulp: half a millimetre into the dentin. Chosen.
+  if (IsDeciduous(scene.tooth)) {
+    e.target.half_size_um = {1'500, 800, 0};
+    e.target.depth_um = 1'300;
+  }
   e.target.leeway_side_um = kLeeway_um;
   e.target.leeway_bottom_um = kLeeway_um;
   e.target.container_um = 500;

@@ -20,6 +20,11 @@ const ToothShape* ShapeOf(const Scene& scene);
 // A bur that the built-in scenes offer (builtin.cpp), by its name and with its ISO number.
 BurSpec OfferedBur(std::string_view name, std::string_view iso_number);
 
+// exercises.cpp, beside ClassOneExercise: an upright hollow of each kind, with its burs and rubric.
+Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash);
+Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash);
+// Its outline and words are drawn (drawn.h).
+Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash);
 // crown_exercise.cpp.
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash);
 // veneer_exercise.cpp. `tooth` is the scene's, turned so that its labial face is up.

@@ -303,21 +303,21 @@ DeviceProfile OmegaWithWrist(const char* name, const char* title) {
 // closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
 // as a real device's.
 DeviceProfile Pointer() {
-  constexpr const char* kChosen = "chosen: no motors, the force is computed and shown, not felt";
+  constexpr const char* kNoMotors = "chosen: no motors, the force is computed and shown, not felt";
   DeviceProfile p;
   p.name = "pointer";
   p.title = "Mouse or 6-DoF mouse, no force";
   p.resolution_nm = {5'000, "chosen: a fifth of a pixel at the usual magnification"};
-  p.max_stiffness_mn_per_mm = {12'000, kChosen};
-  p.coupling_mn_per_mm = {10'000, kChosen};
-  p.damping_mn_s_per_m = {12'000, kChosen};
-  p.friction_mn = {30, kChosen};
-  p.mass_g = {100, kChosen};
+  p.max_stiffness_mn_per_mm = {12'000, kNoMotors};
+  p.coupling_mn_per_mm = {10'000, kNoMotors};
+  p.damping_mn_s_per_m = {12'000, kNoMotors};
+  p.friction_mn = {30, kNoMotors};
+  p.mass_g = {100, kNoMotors};
   p.peak_force_mn = {3'000, "chosen: about what cutting enamel takes (paper: 2.8 N)"};
-  p.continuous_force_mn = {3'000, kChosen};
-  p.rate_hz = {8'000, kChosen};
-  p.bus_delay_ticks = {0, kChosen};
-  p.workspace_radius_um = {30'000, kChosen};
+  p.continuous_force_mn = {3'000, kNoMotors};
+  p.rate_hz = {8'000, kNoMotors};
+  p.bus_delay_ticks = {0, kNoMotors};
+  p.workspace_radius_um = {30'000, kNoMotors};
   return p;
 }
 

@@ -52,6 +52,67 @@ ToothShape MakeMolar() {
   return t;
 }
 
+ToothShape MakeLeftMolar() {
+  ToothShape t = LowerFirstMolar();
+  t.fdi = 36;
+  t.name = "molar-36";
+  t.title = "Lower left first molar (FDI 36)";
+  return t;
+}
+
+// The form of the first permanent molar, smaller, with three buccal cusps of nearly one height, a
+// narrow neck, almost no root trunk and roots that stand far apart.
+ToothShape MakePrimaryMolar() {
+  ToothShape t;
+  t.fdi = 85;
+  t.name = "primary-molar-85";
+  t.title = "Lower right second primary molar (FDI 85)";
+  t.cervical_z = -2.75;
+  t.sections.first_z = -5.5;
+  t.sections.step_z = 1.1;
+  //                    z = -5.5  -4.4  -3.3  -2.2  -1.1    0    1.1   2.2   3.3
+  t.sections.mesial = {2.90, 3.10, 3.45, 4.10, 4.75, 4.98, 4.85, 4.25, 3.30};
+  t.sections.distal = {2.90, 3.10, 3.45, 4.10, 4.75, 4.92, 4.80, 4.20, 3.30};
+  t.sections.buccal = {2.40, 2.60, 3.00, 4.00, 4.42, 4.15, 3.55, 2.85, 2.20};
+  t.sections.lingual = {2.35, 2.50, 2.85, 3.60, 4.15, 4.25, 3.95, 3.35, 2.45};
+  t.sections.lingual_taper = 0.10;
+  t.sections.distal_taper = 0.06;
+  t.cusps = {{2.10, 2.10, 2.45, 0.80},     // mesiobuccal
+             {-0.45, 2.25, 2.50, 0.80},    // distobuccal
+             {-2.85, 1.55, 2.30, 0.85},    // distal
+             {2.00, -2.20, 2.75, 0.80},    // mesiolingual
+             {-1.90, -2.20, 2.65, 0.80}};  // distolingual
+  t.ridges = {{3.90, 0, 1.85, 1, 0, 1.0}, {-3.90, 0, 1.75, 1, 0, 1.0}};
+  t.fossa_x = -0.10, t.fossa_y = 0.05;
+  t.grooves = {{Face::kBuccal, 0.85, 0.32, 0.36, -0.9, 1.1},
+               {Face::kBuccal, -1.85, 0.30, 0.36, -1.6, 0.7},
+               {Face::kLingual, 0.10, 0.28, 0.36, -0.9, 1.1}};
+  t.trunk_z = -3.9;
+  t.trunk_blend = 1.0;
+  Root mesial, distal;
+  mesial.x = {1.95, 2.75, 3.30, 3.25, 2.70};
+  mesial.y = {0.00, -0.05, -0.10, -0.15, -0.20};
+  mesial.half_x = {1.45, 1.10, 0.85, 0.70, 0.50};
+  mesial.half_y = {2.80, 2.55, 2.15, 1.70, 1.10};
+  mesial.groove = 0.18;
+  mesial.length = 11.3;
+  distal = mesial;
+  distal.x = {-1.95, -2.80, -3.35, -3.30, -2.75};
+  distal.half_y = {2.60, 2.30, 1.90, 1.45, 0.95};
+  distal.groove = 0.08;
+  t.roots = {mesial, distal};
+  t.enamel = {1.25, 0.9, 0.78, 0.45, 0.5, 0};
+  t.pulp.middle = {0, 0, -2.0};
+  t.pulp.half = {2.75, 2.05, 1.2};
+  t.pulp.lean_x = 0.78, t.pulp.lean_y = 0.66, t.pulp.depth = 3.6;
+  t.pulp.radius = 0.55, t.pulp.tip_radius = 0.2;
+  t.pulp.canals = {
+      {0, 1.1, 0.3, 0, 0.4, 0.12}, {0, -1.1, -0.5, 0, 0.4, 0.12}, {1, 0, 0, 0.9, 0.4, 0.12}};
+  t.lo = {-5.6, -4.9, -14.5};
+  t.hi = {5.6, 4.9, 3.3};
+  return t;
+}
+
 ToothShape MakePremolar() {
   ToothShape t;
   t.fdi = 14;
@@ -140,6 +201,16 @@ const ToothShape& LowerFirstMolar() {
   return shape;
 }
 
+const ToothShape& LowerLeftFirstMolar() {
+  static const ToothShape shape = MakeLeftMolar();
+  return shape;
+}
+
+const ToothShape& PrimarySecondMolar() {
+  static const ToothShape shape = MakePrimaryMolar();
+  return shape;
+}
+
 const ToothShape& UpperFirstPremolar() {
   static const ToothShape shape = MakePremolar();
   return shape;
@@ -151,7 +222,8 @@ const ToothShape& UpperCentralIncisor() {
 }
 
 std::span<const ToothShape* const> BuiltinTeeth() {
-  static const std::array<const ToothShape*, 3> all = {&LowerFirstMolar(), &UpperFirstPremolar(),
+  static const std::array<const ToothShape*, 5> all = {&LowerFirstMolar(), &LowerLeftFirstMolar(),
+                                                       &PrimarySecondMolar(), &UpperFirstPremolar(),
                                                        &UpperCentralIncisor()};
   return all;
 }

@@ -11,6 +11,7 @@ inline constexpr std::string_view kSceneKind = "enamel_scene", kExerciseKind = "
                                   kProfileKind = "enamel_device_profile",
                                   kRubricKind = "enamel_rubric",
                                   kCalibrationKind = "enamel_calibration",
-                                  kMaterialKind = "enamel_material";
+                                  kMaterialKind = "enamel_material",
+                                  kBuiltinExerciseKind = "enamel_builtin_exercise";
 
 }  // namespace enamel::scene

@@ -12,7 +12,6 @@ using Outline = PreparationPart::Outline;
 using Corner = std::array<int32_t, 2>;
 
 constexpr int32_t kMaxExtentUm = 100'000;
-constexpr size_t kMaxCorners = 64;
 constexpr int32_t kMaxReliefSide = 65;
 constexpr const char* kNames[] = {"box", "disc", "polygon", "stump"};
 
@@ -45,18 +44,6 @@ bool Cross(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
          sign(Turn(c, d, a)) * sign(Turn(c, d, b)) < 0;
 }
 
-bool IsSimple(const std::vector<Corner>& corners) {
-  const size_t n = corners.size();
-  int64_t area = 0;
-  for (size_t i = 0; i < n; ++i) {
-    area += Turn({0, 0}, corners[i], corners[(i + 1) % n]);
-    if (corners[i] == corners[(i + 1) % n]) return false;
-    for (size_t j = i + 1; j < n; ++j)
-      if (Cross(corners[i], corners[(i + 1) % n], corners[j], corners[(j + 1) % n])) return false;
-  }
-  return area > 0;
-}
-
 void ReadCorners(ObjectReader& in, PreparationPart& part) {
   bool whole = true;
   for (const auto& row : in.Rows("corners_um", 2, kMaxCorners)) {
@@ -66,7 +53,7 @@ void ReadCorners(ObjectReader& in, PreparationPart& part) {
     if (whole)
       part.corners_um.push_back({static_cast<int32_t>(row[0]), static_cast<int32_t>(row[1])});
   }
-  if (!whole || part.corners_um.size() < 3 || !IsSimple(part.corners_um)) {
+  if (!whole || !IsOutline(part.corners_um)) {
     in.Refuse("corners_um",
               "at least 3 corners in whole um, counter-clockwise, with sides that do not cross",
               "another outline");
@@ -114,6 +101,19 @@ void ReadRelief(ObjectReader& in, PreparationPart& part) {
 }
 
 }  // namespace
+
+bool IsOutline(const std::vector<Corner>& corners) {
+  const size_t n = corners.size();
+  if (n < 3) return false;
+  int64_t area = 0;
+  for (size_t i = 0; i < n; ++i) {
+    area += Turn({0, 0}, corners[i], corners[(i + 1) % n]);
+    if (corners[i] == corners[(i + 1) % n]) return false;
+    for (size_t j = i + 1; j < n; ++j)
+      if (Cross(corners[i], corners[(i + 1) % n], corners[j], corners[(j + 1) % n])) return false;
+  }
+  return area > 0;
+}
 
 json::object PartJson(const PreparationPart& part) {
   json::object out{{"outline", kNames[static_cast<size_t>(part.outline)]},

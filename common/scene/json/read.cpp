@@ -60,6 +60,14 @@ std::string RangeText(double lo, double hi) {
   return json::serialize(json::value(lo)) + " to " + json::serialize(json::value(hi));
 }
 
+constexpr size_t kMaxName = 64;
+constexpr char kPlain[] = "lower-case letters, digits, '-' and '_'";
+bool IsPlain(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+}
+
 }  // namespace
 
 Result<json::value> ParseBounded(std::string_view text) {
@@ -178,12 +186,25 @@ std::string ObjectReader::Text(std::string_view name, size_t min_size, size_t ma
 }
 
 std::string ObjectReader::Name(std::string_view name) {
-  std::string text = Text(name, 1, 64);
-  bool plain = std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-  });
-  if (!plain) Refuse(name, "lower-case letters, digits, '-' and '_'", "\"" + text + "\"");
+  std::string text = Text(name, 1, kMaxName);
+  if (!IsPlain(text)) Refuse(name, kPlain, "\"" + text + "\"");
   return text;
+}
+
+std::vector<std::string> ObjectReader::NameList(std::string_view name, size_t max_count) {
+  std::vector<std::string> out;
+  const json::value* v = Take(name);
+  if (v == nullptr) return out;
+  bool good = v->is_array() && !v->get_array().empty() && v->get_array().size() <= max_count;
+  for (size_t i = 0; good && i < v->get_array().size(); ++i) {
+    const json::string* text = v->get_array()[i].if_string();
+    good = text != nullptr && !text->empty() && text->size() <= kMaxName && IsPlain(*text);
+    if (good) out.emplace_back(*text);
+  }
+  if (!good) {
+    Refuse(name, "1 to " + std::to_string(max_count) + " names of " + kPlain, Describe(*v));
+  }
+  return out;
 }
 
 Sha256 ObjectReader::Hash(std::string_view name) {

@@ -34,6 +34,8 @@ class ObjectReader {
   // Lower-case letters, digits, '-' and '_', 1 to 64 of them.
   std::string Name(std::string_view name);
   Sha256 Hash(std::string_view name);
+  // 1 to `max_count` names, as Name has them.
+  std::vector<std::string> NameList(std::string_view name, size_t max_count);
   // Exactly `size` integers.
   std::vector<int32_t> Ints(std::string_view name, size_t size, int32_t lo, int32_t hi);
   // Exactly `size` finite numbers per row.

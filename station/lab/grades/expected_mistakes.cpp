@@ -60,6 +60,14 @@ const std::vector<Row>& Table() {
       {{"veneer"}, "left", 0, {{kBump, "face"}}},
       {{"veneer"}, "margin", 0, {{kHole, ""}, {kOverReduced, "face"}}},
 
+      // Of a slot hardly wider than the bur, half is not done.
+      {{"fissures"}, "walls_short", 0, {{kUnderExtended, "wall"}, {kNotDone, ""}}},
+      // The block is a third of this floor.
+      {{"trapezoid", "access-premolar"},
+       "left",
+       0,
+       {{kLedge, "floor"}, {kBump, "floor"}, {kStanding, "*"}, {kShallow, "floor"}}},
+
       {{}, "floor_waviness", 0, {{kWave, "floor"}}},
       {{}, "waviness", 0, {{kWave, "wall"}}},
       {{}, "walls_over", 0, {{kOverExtended, "wall"}}},
@@ -93,17 +101,23 @@ const std::vector<Row>& Table() {
 
 // In a tooth with caries, whatever leaves tissue may be called by the caries in it.
 bool MayLeaveCaries(const std::string& exercise, const Fault& fault) {
-  if (!exercise.starts_with("caries") && !exercise.starts_with("class-2")) return false;
+  if (!exercise.starts_with("caries") && !exercise.starts_with("class-2") &&
+      !exercise.starts_with("mod")) {
+    return false;
+  }
   if (fault.name.starts_with("wall_") || fault.name == "floor") return fault.size < 0;
-  return std::ranges::any_of(std::array{"tilt_", "taper", "undercut", "shift_", "turn", "waviness",
-                                        "floor_waviness", "all_short", "pillar", "stopped early"},
-                             [&](const char* begins) { return fault.name.starts_with(begins); });
+  return std::ranges::any_of(
+      std::array{"tilt_", "taper", "undercut", "shift_", "turn", "waviness", "floor_waviness",
+                 "all_short", "pillar", "left", "stopped early"},
+      [&](const char* begins) { return fault.name.starts_with(begins); });
 }
 
 // The wall that a fault is named after, as a dentist calls it: the box of a class V looks towards the cheek.
 std::string WallOf(const std::string& exercise, const Fault& fault) {
   const std::string side = fault.name.substr(fault.name.find('_') + 1);
-  if (!exercise.starts_with("class-5")) return "wall_" + side;
+  if (!exercise.starts_with("class-5") && !exercise.starts_with("trapezoid")) {
+    return "wall_" + side;
+  }
   return side == "buccal" ? "wall_gingival" : side == "lingual" ? "wall_occlusal" : "wall_" + side;
 }
 

@@ -58,6 +58,7 @@ class FaultMaker {
   // A shape on the block, or a layer off a face: faults_of_shape.cpp.
   void MakeShape();
   void MakeLeaningShape();
+  scene::Preparation WithOpenEnds();
   double CornerMovesBy() const;
   dvec3 LevelFloor_m() const;
   void MakeFace();
@@ -91,6 +92,8 @@ class FaultMaker {
   void LookAtTissues();
   void AddPartsOf(const dvec3& voxel_m, std::vector<dvec3>& out) const;
   bool IsAtNeighbour(const dvec3& p) const;
+  // The exercise's rubric has this critical error.
+  bool Fails(std::string_view error) const;
   double LimitOf(std::string_view error) const;  // in the rubric
   void AddPulpExposed();
   void AddCriticalOfBox();

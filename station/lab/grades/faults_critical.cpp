@@ -107,6 +107,11 @@ bool FaultMaker::IsAtNeighbour(const dvec3& p) const {
   return false;
 }
 
+bool FaultMaker::Fails(std::string_view error) const {
+  const auto& all = exercise_.rubric.critical;
+  return std::ranges::find(all, error, &scene::RubricCritical::error) != all.end();
+}
+
 double FaultMaker::LimitOf(std::string_view error) const {
   const auto& all = exercise_.rubric.critical;
   const auto found = std::ranges::find(all, error, &scene::RubricCritical::error);
@@ -191,11 +196,11 @@ void FaultMaker::AddSideUntouched() {
 std::string FaultMaker::CommittedBy(const Fault& fault) const {
   if (fault.name == "nothing") return "nothing_cut";
   if (fault.name == "everything removed") return "all_cut";
-  if (fault.name == "neighbour cut" && fault.nick_mm >= 0.3 && Is({"class-2", "crown"})) {
+  if (fault.name == "neighbour cut" && fault.nick_mm >= 0.3 && Fails("neighbour_damaged")) {
     return "neighbour_damaged";
   }
   const double h = volume_.spec().voxel_m();
-  if (Is({"class-1", "class-2", "caries", "crown", "veneer", "class-5"}) &&
+  if (Fails("pulp_exposed") &&
       std::ranges::any_of(pulp_m_, [&](const dvec3& p) { return fault.taken(p) < -h; })) {
     return "pulp_exposed";
   }
@@ -204,8 +209,10 @@ std::string FaultMaker::CommittedBy(const Fault& fault) const {
         std::ranges::count_if(of, [&](const dvec3& p) { return fault.taken(p) >= 0; });
     return of.empty() ? 0 : 100 * double(left) / double(of.size());
   };
-  if (Is({"class-2"}) && left_percent(contact_m_) > LimitOf("contact_left")) return "contact_left";
-  if (Is({"caries", "class-2"}) && left_percent(caries_m_) > LimitOf("caries_left_deep")) {
+  if (left_percent(contact_m_) > LimitOf("contact_left")) {
+    return "contact_left";
+  }
+  if (left_percent(caries_m_) > LimitOf("caries_left_deep")) {
     return "caries_left_deep";
   }
   // The lower half of all walls is untouched.

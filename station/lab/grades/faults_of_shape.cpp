@@ -32,34 +32,54 @@ Hollow FloorLowered(const scene::Preparation& shape, const Lower& lower_m) {
 void FaultMaker::MakeShape() {
   if (task_.shape.parts.at(0).relief.step_um != 0) return MakeFace();
   const double corner = CornerMovesBy() - 1;
+  const scene::Preparation open = WithOpenEnds();
   for (const Size s : Sizes({0.05, 0.1, 0.3, 0.5}, 0.3)) {
     for (double way : {1.0, -1.0}) {
       Add(way > 0 ? "walls_over" : "walls_short", s, "mm", "deviation_p95_mm",
-          quarter_m_ * kMm + corner * s.value, GrownBy(task_.shape, way * s.m(), 0));
+          quarter_m_ * kMm + corner * s.value, GrownBy(open, way * s.m(), 0));
       // Not most_left_mm: along the floor's edge a mesh is round, by up to 0.4 voxels
       // (schemas/score.md).
       AddMm(way > 0 ? "floor_over" : "floor_short", {way * s.value, s.must_cost}, "floor_mm",
-            GrownBy(task_.shape, 0, way * s.m()));
+            GrownBy(open, 0, way * s.m()));
     }
   }
-  AddAllSurfaces("floor_mm", "floor_mm",
-                 [&](double by_m) { return GrownBy(task_.shape, by_m, by_m); });
+  AddAllSurfaces("floor_mm", "floor_mm", [&](double by_m) { return GrownBy(open, by_m, by_m); });
   MakeLeaningShape();
   const dvec3 bottom = LevelFloor_m();
   AddGouges(bottom - dvec3(0.3e-3, 0.3e-3, 0), bottom + dvec3(0.3e-3, 0.3e-3, 0));
   AddBump(bottom);
 }
 
+// A box that ends before an adjacent tooth has no wall there that could be short.
+scene::Preparation FaultMaker::WithOpenEnds() {
+  constexpr int32_t kOut_um = 600, kSame_um = 60;
+  scene::Preparation out = task_.shape;
+  if (!NearestNeighbour()) return out;
+  const auto middle_um = static_cast<int32_t>(std::lround(landmark_m_.x * 1e6));
+  for (scene::PreparationPart& part : out.parts) {
+    for (auto& corner : part.corners_um) {
+      const int32_t x = part.top_um[0] + corner[0] - middle_um;
+      if (std::abs(x) < exercise_.target.half_size_um[0] - kSame_um) continue;
+      corner[0] += x > 0 ? kOut_um : -kOut_um;
+    }
+  }
+  return out;
+}
+
 // All walls lean about the middle of their height.
 void FaultMaker::MakeLeaningShape() {
   const double middle_z = landmark_m_.z - 0.5e-6 * exercise_.target.depth_um;
   auto leaning = [&](double slope) -> Hollow {
-    return [=, shape = task_.shape](const dvec3& p) {
+    return [=, shape = WithOpenEnds()](const dvec3& p) {
       const scene::Growth by{slope * (p.z - middle_z), 0};
       return scene::PreparationDistance_m(shape, p, by) / std::sqrt(1 + slope * slope);
     };
   };
-  for (const Size s : Sizes({5, 10, 20}, 10)) {
+  // An examiner sees the rim move, not the angle: of a shallow cavity it moves little.
+  constexpr double kSeen_mm = 0.13;
+  for (Size s : Sizes({5, 10, 20}, 10)) {
+    const double rim_mm = 0.5e-3 * exercise_.target.depth_um * Slope(s.value);
+    s.must_cost = s.must_cost && rim_mm >= kSeen_mm;
     AddDegrees("taper", s, "wall_tilt_deg", leaning(Slope(s.value)));
     AddDegrees("undercut", s, "undercut_deg", leaning(-Slope(s.value)));
   }
@@ -90,7 +110,14 @@ double FaultMaker::CornerMovesBy() const {
 dvec3 FaultMaker::LevelFloor_m() const {
   constexpr double kAbout_m = 0.7e-3, kUnder_m = 1e-6;
   auto middle = [](const scene::PreparationPart& part) {
-    return dvec3(part.top_um[0], part.top_um[1], part.top_um[2] - part.depth_um) * 1e-6;
+    dvec3 out = dvec3(part.top_um[0], part.top_um[1], part.top_um[2] - part.depth_um) * 1e-6;
+    const auto ends = [&](size_t axis) {
+      const auto [least, most] = std::ranges::minmax(
+          part.corners_um, {}, [axis](const auto& corner) { return corner[axis]; });
+      return 0.5e-6 * (least[axis] + most[axis]);
+    };
+    if (!part.corners_um.empty()) out += dvec3(ends(0), ends(1), 0);
+    return out;
   };
   for (const scene::PreparationPart& part : task_.shape.parts) {
     const dvec3 at = middle(part);

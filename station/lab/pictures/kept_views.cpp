@@ -50,6 +50,12 @@ struct SceneViews {
 const SceneViews& ViewsOf(std::string_view scene) {
   static const std::vector<SceneViews> all = {
       {.scene = "premolar", .mirror = true},
+      {.scene = "molar-left",
+       .mouth = false,
+       .open = false,
+       .known = {"class-1", "crown", "access"}},
+      {.scene = "molar-caries-shallow", .mouth = false, .open = false},
+      {.scene = "molar-caries-deep", .mouth = false, .open = false},
       {.scene = "molar-caries", .mouth = false, .bur = true, .known = {"class-1", "crown"}},
       {.scene = "molar-class-2", .mouth = false, .known = {"class-1", "crown"}},
       {.scene = "molar-buccal", .open = false},

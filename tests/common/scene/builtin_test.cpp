@@ -18,10 +18,34 @@ namespace enamel::scene {
 namespace {
 
 using cutting::Tissue;
+using cutting::Volume;
 
 constexpr int32_t kVoxel_nm = 200'000;
 
 dvec3 Metres(const PointUm& p) { return dvec3(p[0], p[1], p[2]) * 1e-6; }
+
+double PulpOf_mm3(const Volume& volume) {
+  return cutting::SolidVolume_m3(volume)[static_cast<size_t>(Tissue::kPulp)] * 1e9;
+}
+
+Volume PreparedOf(const BuiltScene& built, const Exercise& e) {
+  const auto shape = TargetShape(built.scene, e.target);
+  EXPECT_TRUE(shape.ok()) << e.name;
+  return shape.ok() ? Prepared(built.volume, *shape) : Volume(built.volume.spec());
+}
+
+// By the exact task.
+double PulpTaken_mm3(const BuiltScene& built, const Exercise& e) {
+  return PulpOf_mm3(built.volume) - PulpOf_mm3(PreparedOf(built, e));
+}
+
+template <typename F>
+void ForEachVoxel(const cutting::GridSpec& spec, const F& f) {
+  const ivec3 n = spec.voxels();
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) f(spec.origin_m() + dvec3(x, y, z) * spec.voxel_m());
+}
 
 class BuiltinSceneTest : public testing::TestWithParam<std::string> {
  protected:
@@ -70,8 +94,8 @@ TEST_P(BuiltinSceneTest, ExercisesReadBackAndCompileForAPapersDevice) {
   }
 }
 
-// Every rubric prices whatever of its tooth can be harmed, whatever the exercise. An access cavity is there to open the
-// pulp, so that no exposure is critical.
+// Every rubric prices whatever of its tooth can be harmed, whatever the exercise. Where the task itself opens the pulp, and
+// only there, no exposure is critical.
 TEST_P(BuiltinSceneTest, EveryRubricPricesWhatTheToothCanLose) {
   const Scene& scene = built_.scene;
   const auto has = [&](Tissue tissue) {
@@ -93,12 +117,32 @@ TEST_P(BuiltinSceneTest, EveryRubricPricesWhatTheToothCanLose) {
     }
     if (has(Tissue::kPulp)) {
       EXPECT_TRUE(prices("pulp"));
-      EXPECT_NE(fails("pulp_exposed"), e.name.starts_with("access"));
+      EXPECT_NE(fails("pulp_exposed"), PulpTaken_mm3(built_, e) > 0.1);
     }
     // Caries that is not in an exercise's cavity is another's.
     if (e.name.starts_with("caries") || e.name.starts_with("class-2")) {
       EXPECT_TRUE(prices("caries"));
     }
+  }
+}
+
+// A tooth whose canals are to be found shows them from above: nothing of the roof and no horn is left beside the opening.
+TEST_P(BuiltinSceneTest, AnOpenedChamberHasNoRoofLeft) {
+  const Volume whole = built_.volume;
+  const double all_mm3 = PulpOf_mm3(whole);
+  for (const Exercise& e : BuiltinExercises(built_.scene, Sha256{})) {
+    if (!(PulpTaken_mm3(built_, e) > 0.1)) continue;
+    SCOPED_TRACE(e.name);
+    const Volume open = PreparedOf(built_, e);
+    const double h = open.spec().voxel_m();
+    const double floor_m =
+        Metres(built_.scene.landmarks.at(e.target.landmark)).z - e.target.depth_um * 1e-6;
+    double left_mm3 = 0;
+    ForEachVoxel(open.spec(), [&](const dvec3& p) {
+      if (p.z < floor_m + h || open.DistanceAt_m(p) > 0) return;
+      if (open.TissueAtPoint(p) == Tissue::kPulp) left_mm3 += h * h * h * 1e9;
+    });
+    EXPECT_LT(left_mm3, 0.005 * all_mm3);
   }
 }
 
@@ -228,7 +272,10 @@ TEST(BuiltinExercisesTest, OperativeAndEndodonticWorkHasARubberDam) {
   EXPECT_EQ(found, (std::map<std::string, bool>{{"access", true},
                                                 {"class", true},
                                                 {"crown", false},
+                                                {"fissures", true},
+                                                {"mod", true},
                                                 {"practice", false},
+                                                {"trapezoid", true},
                                                 {"veneer", false}}));
 }
 

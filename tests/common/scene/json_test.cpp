@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/utf8.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/builtin/drawn.h"
 #include "common/scene/calibration.h"
 #include "common/scene/material.h"
 #include "tests/support/test_name.h"
@@ -449,6 +450,12 @@ TEST(MaterialTest, TheProgramsOwnIsADocumentAndFitsEveryScene) {
 
 TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
   EXPECT_EQ(NamesOf(ReadText("golden/material_cut.json")), SchemaNames("material.schema.json"));
+}
+
+TEST(SceneJsonTest, TheSchemaOfDrawnExercisesNamesExactlyTheirMembers) {
+  std::set<std::string> drawn;
+  for (const std::string_view text : DrawnDocuments()) drawn.merge(NamesOf(std::string(text)));
+  EXPECT_EQ(drawn, SchemaNames("builtin_exercise.schema.json"));
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {

@@ -277,7 +277,8 @@ TEST(ArrangementTest, NeighboursStandClearByTheGapAndAreLabelledApart) {
 
 TEST(ArrangementTest, CariesReplacesHardTissueAndLeavesThePulp) {
   const ToothShape& tooth = LowerFirstMolar();
-  Arrangement sound{{{&tooth, 0, false, {}}}}, carious{{{&tooth, 0, false, FissureCaries(tooth)}}};
+  Arrangement sound{{{&tooth, 0, false, {}}}},
+      carious{{{&tooth, 0, false, FissureCaries(tooth, CariesDepth::kMedium)}}};
   int caries = 0;
   for (double x = -3; x < 3; x += 0.1)
     for (double y = -3; y < 3; y += 0.1)
