@@ -93,6 +93,7 @@ json::object TargetJson(const scene::CavityTarget& target) {
           {"leeway_side_um", target.leeway_side_um},
           {"leeway_bottom_um", target.leeway_bottom_um},
           {"container_um", target.container_um},
+          {"prepared", !target.prepared.IsZero()},
           {"parts", std::move(parts)}};
 }
 

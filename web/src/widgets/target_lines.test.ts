@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Exercise } from "../api/types";
 import { crossings } from "../tooth/scene/plane_cut";
-import { bodyOfTarget, grown, linesOfTarget } from "./target_lines";
+import { bodyOfTarget, borderOf, grown, linesOfTarget } from "./target_lines";
 
 const target: Exercise["target"] = {
   landmark: "fossa",
@@ -14,6 +14,7 @@ const target: Exercise["target"] = {
   leeway_side_um: 250,
   leeway_bottom_um: 500,
   container_um: 800,
+  prepared: false,
   parts: [],
 };
 
@@ -212,4 +213,18 @@ test("a plane cuts a floor of the tooth's own shape as it rises and falls", () =
 
 test("a target whose place is not known has no body", () => {
   assert.equal(bodyOfTarget({ ...target, landmark_um: null } as unknown as Exercise["target"]), undefined);
+});
+
+test("parts that cross have one border, and a part hides the lines of another one only where it is as deep", () => {
+  const bar = (half: [number, number], depth: number) => ({
+    outline: "box" as const,
+    top_um: [0, 0, 0] as [number, number, number],
+    half_size_um: half,
+    depth_um: depth,
+  });
+  const pieces = (...depths: [number, number]) =>
+    borderOf({ ...target, parts: [bar([3000, 750], depths[0]), bar([750, 3000], depths[1])] })!.split("M ").length - 1;
+  assert.equal(pieces(1500, 1500), 4);
+  assert.equal(pieces(1500, 2500), 3);
+  assert.equal(borderOf(target), undefined);
 });

@@ -1,5 +1,6 @@
 import type { Exercise } from "../api/types";
 import type { Body, PointMm, ToothLines } from "../tooth/messages";
+import { isInside, outside, type Point2 } from "./outline_union";
 
 // What the exercise asks for, in the scene's frame: as lines, of each part the opening and the
 // floor, joined at the corners, and how far beside it may be cut (the leeway); and as a body, for
@@ -7,10 +8,10 @@ import type { Body, PointMm, ToothLines } from "../tooth/messages";
 
 type Target = Exercise["target"];
 type Part = Target["parts"][number];
-type Point2 = readonly [number, number];
 
 const kDiscPoints = 48,
   kDiscJoins = 4,
+  kMaxJoins = 4, // of a polygon: more corners are arcs'
   kReliefSteps = 16; // along a side of a face that is not level
 const kMaxCorners = 0x10000; // of a body
 
@@ -30,6 +31,61 @@ export function linesOfTarget(target: Target): ToothLines | undefined {
   return out;
 }
 
+// From above: the outline of a hollow, and those that hide what of it lies within them, because they are as deep. In the
+// scene's x and y, from the landmark.
+interface Hollow {
+  readonly part: Part;
+  readonly corners: readonly Point2[];
+  readonly hiddenBy: readonly (readonly Point2[])[];
+}
+function hollowsOf(target: Target): readonly Hollow[] {
+  const bottom = (part: Part) => part.top_um[2]! - part.depth_um;
+  const parts = target.parts.filter((part) => part.outline !== "stump");
+  const outline = (part: Part) => cornersOf(part).map((corner) => shifted(corner, part.top_um));
+  return parts.map((part) => ({
+    part,
+    corners: outline(part),
+    hiddenBy: parts.filter((one) => one !== part && bottom(one) <= bottom(part)).map(outline),
+  }));
+}
+
+function cornersOf(part: Part): readonly Point2[] {
+  if (part.outline === "disc") {
+    const radius = part.radius_um ?? 0;
+    return Array.from(
+      { length: kDiscPoints },
+      (_, i): Point2 => [
+        radius * Math.cos((2 * Math.PI * i) / kDiscPoints),
+        radius * Math.sin((2 * Math.PI * i) / kDiscPoints),
+      ],
+    );
+  }
+  if (part.outline === "polygon") return (part.corners_um ?? []) as unknown as readonly Point2[];
+  return rectangle((part.half_size_um ?? [0, 0]) as unknown as Point2);
+}
+
+function rectangle([x, y]: Point2): readonly Point2[] {
+  return [
+    [x, y],
+    [-x, y],
+    [-x, -y],
+    [x, -y],
+  ];
+}
+
+function shifted([x, y]: Point2, by: readonly number[]): Point2 {
+  return [x + by[0]!, y + by[1]!];
+}
+
+// The border of all parts from above, as a path of a drawing: without the lines that a part hides which is as deep.
+// Undefined: there is one part, whose own outline it is.
+export function borderOf(target: Target): string | undefined {
+  const hollows = hollowsOf(target);
+  if (hollows.length < 2) return undefined;
+  const lines = hollows.flatMap(({ corners, hiddenBy }) => outside(corners, hiddenBy));
+  return lines.map((line) => `M ${line.map(([x, y]) => `${Math.round(x)} ${Math.round(-y)}`).join(" L ")}`).join(" ");
+}
+
 function partsOf(target: Target): readonly Part[] {
   return target.parts.length > 0 ? target.parts : [boxOf(target)];
 }
@@ -47,17 +103,18 @@ function addPart(
   if (faces === undefined) return;
   const [floor, top] = faces;
   if (part.outline === "stump") {
-    out.solid.push(ringOf(floor), ringOf(top), ...joins(floor, top, 1));
+    out.solid.push(ringOf(floor), ringOf(top), ...joins(floor, top, 1, []));
     return;
   }
-  out.solid.push(
-    ringOf(top),
-    ringOf(floor),
-    ...joins(top, floor, part.outline === "disc" ? kDiscPoints / kDiscJoins : 1),
-  );
+  const hidden = hollowsOf(target).find((hollow) => hollow.part === part)?.hiddenBy ?? [];
+  const others = hidden.map((ring) => ring.map((corner) => shifted(corner, at)));
+  const every = part.outline === "disc" ? kDiscPoints / kDiscJoins : Math.ceil(top.corners.length / kMaxJoins);
+  out.solid.push(...bordersOf(top, others), ...bordersOf(floor, others));
+  out.solid.push(...joins(top, floor, every, others));
   const corners = grown(floor.corners, target.leeway_side_um);
   const deeper = (x: number, y: number) => floor.zUm(x, y) - target.leeway_bottom_um;
-  out.faint.push(ringOf({ ...top, corners }), ringOf({ ...floor, corners, zUm: deeper }));
+  const around = others.map((other) => grown(other, target.leeway_side_um));
+  out.faint.push(...bordersOf({ ...top, corners }, around), ...bordersOf({ ...floor, corners, zUm: deeper }, around));
 }
 
 // Of a hollow its floor and its opening; of a stump, which stays, its foot and its table. The lower one first.
@@ -181,34 +238,6 @@ export function trianglesIn(outline: readonly PointMm[]): Three[] {
 }
 const around = (ring: readonly number[], i: number): Three => [ring.at(i - 1)!, ring[i]!, ring[(i + 1) % ring.length]!];
 
-function cornersOf(part: Part): readonly Point2[] {
-  if (part.outline === "disc") {
-    const radius = part.radius_um ?? 0;
-    return Array.from(
-      { length: kDiscPoints },
-      (_, i): Point2 => [
-        radius * Math.cos((2 * Math.PI * i) / kDiscPoints),
-        radius * Math.sin((2 * Math.PI * i) / kDiscPoints),
-      ],
-    );
-  }
-  if (part.outline === "polygon") return (part.corners_um ?? []) as unknown as readonly Point2[];
-  return rectangle((part.half_size_um ?? [0, 0]) as unknown as Point2);
-}
-
-function rectangle([x, y]: Point2): readonly Point2[] {
-  return [
-    [x, y],
-    [-x, y],
-    [-x, -y],
-    [x, -y],
-  ];
-}
-
-function shifted([x, y]: Point2, by: readonly number[]): Point2 {
-  return [x + by[0]!, y + by[1]!];
-}
-
 // Each side moved out by so much; corners lie where the moved sides meet. Counter-clockwise.
 export function grown(corners: readonly Point2[], byUm: number): readonly Point2[] {
   return corners.map((corner, i): Point2 => {
@@ -242,8 +271,16 @@ function ringOf(face: Face): PointMm[] {
   return [...sides, ...sides.slice(0, 1)].map((point) => pointOn(face, point));
 }
 
-function joins(one: Face, other: Face, every: number): PointMm[][] {
+// What of a ring the other parts do not hide.
+function bordersOf(face: Face, others: readonly (readonly Point2[])[]): PointMm[][] {
+  if (others.length === 0) return [ringOf(face)];
+  return outside(face.corners, others).map((line) => line.map((point) => pointOn(face, point)));
+}
+
+function joins(one: Face, other: Face, every: number, others: readonly (readonly Point2[])[]): PointMm[][] {
   return one.corners.flatMap((corner, i) =>
-    i % every === 0 ? [[pointOn(one, corner), pointOn(other, other.corners[i]!)]] : [],
+    i % every === 0 && !others.some((ring) => isInside(corner, ring))
+      ? [[pointOn(one, corner), pointOn(other, other.corners[i]!)]]
+      : [],
   );
 }

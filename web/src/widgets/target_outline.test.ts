@@ -13,6 +13,7 @@ const kBox = {
   leeway_side_um: 250,
   leeway_bottom_um: 250,
   container_um: 500,
+  prepared: false,
   parts: [],
 } satisfies Parameters<typeof outlinePaths>[0];
 

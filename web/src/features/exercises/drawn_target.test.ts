@@ -13,6 +13,7 @@ const own: Exercise["target"] = {
   leeway_side_um: 200,
   leeway_bottom_um: 200,
   container_um: 800,
+  prepared: false,
   parts: [],
 };
 const typed = {
@@ -22,6 +23,7 @@ const typed = {
   leeway_side_um: 0,
   leeway_bottom_um: 100,
   container_um: 700,
+  prepared: false,
 };
 
 test("what is typed is drawn where the exercise's target hangs", () => {

@@ -1,3 +1,4 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { exerciseTitle, wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
@@ -10,6 +11,7 @@ import {
   formatScore,
   micrometresAsMm,
 } from "../../base/format";
+import { keepTrying } from "../../base/keep_trying";
 import { say, sayIf } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, PageTitle, Waits } from "../../widgets/basics";
@@ -45,6 +47,7 @@ interface Props {
 
 export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.tagged("GET", "/exercises/{id}", { id, signal }));
+  const draw = useTargetLines();
   if (loaded.state !== "ready")
     return (
       <Waits loaded={loaded} reload={reload} what={say("loading.exercise")} failed={say("exercise_page.failed")}>
@@ -80,10 +83,10 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       <p class="lead instructions">{wordedText(exercise.instructions)}</p>
       <div class="columns">
         <Card title={say("exercise_page.asked")}>
-          <TargetOutline exercise={exercise} />
+          <TargetOutline exercise={exercise} border={draw?.borderOf(exercise.target)} />
           <Target exercise={exercise} />
         </Card>
-        <InitialTooth client={client} exercise={exercise} title={say("exercise_page.before")} />
+        <ToothWithTarget client={client} exercise={exercise} draw={draw} />
       </div>
       <Card title={say("exercise_page.scored")}>
         <Rubric exercise={exercise} />
@@ -100,18 +103,50 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   );
 }
 
+// What draws a target, which a visit to other pages need not load. Undefined: not yet.
+type TargetLines = typeof import("../../widgets/target_lines");
+function useTargetLines(): TargetLines | undefined {
+  const [draw, setDraw] = useState<TargetLines>();
+  useEffect(() => {
+    const shown = new AbortController();
+    void keepTrying(() => import("../../widgets/target_lines"), shown.signal).then(setDraw);
+    return () => shown.abort();
+  }, []);
+  return draw;
+}
+
+interface ToothProps {
+  readonly client: Client;
+  readonly exercise: Exercise;
+  readonly draw: TargetLines | undefined;
+}
+
+// The tooth before anything is cut, with what is to be cut drawn over it, where the server says where that is.
+function ToothWithTarget({ client, exercise, draw }: ToothProps) {
+  const lines = useMemo(() => draw?.linesOfTarget(exercise.target), [draw, exercise.target]);
+  return (
+    <InitialTooth client={client} exercise={exercise} title={say("exercise_page.before")} lines={lines}>
+      {lines !== undefined && (
+        <p class="hint">{say(exercise.target.prepared ? "editor.preview_prepared" : "editor.preview_lines")}</p>
+      )}
+    </InitialTooth>
+  );
+}
+
 // From above, the scene's x to the right and buccal up, with the leeway around it.
-function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
+function TargetOutline({ exercise, border }: { readonly exercise: Exercise; readonly border: string | undefined }) {
   const { target } = exercise;
+  const paths = outlinePaths(target);
   return (
     <svg class="target-outline" viewBox={outlineViewBox(target)} role="img" aria-label={say("exercise_page.outline")}>
-      {outlinePaths(target).map(
+      {paths.map(
         (path) =>
           path.what === "goes" && <path class="leeway" d={path.d} style={{ strokeWidth: 2 * target.leeway_side_um }} />,
       )}
-      {outlinePaths(target).map((path) => (
-        <path class={path.what} d={path.d} />
+      {paths.map((path) => (
+        <path class={path.what === "goes" && border !== undefined ? "goes area" : path.what} d={path.d} />
       ))}
+      {border !== undefined && <path d={border} />}
     </svg>
   );
 }
