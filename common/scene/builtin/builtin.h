@@ -56,7 +56,7 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 //   class_5          class-5: a box in the gingival third of a face that is up
 //   labial_face      veneer: half a millimetre off an incisor's face, which is up
 //   a preparation    its name: the shape on the practice block
-// and those of schemas/exercises that are drawn for it (drawn.h): cavities with the outlines of textbooks.
+// and each drawing of schemas/exercises for that scene (drawn.h): cavities with the outlines of textbooks.
 // The parts of a target say what has to go. The crown of a tooth that is not built in has no parts: its reference says it.
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 

@@ -7,10 +7,10 @@
 #include "common/scene/types.h"
 
 // Built-in exercises whose outline somebody drew: documents of schemas/builtin_exercise.schema.json,
-// compiled in from schemas/exercises. A document says the words, the outline in the tooth's own frame
-// (x to mesial, y to buccal, whichever side of the jaw the tooth is on) and which exercise it is like:
-// burs, rubric and time come from that one. Private to this folder: builtin.h has the list.
-// Thread safety: functions, any thread.
+// compiled in from schemas/exercises. A document gives the words and the outline in the tooth's own
+// frame: x to mesial, y to buccal, on either side of the jaw. It names an exercise whose burs, rubric
+// and time the new one shares. Private to this folder: builtin.h lists all exercises. Thread safety:
+// functions, any thread.
 namespace enamel::scene {
 
 // The documents' texts. Written by CMake.
@@ -25,7 +25,7 @@ struct DrawnExercise {
 // Errors: kInvalidInput with the member's path.
 Result<DrawnExercise> DrawnFromJson(std::string_view text);
 
-// Those for a scene, in the order of the documents' names.
+// The exercises that are drawn for a scene, in the order of the documents' names.
 std::vector<Exercise> DrawnExercises(const Scene& scene, const Sha256& scene_hash);
 
 }  // namespace enamel::scene

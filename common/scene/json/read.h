@@ -34,7 +34,7 @@ class ObjectReader {
   // Lower-case letters, digits, '-' and '_', 1 to 64 of them.
   std::string Name(std::string_view name);
   Sha256 Hash(std::string_view name);
-  // 1 to `max_count` names, as Name has them.
+  // 1 to `max_count` names, each as Name reads one.
   std::vector<std::string> NameList(std::string_view name, size_t max_count);
   // Exactly `size` integers.
   std::vector<int32_t> Ints(std::string_view name, size_t size, int32_t lo, int32_t hi);

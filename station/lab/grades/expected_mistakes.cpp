@@ -60,7 +60,7 @@ const std::vector<Row>& Table() {
       {{"veneer"}, "left", 0, {{kBump, "face"}}},
       {{"veneer"}, "margin", 0, {{kHole, ""}, {kOverReduced, "face"}}},
 
-      // Of a slot hardly wider than the bur, half is not done.
+      // Walls that are short leave half of a slot that is hardly wider than the bur.
       {{"fissures"}, "walls_short", 0, {{kUnderExtended, "wall"}, {kNotDone, ""}}},
       // The block is a third of this floor.
       {{"trapezoid", "access-premolar"},

@@ -86,9 +86,9 @@ std::vector<BuiltScene> ScenesWithDrawings() {
   return out;
 }
 
-// Every point of the task lies within a disc of the bur's radius that lies in the task but for 0.03 mm. Only points of the
-// tooth count: beyond it a bur may go. A thousandth may be missed: at the outer corners of a box, 0.1 mm wide, an adjacent
-// tooth keeps the bur inside, and a hand instrument breaks the enamel.
+// A disc of the bur's radius covers every point of the task and sticks out of the task by at most 0.03 mm. Only points of
+// the tooth count: beyond it a bur may go. A thousandth may be missed: at the outer corners of a box, 0.1 mm wide, an
+// adjacent tooth keeps the bur inside, and a hand instrument breaks the enamel.
 TEST(DrawnTest, ItsOwnBurLeavesEachOutline) {
   constexpr double kStep_m = 0.04e-3, kAllowed_m = 0.03e-3;
   for (const BuiltScene& built : ScenesWithDrawings()) {
@@ -109,7 +109,7 @@ TEST(DrawnTest, ItsOwnBurLeavesEachOutline) {
           const dvec3 p(at[0] * 1e-6 + x, at[1] * 1e-6 + y, z);
           const double d = PreparationDistance_m(*shape, p);
           if (d <= kAllowed_m - radius) middles.push_back(p);
-          // What a grid of middles can miss of it is left out.
+          // Points nearer to the border are left out: a grid of middles can miss them.
           if (d <= -0.5 * kStep_m && built.volume.DistanceAt_m(p) < 0) inside.push_back(p);
         }
       const auto missed = std::ranges::count_if(inside, [&](const dvec3& p) {
