@@ -22,8 +22,8 @@ struct CutCrowns {
   mesh::Triangles tooth;
   std::vector<mesh::Triangles> neighbours;
 };
-// Requires: at least one curve. Errors: those of mesh::InMm and mesh::Jaw::Crown, and kInvalidInput, field "around", of a
-// crown of no tooth's size and of too many curves.
+// Requires: at least one curve. Errors: as mesh::InMm and mesh::Jaw::Crown; kInvalidInput, field "around", where a crown has
+// no tooth's size and where the curves are too many.
 Result<CutCrowns> CutOut(const mesh::Triangles& scan, const mesh::FileScale& scale,
                          const GumCurves& around);
 

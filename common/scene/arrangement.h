@@ -41,8 +41,8 @@ double NextToMesially_mm(const ToothShape& tooth, const ToothShape& neighbour, d
 double NextToDistally_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm);
 
 // Occlusal caries under the fossa: through the enamel at its bottom and spread in the dentin. The
-// last of the lesions is the one in the dentin. Chosen: shallow ends just below the junction, medium in
-// the outer half of the dentin, deep about a millimetre above the molar's pulp.
+// last of the lesions is the one in the dentin. Chosen, of the molar: shallow ends in the outer quarter
+// of the dentin, medium in the outer half, deep 1.0 to 1.5 mm above the pulp.
 enum class CariesDepth { kShallow, kMedium, kDeep };
 std::vector<Lesion> FissureCaries(const ToothShape& tooth, CariesDepth depth);
 // Caries of the mesial face just under the contact with the next tooth.

@@ -145,17 +145,18 @@ Draft CariousMolar(const char* name, const char* with, CariesDepth depth) {
 Draft MolarCaries() {
   return CariousMolar("molar-46-caries", "fissure caries", CariesDepth::kMedium);
 }
-// There for their caries alone (exercises.cpp).
+// Without the crown's height a tooth is there for its caries alone (exercises.cpp).
+Draft ForCariesAlone(Draft draft) {
+  draft.scene.landmarks.erase("crown_top");
+  return draft;
+}
 Draft MolarShallowCaries() {
-  Draft out =
-      CariousMolar("molar-46-caries-shallow", "shallow fissure caries", CariesDepth::kShallow);
-  out.scene.landmarks.erase("crown_top");
-  return out;
+  return ForCariesAlone(
+      CariousMolar("molar-46-caries-shallow", "shallow fissure caries", CariesDepth::kShallow));
 }
 Draft MolarDeepCaries() {
-  Draft out = CariousMolar("molar-46-caries-deep", "deep fissure caries", CariesDepth::kDeep);
-  out.scene.landmarks.erase("crown_top");
-  return out;
+  return ForCariesAlone(
+      CariousMolar("molar-46-caries-deep", "deep fissure caries", CariesDepth::kDeep));
 }
 
 // The neighbour mesial of the molar: an upper premolar's shape, as there is no lower one.
@@ -253,7 +254,7 @@ constexpr Builder kBuilders[] = {
     {{"primary-molar", "lower right second primary molar (FDI 85): thin enamel, a wide pulp"},
      PrimaryMolar},
     {{"molar-caries", "the molar with a soft lesion under its central fossa"}, MolarCaries},
-    {{"molar-caries-shallow", "the molar with a lesion that just reaches the dentin"},
+    {{"molar-caries-shallow", "the molar with a lesion in the outer quarter of its dentin"},
      MolarShallowCaries},
     {{"molar-caries-deep", "the molar with a lesion a millimetre above the pulp"}, MolarDeepCaries},
     {{"molar-class-2", "the molar between two neighbours, with a soft lesion at the contact"},

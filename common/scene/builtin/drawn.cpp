@@ -60,8 +60,8 @@ void AddArc(const dvec2& middle, const dvec2& from, const dvec2& to, double radi
   AddArc(middle, point, to, radius_um, out);
 }
 
-// A polygon whose corners are arcs. False where there is no such arc: between sides of one line, or longer than the sides
-// beside it.
+// A polygon whose corners are arcs. False where no arc fits: its two sides lie on one line, or are shorter than the arc's
+// tangents.
 bool Rounded(const std::vector<RoundCorner>& corners, std::vector<std::array<int32_t, 2>>& out) {
   const size_t n = corners.size();
   std::vector<double> taken(n);  // of each side, from its first corner on

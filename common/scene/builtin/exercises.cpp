@@ -174,7 +174,7 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  // Its walls are turned: their tolerances are not those of an occlusal cavity.
+  // The walls are turned, and the tolerances of an occlusal cavity do not fit them.
   e.rubric.restoration = Restoration::kNone;
   e.rubric.restorations.clear();
   std::erase_if(e.rubric.critical,

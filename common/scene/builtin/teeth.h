@@ -22,8 +22,8 @@
 //   lower first molar (46)      7.5     14.0    11.0   9.0      10.5   9.0     1.0   0.0     53
 //   upper first premolar (14)   8.5     14.0     7.0   5.0       9.0   8.0     1.0   0.0     18
 //   upper central incisor (11)  10.5    13.0     8.5   7.0       7.0   6.0     3.5   2.5     12
-// The primary molar is of the size that cone-beam tomograms of 41 lower second primary molars gave
-// (Hanoi Medical University 2025, abstract, mean and deviation: crown height 5.5 +- 0.4, mesiodistal
+// The primary molar's crown is within two deviations of 41 lower second primary molars in cone-beam
+// tomograms (Hanoi Medical University 2025, abstract, mean and deviation: crown height 5.5 +- 0.4, mesiodistal
 // 10.4 +- 0.6 and 7.6 +- 0.6 at the neck, buccolingual 9.2 +- 0.5). Chosen: a millimetre of enamel, horns
 // 3.6 mm below the cusps (micro-CT of upper second primary molars, Lokman Hekim University 2015: 2.8 to
 // 3.8 mm of dentin over the chamber), roots.

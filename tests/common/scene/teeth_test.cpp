@@ -275,6 +275,40 @@ TEST(ArrangementTest, NeighboursStandClearByTheGapAndAreLabelledApart) {
   EXPECT_GT(other, 100);
 }
 
+// The means and deviations of teeth.h.
+TEST(PrimaryToothTest, APrimaryMolarsCrownIsWithinTwoDeviationsOfThePublishedMeans) {
+  const ToothShape& t = PrimarySecondMolar();
+  const Size s = SizeOf(t);
+  EXPECT_NEAR(s.crown_length, 5.45, 2 * 0.41);
+  EXPECT_NEAR(s.mesiodistal, 10.40, 2 * 0.59);
+  EXPECT_NEAR(s.buccolingual, 9.24, 2 * 0.54);
+  const auto neck = SectionAt_mm(t, t.cervical_z);
+  EXPECT_NEAR(neck[0] + neck[1], 7.60, 2 * 0.55);
+}
+
+// Straight down from the fossa of the molar, as arrangement.h says.
+TEST(ArrangementTest, CariesIsAsDeepAsItsNameSays) {
+  const ToothShape& tooth = LowerFirstMolar();
+  const dvec3 fossa = FossaBottom_m(tooth) * 1e3;
+  const auto first = [&](Tissue tissue) {
+    double below = 0;
+    while (At_mm(tooth, fossa - dvec3(0, 0, below)).tissue != tissue) below += 0.01;
+    return below;
+  };
+  const double dentin = first(Tissue::kDentin), pulp = first(Tissue::kPulp);
+  const auto share = [&](CariesDepth depth) {
+    const Lesion lesion = FissureCaries(tooth, depth).back();
+    return (fossa.z - lesion.middle.z + lesion.half.z - dentin) / (pulp - dentin);
+  };
+  EXPECT_GT(share(CariesDepth::kShallow), 0);
+  EXPECT_LT(share(CariesDepth::kShallow), 0.25);
+  EXPECT_GT(share(CariesDepth::kMedium), 0.25);
+  EXPECT_LT(share(CariesDepth::kMedium), 0.5);
+  const double over_pulp_mm = (1 - share(CariesDepth::kDeep)) * (pulp - dentin);
+  EXPECT_GT(over_pulp_mm, 1.0);
+  EXPECT_LT(over_pulp_mm, 1.5);
+}
+
 TEST(ArrangementTest, CariesReplacesHardTissueAndLeavesThePulp) {
   const ToothShape& tooth = LowerFirstMolar();
   Arrangement sound{{{&tooth, 0, false, {}}}},

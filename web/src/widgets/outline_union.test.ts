@@ -34,7 +34,7 @@ test("a ring within another one vanishes; along its border it stays", () => {
   assert.equal(lengthOf(outside(box(0, 100, 900, 900), [box(0, 0, 1000, 1000)])), 800);
 });
 
-test("a line that two rings cut is in three pieces", () => {
+test("two rings that cut a side part the border in two", () => {
   const lines = outside(box(0, 0, 9000, 1000), [box(2000, -500, 3000, 500), box(5000, -500, 6000, 500)]);
   assert.equal(lengthOf(lines), 20000 - 2000);
   assert.equal(lines.length, 2);
