@@ -285,6 +285,7 @@ CREATE TABLE assignments (
   exercise      BLOB NOT NULL CHECK (length(exercise) = 16),  -- the version
   counting      TEXT NOT NULL DEFAULT 'best' CHECK (counting IN ('best', 'last', 'mean', 'median')),
   sign_off      INTEGER NOT NULL DEFAULT 0 CHECK (sign_off IN (0, 1)),
+  outline       TEXT NOT NULL DEFAULT 'practice' CHECK (outline IN ('practice', 'always', 'never')),
   PRIMARY KEY (tenant, id)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);

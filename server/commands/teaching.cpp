@@ -48,13 +48,14 @@ void Show(const AssignmentRow& row) {
   std::string stations =
       row.stations.empty() ? "" : ", at " + Counted(row.stations.size(), "station");
   Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with "
-      "{}{}\n",
+      "{}, outline: {}{}\n",
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
       row.sign_off ? ", exam signed at the chair"
       : row.exam   ? ", exam"
                    : "",
-      stations, HandsAllowedText(row.hands), row.retired ? ", exercise retired" : "");
+      stations, HandsAllowedText(row.hands), OutlineShownName(row.outline),
+      row.retired ? ", exercise retired" : "");
 }
 
 Result<Uuid> CohortOrEverybody(CohortRows& cohorts, const std::string& name) {
@@ -286,6 +287,7 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   }
   row.hands = *hands;
   row.counting = CountingFromName(assignment.counting).value_or(Counting::kBest);
+  row.outline = OutlineShownFromName(assignment.outline).value_or(OutlineShown::kPractice);
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   ENAMEL_ASSIGN_OR_RETURN(const auto version, VersionOf(store->exercises, row.exercise, 0));
   ENAMEL_RETURN_IF_ERROR(MustHaveReference(store->blobs, store->references, version, row.exam));
@@ -513,6 +515,13 @@ void DeclareAssignments(CommandGroup admin) {
           "What may hold the tool in graded work and exams: haptic devices on the school's "
           "list, every haptic device, a mouse too, or any, also a simulated hand")
       ->check(CLI::IsMember({"listed", "haptic", "pointer", "any"}))
+      ->capture_default_str();
+  assign
+      ->add_option(
+          "--outline", row.outline,
+          "In which work the chair shows the target's outline on the tooth: in practice only, "
+          "always (in graded work and exams too), or never")
+      ->check(CLI::IsMember({"practice", "always", "never"}))
       ->capture_default_str();
   AddExample(assign,
              "--exercise class-1-molar-46 --cohort \"Year 3\" --due \"2026-12-01 12:00\" --exam");

@@ -46,6 +46,7 @@ struct NewAssignment {
   std::vector<std::string> stations;  // names, of an exam
   std::string hands = "listed";       // HandsAllowedName
   std::string counting = "best";      // CountingFromName
+  std::string outline = "practice";   // OutlineShownFromName
 };
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
 // Moves an assignment to another version of its exercise (0: the newest); prints what moves and

@@ -149,6 +149,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   if (row.assignment) issued.set_assignment(protocol::ToField(row.assignment->view()));
   issued.set_hands(HandsAllowedName(row.hands));
   issued.set_sign_off(row.sign_off);
+  issued.set_outline(ShowsOutline(assigned, exercise));
   return reply;
 }
 

@@ -181,6 +181,19 @@ HandsAllowed HandsFor(const AssignedRow& assigned) {
   return Counts(assigned) ? assigned.assignment.hands : HandsAllowed::kAny;
 }
 
+bool ShowsOutline(const std::optional<AssignedRow>& assigned, const ExerciseRow& exercise) {
+  const bool counts = assigned ? Counts(*assigned) : exercise.graded;
+  switch (assigned ? assigned->assignment.outline : OutlineShown::kPractice) {
+    case OutlineShown::kPractice:
+      return !counts;
+    case OutlineShown::kAlways:
+      return true;
+    case OutlineShown::kNever:
+      return false;
+  }
+  return false;
+}
+
 void SetTerms(const std::optional<AssignedRow>& assigned, AttemptRow& row) {
   if (!assigned) return;
   const AssignmentRow& terms = assigned->assignment;

@@ -59,6 +59,10 @@ inline constexpr UnixMs kElsewhereMs = 60 * 1000;
 // and instructors' own tries.
 HandsAllowed HandsFor(const AssignedRow& assigned);
 
+// Whether the chair may show the target's outline on the tooth during an attempt under these terms;
+// without an assignment, in practice only.
+bool ShowsOutline(const std::optional<AssignedRow>& assigned, const ExerciseRow& exercise);
+
 // The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows
 // an attempt now, or else the first; null: none is for this exercise. `rows` as
 // AssignmentRows::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying

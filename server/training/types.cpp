@@ -107,6 +107,26 @@ std::optional<Counting> CountingFromName(std::string_view name) {
   return std::nullopt;
 }
 
+const char* OutlineShownName(OutlineShown shown) {
+  switch (shown) {
+    case OutlineShown::kPractice:
+      return "practice";
+    case OutlineShown::kAlways:
+      return "always";
+    case OutlineShown::kNever:
+      return "never";
+  }
+  return "practice";
+}
+
+std::optional<OutlineShown> OutlineShownFromName(std::string_view name) {
+  for (OutlineShown shown :
+       {OutlineShown::kPractice, OutlineShown::kAlways, OutlineShown::kNever}) {
+    if (name == OutlineShownName(shown)) return shown;
+  }
+  return std::nullopt;
+}
+
 const char* SignedAtName(SignedAt at) { return at == SignedAt::kStart ? "start" : "end"; }
 
 std::optional<SignedAt> SignedAtFromName(std::string_view name) {

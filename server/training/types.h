@@ -179,6 +179,16 @@ enum class Counting : uint8_t { kBest = 1, kLast = 2, kMean = 3, kMedian = 4 };
 const char* CountingName(Counting counting);
 std::optional<Counting> CountingFromName(std::string_view name);
 
+// In which work under an assignment the chair shows the target's outline on the tooth. Stable names:
+// "practice", "always", "never".
+enum class OutlineShown : uint8_t {
+  kPractice = 1,  // in practice, not in graded work or exams
+  kAlways = 2,
+  kNever = 3
+};
+const char* OutlineShownName(OutlineShown shown);
+std::optional<OutlineShown> OutlineShownFromName(std::string_view name);
+
 // An exercise for a cohort: when, how often, and whether as an exam.
 struct AssignmentRow {
   Uuid id;
@@ -196,6 +206,7 @@ struct AssignmentRow {
   int32_t revision = 1;   // counts the changes
   UnixMs created_ms = 0;
   Counting counting = Counting::kBest;
+  OutlineShown outline = OutlineShown::kPractice;
   Uuid version_id{};  // the version that is to be done, until somebody moves the assignment
   // Joined, of that version.
   int32_t version = 0;

@@ -346,7 +346,7 @@ class Watcher {
 
   // Not signed is no error: the attempt counts, and its reviewers see it.
   void SignEnd() {
-    if (!job_.sign_off) return;
+    if (!job_.terms.sign_off) return;
     const uint32_t chunks = attempt_.recording().chunks;
     // What the server does not have yet cannot be signed there.
     (void)AwaitServer([&](const Uploader::State& state) { return state.committed >= chunks; });
@@ -469,7 +469,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   // Last of all that can fail: a ticket counts as an attempt once taken.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
-    if (job.sign_off) ENAMEL_RETURN_IF_ERROR(SignStart(*workplace, options, job));
+    if (job.terms.sign_off) ENAMEL_RETURN_IF_ERROR(SignStart(*workplace, options, job));
   }
   if (job.core) {
     SayResumed(options, job);

@@ -192,7 +192,7 @@ class Desk {
                     attempt->view().camera());
     TurnHand(*attempt);
     TakeHelpKeys(*attempt, dialog);
-    attempt->ShowOutline(outline_ && MayShowProgress(attempt->prepared()));
+    attempt->ShowOutline(outline_ && MayShowOutline(attempt->prepared()));
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
     // As the bars: a student who saw or heard a warning would cut to it.
@@ -239,6 +239,10 @@ class Desk {
 
   bool MayShowProgress(const PreparedAttempt& prepared) const {
     return desk::MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor());
+  }
+
+  bool MayShowOutline(const PreparedAttempt& prepared) const {
+    return desk::MayShowOutline(prepared.terms.outline, flow_.chosen().exam, flow_.instructor());
   }
 
   // A line to cut along and the depth are help, like the zones. The bur is the exercise's own choice.
@@ -297,8 +301,9 @@ class Desk {
     const std::string keys = flow_.left_handed() ? "I J K L" : "W A S D";
     content.hint = attempt.by_pointer() ? words.Say("hint.pointer", {{"keys", keys}})
                                         : words.Say("hint.camera");
+    if (MayShowOutline(prepared)) content.hint += "   " + words.Say("hint.outline");
     if (MayShowProgress(prepared)) {
-      content.hint += "   " + words.Say("hint.outline") + "   " + words.Say("hint.depth");
+      content.hint += "   " + words.Say("hint.depth");
     }
     const std::vector<scene::BurSpec> burs = prepared.exercise.burs();
     content.several_burs = burs.size() > 1;

@@ -63,6 +63,12 @@ inline bool MayShowProgress(bool graded, bool exam, bool instructor) {
   return !exam && (!graded || instructor);
 }
 
+// Whether the target's outline is shown on the tooth. The attempt's ticket decides it for students
+// (ChairTerms::outline).
+inline bool MayShowOutline(bool shown_to_student, bool exam, bool instructor) {
+  return shown_to_student || (instructor && !exam);
+}
+
 struct WorkflowOptions {
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` is ignored

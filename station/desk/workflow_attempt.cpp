@@ -102,7 +102,7 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached, const DevicePace& p
   ticketed_ = way_ != Way::kTicket;
   joined_ = recorded_ = false;
   needs_start_ = false;
-  needs_end_ = attempt_->prepared().sign_off;
+  needs_end_ = attempt_->prepared().terms.sign_off;
   ForgetResult();
   LookForStillness();
   Go(Place::kReady);
@@ -123,7 +123,7 @@ void Workflow::TakeTicket() {
           // No ticket, no attempt: returns to the exercise, with the server's reason.
           ticketed_ = taken.ok();
           if (!ticketed_) return LeaveAttemptFor(taken);
-          needs_start_ = needs_end_ = attempt_->prepared().sign_off;
+          needs_start_ = needs_end_ = attempt_->prepared().terms.sign_off;
           if (needs_start_) Open(Dialog::kSignOff);
         };
       });

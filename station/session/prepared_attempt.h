@@ -24,9 +24,8 @@ struct PreparedAttempt {
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
   HandsAllowed hands = HandsAllowed::kAny;  // as far as the ticket gives them
-  // A second person signs its start and end (Workplace::SignOff). Of a resumed attempt the start is
-  // signed.
-  bool sign_off = false;
+  // Of its ticket. The start of a resumed attempt is signed already.
+  ChairTerms terms;
   protocol::AttemptFacts
       facts;  // as it will be begun; one that is resumed has its own in the spool
   // For an attempt resumed after a crash: the core at the end of the spool's chunks, with the tooth

@@ -297,7 +297,7 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   // ticket's expiry frees it.
   prepared.header.ticket = issued.ticket;
   prepared.hands = issued.hands;
-  prepared.sign_off = issued.sign_off;
+  prepared.terms = issued.terms;
   MutexLock lock(mutex_);
   unused_ = issued.ticket.attempt;
   return Status::Ok();
@@ -374,9 +374,9 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
   } else {
     ENAMEL_RETURN_IF_ERROR(spool_->BeginAttempt(prepared.header, prepared.exercise.name,
                                                 prepared.profile.name, prepared.facts,
-                                                prepared.sign_off));
+                                                prepared.terms));
   }
-  if (prepared.sign_off) uploader_.HoldSeal(prepared.attempt());
+  if (prepared.terms.sign_off) uploader_.HoldSeal(prepared.attempt());
   {
     MutexLock lock(mutex_);
     if (unused_ == prepared.attempt()) unused_ = {};

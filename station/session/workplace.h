@@ -107,7 +107,7 @@ class Workplace {
   // spool's.
   Result<std::unique_ptr<RunningAttempt>> Begin(PreparedAttempt& prepared, Device& device,
                                                 const AttemptOptions& options);
-  // An attempt that needs signatures (PreparedAttempt::sign_off): a second person signs its start,
+  // An attempt that needs signatures (ChairTerms::sign_off): a second person signs its start,
   // between TakeTicket and Begin, and its end. The server checks login and PIN, and nothing of them
   // is kept here; needs nobody signed in. Returns the name of whoever signed. Errors:
   // ServerLink::SignOff's.

@@ -59,6 +59,7 @@ Result<PreparedAttempt> Workplace::PreparePractice(const Catalogue::Exercise& ex
     return Status(Code::kForbidden,
                   "exercise '" + prepared.exercise.name + "' is graded, and needs the server");
   }
+  prepared.terms.outline = true;
   return prepared;
 }
 

@@ -21,6 +21,7 @@ Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pi
   names.title = prepared.exercise.title;
   names.profile = prepared.profile.name;
   names.hands = issued.hands;
+  names.outline = issued.terms.outline;
   return safe_.Put(issued.ticket, names, pin);
 }
 
@@ -91,7 +92,10 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
   prepared.header.ticket = ticket;
   ENAMEL_ASSIGN_OR_RETURN(const auto locked, safe_.List());
   auto found = std::ranges::find(locked, attempt, &LockedTicket::attempt);
-  if (found != locked.end()) prepared.hands = found->hands;
+  if (found != locked.end()) {
+    prepared.hands = found->hands;
+    prepared.terms.outline = found->outline;
+  }
   return prepared;
 }
 

@@ -110,7 +110,7 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
                       "where it stopped");
   }
   ENAMEL_RETURN_IF_ERROR(prepared.status());
-  prepared->sign_off = stored.sign_off;
+  prepared->terms = stored.terms;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
   // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
   // and the spool needs no room for it.

@@ -27,7 +27,7 @@ constexpr char kSelectAttempts[] =
     "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
     " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
     "facts, resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms,"
-    " sign_off"
+    " sign_off, outline"
     " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
 // Identifies the machine's start, and the time since, including sleep: setting a clock does not
@@ -73,7 +73,7 @@ SpooledAttempt ReadAttemptRow(const sql::Query& row) {
   out.waits_because = row.Text("waits_because");
   out.waits_since_unix_ms = row.Int("waits_since_unix_ms");
   out.tried_unix_ms = row.Int("tried_unix_ms");
-  out.sign_off = row.Int("sign_off") != 0;
+  out.terms = {row.Int("sign_off") != 0, row.Int("outline") != 0};
   return out;
 }
 
@@ -100,7 +100,7 @@ const fs::path& Spool::file() const { return file_->path(); }
 
 Status Spool::BeginAttempt(const trace::Header& header, const std::string& exercise,
                            const std::string& profile, const protocol::AttemptFacts& facts,
-                           bool sign_off) {
+                           const ChairTerms& terms) {
   MutexLock lock(file_->mutex());
   Bytes bytes = trace::EncodeHeader(header);
   Sha256 hash = HashSha256(bytes);
@@ -117,7 +117,8 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   sql::Query s(
       file_->db(),
       "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
-      " boot_id, boot_ms, facts, resumed, sign_off) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      " boot_id, boot_ms, facts, resumed, sign_off, outline) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+      "?, ?)");
   const SinceBoot now = BootNow();
   s.BindBlob(id)
       .BindBlob(bytes)
@@ -129,7 +130,8 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
       .BindInt(now.ms)
       .BindBlob(protocol::EncodeFacts(facts))
       .BindInt(facts.resumed())
-      .BindInt(int64_t{sign_off});
+      .BindInt(int64_t{terms.sign_off})
+      .BindInt(int64_t{terms.outline});
   return file_->Run(s, "storing an attempt");
 }
 

@@ -15,6 +15,7 @@
 #include "common/base/uuid.h"
 #include "common/protocol/attempt_facts.h"
 #include "common/trace/trace.h"
+#include "station/spool/chair_terms.h"
 #include "station/spool/spooled_loop_facts.h"
 #include "station/spool/spooled_tickets.h"
 
@@ -43,7 +44,7 @@ struct SpooledAttempt {
   std::string waits_because;
   int64_t waits_since_unix_ms = 0, tried_unix_ms = 0;
   protocol::AttemptFacts facts;
-  bool sign_off = false;  // a second person is to sign its end
+  ChairTerms terms;
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
   // To be sent: not refused, and not complete on the server.
@@ -128,7 +129,7 @@ class Spool {
   // first call stay.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
                       const std::string& profile, const protocol::AttemptFacts& facts = {},
-                      bool sign_off = false);
+                      const ChairTerms& terms = {});
   // Stores the next chunk. Idempotent for the same bytes; another chunk under a used seq is
   // kConflict.
   Status PutChunk(const Uuid& attempt, ByteView chunk);

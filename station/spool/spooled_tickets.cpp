@@ -12,7 +12,7 @@ Status SpooledTickets::Put(const LockedTicket& ticket) {
   sql::Query s(
       file_.db(),
       "INSERT INTO tickets (attempt, person, exercise, title, profile, expires_unix_ms, salt,"
-      " locked, hands) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      " locked, hands, outline) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   s.BindBlob(ticket.attempt.view())
       .BindText(ticket.person)
       .BindText(ticket.exercise)
@@ -21,7 +21,8 @@ Status SpooledTickets::Put(const LockedTicket& ticket) {
       .BindInt(ticket.expires_unix_ms)
       .BindBlob(ticket.salt)
       .BindBlob(ticket.locked)
-      .BindInt(static_cast<int64_t>(ticket.hands));
+      .BindInt(static_cast<int64_t>(ticket.hands))
+      .BindInt(int64_t{ticket.outline});
   return file_.Run(s, "storing a ticket");
 }
 
@@ -29,7 +30,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
   MutexLock lock(file_.mutex());
   sql::Query s(file_.db(),
                "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
-               " wrong_pins, wait_unix_ms, hands FROM tickets ORDER BY attempt");
+               " wrong_pins, wait_unix_ms, hands, outline FROM tickets ORDER BY attempt");
   std::vector<LockedTicket> out;
   while (s.Next()) {
     LockedTicket t;
@@ -46,6 +47,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
     t.wrong_pins = static_cast<int>(s.Int(8));
     t.wait_unix_ms = s.Int(9);
     t.hands = static_cast<HandsAllowed>(s.Int(10));
+    t.outline = s.Int(11) != 0;
     out.push_back(std::move(t));
   }
   if (!s.status().ok()) return file_.Fail("listing tickets");

@@ -25,6 +25,7 @@ struct LockedTicket {
   int wrong_pins = 0;
   int64_t wait_unix_ms = 0;  // no PIN is tested before this time
   HandsAllowed hands = HandsAllowed::kAny;
+  bool outline = false;  // ChairTerms::outline; no signed exam is taken in advance
 
   bool handed_back() const { return locked.empty(); }
 };

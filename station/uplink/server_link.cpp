@@ -270,8 +270,8 @@ Result<IssuedTicket> ServerLink::RequestTicket(const Credentials& credentials, c
                   "the server issued a ticket for something else, or one it did not "
                   "sign: no attempt was begun; tell its admin");
   }
-  return IssuedTicket{ticket, HandsIn(reply.ticket_issued().hands()),
-                      reply.ticket_issued().sign_off()};
+  const wire::TicketIssued& issued = reply.ticket_issued();
+  return IssuedTicket{ticket, HandsIn(issued.hands()), {issued.sign_off(), issued.outline()}};
 }
 
 Result<std::string> ServerLink::SignOff(const Uuid& attempt, SignedAt at, const std::string& login,

@@ -15,6 +15,7 @@
 #include "common/protocol/messages.h"
 #include "common/protocol/remark.h"
 #include "common/protocol/station_policy.h"
+#include "station/spool/chair_terms.h"
 #include "station/uplink/blob_cache.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/live_mailbox.h"
@@ -77,7 +78,7 @@ struct TicketRequest {
 struct IssuedTicket {
   trace::Ticket ticket;
   HandsAllowed hands = HandsAllowed::kAny;  // hands it admits; all if the server gave none
-  bool sign_off = false;                    // the start must be signed (SignOff)
+  ChairTerms terms;
 };
 
 // When a second person signs an exam attempt at this chair.

@@ -171,6 +171,7 @@ export const assignments = [
       late_allowed: true,
       sign_off: false,
       hands: "any",
+      outline: "always",
       counting: "best",
       station_ids: [w.station],
     }),

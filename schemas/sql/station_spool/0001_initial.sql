@@ -25,6 +25,7 @@
 --   facts                AttemptFacts (schemas/wire/station.proto), encoded; `resumed` in it does not
 --                        count: that is the column
 --   sign_off             1 when a second person is to sign its end at the chair
+--   outline              1 when the chair may show the target's outline on the tooth
 CREATE TABLE attempts (
   id                  BLOB PRIMARY KEY CHECK (length(id) = 16),
   header              BLOB NOT NULL,
@@ -52,7 +53,8 @@ CREATE TABLE attempts (
   waits_since_unix_ms INTEGER,
   tried_unix_ms       INTEGER,
   facts               BLOB NOT NULL DEFAULT x'',
-  sign_off            INTEGER NOT NULL DEFAULT 0
+  sign_off            INTEGER NOT NULL DEFAULT 0,
+  outline             INTEGER NOT NULL DEFAULT 0
 ) WITHOUT ROWID;
 
 -- One chunk of an attempt, as sent; seq counts from 0 without holes. Idempotent by (attempt, seq,
@@ -88,7 +90,8 @@ CREATE TABLE tickets (
   locked          BLOB NOT NULL,
   wrong_pins      INTEGER NOT NULL DEFAULT 0,
   wait_unix_ms    INTEGER NOT NULL DEFAULT 0,
-  hands           INTEGER NOT NULL
+  hands           INTEGER NOT NULL,
+  outline         INTEGER NOT NULL DEFAULT 0
 ) WITHOUT ROWID;
 
 -- How the loop went that recorded an attempt (schemas/loop_facts.md): `run` 0 as it was begun, n after

@@ -84,6 +84,7 @@ class AssignmentView {
             {"late_allowed", row.late_allowed},
             {"hands", HandsAllowedName(row.hands)},
             {"sign_off", row.sign_off},
+            {"outline", OutlineShownName(row.outline)},
             {"counting", CountingName(row.counting)},
             {"stations", std::move(stations)},
             {"created_ms", row.created_ms},
@@ -162,7 +163,7 @@ Status MustBeAssignableNow(const Call& call, Store& store, const AssignmentRow& 
 
 constexpr size_t kMaxTermName = 16;
 
-// `before`: hands and counting where the body does not give them.
+// `before`: hands, counting and outline where the body leaves them out.
 Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   BodyReader body(call.request);
   AssignmentRow row;
@@ -179,6 +180,8 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   row.stations = body.Ids("station_ids", kMaxStations);
   const std::string counting =
       body.Has("counting") ? body.Text("counting", 1, kMaxTermName) : CountingName(before.counting);
+  const std::string outline = body.Has("outline") ? body.Text("outline", 1, kMaxTermName)
+                                                  : OutlineShownName(before.outline);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   const auto admitted = HandsAllowedFromName(named);
   if (!admitted) {
@@ -193,6 +196,12 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
                   "expected best, last, mean or median, found \"" + counting + "\"", "counting"};
   }
   row.counting = *known;
+  const std::optional<OutlineShown> shown = OutlineShownFromName(outline);
+  if (!shown) {
+    return Status{Code::kInvalidInput,
+                  "expected practice, always or never, found \"" + outline + "\"", "outline"};
+  }
+  row.outline = *shown;
   // Of the terms together: due after it opens; stations and sign-off with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;

@@ -118,7 +118,8 @@ const std::vector<SubjectKind>& Kinds() {
        "SELECT id FROM assignments WHERE tenant = ?1",
        {{"",
          "SELECT exercise_name, exercise, cohort, opens_ms, due_ms, attempt_limit, exam, "
-         "late_allowed, hands, counting, sign_off, created_ms FROM assignments WHERE tenant = ?1 "
+         "late_allowed, hands, counting, sign_off, outline, created_ms FROM assignments WHERE "
+         "tenant = ?1 "
          "AND id = ?2"},
         {"station",
          "SELECT station, 1 AS admitted FROM assignment_stations WHERE tenant = ?1 AND assignment "

@@ -19,19 +19,21 @@ namespace {
   "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, "         \
   "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "          \
   "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3, " \
-  "a.counting, coalesce(v.graded, 0), a.sign_off"
+  "a.counting, coalesce(v.graded, 0), a.sign_off, a.outline"
 #define ENAMEL_ASSIGNMENTS                                                                  \
   "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
   "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
-constexpr int kAssignmentColumns = 19;
+constexpr int kAssignmentColumns = 20;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
-  std::string counting;
+  std::string counting, outline;
   q.Read(0, out.id, out.exercise, out.cohort, out.cohort_name, out.opens_ms, out.due_ms,
          out.attempt_limit, out.exam, out.late_allowed, out.revision, out.created_ms, out.hands,
-         out.version_id, out.version, out.title, out.retired, counting, out.graded, out.sign_off);
+         out.version_id, out.version, out.title, out.retired, counting, out.graded, out.sign_off,
+         outline);
   out.counting = CountingFromName(counting).value_or(Counting::kBest);
+  out.outline = OutlineShownFromName(outline).value_or(OutlineShown::kPractice);
   return out;
 }
 
@@ -73,7 +75,8 @@ std::string TermsJson(const AssignmentRow& row) {
                  {"late_allowed", row.late_allowed ? "yes" : "no"},
                  {"stations", stations},
                  {"hands", HandsAllowedName(row.hands)},
-                 {"sign_off", row.sign_off ? "yes" : "no"}});
+                 {"sign_off", row.sign_off ? "yes" : "no"},
+                 {"outline", OutlineShownName(row.outline)}});
 }
 
 // Sets the row to the version offered now.
@@ -137,12 +140,14 @@ Status InsertAssignment(Db& db, const AssignmentRow& row) {
       "opens_ms", row.opens_ms, "due_ms", row.due_ms, "attempt_limit", row.attempt_limit, "exam",
       row.exam, "late_allowed", row.late_allowed, "revision", row.revision, "created_ms",
       row.created_ms, "hands", row.hands, "exercise", row.version_id, "counting",
-      CountingName(row.counting), "sign_off", row.sign_off,
+      CountingName(row.counting), "sign_off", row.sign_off, "outline",
+      OutlineShownName(row.outline),
       " ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort = "
       "excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, attempt_limit = "
       "excluded.attempt_limit, exam = excluded.exam, late_allowed = excluded.late_allowed, "
       "revision = excluded.revision, hands = excluded.hands, exercise = excluded.exercise, "
-      "counting = excluded.counting, sign_off = excluded.sign_off"));
+      "counting = excluded.counting, sign_off = excluded.sign_off, outline = "
+      "excluded.outline"));
   return PutStations(db, row);
 }
 

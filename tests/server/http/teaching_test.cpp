@@ -521,6 +521,22 @@ TEST_F(TeachingTest, ExamCanRequireASecondPersonAtTheChair) {
   EXPECT_FALSE(Parsed(edited).at("sign_off").as_bool()) << edited.body;
 }
 
+TEST_F(TeachingTest, OutlineOnTheToothIsChosenByTheAssignment) {
+  HaveReference();
+  json::object terms = Terms(school_.cohort_a);
+  EXPECT_EQ(Parsed(Post("ada", "/api/v1/assignments", terms)).at("outline"), "practice");
+  terms["outline"] = "always";
+  RawResponse made = Post("ada", "/api/v1/assignments", terms);
+  EXPECT_EQ(Parsed(made).at("outline"), "always") << made.body;
+  const std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  RawResponse edited = Send("ada", "PUT", path, Terms(school_.cohort_a), made.headers["etag"]);
+  EXPECT_EQ(Parsed(edited).at("outline"), "always") << "what is not said is not changed";
+  terms["outline"] = "never";
+  edited = Send("ada", "PUT", path, terms, edited.headers["etag"]);
+  EXPECT_EQ(Parsed(edited).at("outline"), "never") << edited.body;
+  EXPECT_EQ(Parsed(By("ada").Get(path)).at("outline"), "never");
+}
+
 TEST_F(TeachingTest, DevicesAreListedNamedAnewAndTakenOffTheList) {
   const char* kPath = "/api/v1/listed-devices";
   EXPECT_TRUE(Parsed(By("ada").Get(kPath)).at("devices").as_array().empty());
@@ -578,6 +594,7 @@ TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
       {{{"cohort_id", 7}}, "cohort_id"},
       {{{"hands", "robots"}}, "hands"},
       {{{"hands", 1}}, "hands"},
+      {{{"outline", "sometimes"}}, "outline"},
       {{{"due", 7}}, "due"},
   };
   for (const auto& [change, field] : bads) {

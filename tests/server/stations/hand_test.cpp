@@ -126,6 +126,19 @@ TEST_F(HandTest, TicketForLaterNeedNotSayYetAndItsAttemptIsLookedAt) {
   EXPECT_EQ(station_.Send(later).error().field(), "hand") << "said, it is looked at";
 }
 
+TEST_F(HandTest, TicketSaysWhetherTheOutlineIsShown) {
+  ASSERT_TRUE(world_.exercise.graded);
+  for (const auto& [outline, shown] : {std::pair{OutlineShown::kPractice, false},
+                                       {OutlineShown::kAlways, true},
+                                       {OutlineShown::kNever, false}}) {
+    terms_.outline = outline;
+    Allow(HandsAllowed::kAny);
+    const wire::Reply ticket = Ask(kMouse);
+    ASSERT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
+    EXPECT_EQ(ticket.ticket_issued().outline(), shown) << OutlineShownName(outline);
+  }
+}
+
 TEST_F(HandTest, StationIsToldInTheList) {
   Allow(HandsAllowed::kPointer);
   wire::Request list;

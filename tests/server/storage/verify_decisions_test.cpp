@@ -271,7 +271,7 @@ TEST_F(VerifyDecisionsTest, ChangedTermsOfAnAssignmentAreFound) {
       {"exercise_name = 'other'", "exercise = " + Id(other_.id), "cohort = randomblob(16)",
        "opens_ms = 1", "due_ms = 0", "due_ms = due_ms + 1", "attempt_limit = 4",
        "attempt_limit = 0", "exam = 1", "late_allowed = 1", "hands = 4", "sign_off = 1",
-       "counting = 'last'", "created_ms = 1"});
+       "outline = 'always'", "counting = 'last'", "created_ms = 1"});
   ExpectEditFound("assignments", "DELETE FROM assignments WHERE id = " + Id(assignment_),
                   "decision", id, "assignment");
   ExpectEditFound("assignment_stations", "DELETE FROM assignment_stations", "decision", id,

@@ -148,6 +148,27 @@ TEST(TicketRulesTest, TicketEndsAtTheDueTimeAndAnExamsWithinMinutes) {
   EXPECT_EQ(TicketEnd(assigned, kNow), kNow + 12 * kHour);
 }
 
+TEST(TicketRulesTest, OutlineIsShownInPracticeUnlessTheAssignmentSaysOtherwise) {
+  ExerciseRow practice, graded;
+  practice.graded = false;
+  graded.graded = true;
+  EXPECT_TRUE(ShowsOutline(std::nullopt, practice));
+  EXPECT_FALSE(ShowsOutline(std::nullopt, graded));
+  for (const ExerciseRow& exercise : {practice, graded}) {
+    for (bool exam : {false, true}) {
+      AssignedRow assigned = Row();
+      assigned.exercise = exercise;
+      assigned.assignment.exam = exam;
+      EXPECT_EQ(ShowsOutline(assigned, exercise), !exam && !exercise.graded);
+      assigned.assignment.outline = OutlineShown::kAlways;
+      EXPECT_TRUE(ShowsOutline(assigned, exercise));
+      assigned.assignment.outline = OutlineShown::kNever;
+      EXPECT_FALSE(ShowsOutline(assigned, exercise));
+    }
+  }
+  EXPECT_FALSE(OutlineShownFromName("exam"));
+}
+
 TEST(TicketRulesTest, TermsThatContradictThemselvesAreRefused) {
   AssignmentRow row;
   row.opens_ms = kNow;

@@ -237,5 +237,14 @@ TEST(ProgressTest, IsShownInPracticeAndToInstructorsButNeverInAnExam) {
   }
 }
 
+TEST(OutlineTest, IsShownToStudentsAsTheServerSaysAndToInstructorsExceptInExams) {
+  for (bool exam : {false, true}) {
+    for (bool instructor : {false, true}) {
+      EXPECT_TRUE(MayShowOutline(true, exam, instructor));
+      EXPECT_EQ(MayShowOutline(false, exam, instructor), instructor && !exam);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace enamel::station::desk

@@ -328,9 +328,9 @@ TEST_F(SpoolTest, SalvageTakesEveryColumnOver) {
   Tamper(
       "UPDATE attempts SET created_unix_ms = 1, committed_unix_ms = 2, resumed = 3, boot_id = 'b',"
       " boot_ms = 4, refused = 'no', refused_unix_ms = 5, waits_because = 'away',"
-      " waits_since_unix_ms = 6, tried_unix_ms = 7, facts = x'c23e0178', sign_off = 1;"
+      " waits_since_unix_ms = 6, tried_unix_ms = 7, facts = x'c23e0178', sign_off = 1, outline = 1;"
       "UPDATE chunks SET spooled_unix_ms = 1000 + seq;"
-      "UPDATE tickets SET wrong_pins = 3, wait_unix_ms = 8");
+      "UPDATE tickets SET wrong_pins = 3, wait_unix_ms = 8, outline = 1");
   ASSERT_TRUE(SalvageSpool(folder_, folder_ / "saved").ok());
   for (const char* table : {"attempts", "chunks", "tickets", "loop_facts"}) {
     const auto before = AllOf(folder_ / "spool.sqlite", table);
@@ -624,10 +624,20 @@ TEST_F(SpoolTest, FactsComeBackAsTheyWereSaidAndResumedAsItIsCounted) {
   EXPECT_EQ(spool->Get(id())->facts.resumed(), 3u);
 }
 
-TEST_F(SpoolTest, RemembersThatTheEndIsToBeSigned) {
-  auto spool = Open();
-  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p", {}, true).ok());
-  EXPECT_TRUE(spool->Get(id())->sign_off);
+TEST_F(SpoolTest, RemembersTheTermsOfTheTicket) {
+  for (const ChairTerms& terms : {ChairTerms{true, false}, ChairTerms{false, true}}) {
+    header_.ticket.attempt = Uuid::New();
+    ASSERT_TRUE(Open()->BeginAttempt(header_, "e", "p", {}, terms).ok());
+    auto spool = Open();
+    EXPECT_EQ(spool->Get(id())->terms.sign_off, terms.sign_off);
+    EXPECT_EQ(spool->Get(id())->terms.outline, terms.outline);
+    LockedTicket ticket;
+    ticket.attempt = id();
+    ticket.outline = terms.outline;
+    ASSERT_TRUE(spool->tickets().Put(ticket).ok());
+    const auto kept = *spool->tickets().List();
+    EXPECT_EQ(std::ranges::find(kept, id(), &LockedTicket::attempt)->outline, terms.outline);
+  }
 }
 
 TEST_F(SpoolTest, AnAttemptWhoseFactsCannotBeReadSaysNone) {

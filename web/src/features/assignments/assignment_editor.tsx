@@ -25,6 +25,7 @@ const kTerms: Terms = {
   late_allowed: false,
   sign_off: false,
   hands: "listed",
+  outline: "practice",
   counting: "best",
   station_ids: [],
 };

@@ -12,7 +12,7 @@ import { Badge, Card, ErrorNotice, Notice, PageTitle, Waits } from "../../widget
 import { Button } from "../../widgets/button";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
-import { countingText, endedTerms, exerciseTitle, handsText, limitText, phaseOf } from "./assignment_text";
+import { countingText, endedTerms, exerciseTitle, handsText, limitText, outlineText, phaseOf } from "./assignment_text";
 import { MoveCard } from "./move_card";
 import { PhaseBadge } from "./my_work_page";
 import { fitting, type Terms, TermsFields } from "./terms_fields";
@@ -185,6 +185,10 @@ const compared = () => [
     text: handsText,
   },
   {
+    title: say("terms.outline"),
+    text: outlineText,
+  },
+  {
     title: say("assignments.counts"),
     text: (item: Draft) => countingText(item.counting),
   },
@@ -260,6 +264,7 @@ function termsOf({
   late_allowed,
   sign_off,
   hands,
+  outline,
   counting,
   stations,
 }: Assignment): Terms {
@@ -271,6 +276,7 @@ function termsOf({
     late_allowed,
     sign_off,
     hands,
+    outline,
     counting,
     station_ids: stations.map((station) => station.id),
   });

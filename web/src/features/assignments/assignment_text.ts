@@ -1,5 +1,5 @@
 import { exerciseTitle as titleOf } from "../../api/builtin_words";
-import type { Assignment, Counting, Grade, HandsAllowed } from "../../api/types";
+import type { Assignment, Counting, Grade, HandsAllowed, OutlineShown } from "../../api/types";
 import { formatDateTime, formatScore } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { say } from "../../base/words";
@@ -56,6 +56,13 @@ export const kHands: readonly HandsAllowed[] = ["listed", "haptic", "pointer", "
 
 export function handsText({ hands }: Pick<Assignment, "hands">): string {
   return say(`hands.${hands}`);
+}
+
+// In which work the chair shows the target's outline on the tooth.
+export const kOutlines: readonly OutlineShown[] = ["practice", "always", "never"];
+
+export function outlineText({ outline }: Pick<Assignment, "outline">): string {
+  return say(`outline.${outline}`);
 }
 
 export const kCountings: readonly Counting[] = ["best", "last", "mean", "median"];

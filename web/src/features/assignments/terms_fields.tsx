@@ -1,7 +1,7 @@
 import type { AssignmentTerms, Counting } from "../../api/types";
 import { say } from "../../base/words";
 import { CheckField, NumberField, SelectField, TimeField } from "../../widgets/form";
-import { countingText, dueProblem, handsText, kCountings, kHands } from "./assignment_text";
+import { countingText, dueProblem, handsText, kCountings, kHands, kOutlines, outlineText } from "./assignment_text";
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
@@ -63,6 +63,14 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
         onValue={(hands) => onTerms({ hands })}
         options={kHands.map((hands) => ({ value: hands, title: handsText({ hands }) }))}
         problem={problemOf("hands")}
+      />
+      <SelectField
+        label={say("terms.outline")}
+        hint={say("terms.outline_hint")}
+        value={terms.outline}
+        onValue={(outline) => onTerms({ outline })}
+        options={kOutlines.map((outline) => ({ value: outline, title: outlineText({ outline }) }))}
+        problem={problemOf("outline")}
       />
       <CheckField
         label={say("terms.late")}
