@@ -47,15 +47,17 @@ void Show(const AssignmentRow& row) {
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
       row.stations.empty() ? "" : ", at " + Counted(row.stations.size(), "station");
+  std::string outline;
+  if (row.outline == OutlineShown::kAlways) outline = ", outline always shown";
+  if (row.outline == OutlineShown::kNever) outline = ", outline never shown";
   Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with "
-      "{}, outline: {}{}\n",
+      "{}{}{}\n",
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
       row.sign_off ? ", exam signed at the chair"
       : row.exam   ? ", exam"
                    : "",
-      stations, HandsAllowedText(row.hands), OutlineShownName(row.outline),
-      row.retired ? ", exercise retired" : "");
+      stations, HandsAllowedText(row.hands), outline, row.retired ? ", exercise retired" : "");
 }
 
 Result<Uuid> CohortOrEverybody(CohortRows& cohorts, const std::string& name) {
