@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -16,10 +17,22 @@ double Number(const boost::json::object& document, const char* name) {
   return document.at(name).to_number<double>();
 }
 
+// One of each kind of task, on the tooth that is hardest for it. With ENAMEL_FULL=1 all exercises, twice; the
+// thousands that the bounds are stated for are `enamel-lab grades --mixtures`.
+MixturesOptions Asked() {
+  if (std::getenv("ENAMEL_FULL") != nullptr) return {.count = 64, .seed = 1};
+  return {
+      .count = 14,
+      .seed = 1,
+      .exercises = {"access-premolar", "caries-molar-46-caries-deep", "class-1-primary", "class-2-",
+                    "class-5-", "crown-incisor", "crown-molar-46-class-2", "fissures-molar-46",
+                    "mod-", "pulpotomy-", "trapezoid-", "veneer-", "step-block", "circle-block"}};
+}
+
 TEST(MixturesTest, BreakNoLawAndAreNamed) {
-  const auto rows = TryMixtures({.count = 60, .seed = 1});
+  const auto rows = TryMixtures(Asked());
   ASSERT_TRUE(rows.ok()) << rows.status().message();
-  ASSERT_EQ(rows->size(), 60U);
+  ASSERT_EQ(rows->size(), static_cast<size_t>(Asked().count));
   for (const MixtureRow& row : *rows) {
     EXPECT_TRUE(row.wrong.empty()) << row.exercise << ": " << row.wrong.front();
     EXPECT_TRUE(row.broken.empty())
@@ -28,9 +41,9 @@ TEST(MixturesTest, BreakNoLawAndAreNamed) {
   }
   const auto document = MixturesJson(*rows);
   EXPECT_EQ(document.at("laws_broken"), 0);
-  EXPECT_GT(Number(document, "sentences"), 600);
+  EXPECT_GT(Number(document, "sentences"), 10 * Asked().count);
   EXPECT_EQ(document.at("sentences_false"), 0);
-  EXPECT_GT(Number(document, "faults_asked"), 60);
+  EXPECT_GE(Number(document, "faults_asked"), Asked().count);
   EXPECT_GE(Number(document, "faults_found"), 0.92 * Number(document, "faults_asked"));
   EXPECT_LE(Number(document, "mistakes_invented"), 0.03 * Number(document, "mistakes"));
   EXPECT_LE(Number(document, "uneven_share"), 0.05);
