@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-#include "station/render/lines.h"
+#include "station/render/shaped_text.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -240,7 +240,6 @@ void Ui::EndDialog() {
 void Ui::Remark(const std::string& who, const std::string& text, const std::string& key) {
   constexpr float kWidth = 0.58f;
   constexpr size_t kLongBytes = 160;
-  screen_.Need(who + text);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
   const render::Canvas canvas = CanvasNow();
   ImGui::SetNextWindowPos(
@@ -252,14 +251,12 @@ void Ui::Remark(const std::string& who, const std::string& text, const std::stri
                kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
   ImGui::PopStyleColor();
   ImGui::PushFont(fonts().near);
-  ImGui::TextUnformatted((who + "   ").c_str());
+  render::Write(fonts(), who + "   ");
   ImGui::SameLine();
   ImGui::TextDisabled("%s", key.c_str());
   ImGui::PopFont();
   ImGui::PushFont(text.size() > kLongBytes ? fonts().near : fonts().text);
-  ImGui::PushTextWrapPos(kWidth * w - 48 * px());
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
+  render::Write(fonts(), text, kWidth * w - 48 * px() - ImGui::GetCursorPosX());
   ImGui::PopFont();
   ImGui::End();
   // Part of the page below it, not of a dialog.
@@ -311,27 +308,22 @@ void Ui::Title(const std::string& text) { Large(text); }
 
 void Ui::Large(const std::string& text) {
   ImGui::PushFont(fonts().far);
-  Write(text, render::InEvenLines(text, ImGui::GetContentRegionAvail().x, *fonts().far));
+  Write(text, true);
   ImGui::PopFont();
 }
 
 void Ui::OneLine(const std::string& text) {
-  const ImFont* far = fonts().far;
-  const float width = far->CalcTextSizeA(far->FontSize, FLT_MAX, 0, text.c_str()).x;
+  const float width = render::SizeOf(fonts(), *fonts().far, text).x;
   if (width <= ImGui::GetContentRegionAvail().x) return Large(text);
   Text(text);
 }
 
-void Ui::Text(const std::string& text) {
-  Write(text, render::InLines(text, ImGui::GetContentRegionAvail().x, *ImGui::GetFont()));
-}
+void Ui::Text(const std::string& text) { Write(text, false); }
 
-void Ui::Write(const std::string& text, const std::string& lines) {
+void Ui::Write(const std::string& text, bool even) {
   Say(text);
   after_button_ = beside_ = false;
-  ImGui::PushTextWrapPos(0);  // of what has no space
-  ImGui::TextUnformatted(lines.c_str());
-  ImGui::PopTextWrapPos();
+  render::Write(fonts(), text, ImGui::GetContentRegionAvail().x, even);
 }
 
 void Ui::Note(const std::string& text) {
@@ -367,14 +359,15 @@ void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
   // In the small letters, too, where the page has no room for the large ones.
-  const ImFont* far = fonts().far;
-  const float large = far->CalcTextSizeA(far->FontSize, FLT_MAX, 0, label.c_str()).x + 60 * px();
+  const float large = render::SizeOf(fonts(), *fonts().far, label).x + 60 * px();
   const bool small = look == Look::kSmall || large > ImGui::GetContentRegionAvail().x;
-  ImGui::PushFont(small ? fonts().text : fonts().far);
+  ImFont* const font = small ? fonts().text : fonts().far;
+  const ImVec2 words = render::SizeOf(fonts(), *font, label);
+  ImGui::PushFont(font);
   PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
   const float padding = (small ? 18 : 30) * px(), apart = 28 * px();
   if (std::exchange(beside_, false)) {
-    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * padding;
+    const float width = words.x + 2 * padding;
     const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
     if (ImGui::GetItemRectMax().x + apart + width <= end) {
       // A small one beside a large one is at its middle.
@@ -391,7 +384,11 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   ImGui::BeginDisabled(!enabled);
   // Distinguishes buttons with the same label.
   ImGui::PushID(static_cast<int>(std::ranges::count(choices_, label, &Choice::label)));
-  bool chosen = ImGui::Button(label.c_str());
+  const ImVec2 size{words.x + 2 * padding, words.y + 24 * px()};
+  bool chosen = ImGui::Button(("##" + label).c_str(), size);
+  const ImVec2 lo = ImGui::GetItemRectMin();
+  render::Draw(fonts(), *ImGui::GetWindowDrawList(), *font, {lo.x + padding, lo.y + 12 * px()},
+               ImGui::GetColorU32(ImGuiCol_Text), label);
   ImGui::PopID();
   ImGui::EndDisabled();
   ImGui::PopStyleVar();
@@ -409,44 +406,38 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   return chosen || focus.chosen;
 }
 
-bool Ui::Row(const std::string& whole_title, const std::string& whole_detail,
-             const std::string& right, bool chosen_row) {
-  Say(whole_title + " | " + whole_detail + " | " + right);
-  const ImFont *far = fonts().far, *text = fonts().text;
-  auto size_of = [](const ImFont* font, const std::string& words, float wrap) {
-    return font->CalcTextSizeA(font->FontSize, FLT_MAX, wrap, words.c_str());
-  };
+bool Ui::Row(const std::string& title, const std::string& detail, const std::string& right,
+             bool chosen_row) {
+  Say(title + " | " + detail + " | " + right);
+  const ImFont &far = *fonts().far, &text = *fonts().text;
   const float inset = 12 * px(), side = 26 * px(), between = 6 * px();
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
   const float width = ImGui::GetContentRegionAvail().x - inset;
-  const ImVec2 right_size = size_of(text, right, 0);
+  const ImVec2 right_size = render::SizeOf(fonts(), text, right);
   // The word on the right says what choosing does.
   const float wrap = width - 2 * side - (right.empty() ? 0 : right_size.x + 16 * px());
-  const std::string title = render::InLines(whole_title, wrap, *far),
-                    detail = render::InLines(whole_detail, wrap, *text);
-  const float title_height = size_of(far, title, wrap).y;
-  const float height = title_height + size_of(text, detail, wrap).y + between + 24 * px();
+  const float title_height = render::SizeOf(fonts(), far, title, wrap).y;
+  const float height =
+      title_height + render::SizeOf(fonts(), text, detail, wrap).y + between + 24 * px();
   PushButtonColours(chosen_row ? kChosenRow : kRow);
   // Distinguishes rows with the same title.
-  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, whole_title, &Choice::label)));
-  bool chosen = ImGui::Button(("##" + whole_title).c_str(), {width, height});
+  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, title, &Choice::label)));
+  bool chosen = ImGui::Button(("##" + title).c_str(), {width, height});
   ImGui::PopID();
   ImGui::PopStyleColor(3);
-  Focused focus = Next(whole_title);
-  Listed(whole_title, false);
+  Focused focus = Next(title);
+  Listed(title, false);
   if (!blocked_) choices_.back().chosen = chosen_row;
   if (focus.has) Ring();
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
-  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImDrawList& list = *ImGui::GetWindowDrawList();
   ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text),
         quiet = ImGui::GetColorU32(ImGuiCol_TextDisabled);
   const float x = lo.x + side, top = lo.y + 8 * px();
-  list->AddText(far, far->FontSize, {x, top}, plain, title.c_str(), nullptr, wrap);
-  list->AddText(text, text->FontSize, {x, top + title_height + between}, quiet, detail.c_str(),
-                nullptr, wrap);
-  list->AddText(text, text->FontSize,
-                {hi.x - side - right_size.x, lo.y + 0.5f * (height - right_size.y)}, plain,
-                right.c_str());
+  render::Draw(fonts(), list, far, {x, top}, plain, title, wrap);
+  render::Draw(fonts(), list, text, {x, top + title_height + between}, quiet, detail, wrap);
+  render::Draw(fonts(), list, text,
+               {hi.x - side - right_size.x, lo.y + 0.5f * (height - right_size.y)}, plain, right);
   return chosen || focus.chosen;
 }
 
@@ -457,9 +448,7 @@ bool Ui::Check(const std::string& label, bool& value) {
   bool changed = ImGui::Checkbox(("##" + label).c_str(), &value);
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(label.c_str());
-  ImGui::PopTextWrapPos();
+  render::Write(fonts(), label, ImGui::GetContentRegionAvail().x);
   if (ImGui::IsItemClicked()) {
     value = !value;
     changed = true;
@@ -522,14 +511,13 @@ void Ui::Line(const std::string& name, const std::string& value, const std::stri
   ImVec4 colour = lost ? ImVec4{1, 0.78f, 0.50f, 1} : ImGui::GetStyleColorVec4(ImGuiCol_Text);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
   const ImVec2 from = ImGui::GetCursorPos();
-  const float at =
-      ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x - 30 * px();
+  const float width = render::SizeOf(fonts(), *ImGui::GetFont(), value).x;
+  const float at = ImGui::GetContentRegionMax().x - width - 30 * px();
   ImGui::SetCursorPosX(at);
-  ImGui::TextUnformatted(value.c_str());
+  render::Write(fonts(), value);
   ImGui::SetCursorPos(from);
   // A long name continues below itself.
-  const std::string lines = render::InLines(name, at - from.x - 12 * px(), *ImGui::GetFont());
-  ImGui::TextUnformatted(lines.c_str());
+  render::Write(fonts(), name, at - from.x - 12 * px());
   ImGui::PopStyleColor();
   if (!words.empty()) {
     ImGui::Indent(kWords_px * px());

@@ -57,6 +57,7 @@ struct Picture {
 // the nearest choice there, Left and Right as Tab does.
 // Enter or the space bar chooses it, once per key press. The focus starts at a page's first choice.
 // A page or dialog answers no key that was pressed before it was shown.
+// Words may be in any script that the system has fonts for (station/render/shaped_text.h).
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
  public:
@@ -134,8 +135,7 @@ class Ui {
   void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
 
   // A message over a see-through page's picture, below the panel: who sends it, its text, and the key
-  // that dismisses it. The message is as wide as the page allows; a long one has smaller letters. It may
-  // be in any script that the station's fonts have.
+  // that dismisses it. The message is as wide as the page allows; a long one has smaller letters.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
   // Pictures at the right of the window, beside a page that leaves room there: after the page's End.
@@ -179,8 +179,7 @@ class Ui {
   void ReadKeys();
   void Enter(const std::string& name);
   void Say(const std::string& text);
-  // `lines`: of the text, broken to fit.
-  void Write(const std::string& text, const std::string& lines);
+  void Write(const std::string& text, bool even);
 
   render::Screen& screen_;
   std::optional<render::Canvas> canvas_;  // of this frame

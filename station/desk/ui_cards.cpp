@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "station/desk/ui.h"
-#include "station/render/lines.h"
+#include "station/render/shaped_text.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -21,19 +21,13 @@ constexpr ImU32 kCard = IM_COL32(36, 41, 48, 255), kCardBelowMouse = IM_COL32(54
 
 // The title in the text's size, its lines in the smallest; nothing is cut off: all of it wraps.
 float Ui::HeightOf(const Card& card, float width) const {
-  const ImFont *text = fonts().text, *near = fonts().near;
+  const ImFont &text = *fonts().text, &near = *fonts().near;
   const float wrap = width - (2 * kCardInset + kCardPicture + kCardInset) * px();
-  const float right = card.right.empty()
-                          ? 0
-                          : near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str()).x +
-                                kRightGap * px();
-  auto height_of = [](const ImFont& font, const std::string& words, float most) {
-    return font
-        .CalcTextSizeA(font.FontSize, FLT_MAX, most, render::InLines(words, most, font).c_str())
-        .y;
-  };
-  float height = height_of(*text, card.title, wrap - right);
-  for (const std::string& line : card.lines) height += height_of(*near, line, wrap) + 3 * px();
+  const float right =
+      card.right.empty() ? 0 : render::SizeOf(fonts(), near, card.right).x + kRightGap * px();
+  float height = render::SizeOf(fonts(), text, card.title, wrap - right).y;
+  for (const std::string& line : card.lines)
+    height += render::SizeOf(fonts(), near, line, wrap).y + 3 * px();
   return std::max(height, kCardPicture * px()) + 2 * kCardInset * px();
 }
 
@@ -41,8 +35,6 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
   std::string said = card.title;
   for (const std::string& line : card.lines) said += " | " + line;
   Say(said + " | " + card.right);
-  // Instructors write in any script.
-  screen_.Need(said);
   ImGui::PushStyleColor(ImGuiCol_Button, kCard);
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kCardBelowMouse);
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, kCardBelowMouse);
@@ -57,21 +49,20 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
     const float top = lo.y + 0.5f * (height - side);
     card.picture({lo.x + inset, top, lo.x + inset + side, top + side});
   }
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImFont *text = fonts().text, *near = fonts().near;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImFont &text = *fonts().text, &near = *fonts().near;
   const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text),
               quiet = ImGui::GetColorU32(ImGuiCol_TextDisabled);
   const float x = lo.x + 2 * inset + side;
   float y = lo.y + inset, end = hi.x - inset;
   if (!card.right.empty()) {
-    const ImVec2 size = near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str());
-    list->AddText(near, near->FontSize, {end - size.x, y}, plain, card.right.c_str());
-    end -= size.x + kRightGap * px();
+    const float room = render::SizeOf(fonts(), near, card.right).x;
+    render::Draw(fonts(), list, near, {end - room, y}, plain, card.right);
+    end -= room + kRightGap * px();
   }
-  auto write = [&](const ImFont* font, ImU32 colour, const std::string& words, float most) {
-    const std::string lines = render::InLines(words, most, *font);
-    list->AddText(font, font->FontSize, {x, y}, colour, lines.c_str(), nullptr, most);
-    y += font->CalcTextSizeA(font->FontSize, FLT_MAX, most, lines.c_str()).y;
+  auto write = [&](const ImFont& font, ImU32 colour, const std::string& words, float most) {
+    render::Draw(fonts(), list, font, {x, y}, colour, words, most);
+    y += render::SizeOf(fonts(), font, words, most).y;
   };
   write(text, plain, card.title, end - x);
   for (const std::string& line : card.lines) {
@@ -140,7 +131,7 @@ void Ui::Pictures(std::span<const Picture> pictures, const Page& where,
     ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(pictures[i].texture)),
                  {side, side}, {0, 1}, {1, 0});
     ImGui::SetCursorPosX(at.x);
-    ImGui::TextUnformatted(pictures[i].caption.c_str());
+    render::Write(fonts(), pictures[i].caption);
     if (!blocked_) Say(pictures[i].caption);
   }
   ImGui::SetCursorPos({from.x, from.y + rows * (side + line)});

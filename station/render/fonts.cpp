@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/base/file.h"
-#include "common/base/utf8.h"
 
 namespace enamel::station::render {
 namespace {
@@ -104,15 +103,6 @@ const ImWchar* ChineseRanges() {
   return kRanges.Data;
 }
 
-ImVector<ImWchar> RangesWith(const ImWchar* ranges, std::string_view more) {
-  ImFontGlyphRangesBuilder builder;
-  builder.AddRanges(ranges);
-  builder.AddText(more.data(), more.data() + more.size());
-  ImVector<ImWchar> out;
-  builder.BuildRanges(&out);
-  return out;
-}
-
 ImFont* Add(const fs::path* file, double capital_px, const ImWchar* ranges) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   float size = std::ceil(SizeFor(file, capital_px));
@@ -159,33 +149,6 @@ std::optional<fs::path> FindChineseFont() {
   return std::nullopt;
 }
 
-bool NeedsMoreLetters(std::string_view text) {
-  while (!text.empty()) {
-    const std::optional<uint32_t> code = NextCodePoint(text);
-    if (!code) return false;  // invalid UTF-8, which is not shown
-    bool latin = false;
-    for (const ImWchar* range = kLatin; *range != 0; range += 2) {
-      latin |= *code >= range[0] && *code <= range[1];
-    }
-    if (!latin) return true;
-  }
-  return false;
-}
-
-bool HasLetters(const Fonts& fonts, std::string_view text) {
-  if (fonts.near == nullptr || fonts.text == nullptr) return false;
-  while (!text.empty()) {
-    const std::optional<uint32_t> code = NextCodePoint(text);
-    if (!code) return false;
-    const auto letter = static_cast<ImWchar>(*code);
-    if (fonts.near->FindGlyphNoFallback(letter) == nullptr ||
-        fonts.text->FindGlyphNoFallback(letter) == nullptr) {
-      return false;
-    }
-  }
-  return true;
-}
-
 LetterSizes LettersFor(int width_px, int height_px, double pixel_mm) {
   const double height_of_4_3 = std::max(std::min<double>(height_px, 0.75 * width_px), 240.0);
   const double seat = std::min(kSeatCapital_mm / pixel_mm, height_of_4_3 / kLinesOfAPage);
@@ -209,7 +172,7 @@ double PixelOf_mm(int width_px, int height_px, int width_mm, int height_mm) {
   return kReferencePixel_mm * kReferenceHeight_px / std::max(std::min(width_px, height_px), 1);
 }
 
-Fonts MakeFonts(const LetterSizes& sizes, language::Language language, std::string_view more) {
+Fonts MakeFonts(const LetterSizes& sizes, language::Language language) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   atlas.Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
@@ -220,20 +183,16 @@ Fonts MakeFonts(const LetterSizes& sizes, language::Language language, std::stri
   fonts.letters = static_cast<float>(sizes.near / kNearCapital_px);
   std::optional<ChineseFont> chinese = ReadChineseFont();
   const bool speaks_it = language == language::Language::kChinese;
-  auto add = [&](const fs::path* file, double capital_px, const ImWchar* latin,
-                 const ImWchar* ranges) {
-    ImFont* font = Add(file, capital_px, latin);
+  auto add = [&](const fs::path* file, double capital_px, const ImWchar* ranges) {
+    ImFont* font = Add(file, capital_px, kLatin);
     if (chinese && ranges != nullptr) AddChinese(*chinese, capital_px, ranges);
     return font;
   };
   const ImWchar* all = speaks_it ? ChineseRanges() : nullptr;
-  // Both stay until the atlas is built. A range without shapes in a file costs nothing.
-  const ImVector<ImWchar> own = RangesWith(kLatin, more);
-  const ImVector<ImWchar> merged = RangesWith(speaks_it ? all : kNamesOfLanguages, more);
-  fonts.near = add(text, sizes.near, own.Data, speaks_it || !more.empty() ? merged.Data : all);
+  fonts.near = add(text, sizes.near, all);
   // The choice of a language shows each one's own name in these letters.
-  fonts.text = add(text, sizes.text, own.Data, merged.Data);
-  fonts.far = add(title, sizes.far, kLatin, all);
+  fonts.text = add(text, sizes.text, speaks_it ? all : kNamesOfLanguages);
+  fonts.far = add(title, sizes.far, all);
   fonts.score = Add(title, sizes.score, kDigits);
   // Built here, so that the files' bytes can be freed.
   atlas.Build();

@@ -4,7 +4,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "common/language/words.h"
 
@@ -39,13 +38,16 @@ LetterSizes LettersFor(int width_px, int height_px, double pixel_mm);
 // the shorter side is taken to be as long as a 24-inch screen's. Pure.
 double PixelOf_mm(int width_px, int height_px, int width_mm, int height_mm);
 
+class ShapedTexts;
+
 struct Fonts {
-  ImFont* near = nullptr;   // operator panel, hints
-  ImFont* text = nullptr;   // instructions, reasons
-  ImFont* far = nullptr;    // to be read from 2 m
-  ImFont* score = nullptr;  // digits only
-  float scale = 1;          // LetterSizes::scale
-  float letters = 1;        // of `near`, by their size in the reference picture
+  ImFont* near = nullptr;         // operator panel, hints
+  ImFont* text = nullptr;         // instructions, reasons
+  ImFont* far = nullptr;          // to be read from 2 m
+  ImFont* score = nullptr;        // digits only
+  float scale = 1;                // LetterSizes::scale
+  float letters = 1;              // of `near`, by their size in the reference picture
+  ShapedTexts* shaped = nullptr;  // for texts with other letters (shaped_text.h); null: none
 };
 
 // Height of a font's capitals, px, from the outline of its letter H. 0 if it has none.
@@ -60,14 +62,7 @@ std::optional<std::filesystem::path> FindChineseFont();
 
 // Makes fonts of these sizes with the letters of this language, in the current ImGui
 // context, whose textures must then be rebuilt (Screen does). Chinese has the 2500 commonest
-// letters and those of our own texts: names with rarer ones show a question mark. `more`: text by
-// others, in any script these files have; missing letters (emoji) show as a question mark. Not
-// thread-safe.
-Fonts MakeFonts(const LetterSizes& sizes, language::Language language, std::string_view more = {});
-
-// Whether a text has letters beyond the Latin set.
-bool NeedsMoreLetters(std::string_view text);
-// `near` and `text`, which show what others wrote, have a shape for each letter of this text.
-bool HasLetters(const Fonts& fonts, std::string_view text);
+// letters and those of our own texts. Not thread-safe.
+Fonts MakeFonts(const LetterSizes& sizes, language::Language language);
 
 }  // namespace enamel::station::render

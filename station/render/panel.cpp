@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "station/render/lines.h"
+#include "station/render/shaped_text.h"
 
 namespace enamel::station::render {
 namespace {
@@ -206,10 +207,9 @@ struct Panel {
   // `room`: in height.
   void All(float room) const {
     ImGui::PushFont(fonts.near);
-    const std::string heading = InLines(c.heading, width, *fonts.near);
     const float line = ImGui::GetTextLineHeightWithSpacing(),
                 heading_height =
-                    ImGui::CalcTextSize(heading.c_str()).y + line - ImGui::GetFontSize();
+                    SizeOf(fonts, *fonts.near, c.heading, width).y + line - ImGui::GetFontSize();
     room -= c.has_state ? HeightOfBars() : line;
     auto removed = Removed(false);
     const auto height_of = [&](const auto& values) {
@@ -219,7 +219,11 @@ struct Panel {
     };
     if (heading_height + height_of(removed) > room) removed = Removed(true);
     const bool titled = !c.heading.empty() && heading_height + height_of(removed) <= room;
-    if (titled) ImGui::TextDisabled("%s", heading.c_str());
+    if (titled) {
+      ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+      Write(fonts, c.heading, width);
+      ImGui::PopStyleColor();
+    }
     if (!c.has_state) {
       ImGui::TextDisabled("%s", words.Say("panel.waiting").c_str());
     } else {

@@ -22,6 +22,7 @@
 #include "station/render/gl_objects.h"
 #include "station/render/monitors.h"
 #include "station/render/png_file.h"
+#include "station/render/shaped_text.h"
 
 namespace enamel::station::render {
 namespace {
@@ -209,6 +210,7 @@ class Screen::Impl {
   }
 
   ~Impl() {
+    shaped_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
@@ -233,6 +235,7 @@ class Screen::Impl {
     if (!events_.empty()) same_frames_ = 0;
     if (placed_frames_ > 0) --placed_frames_;
     Measure();
+    shaped_->NextFrame();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     // All input comes through Take, also a script's.
@@ -329,8 +332,7 @@ class Screen::Impl {
   double pixel_mm_ = 0;
   Fonts fonts_;
   language::Language language_ = language::Language::kEnglish;
-  bool respell_ = false;  // the language or the letters needed have changed
-  std::string needed_;    // texts in other scripts
+  bool respell_ = false;  // the language has changed
   std::string renderer_;
   bool software_ = false, captured_ = false;
   bool away_ = false, left_ = false;  // another has the keyboard; it has had it in this frame
@@ -513,6 +515,8 @@ class Screen::Impl {
         add(drawn.CmdLists[i]->VtxBuffer);
       }
     }
+    // OpenGL may name a new picture as one that is gone.
+    if (std::exchange(shaped_made_, shaped_->made()) != shaped_->made()) exposed_ = true;
     const bool exposed = std::exchange(exposed_, has_picture_ || !paced_);
     const bool same = !exposed && looks == looks_;
     looks_ = std::move(looks);
@@ -535,7 +539,8 @@ class Screen::Impl {
     height_ = height;
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
                                       GL_NEAREST);
-    fonts_ = MakeFonts(LettersFor(width, height, pixel_mm), language_, needed_);
+    fonts_ = MakeFonts(LettersFor(width, height, pixel_mm), language_);
+    fonts_.shaped = &*shaped_;
     SetStyle(fonts_.scale);
     // Fonts are pixels of one size: another needs new ones.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -555,6 +560,8 @@ class Screen::Impl {
   bool exposed_ = true;       // to be drawn, whatever it looks like
   std::vector<char> looks_;   // of the last frame
   int same_frames_ = 0;       // without input, that looked the same
+  std::optional<ShapedTexts> shaped_{std::in_place};
+  uint64_t shaped_made_ = 0;  // as of the last frame
   Clock::time_point began_{}, next_{};
 };
 
@@ -568,15 +575,6 @@ void Screen::End() { impl_->End(); }
 void Screen::Speak(language::Language language) {
   impl_->respell_ |= language != impl_->language_;
   impl_->language_ = language;
-}
-void Screen::Need(const std::string& text) {
-  constexpr size_t kMaxBytes = 16'384;  // some texts of each of a few people
-  if (!NeedsMoreLetters(text) || impl_->needed_.find(text) != std::string::npos) return;
-  // The language's own letters are there already.
-  if (HasLetters(impl_->fonts_, text)) return;
-  if (impl_->needed_.size() + text.size() > kMaxBytes) impl_->needed_.clear();
-  impl_->needed_ += text;
-  impl_->respell_ = true;
 }
 void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALSE); }
 void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }

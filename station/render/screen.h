@@ -57,9 +57,6 @@ class Screen {
   void End();
   // Loads this language's letters, from the next frame on.
   void Speak(language::Language language);
-  // Loads this text's letters, in any script, from the next frame on; those of the last texts are
-  // kept. Costs one frame of some 100 ms if it has new letters.
-  void Need(const std::string& text);
   void CancelClose();
   void Close();
 

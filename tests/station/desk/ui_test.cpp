@@ -8,8 +8,8 @@
 #include <fstream>
 #include <optional>
 
-#include "common/base/utf8.h"
 #include "station/desk/script.h"
+#include "station/render/shaped_text.h"
 #include "tests/station/render/virtual_display.h"
 #include "tests/support/temp_folder.h"
 
@@ -68,34 +68,26 @@ TEST_F(UiTest, AProblemIsASentenceOnThePage) {
   EXPECT_EQ(ui_->words(), "Login or password is wrong\n6 digits\n");
 }
 
-// Whether these letters have their own shapes in this size.
-bool HasLetters(const ImFont& font, std::string_view text) {
-  while (!text.empty()) {
-    const std::optional<uint32_t> code = NextCodePoint(text);
-    if (!code || font.FindGlyphNoFallback(static_cast<ImWchar>(*code)) == nullptr) return false;
-  }
-  return true;
-}
-
-TEST_F(UiTest, RemarkIsReadInAnyScriptThatTheLettersHave) {
-  const std::string who = "\u0410\u0434\u0430",
-                    text = "\u8bf7\u505c\u4e00\u4e0b \u0421\u0442\u043e\u043f";
-  auto page = [&](const std::string& said) {
-    ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
-    ui_->Remark(who, said, "R closes this");
-    ui_->End();
-  };
-  Play([&] { page(text); });
-  EXPECT_EQ(ui_->words(), who + "\n" + text + "\n");
+TEST_F(UiTest, WordsOfEveryScriptAreDrawnWhereverOthersWrite) {
   if (!render::FindFont()) GTEST_SKIP() << "skipped: no DejaVu";
-  EXPECT_TRUE(HasLetters(*ui_->fonts().near, who));
-  const bool chinese = render::FindChineseFont().has_value();
-  EXPECT_EQ(HasLetters(*ui_->fonts().text, text.substr(0, 12)), chinese);
-  EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13)));
-  // A character without a shape still appears, as a substitute.
-  Play([&] { page("\U0001f600"); });
-  EXPECT_NE(ui_->fonts().text->FallbackGlyph, nullptr);
-  EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13))) << "and the others stay";
+  const auto word = [](int i) { return "\u0645\u062d\u0645\u062f " + std::to_string(i); };
+  Play([&] {
+    ui_->Begin("page");
+    ui_->Title(word(0));
+    ui_->OneLine(word(1));
+    ui_->Text(word(2));
+    ui_->Row(word(3), word(4), word(5));
+    ui_->Line(word(6), word(7), word(8), true);
+    const Card card{word(9), {word(10)}, word(11), {}};
+    ui_->Cards({&card, 1}, word(12));
+    ui_->Button(word(13));
+    bool value = false;
+    ui_->Check(word(14), value);
+    ui_->Remark(word(15), word(16), "R closes this");
+    ui_->End();
+  });
+  for (int i = 0; i <= 16; ++i) EXPECT_NE(ui_->words().find(word(i)), std::string::npos) << i;
+  EXPECT_GE(ui_->fonts().shaped->made(), 17U) << "and none by letters that are not there";
 }
 
 TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
