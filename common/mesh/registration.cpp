@@ -100,6 +100,17 @@ class SurfaceDistance {
   Away At(const dvec3& p) {
     const double d = tree_->Distance(p, kReach_mm, &nearest_);
     if (d >= kReach_mm) return {tree_->Inside(p) ? -kReach_mm : kReach_mm, dvec3(0)};
+    return From(p, d);
+  }
+  // On either side as far as `limit`, for who needs nothing of what is farther: many triangles are
+  // about as near to a point deep inside, and it takes long to find which is the nearest.
+  Away Within(const dvec3& p, double limit) {
+    const double d = tree_->Distance(p, limit, &nearest_);
+    return d < limit ? From(p, d) : Away{limit, dvec3(0)};
+  }
+
+ private:
+  Away From(const dvec3& p, double d) const {
     const TriangleTree::Triangle& t = tree_->At(nearest_);
     const dvec3 facing = glm::normalize(glm::cross(t.b - t.a, t.c - t.a));
     const dvec3 way = p - tree_->NearestOn(nearest_, p);
@@ -108,7 +119,6 @@ class SurfaceDistance {
     return {along < 0 ? -d : d, way / (along < 0 ? -d : d)};
   }
 
- private:
   const TriangleTree* tree_;
   uint32_t nearest_ = 0;  // to the point before
 };
@@ -366,12 +376,20 @@ double ScaleFor_mm(const std::vector<Away>& aways) {
 
 void Refine(SurfaceDistance& distances, const std::vector<SurfacePoint>& points, Rigid& pose,
             bool wide) {
+  // What is farther away than the scale has no weight.
+  const auto away_from = [&](double scale_mm) {
+    std::vector<Away> out;
+    out.reserve(points.size());
+    for (const SurfacePoint& point : points)
+      out.push_back(distances.Within(pose.At(point.at), scale_mm));
+    return out;
+  };
   if (wide) {
     for (double scale : {0.8, 0.8, 0.6, 0.4, 0.4, 0.3, 0.2, 0.2})
-      Step(AwayFrom(distances, points, pose), points, scale, true, pose);
+      Step(away_from(scale), points, scale, true, pose);
   }
   for (int i = 0; i < 30; ++i) {
-    const std::vector<Away> aways = AwayFrom(distances, points, pose);
+    const std::vector<Away> aways = away_from(kAgree_mm);
     if (Step(aways, points, ScaleFor_mm(aways), true, pose) < kStill_mm) return;
   }
 }
