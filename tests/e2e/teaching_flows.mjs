@@ -124,6 +124,7 @@ async function assignmentLife(world) {
   await dialog.getByRole("checkbox", { name: "Exam" }).check();
   await dialog.getByRole("checkbox", { name: "An instructor signs at the chair" }).check();
   await dialog.getByRole("checkbox", { name: "Chair 2" }).check();
+  await dialog.getByLabel("Outline on the tooth").selectOption({ label: "In practice, graded work and exams" });
   await accessible(page, "a new assignment");
   await world.picture(page, "assign");
   await dialog.getByRole("button", { name: "Assign", exact: true }).click();
@@ -133,17 +134,18 @@ async function assignmentLife(world) {
   await page.getByRole("heading", { level: 1, name: "Class I occlusal cavity" }).waitFor();
   const path = new URL(page.url()).pathname;
   const terms = async () => {
-    const { exam, sign_off, stations } = await teacher.get(path);
-    return [exam, sign_off, stations.length];
+    const { exam, sign_off, stations, outline } = await teacher.get(path);
+    return [exam, sign_off, stations.length, outline];
   };
-  assert.deepEqual(await terms(), [true, true, 1]);
+  assert.deepEqual(await terms(), [true, true, 1, "always"]);
   // Practice has no signatures.
   await page.getByRole("checkbox", { name: "Exam" }).uncheck();
   await page.getByRole("button", { name: "Save", exact: true }).click();
-  await eventually(async () => assert.deepEqual(await terms(), [false, false, 0]));
+  await eventually(async () => assert.deepEqual(await terms(), [false, false, 0, "always"]));
   await page.getByRole("checkbox", { name: "Exam" }).check();
+  await page.getByLabel("Outline on the tooth").selectOption({ label: "Never" });
   await page.getByRole("button", { name: "Save", exact: true }).click();
-  await eventually(async () => assert.deepEqual(await terms(), [true, false, 0]));
+  await eventually(async () => assert.deepEqual(await terms(), [true, false, 0, "never"]));
 
   await teacher.put(path, (now) => ({
     exercise: now.exercise.name,
