@@ -29,6 +29,7 @@ Result<PreparedAttempt> WarmUpFor(const PreparedAttempt& exercise) {
   out.exercise.target = scene::ClassOneExercise(block.scene, {}).target;
   out.exercise.time_limit_s = 0;
   out.exercise.graded = false;
+  out.terms.outline = true;
   out.profile = exercise.profile;
   ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(block.scene, out.exercise, out.profile));
   out.header = {{}, {}, block.scene.volume, params, SoftwareName(), {}};

@@ -215,6 +215,13 @@ Result<PreparedAttempt> BlockForAMouse() {
   return WarmUpFor(base);
 }
 
+TEST(WarmUpTest, TheBlockIsForPractice) {
+  const auto block = BlockForAMouse();
+  ASSERT_TRUE(block.ok()) << block.status().message();
+  EXPECT_FALSE(block->exercise.graded);
+  EXPECT_TRUE(block->terms.outline);
+}
+
 TEST_F(DeskAttemptTest, EitherHandTiltsTheBurByKeysOfItsOwn) {
   std::map<char, QuantisedOrientation> tilted;
   for (char key : {'W', 'A', 'S', 'D', 'I', 'J', 'K', 'L'}) {
