@@ -21,7 +21,7 @@ reference=$(json_of "$work/reference" attempt_id)
 "$bin/enamel-server" report --data "$data" --attempt "$reference" --wait $((120 * patience)) >/dev/null
 "$bin/enamel-server" admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
 "$bin/enamel-server" admin assign-exercise --data "$data" --exercise "$exercise" --cohort "Demo cohort" --attempts 1 \
-  --exam --sign-off --hands any >"$work/exam.txt"
+  --exam --sign-off --outline always --hands any >"$work/exam.txt"
 grep -q "exam signed at the chair" "$work/exam.txt" || fail "it was not assigned with a sign-off"
 by_page() { node "$root/tests/integration/sign_off.mjs" "$port" instructor enamel-demo-instructor "$@"; }
 by_page pin 804217
@@ -82,7 +82,11 @@ picture PICTURES/sign-off-wrong.png
 type 804217
 key Enter
 page running
-frames 10
+frames 120
+picture PICTURES/outline.png
+key T
+frames 3
+picture PICTURES/no-outline.png
 key F
 page finish
 click Hand in
@@ -105,6 +109,10 @@ page exercises
 see the only attempt is used
 EOF
 [ "$(by_page signatures "$attempt")" = "Demo instructor, Demo instructor" ] || fail "signed by $(by_page signatures "$attempt")"
+# The assignment lets the student see the outline, which T hides.
+blue() { node "$root/tests/integration/blue.mjs" "$pictures/$1.png"; }
+[ "$(blue outline)" -gt 300 ] || fail "the exam shows no outline: $(blue outline) blue pixels"
+[ "$(blue no-outline)" -lt 30 ] || fail "T hides no outline: $(blue no-outline) blue pixels"
 
 exam_of chair1 "$ENAMEL_PASSWORD" <<EOF
 $begins
