@@ -102,8 +102,8 @@ class SurfaceDistance {
     if (d >= kReach_mm) return {tree_->Inside(p) ? -kReach_mm : kReach_mm, dvec3(0)};
     return From(p, d);
   }
-  // On either side as far as `limit`, for who needs nothing of what is farther: many triangles are
-  // about as near to a point deep inside, and it takes long to find which is the nearest.
+  // The surface within `limit` on either side; where it is farther, {limit, no direction}. Many
+  // triangles are about as near to a point deep inside, and finding the nearest of them takes long.
   Away Within(const dvec3& p, double limit) {
     const double d = tree_->Distance(p, limit, &nearest_);
     return d < limit ? From(p, d) : Away{limit, dvec3(0)};
@@ -167,12 +167,12 @@ dmat3 TurnBy(const dvec3& axis_rad) {
 }
 
 // Of each point in this pose: most of what a step costs.
-template <typename Distances>
-std::vector<Away> AwayFrom(Distances& distances, const std::vector<SurfacePoint>& points,
+template <typename AwayAt>
+std::vector<Away> AwayFrom(const AwayAt& away_at, const std::vector<SurfacePoint>& points,
                            const Rigid& pose) {
   std::vector<Away> out;
   out.reserve(points.size());
-  for (const SurfacePoint& point : points) out.push_back(distances.At(pose.At(point.at)));
+  for (const SurfacePoint& point : points) out.push_back(away_at(pose.At(point.at)));
   return out;
 }
 
@@ -308,15 +308,16 @@ std::vector<Candidate> FindCoarse(const DistanceGrid& grid, const Triangles& mov
                                   const Box& fixed, const Box& box) {
   const auto first = SpreadOver(moving, kFirstPoints), more = SpreadOver(moving, kGridPoints);
   std::vector<Candidate> all = Starts(first, fixed);
+  const auto away_at = [&](const dvec3& p) { return grid.At(p); };
   for (Candidate& c : all) {
     for (double scale : {3.0, 3.0, 2.0, 2.0, 1.5, 1.0})
-      Step(AwayFrom(grid, first, c.pose), first, scale, false, c.pose);
+      Step(AwayFrom(away_at, first, c.pose), first, scale, false, c.pose);
     c.cost = Cost(grid, first, c.pose, 0.8, false);
   }
   KeepBest(all, kAfterFirst, 2 * kOtherPose_mm, box);
   for (Candidate& c : all) {
     for (double scale : {1.5, 1.2, 1.0, 0.8, 0.6, 0.5}) {
-      for (int i = 0; i < 4; ++i) Step(AwayFrom(grid, more, c.pose), more, scale, false, c.pose);
+      for (int i = 0; i < 4; ++i) Step(AwayFrom(away_at, more, c.pose), more, scale, false, c.pose);
     }
     c.cost = Cost(grid, more, c.pose, 0.4, false);
   }
@@ -341,6 +342,7 @@ double ExactCost(Distances& distances, const std::vector<SurfacePoint>& points, 
 std::vector<Candidate> Slid(const DistanceGrid& grid, const Triangles& moving,
                             const std::vector<Candidate>& from, const Box& box) {
   const auto points = SpreadOver(moving, kSlidPoints);
+  const auto away_at = [&](const dvec3& p) { return grid.At(p); };
   std::vector<Candidate> all;
   const int reach = static_cast<int>(kSlide_mm / kSlideStep_mm);
   for (const Candidate& candidate : from)
@@ -352,7 +354,7 @@ std::vector<Candidate> Slid(const DistanceGrid& grid, const Triangles& moving,
           Candidate c = candidate;
           c.pose.shift += slide;
           for (double scale : {0.25, 0.25, 0.2, 0.2, 0.15, 0.15})
-            Step(AwayFrom(grid, points, c.pose), points, scale, false, c.pose);
+            Step(AwayFrom(away_at, points, c.pose), points, scale, false, c.pose);
           c.cost = ExactCost(grid, points, c.pose, false);
           all.push_back(c);
         }
@@ -376,13 +378,9 @@ double ScaleFor_mm(const std::vector<Away>& aways) {
 
 void Refine(SurfaceDistance& distances, const std::vector<SurfacePoint>& points, Rigid& pose,
             bool wide) {
-  // What is farther away than the scale has no weight.
+  // Points farther away than the scale have no weight.
   const auto away_from = [&](double scale_mm) {
-    std::vector<Away> out;
-    out.reserve(points.size());
-    for (const SurfacePoint& point : points)
-      out.push_back(distances.Within(pose.At(point.at), scale_mm));
-    return out;
+    return AwayFrom([&](const dvec3& p) { return distances.Within(p, scale_mm); }, points, pose);
   };
   if (wide) {
     for (double scale : {0.8, 0.8, 0.6, 0.4, 0.4, 0.3, 0.2, 0.2})

@@ -182,10 +182,10 @@ HandsAllowed HandsFor(const AssignedRow& assigned) {
 }
 
 bool ShowsOutline(const std::optional<AssignedRow>& assigned, const ExerciseRow& exercise) {
-  const bool counts = assigned ? Counts(*assigned) : exercise.graded;
-  switch (assigned ? assigned->assignment.outline : OutlineShown::kPractice) {
+  if (!assigned) return !exercise.graded;
+  switch (assigned->assignment.outline) {
     case OutlineShown::kPractice:
-      return !counts;
+      return !Counts(*assigned);
     case OutlineShown::kAlways:
       return true;
     case OutlineShown::kNever:

@@ -59,8 +59,8 @@ inline constexpr UnixMs kElsewhereMs = 60 * 1000;
 // and instructors' own tries.
 HandsAllowed HandsFor(const AssignedRow& assigned);
 
-// Whether the chair may show the target's outline on the tooth during an attempt under these terms;
-// without an assignment, in practice only.
+// The chair may show the target's outline on the tooth during an attempt under these terms; without an
+// assignment, in practice only.
 bool ShowsOutline(const std::optional<AssignedRow>& assigned, const ExerciseRow& exercise);
 
 // The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows

@@ -119,8 +119,7 @@ const std::vector<SubjectKind>& Kinds() {
        {{"",
          "SELECT exercise_name, exercise, cohort, opens_ms, due_ms, attempt_limit, exam, "
          "late_allowed, hands, counting, sign_off, outline, created_ms FROM assignments WHERE "
-         "tenant = ?1 "
-         "AND id = ?2"},
+         "tenant = ?1 AND id = ?2"},
         {"station",
          "SELECT station, 1 AS admitted FROM assignment_stations WHERE tenant = ?1 AND assignment "
          "= ?2 ORDER BY station",
