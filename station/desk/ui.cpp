@@ -359,10 +359,13 @@ void Ui::Indent() { ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kWords_px * px
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
   // In the small letters, too, where the page has no room for the large ones.
-  const float large = render::SizeOf(fonts(), *fonts().far, label).x + 60 * px();
-  const bool small = look == Look::kSmall || large > ImGui::GetContentRegionAvail().x;
-  ImFont* const font = small ? fonts().text : fonts().far;
-  const ImVec2 words = render::SizeOf(fonts(), *font, label);
+  ImFont* font = fonts().far;
+  ImVec2 words = render::SizeOf(fonts(), *font, label);
+  const bool small = look == Look::kSmall || words.x + 60 * px() > ImGui::GetContentRegionAvail().x;
+  if (small) {
+    font = fonts().text;
+    words = render::SizeOf(fonts(), *font, label);
+  }
   ImGui::PushFont(font);
   PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
   const float padding = (small ? 18 : 30) * px(), apart = 28 * px();

@@ -61,8 +61,7 @@ bool Ui::DrawCard(const Card& card, float width, float height) {
     end -= room + kRightGap * px();
   }
   auto write = [&](const ImFont& font, ImU32 colour, const std::string& words, float most) {
-    render::Draw(fonts(), list, font, {x, y}, colour, words, most);
-    y += render::SizeOf(fonts(), font, words, most).y;
+    y += render::Draw(fonts(), list, font, {x, y}, colour, words, most).y;
   };
   write(text, plain, card.title, end - x);
   for (const std::string& line : card.lines) {

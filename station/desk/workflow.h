@@ -63,8 +63,8 @@ inline bool MayShowProgress(bool graded, bool exam, bool instructor) {
   return !exam && (!graded || instructor);
 }
 
-// Whether the target's outline is shown on the tooth. The attempt's ticket decides it for students
-// (ChairTerms::outline).
+// Students see the target's outline on the tooth where their ticket allows it (ChairTerms::outline),
+// instructors everywhere but in an exam.
 inline bool MayShowOutline(bool shown_to_student, bool exam, bool instructor) {
   return shown_to_student || (instructor && !exam);
 }

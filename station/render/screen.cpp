@@ -210,7 +210,6 @@ class Screen::Impl {
   }
 
   ~Impl() {
-    shaped_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
@@ -235,7 +234,7 @@ class Screen::Impl {
     if (!events_.empty()) same_frames_ = 0;
     if (placed_frames_ > 0) --placed_frames_;
     Measure();
-    shaped_->NextFrame();
+    shaped_.NextFrame();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     // All input comes through Take, also a script's.
@@ -515,8 +514,8 @@ class Screen::Impl {
         add(drawn.CmdLists[i]->VtxBuffer);
       }
     }
-    // OpenGL may name a new picture as one that is gone.
-    if (std::exchange(shaped_made_, shaped_->made()) != shaped_->made()) exposed_ = true;
+    // OpenGL may give a new picture the name of a deleted one.
+    if (std::exchange(shaped_made_, shaped_.made()) != shaped_.made()) exposed_ = true;
     const bool exposed = std::exchange(exposed_, has_picture_ || !paced_);
     const bool same = !exposed && looks == looks_;
     looks_ = std::move(looks);
@@ -540,7 +539,7 @@ class Screen::Impl {
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
                                       GL_NEAREST);
     fonts_ = MakeFonts(LettersFor(width, height, pixel_mm), language_);
-    fonts_.shaped = &*shaped_;
+    fonts_.shaped = &shaped_;
     SetStyle(fonts_.scale);
     // Fonts are pixels of one size: another needs new ones.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -560,7 +559,7 @@ class Screen::Impl {
   bool exposed_ = true;       // to be drawn, whatever it looks like
   std::vector<char> looks_;   // of the last frame
   int same_frames_ = 0;       // without input, that looked the same
-  std::optional<ShapedTexts> shaped_{std::in_place};
+  ShapedTexts shaped_;
   uint64_t shaped_made_ = 0;  // as of the last frame
   Clock::time_point began_{}, next_{};
 };

@@ -17,9 +17,9 @@ namespace {
 
 // Height of a capital in DejaVu Sans, as a share of its size: OS/2.sCapHeight / unitsPerEm.
 constexpr double kCapitalOfDejaVu = 1493.0 / 2048;
-// Some pages of names. What is shown is kept beyond it.
+// Some pages of names. NextFrame keeps more than these while a page shows them.
 constexpr size_t kKept = 200;
-// Of a texture: every OpenGL 3.3 has room for it.
+// A texture's longest side; every OpenGL 3.3 allows it.
 constexpr int kMaxSide_px = 4096;
 constexpr int kEdge_px = 1;  // transparent, so that interpolation takes in no other pixel
 
@@ -158,28 +158,29 @@ ImVec2 SizeOf(const Fonts& fonts, const ImFont& font, const std::string& text, f
   return font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, Lines(text, wrap, font).c_str());
 }
 
-void Draw(const Fonts& fonts, ImDrawList& list, const ImFont& font, const ImVec2& at, ImU32 colour,
-          const std::string& text, float wrap) {
+ImVec2 Draw(const Fonts& fonts, ImDrawList& list, const ImFont& font, const ImVec2& at,
+            ImU32 colour, const std::string& text, float wrap) {
   if (!IsShaped(fonts, font, text)) {
     const std::string lines = Lines(text, wrap, font);
-    return list.AddText(&font, font.FontSize, at, colour, lines.c_str(), nullptr, wrap);
+    list.AddText(&font, font.FontSize, at, colour, lines.c_str(), nullptr, wrap);
+    return font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, lines.c_str());
   }
   const ShapedTexts::Block& block = BlockOf(fonts, font, text, wrap);
   // On whole pixels, as Pango has placed the letters.
   const ImVec2 lo{std::floor(at.x) + block.ink_x, std::floor(at.y) + block.ink_y};
   list.AddImage(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(block.texture)), lo,
                 {lo.x + block.ink_w, lo.y + block.ink_h}, {0, 0}, {1, 1}, colour);
+  return {block.width, block.height};
 }
 
 void Write(const Fonts& fonts, const std::string& text, float wrap, bool even) {
   const ImFont& font = *ImGui::GetFont();
   if (IsShaped(fonts, font, text)) {
-    Draw(fonts, *ImGui::GetWindowDrawList(), font, ImGui::GetCursorScreenPos(),
-         ImGui::GetColorU32(ImGuiCol_Text), text, wrap);
-    return ImGui::Dummy(SizeOf(fonts, font, text, wrap));
+    return ImGui::Dummy(Draw(fonts, *ImGui::GetWindowDrawList(), font, ImGui::GetCursorScreenPos(),
+                             ImGui::GetColorU32(ImGuiCol_Text), text, wrap));
   }
   if (wrap <= 0) return ImGui::TextUnformatted(text.c_str());
-  // Of what has no place to break.
+  // A word longer than the line is cut where the line ends.
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
   ImGui::TextUnformatted(
       (even ? InEvenLines(text, wrap, font) : InLines(text, wrap, font)).c_str());

@@ -18,8 +18,8 @@
 namespace enamel::station::render {
 
 // The pictures of shaped texts, kept while they are shown. Needs the OpenGL context current, also
-// when destroyed. The first text in a script costs 10 to 60 ms, since its font is looked for and
-// read; each other one less than 1 ms, once. Not thread-safe.
+// when destroyed. The first text in a script takes some frames' time, because Pango looks for a font
+// and reads it. Its first choice is DejaVu Sans, whatever ENAMEL_FONT names. Not thread-safe.
 class ShapedTexts {
  public:
   // A text's picture: white, with the letters' coverage as its alpha. Pixels.
@@ -59,10 +59,10 @@ bool HasLetters(const ImFont& font, std::string_view text);
 
 // Size of `text`, px, in lines of at most `wrap` px (InLines); 0: only its own.
 ImVec2 SizeOf(const Fonts& fonts, const ImFont& font, const std::string& text, float wrap = 0);
-// With its upper left corner at `at`.
-void Draw(const Fonts& fonts, ImDrawList& list, const ImFont& font, const ImVec2& at, ImU32 colour,
-          const std::string& text, float wrap = 0);
-// At the cursor of the current ImGui window, as an item of its, in the font and colour in use.
+// Draws `text` with its upper left corner at `at`, and returns its size.
+ImVec2 Draw(const Fonts& fonts, ImDrawList& list, const ImFont& font, const ImVec2& at,
+            ImU32 colour, const std::string& text, float wrap = 0);
+// Draws `text` at the cursor of the current ImGui window, as an item, in the font and colour in use.
 // `even`: in lines of about the same length (InEvenLines).
 void Write(const Fonts& fonts, const std::string& text, float wrap = 0, bool even = false);
 

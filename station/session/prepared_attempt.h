@@ -24,7 +24,7 @@ struct PreparedAttempt {
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
   HandsAllowed hands = HandsAllowed::kAny;  // as far as the ticket gives them
-  // Of its ticket. The start of a resumed attempt is signed already.
+  // The ticket's. The start of a resumed attempt is signed already.
   ChairTerms terms;
   protocol::AttemptFacts
       facts;  // as it will be begun; one that is resumed has its own in the spool

@@ -2,8 +2,8 @@
 
 namespace enamel::station {
 
-// What the server says of an attempt with its ticket and the chair has to remember for as long as
-// the attempt lasts (schemas/wire/station.proto, TicketIssued).
+// Terms that come with a ticket (schemas/wire/station.proto, TicketIssued). The spool keeps them until
+// the attempt ends.
 struct ChairTerms {
   bool sign_off = false;  // a second person signs its start and end (SignOff)
   bool outline = false;   // the person may see the target's outline on the tooth
