@@ -17,8 +17,8 @@ double Number(const boost::json::object& document, const char* name) {
   return document.at(name).to_number<double>();
 }
 
-// One of each kind of task, on the tooth that is hardest for it. With ENAMEL_FULL=1 all exercises, twice; the
-// thousands that the bounds are stated for are `enamel-lab grades --mixtures`.
+// One mixture of each kind of task. ENAMEL_FULL=1 tries all exercises in turn; `enamel-lab grades --mixtures` tries
+// thousands.
 MixturesOptions Asked() {
   if (std::getenv("ENAMEL_FULL") != nullptr) return {.count = 64, .seed = 1};
   return {
@@ -43,7 +43,7 @@ TEST(MixturesTest, BreakNoLawAndAreNamed) {
   EXPECT_EQ(document.at("laws_broken"), 0);
   EXPECT_GT(Number(document, "sentences"), 10 * Asked().count);
   EXPECT_EQ(document.at("sentences_false"), 0);
-  EXPECT_GE(Number(document, "faults_asked"), Asked().count);
+  EXPECT_GT(Number(document, "faults_asked"), Asked().count);
   EXPECT_GE(Number(document, "faults_found"), 0.92 * Number(document, "faults_asked"));
   EXPECT_LE(Number(document, "mistakes_invented"), 0.03 * Number(document, "mistakes"));
   EXPECT_LE(Number(document, "uneven_share"), 0.05);
