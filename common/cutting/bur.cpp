@@ -1,14 +1,13 @@
 #include "common/cutting/bur.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "common/cutting/profile.h"
 #include "common/math/trig.h"
 
 namespace enamel::cutting {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Cuts a surface of revolution into bands, tip to shank, and places points of equal area on them.
 // Turning each by the golden ratio against the one before spreads them evenly (Vogel, Mathematical
@@ -22,10 +21,10 @@ class PointSpreader {
   void Line(const double (&a)[2], const double (&b)[2], const double (&n)[2]) {
     // Half the sum of two radii times the length, times 2 pi: a cone's side.
     double dr = b[0] - a[0], dz = b[1] - a[1], length = std::sqrt(dr * dr + dz * dz);
-    Band(kPi * (a[0] + b[0]) * length, [&](double area) {
+    Band(std::numbers::pi * (a[0] + b[0]) * length, [&](double area) {
       // A cone's area to the share t of its length is 2 pi l (r_a t + dr t^2 / 2).
       // The root that does not cancel: good for a cylinder (dr = 0) as well.
-      double y = area / (2 * kPi * length), square = a[0] * a[0] + 2 * dr * y;
+      double y = area / (2 * std::numbers::pi * length), square = a[0] * a[0] + 2 * dr * y;
       double t = 2 * y / (a[0] + std::sqrt(square > 0 ? square : 0));
       Place(a[0] + dr * t, a[1] + dz * t, n[0], n[1]);
     });
@@ -46,7 +45,7 @@ class PointSpreader {
     // next term is below 1e-15.
     double x = 0.5 * chord, x2 = x * x;
     double angle = chord * (1 + x2 * (1.0 / 6 + x2 * (3.0 / 40 + x2 * (15.0 / 336))));
-    double whole = 2 * kPi * p.radius * (p.at[0] * angle + p.radius * c_z);
+    double whole = 2 * std::numbers::pi * p.radius * (p.at[0] * angle + p.radius * c_z);
     Band(whole, [&](double area) {
       double t = area / whole, n_r = a_r + c_r * t, n_z = a_z + c_z * t;
       double length = std::sqrt(n_r * n_r + n_z * n_z);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace enamel::scoring {
 namespace {
 
 constexpr double kMm = 1e3, kMm2 = 1e6;
-constexpr double kPi = 3.14159265358979323846;
 // Angles are measured within half a degree (schemas/score.md, "Accuracy").
 constexpr double kAngle_deg = 0.5 * 2 * kEven;
 // Between two of the 72 places of a finish line.
@@ -64,7 +64,7 @@ std::optional<double> UncertaintyOf(std::string_view metric, std::string_view un
   if (metric == "pulp_exposed_mm2") {
     // Along the edge of a round place, to half a voxel, and whether a voxel's face is there at all.
     const double area_m2 = std::max(0.0, value) / kMm2, h = m.voxel_m;
-    return kEven * h * std::sqrt(4 * kPi * area_m2 + h * h) * kMm2;
+    return kEven * h * std::sqrt(4 * std::numbers::pi * area_m2 + h * h) * kMm2;
   }
   return std::nullopt;
 }

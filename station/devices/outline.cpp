@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace enamel::station {
 namespace {
 
 using glm::dvec2;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kDiscCorners = 24;  // the circle's corners are 17 um off at a tip's radius of 2 mm
 constexpr int kArcCorners = 4;
 
@@ -102,8 +102,8 @@ Outline OutlineOf(const scene::PreparationPart& part) {
   switch (part.outline) {
     case scene::PreparationPart::Outline::kDisc:
       for (int i = 0; i < kDiscCorners; ++i) {
-        const double angle = (2 * i + 1) * kPi / kDiscCorners,
-                     r = hx / std::cos(kPi / kDiscCorners);
+        const double angle = (2 * i + 1) * std::numbers::pi / kDiscCorners,
+                     r = hx / std::cos(std::numbers::pi / kDiscCorners);
         out.push_back(middle + r * dvec2(std::cos(angle), std::sin(angle)));
       }
       return out;
@@ -132,7 +132,7 @@ Outline SectionOf(const scene::PreparationPart& part, double z_m) {
   for (int i = 0; i < 4 * kArcCorners; ++i) {
     const int quarter = i / kArcCorners;
     const double angle =
-        kPi / 2 * (quarter + static_cast<double>(i % kArcCorners) / (kArcCorners - 1));
+        std::numbers::pi / 2 * (quarter + static_cast<double>(i % kArcCorners) / (kArcCorners - 1));
     const dvec2 sign(quarter == 0 || quarter == 3 ? 1 : -1, quarter < 2 ? 1 : -1);
     out.push_back(middle + sign * (half - r) + r * dvec2(std::cos(angle), std::sin(angle)));
   }

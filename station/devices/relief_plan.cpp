@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/scene/preparation.h"
 
 namespace enamel::station {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kClear_m = 1.0e-3;  // above the highest solid, between air and work
 constexpr double kAirFeed_m_per_s = 10e-3;
 constexpr double kRoughFeed_m_per_s = 4e-3;
@@ -43,7 +43,7 @@ ReliefTips::ReliefTips(const PartCut& cut, const cutting::Bur& bur)
         round_end_ ? end_radius_m_ - std::sqrt(std::max(0.0, end_radius_m_ * end_radius_m_ - r * r))
                    : 0;
     for (int k = 0; k < kAround; ++k) {
-      const double angle = 2 * kPi * k / kAround;
+      const double angle = 2 * std::numbers::pi * k / kAround;
       end_.push_back({r * std::cos(angle), r * std::sin(angle), up});
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <numbers>
 
 #include "common/cutting/profile.h"
 
@@ -12,7 +13,6 @@ namespace {
 
 // At 0.8 mm radius the outline is at most 1.7 um inside the circle.
 constexpr int kAround = 48;
-constexpr float kPi = 3.14159265f;
 
 using Profile = std::vector<glm::vec2>;  // (radius, z), from the distal end upward
 
@@ -32,7 +32,8 @@ glm::vec2 NormalAt(const Profile& p, size_t segment, size_t neighbour) {
 
 void AppendRing(const glm::vec2& at, const glm::vec2& normal, uint8_t material, Shape& out) {
   for (int j = 0; j < kAround; ++j) {
-    float a = 2 * kPi * static_cast<float>(j) / kAround, c = std::cos(a), s = std::sin(a);
+    float a = 2 * std::numbers::pi_v<float> * static_cast<float>(j) / kAround, c = std::cos(a),
+          s = std::sin(a);
     auto byte = [](float v) { return static_cast<int8_t>(std::lround(v * 127)); };
     out.vertices.push_back({{at.x * c, at.x * s, at.y},
                             {byte(normal.x * c), byte(normal.x * s), byte(normal.y)},

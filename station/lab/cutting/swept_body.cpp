@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/cutting/engagement.h"
 
 namespace enamel::station::lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSteps = 4000;
 
 // Radius of the body at a height above its tip, by bisection, since a profile provides only its
@@ -66,7 +66,7 @@ SweptBody::SweptBody(const CutPath& path, std::vector<dvec3> tips_m)
     double r = RadiusAt(profile_, (i + 0.5) * step_m_, 4 * bur_.radius_m);
     largest = std::max(largest, r);
     half_area_m2_.push_back(half_area += r * step_m_);
-    hole_m3_.push_back(hole += kPi * largest * largest * step_m_);
+    hole_m3_.push_back(hole += std::numbers::pi * largest * largest * step_m_);
   }
 }
 
@@ -76,7 +76,7 @@ double SweptBody::Volume_m3() const {
   if (plunge_) {
     // Above the cutting part the hole is as wide as the bur was anywhere.
     double above = std::max(0.0, depth - height);
-    return At(hole_m3_, step_m_, depth) + kPi * bur_.radius_m * bur_.radius_m * above;
+    return At(hole_m3_, step_m_, depth) + std::numbers::pi * bur_.radius_m * bur_.radius_m * above;
   }
   double volume = 0;
   for (size_t i = 1; i < tips_m_.size(); ++i) {
@@ -88,7 +88,7 @@ double SweptBody::Volume_m3() const {
   for (int i = 0; i < kSteps && (i + 0.5) * step_m_ < depth; ++i) {
     double r = (half_area_m2_[static_cast<size_t>(i) + 1] - half_area_m2_[static_cast<size_t>(i)]) /
                step_m_;
-    volume += 0.5 * kPi * r * r * step_m_;
+    volume += 0.5 * std::numbers::pi * r * r * step_m_;
   }
   return volume;
 }
@@ -125,11 +125,11 @@ dvec3 SweptBody::Force_n() const {
   double along = 0, up = 0;
   AlongOutline(profile_, -tips_m_.back().z, [&](double r, double n_r, double n_z, double ds) {
     if (plunge_) {
-      if (n_z < 0) along += 2 * kPi * r * n_z * n_z * ds;
+      if (n_z < 0) along += 2 * std::numbers::pi * r * n_z * n_z * ds;
       return;
     }
     // Over the half circle that faces the way: of cos^2 pi / 2, of cos 2.
-    along += 0.5 * kPi * r * n_r * n_r * ds;
+    along += 0.5 * std::numbers::pi * r * n_r * n_r * ds;
     up += 2 * r * n_r * n_z * ds;
   });
   const double b = beta_ * speed_m_s_;

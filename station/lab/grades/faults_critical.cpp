@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/scoring/mistakes/contact.h"
 #include "station/lab/grades/fault_maker.h"
@@ -11,7 +12,6 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kIntoPulp_m = 0.3e-3, kFarWall_m = 1.5e-3, kGroove_mm = 0.5;
 constexpr double kBeforeNeighbour_m = 0.3e-3, kOverhang_m = 0.2e-3, kMissing_deg = 60;
 constexpr double kLeftOfLesion = 0.25;
@@ -168,14 +168,15 @@ void FaultMaker::AddCriticalOfCrown() {
   AddSideUntouched();
   const CrownCut::Section& s = c.at_shoulder;
   // A wedge of 60 degrees towards mesial, up to a millimetre above the shoulder.
-  const double half = 0.5 * kMissing_deg * kPi / 180;
+  const double half = 0.5 * kMissing_deg * std::numbers::pi / 180;
   AddCritical("finish_line_missing", Without(Wanted(), [=, way = task_.box.mesial_x,
                                                         z = c.shoulder_z_m + 1e-3](const dvec3& p) {
                 const double x = way * (p.x - s.middle_x_m), y = std::fabs(p.y - s.middle_y_m);
                 return std::max(y * std::cos(half) - x * std::sin(half), p.z - z);
               }));
   const double height = c.top_z_m - c.shoulder_z_m;
-  AddCritical("cannot_seat", Cut(c.Undercut(-2 * std::atan(kOverhang_m / height) * 180 / kPi)));
+  AddCritical("cannot_seat",
+              Cut(c.Undercut(-2 * std::atan(kOverhang_m / height) * 180 / std::numbers::pi)));
   if (const auto next = NearestNeighbour()) AddNick(*next, {kGroove_mm, true});
 }
 
@@ -220,7 +221,7 @@ std::string FaultMaker::CommittedBy(const Fault& fault) const {
   if (fault.name == "stopped early" && Is({"veneer"})) return "one_axial_wall_untouched";
   if (fault.name == "undercut" && Is({"crown"})) {
     const double height_mm = kMm * (task_.crown.top_z_m - task_.crown.shoulder_z_m);
-    const double overhang_mm = 2 * std::tan(-fault.size / 2 * kPi / 180) * height_mm;
+    const double overhang_mm = 2 * std::tan(-fault.size / 2 * std::numbers::pi / 180) * height_mm;
     if (overhang_mm > LimitOf("cannot_seat")) return "cannot_seat";
   }
   return {};

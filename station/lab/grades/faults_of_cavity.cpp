@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/scoring/task.h"
 #include "station/lab/grades/fault_maker.h"
@@ -9,12 +10,11 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::array<const char*, 4> kWalls = {"mesial", "distal", "buccal", "lingual"};
 constexpr double kLeft_m = 0.3e-3;              // of tooth behind a wall, at the least
 constexpr size_t kAnyWall = 1, kFloorFace = 4;  // every box has a distal wall
 
-double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
+double Slope(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
 }  // namespace
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/scene/preparation.h"
 #include "station/lab/grades/fault_maker.h"
@@ -9,9 +10,7 @@
 namespace enamel::station::lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
+double Slope(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
 Hollow GrownBy(const scene::Preparation& shape, double side_m, double floor_m) {
   return [shape, by = scene::Growth{side_m, floor_m}](const dvec3& p) {
@@ -184,7 +183,7 @@ void FaultMaker::MakeUnevenFace() {
     add("floor_waviness", s.must_cost,
         [height = std::sqrt(2.0) * s.m(), half_y, y_m = middle.y](double, double y) {
           constexpr double kWaves = 3;
-          return height * std::sin(kPi * kWaves * (y - y_m) / half_y);
+          return height * std::sin(std::numbers::pi * kWaves * (y - y_m) / half_y);
         });
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "common/scene/builder.h"
 #include "common/scene/preparation.h"
@@ -15,12 +16,11 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kWaves = 3;
 
 // In the wall's own frame: distance out, along it and above the cavity's middle height.
 double WallDistance_m(const Face& f, double out, double along, double length, double height) {
-  const double wave = f.wave_m * std::sin(2 * kPi * kWaves * along / length);
+  const double wave = f.wave_m * std::sin(2 * std::numbers::pi * kWaves * along / length);
   // Accurate to second order in the slope.
   return (out - f.moved_m - wave - f.slope * height) / std::sqrt(1 + f.slope * f.slope);
 }
@@ -58,7 +58,8 @@ Hollow Both(Hollow a, Hollow b) {
 }
 
 Hollow Turned(Hollow hollow, double degrees) {
-  const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
+  const double c = std::cos(degrees * std::numbers::pi / 180),
+               s = std::sin(degrees * std::numbers::pi / 180);
   return [=, hollow = std::move(hollow)](const dvec3& p) {
     return hollow(dvec3(c * p.x + s * p.y, c * p.y - s * p.x, p.z));
   };
@@ -102,7 +103,7 @@ CrownCut CrownCut::Deeper(double lower_m) const {
 
 CrownCut CrownCut::Converging(double degrees) const {
   CrownCut out = *this;
-  const double in = std::tan(degrees / 2 * kPi / 180) * (top_z_m - shoulder_z_m);
+  const double in = std::tan(degrees / 2 * std::numbers::pi / 180) * (top_z_m - shoulder_z_m);
   out.at_top.middle_x_m = at_shoulder.middle_x_m;
   out.at_top.half_x_m = at_shoulder.half_x_m - in;
   return out;
@@ -110,7 +111,7 @@ CrownCut CrownCut::Converging(double degrees) const {
 
 CrownCut CrownCut::Undercut(double degrees) const {
   CrownCut out = *this;
-  const double in = std::tan(degrees / 2 * kPi / 180) * (top_z_m - shoulder_z_m);
+  const double in = std::tan(degrees / 2 * std::numbers::pi / 180) * (top_z_m - shoulder_z_m);
   out.at_shoulder.middle_x_m = at_top.middle_x_m;
   out.at_shoulder.half_x_m = at_top.half_x_m + in;
   return out;
@@ -123,7 +124,7 @@ bool CrownCut::HasTop() const {
 
 CrownCut CrownCut::Leaning(double degrees) const {
   CrownCut out = *this;
-  const double aside = std::tan(degrees * kPi / 180) * (top_z_m - shoulder_z_m);
+  const double aside = std::tan(degrees * std::numbers::pi / 180) * (top_z_m - shoulder_z_m);
   out.at_top.middle_x_m = at_shoulder.middle_x_m + aside;
   out.at_top.middle_y_m = at_shoulder.middle_y_m;
   return out;
@@ -133,7 +134,7 @@ double CrownCut::Lean_deg() const {
   const double height = top_z_m - shoulder_z_m;
   const double in = (at_shoulder.half_x_m - at_top.half_x_m) / height;
   const double aside = (at_top.middle_x_m - at_shoulder.middle_x_m) / height;
-  return std::fabs(std::atan(in + aside) - std::atan(in - aside)) / 2 * 180 / kPi;
+  return std::fabs(std::atan(in + aside) - std::atan(in - aside)) / 2 * 180 / std::numbers::pi;
 }
 
 double CrownCut::OverTop_m(const dvec3& p) const {

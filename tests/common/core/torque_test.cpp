@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <deque>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -14,8 +15,6 @@ namespace enamel::core {
 namespace {
 
 using test::At;
-
-constexpr double kPi = 3.14159265358979323846;
 
 CoreParams SixAxes(uint32_t delay = 0) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
@@ -286,7 +285,7 @@ double Steal(Thief& thief, unsigned seed) {
         break;
       case 3:  // in and out of the tooth, and half turns outside
         z += 4e-6 * (i / 300 % 2 ? -1 : 1);
-        phi = i % 300 == 299 ? axis * kPi * uniform() : axis * 1e-3 * uniform();
+        phi = i % 300 == 299 ? axis * std::numbers::pi * uniform() : axis * 1e-3 * uniform();
         greedy = i % 5 == 0;
         break;
       case 4:  // gaps

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -13,8 +14,6 @@
 // on, the law in closed form, and hostile hands against whole turns through a made-up material.
 namespace enamel::haptics {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 class Dice {
  public:
@@ -56,7 +55,7 @@ double AngleBetween(const Quat& a, const Quat& b) {
 double Potential(const Quat& to, const Quat& from, double most) {
   const double theta = AngleBetween(to, from);
   if (most >= 1) return 1 - std::cos(theta);
-  const double first = std::asin(most), last = kPi - first;
+  const double first = std::asin(most), last = std::numbers::pi - first;
   if (theta <= first) return 1 - std::cos(theta);
   const double flat = 1 - std::cos(first) + most * (std::fmin(theta, last) - first);
   return theta <= last ? flat : flat + std::cos(last) - std::cos(theta);
@@ -394,7 +393,7 @@ Play PlayGame(const Bench::Is& is, unsigned seed, int ticks) {
         phi = stroke;
         break;
       case 5:
-        if (dice.Below(10) == 0) phi = axis * kPi * dice.Uniform();
+        if (dice.Below(10) == 0) phi = axis * std::numbers::pi * dice.Uniform();
         break;
       case 6:
         if (dice.Below(10) == 0) bench.Gap(axis * 0.01 * dice.Uniform(), off);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "common/scene/builtin/builtin.h"
@@ -12,8 +13,6 @@ namespace enamel::scene {
 namespace {
 
 using Outline = PreparationPart::Outline;
-
-constexpr double kPi = 3.14159265358979323846;
 
 Preparation One(PreparationPart part) { return {"one", "One", {std::move(part)}}; }
 
@@ -59,8 +58,8 @@ TEST(PreparationTest, AFinePolygonIsTheDisc) {
   PreparationPart polygon = Part(Outline::kPolygon, {}, 1'500);
   for (int i = 0; i < 64; ++i) {
     polygon.corners_um.push_back(
-        {static_cast<int32_t>(std::lround(2'500 * std::cos(i * kPi / 32))),
-         static_cast<int32_t>(std::lround(2'500 * std::sin(i * kPi / 32)))});
+        {static_cast<int32_t>(std::lround(2'500 * std::cos(i * std::numbers::pi / 32))),
+         static_cast<int32_t>(std::lround(2'500 * std::sin(i * std::numbers::pi / 32)))});
   }
   const Preparation a = One(polygon), b = One(Part(Outline::kDisc, {2'500, 2'500}, 1'500));
   std::mt19937 random(1);

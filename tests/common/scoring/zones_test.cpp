@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/common/scoring/synthetic_cavity.h"
 
 namespace enamel::scoring {
@@ -57,16 +59,15 @@ TEST(ZonesTest, ADiscsZonesAreDiscs) {
   auto shape = scene::TargetShape(BlockScene(), square);
   ASSERT_TRUE(shape.ok());
   const cutting::Volume cut = scene::Prepared(block, *shape);
-  constexpr double kPi = 3.14159265358979;
   auto measure = [&](Zone zone) { return MeasureZone(block, cut, *zones, zone); };
   const BoxVolume disc_zone = measure(Zone::kTarget), leeway = measure(Zone::kLeeway);
-  EXPECT_NEAR(disc_zone.solid_m3 * 1e9, kPi, 0.02);
+  EXPECT_NEAR(disc_zone.solid_m3 * 1e9, std::numbers::pi, 0.02);
   EXPECT_NEAR(disc_zone.removed_m3, disc_zone.solid_m3, 0.01e-9);
-  EXPECT_NEAR(leeway.solid_m3 * 1e9, kPi * 1.25 * 1.25 * 1.1, 0.04);
+  EXPECT_NEAR(leeway.solid_m3 * 1e9, std::numbers::pi * 1.25 * 1.25 * 1.1, 0.04);
   // A square of 2 mm is within a disc of 1.25 mm but for its corners.
   EXPECT_GT((leeway.removed_m3 - disc_zone.removed_m3) * 1e9, 0.6);
   EXPECT_LT(leeway.removed_m3 * 1e9, 4);
-  EXPECT_NEAR(measure(Zone::kContainer).solid_m3 * 1e9, kPi * 1.35 * 1.35 * 1.2, 0.05);
+  EXPECT_NEAR(measure(Zone::kContainer).solid_m3 * 1e9, std::numbers::pi * 1.35 * 1.35 * 1.2, 0.05);
 }
 
 TEST(ZonesTest, SolidInABoxThatLiesOffTheGridIsItsVolume) {

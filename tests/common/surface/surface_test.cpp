@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "common/cutting/cutter.h"
@@ -26,7 +27,6 @@ using cutting::kPhiPerVoxel;
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kVoxel_m = 50e-6;
 
 GridSpec Grid(const ivec3& bricks, std::array<int64_t, 3> origin_nm = {0, 0, 0}) {
@@ -145,8 +145,8 @@ TEST(SurfaceTest, SphereVerticesAreWithinATwentiethOfAVoxel) {
 TEST(SurfaceTest, SphereVolumeAndAreaMeetTheClosedForm) {
   Mesh mesh = ExtractSurface(Ball());
   double r = kRadius * kVoxel_m;
-  EXPECT_NEAR(EnclosedVolume_m3(mesh) / (4.0 / 3.0 * kPi * r * r * r), 1, 0.005);
-  EXPECT_NEAR(Area_m2(mesh) / (4 * kPi * r * r), 1, 0.005);
+  EXPECT_NEAR(EnclosedVolume_m3(mesh) / (4.0 / 3.0 * std::numbers::pi * r * r * r), 1, 0.005);
+  EXPECT_NEAR(Area_m2(mesh) / (4 * std::numbers::pi * r * r), 1, 0.005);
 }
 
 TEST(SurfaceTest, SphereNormalsPointOutward) {
@@ -157,7 +157,7 @@ TEST(SurfaceTest, SphereNormalsPointOutward) {
     ASSERT_NEAR(glm::length(n), 1, 1e-5);
     worst = std::min(worst, Dot(n, glm::normalize(dvec3(mesh.position_m[i]) / kVoxel_m - kCentre)));
   }
-  EXPECT_GT(worst, std::cos(3 * kPi / 180));
+  EXPECT_GT(worst, std::cos(3 * std::numbers::pi / 180));
 }
 
 const dvec3 kMiddle(15.7, 16.2, 15.4);
@@ -180,7 +180,7 @@ TEST(SmoothNormalTest, BallAndPlaneAreTheClosedForm) {
       worst = std::min(worst, Dot(dvec3(normals[i]), glm::normalize(p - centre)));
     }
     EXPECT_GT(checked, 150u) << radius;
-    EXPECT_GT(worst, std::cos(2 * kPi / 180)) << radius;
+    EXPECT_GT(worst, std::cos(2 * std::numbers::pi / 180)) << radius;
   }
 }
 
@@ -207,8 +207,8 @@ TEST(SmoothNormalTest, AlongTheEdgeOfTwoWallsItLeansToNeitherEnd) {
       worst_of_cells = std::max(worst_of_cells, std::fabs(Dot(dvec3(mesh.normal[i]), edge)));
     }
   }
-  EXPECT_LT(worst, std::sin(8 * kPi / 180));
-  EXPECT_GT(worst_of_cells, std::sin(25 * kPi / 180));
+  EXPECT_LT(worst, std::sin(8 * std::numbers::pi / 180));
+  EXPECT_GT(worst_of_cells, std::sin(25 * std::numbers::pi / 180));
 }
 
 // Thinner than a voxel: there is no gradient in its middle.

@@ -22,7 +22,6 @@ namespace {
 
 constexpr int32_t kVoxel_nm = 100'000;
 constexpr auto kDam = scene::Isolation::kRubberDam;
-constexpr double kPi = std::numbers::pi;
 
 TissueAt ShapeOf(const scene::ToothShape& shape) {
   return [&shape](const dvec3& p_mm) {
@@ -38,10 +37,10 @@ TEST(NeckTest, TheMarginFollowsTheCementLine) {
     // By the tables of teeth.h: lowest on the faces, risen mesially and distally. +x is mesial or
     // distal by the side of the jaw.
     const double face = shape->cervical_z + kAboveCementLine_mm;
-    const double mesial = neck->margin_mm.At(shape->Along(1) > 0 ? 0 : kPi),
-                 distal = neck->margin_mm.At(shape->Along(1) > 0 ? kPi : 0);
-    EXPECT_NEAR(neck->margin_mm.At(kPi / 2), face, 0.3) << shape->name;
-    EXPECT_NEAR(neck->margin_mm.At(-kPi / 2), face, 0.3) << shape->name;
+    const double mesial = neck->margin_mm.At(shape->Along(1) > 0 ? 0 : std::numbers::pi),
+                 distal = neck->margin_mm.At(shape->Along(1) > 0 ? std::numbers::pi : 0);
+    EXPECT_NEAR(neck->margin_mm.At(std::numbers::pi / 2), face, 0.3) << shape->name;
+    EXPECT_NEAR(neck->margin_mm.At(-std::numbers::pi / 2), face, 0.3) << shape->name;
     EXPECT_NEAR(mesial, face + shape->enamel.mesial_rise, 0.6) << shape->name;
     EXPECT_NEAR(distal, face + shape->enamel.distal_rise, 0.6) << shape->name;
   }
@@ -68,7 +67,7 @@ TEST(GingivaTest, HidesTheRootAndFillsTheSpaceBetweenTeeth) {
   const double between = 0.5 * 11.5;
   EXPECT_GT(two.Height_mm(between, 0), alone.Height_mm(between, 0) + 0.3);
   EXPECT_LT(two.Height_mm(between, 0),
-            std::max(neck.margin_mm.At(0), next.margin_mm.At(kPi)) + kPapilla_mm);
+            std::max(neck.margin_mm.At(0), next.margin_mm.At(std::numbers::pi)) + kPapilla_mm);
 }
 
 // Below the clear margin where that is lower, and without a step beside it.

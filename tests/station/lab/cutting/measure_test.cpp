@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/cutting/voxel_limit.h"
 #include "common/scoring/mistakes/acceptable_cut.h"
@@ -13,8 +14,6 @@
 // The benchmarks measure what they name. No test here depends on a time.
 namespace enamel::station::lab {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 CuttingPlan Plan(std::vector<CutCase> cases, std::vector<int32_t> voxels_nm) {
   CuttingPlan plan;
@@ -66,12 +65,13 @@ TEST(CuttingErrorTest, SweptVolumeMeetsTheClosedForms) {
   ASSERT_EQ(figures.size(), 2u);
   // The anchor ends at X: 0.3 s of settling and 0.1 s measured at 5 mm/s after the entry.
   double x = 1.1 + 0.4 * 5, r = 0.6, depth = 2;
-  EXPECT_NEAR(figures[0].grids[0].analytic_mm3, (2 * r * x + 0.5 * kPi * r * r) * depth, 0.02);
+  EXPECT_NEAR(figures[0].grids[0].analytic_mm3,
+              (2 * r * x + 0.5 * std::numbers::pi * r * r) * depth, 0.02);
   // Half a ball of radius R: 2 X times its half disc, and half of half its volume.
   x = 1.0 + 0.4 * 5;
   r = 0.5;
-  EXPECT_NEAR(figures[1].grids[0].analytic_mm3, 2 * x * 0.25 * kPi * r * r + kPi * r * r * r / 3,
-              0.02);
+  EXPECT_NEAR(figures[1].grids[0].analytic_mm3,
+              2 * x * 0.25 * std::numbers::pi * r * r + std::numbers::pi * r * r * r / 3, 0.02);
 }
 
 // A cylinder and a ball that plunge: pi r^2 of depth, the ball's end a half ball.
@@ -81,9 +81,9 @@ TEST(CuttingErrorTest, PlungedVolumeMeetsTheClosedForms) {
   for (CutCase* c : {&cylinder, &ball}) c->oblique = c->plunge = true;
   auto figures = MeasureCutting(Plan({cylinder, ball}, {100'000}));
   double r = 0.6, depth = 4 + 0.4 * 5;
-  EXPECT_NEAR(figures[0].grids[0].analytic_mm3, kPi * r * r * depth, 0.03);
+  EXPECT_NEAR(figures[0].grids[0].analytic_mm3, std::numbers::pi * r * r * depth, 0.03);
   r = 0.5, depth = 1 + 0.4 * 5;
-  EXPECT_NEAR(figures[1].grids[0].analytic_mm3, kPi * r * r * (depth - r / 3), 0.03);
+  EXPECT_NEAR(figures[1].grids[0].analytic_mm3, std::numbers::pi * r * r * (depth - r / 3), 0.03);
 }
 
 TEST(CuttingErrorTest, EveryBurIsWithinAPercentOfItsSweptVolumeAndAVoxelOfItsSurface) {

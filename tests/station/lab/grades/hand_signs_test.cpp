@@ -7,11 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 
 namespace enamel::station::lab {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(HandSignsTest, RocOfNumbersThatOneCanCount) {
   // Of 4 x 4 pairs the program's is higher in 3 + 3 + 4 + 4, and equal in one.
@@ -35,7 +34,8 @@ std::vector<dvec3> Straight(double mm_per_s, double tremor_um) {
   std::vector<dvec3> way(kSecond);
   for (size_t i = 0; i < kSecond; ++i) {
     const double t_s = 1e-3 * static_cast<double>(i);
-    way[i] = dvec3(1e-3 * mm_per_s * t_s, 1e-6 * tremor_um * std::sin(2 * kPi * 10 * t_s), 0);
+    way[i] = dvec3(1e-3 * mm_per_s * t_s,
+                   1e-6 * tremor_um * std::sin(2 * std::numbers::pi * 10 * t_s), 0);
   }
   return way;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include "common/scoring/deviation.h"
 #include "station/lab/grades/hollow.h"
@@ -21,7 +22,6 @@ using namespace scoring;
 using cutting::Volume;
 
 constexpr double kMm = 1e-3;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kDepth_mm = 2;  // of BlockExercise's target
 
 struct Grid {
@@ -44,7 +44,7 @@ BoxCavity With(scoring::Part part, const Face& face) {
   return out;
 }
 BoxCavity Leaning(double degrees) {
-  return With(scoring::kMesial, {.slope = std::tan(degrees * kPi / 180)});
+  return With(scoring::kMesial, {.slope = std::tan(degrees * std::numbers::pi / 180)});
 }
 
 struct Filling {
@@ -142,7 +142,7 @@ TEST_P(KnownFaults, InANarrowCavityAWallAMillimetreOffIsFound) {
 
 TEST_P(KnownFaults, ATiltedFloorIsFoundWithinHalfADegree) {
   for (double degrees : {1.0, 5.0, 15.0}) {
-    MetricSet m = Measure(Cut(With(kFloor, {.slope = std::tan(degrees * kPi / 180)})));
+    MetricSet m = Measure(Cut(With(kFloor, {.slope = std::tan(degrees * std::numbers::pi / 180)})));
     EXPECT_NEAR(ValueOf(m, "tilt_floor_deg"), degrees, 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "wall_tilt_deg"), 0, 0.5) << degrees;
   }
@@ -243,7 +243,7 @@ TEST_P(KnownFaults, WhatIsTakenFromTheNeighbourIsItsVolumeAndDepth) {
   const double area = 2 * 1 * (0.3 + 1) + 0.3;
   EXPECT_NEAR(ValueOf(m, "neighbour_removed_mm3"), 0.3 * 1 * 1, area * tolerance_mm());
   // Of a turned box the corner goes deepest.
-  const double turn = std::fabs(GetParam().turn_deg) * kPi / 180;
+  const double turn = std::fabs(GetParam().turn_deg) * std::numbers::pi / 180;
   const double depth = hi.x * std::cos(turn) + hi.y * std::sin(turn) - kBlockNeighbour_m / kMm;
   EXPECT_NEAR(ValueOf(m, "neighbour_depth_mm"), depth, 2 * tolerance_mm());
   EXPECT_EQ(ValueOf(Measure(reference_), "neighbour_removed_mm3"), 0);
@@ -253,7 +253,7 @@ TEST_P(KnownFaults, CariesThatWasLeftIsCariesAndWhatWasTakenIsNotSoundTissue) {
   // Half a millimetre short of the floor: the ball's cap between is left.
   MetricSet m = Measure(Cut(With(kFloor, {.moved_m = -0.5 * kMm})));
   auto cap = [](double height) {  // of the ball above a plane
-    return kPi * height * height * (kBlockCaries_m / kMm - height / 3);
+    return std::numbers::pi * height * height * (kBlockCaries_m / kMm - height / 3);
   };
   const double above_floor = (BlockCariesMiddle_m().z + kBlockCaries_m) / kMm + kDepth_mm;
   const double task = cap(above_floor), left = task - cap(above_floor - 0.5);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "common/haptics/criteria.h"
 
 namespace enamel::station::lab {
@@ -81,11 +83,10 @@ TEST(StabilityTest, AtRestASpringIsLimitedByDampingAndADamperByMass) {
 // A mass under a damper that acts late by L: B L / m = pi / 2. Sample, hold and difference are one
 // tick of L. The delay at which the paper's device of 0.25 kg vibrates at its printed 5.1 N s/m.
 TEST(StabilityTest, ADamperShakesAMassAtThePrintedDampingOnlyWhenItActsSeventySevenTicksLate) {
-  constexpr double kPi = 3.14159265358979;
   PlantSpec device = Device(0.25, 0.01, 0, 1e-12, 16);
   device.delay_ticks = 76;
   double damper = LargestStable(device, Rendered::kDamper, {});
-  EXPECT_NEAR(damper, kPi / 2 * 0.25 / 0.077, 0.03 * damper);
+  EXPECT_NEAR(damper, std::numbers::pi / 2 * 0.25 / 0.077, 0.03 * damper);
   EXPECT_NEAR(damper, 5.1, 0.1);
 }
 
