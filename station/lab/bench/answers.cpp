@@ -19,9 +19,9 @@
 namespace enamel::station::lab::bench {
 namespace {
 
-constexpr int64_t kRate_hz = 1000;
+constexpr int64_t kAnswersRate_hz = 1000;
 
-struct Options {
+struct AnswersOptions {
   double seconds = 10;
   int delay_us = 0, jitter_us = 0;
   std::string device, profile = "inverse3", json;
@@ -31,7 +31,7 @@ struct Options {
 scene::AnswerTime Exchange(Device& device, double seconds) {
   RealtimeGrant grant = RequestRealtime();
   if (!grant.refused.empty()) program::SayWarning(grant.refused);
-  const auto ticks = static_cast<int64_t>(seconds * kRate_hz);
+  const auto ticks = static_cast<int64_t>(seconds * kAnswersRate_hz);
   auto due = std::chrono::steady_clock::now();
   Progress progress;
   for (int64_t i = 0; i < ticks; ++i) {
@@ -44,7 +44,7 @@ scene::AnswerTime Exchange(Device& device, double seconds) {
   return device.answer_time().value_or(scene::AnswerTime{});
 }
 
-Status Measure(const Options& options, Rows& rows) {
+Status MeasureAnswers(const AnswersOptions& options, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(const auto profile, scene::FindProfile(options.profile));
   std::optional<EmulatedInverse3> service;
   hid::DeviceChoice choice;
@@ -56,13 +56,15 @@ Status Measure(const Options& options, Rows& rows) {
                    std::chrono::microseconds(options.jitter_us));
     choice.device = service->choice();
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto device, sdk::OpenChosenDevice(choice, profile, 1.0 / kRate_hz));
+  ENAMEL_ASSIGN_OR_RETURN(auto device,
+                          sdk::OpenChosenDevice(choice, profile, 1.0 / kAnswersRate_hz));
   const scene::AnswerTime answers = Exchange(*device, options.seconds);
   if (answers.answers == 0) {
     return Status(Code::kInvalidInput, device->Name() + " does not answer to forces", "device");
   }
-  const auto delay = scene::DelayOfAttached(profile, nullptr, kRate_hz, answers);
-  ENAMEL_ASSIGN_OR_RETURN(const auto delayed, scene::WithDelay(profile, kRate_hz, delay.ticks));
+  const auto delay = scene::DelayOfAttached(profile, nullptr, kAnswersRate_hz, answers);
+  ENAMEL_ASSIGN_OR_RETURN(const auto delayed,
+                          scene::WithDelay(profile, kAnswersRate_hz, delay.ticks));
   const int64_t kc = delayed.coupling_mn_per_mm.value;
   std::printf("%lld answers: median %lld us, p99 %lld us, jitter (p99 - median) %lld us\n",
               static_cast<long long>(answers.answers), static_cast<long long>(answers.median_us),
@@ -83,7 +85,7 @@ Status Measure(const Options& options, Rows& rows) {
   return Status::Ok();
 }
 
-int Run(const Options& options) {
+int RunAnswers(const AnswersOptions& options) {
   if (!CanWrite(options.json)) return 1;
   const std::string method =
       "one exchange a tick at 1 kHz with force 0, as in an attempt; from the force's sending to "
@@ -96,7 +98,7 @@ int Run(const Options& options) {
                               : std::string());
   std::printf("Method: %s.\n\n", method.c_str());
   Rows rows("answers", method);
-  if (Status status = Measure(options, rows); !status.ok()) {
+  if (Status status = MeasureAnswers(options, rows); !status.ok()) {
     program::SayError(status.message());
     return 1;
   }
@@ -106,7 +108,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterAnswers(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AnswersOptions>();
   CLI::App* answers = app.add_subcommand(
       "answers", "Delay and jitter of a device that answers to forces, such as an Inverse3");
   answers->add_option("--device", options->device,
@@ -124,7 +126,7 @@ void RegisterAnswers(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   answers->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*answers, {"--seconds 10"});
-  answers->callback([options, exit_code] { *exit_code = Run(*options); });
+  answers->callback([options, exit_code] { *exit_code = RunAnswers(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -42,7 +42,7 @@ constexpr double kTick_s = 1e-3, kFeed_m = 5e-3 * kTick_s;  // 5 mm/s
 constexpr auto kCoarseLimit = std::chrono::seconds(2);
 constexpr double kSlotHalf_m = 1.5e-3, kSlotStep_m = 0.3e-3, kSlotDepth_m = 1.2e-3;
 
-struct Figures {
+struct FramesFigures {
   const char* kind;
   double p50_ms = 0, p95_ms = 0, p99_ms = 0, max_ms = 0, cpu_ms = 0, triangles = 0;
 };
@@ -52,7 +52,7 @@ struct Times {
   std::vector<double> ms, cpu_ms;
   double triangles = 0;
 
-  Figures Of() {
+  FramesFigures Of() {
     std::sort(ms.begin(), ms.end());
     std::sort(cpu_ms.begin(), cpu_ms.end());
     auto count = static_cast<double>(ms.size());
@@ -92,7 +92,7 @@ class FrameBench {
     dam_ = mouth::MakeMouth(built.scene, built.volume, {}, {scene::Isolation::kRubberDam, true});
   }
 
-  Figures Rest(const char* kind = "at rest") {
+  FramesFigures Rest(const char* kind = "at rest") {
     Times times{kind, {}, {}};
     for (int i = 0; i < options_.frames; ++i) {
       Show(centre_ + dvec3(Wave(), 0, 1e-3));
@@ -101,7 +101,7 @@ class FrameBench {
     return times.Of();
   }
 
-  Figures Cut(const char* kind = "cutting") {
+  FramesFigures Cut(const char* kind = "cutting") {
     Times times{kind, {}, {}};
     for (int i = 0; i < options_.frames; ++i) {
       // As many ticks as pass between two pictures, so that a picture has an attempt's work.
@@ -113,7 +113,7 @@ class FrameBench {
 
   // Two ways alternately, so that a busy computer affects both alike: turning as in an attempt, and
   // with full detail.
-  std::array<Figures, 2> Turn(const char* kind = "turning") {
+  std::array<FramesFigures, 2> Turn(const char* kind = "turning") {
     Times turning{kind, {}, {}}, all{"in full", {}, {}};
     // Turning is drawn lighter in an attempt; otherwise it costs as much as a still picture.
     Quality full = quality_;
@@ -133,9 +133,9 @@ class FrameBench {
   }
 
   // At rest, cutting and turning as before, with the mirror held.
-  std::vector<Figures> WithMirror() {
+  std::vector<FramesFigures> WithMirror() {
     view_.mirror().Show(true, view_.camera());
-    std::vector<Figures> out{Rest("mirror, at rest"), Cut("mirror, cutting")};
+    std::vector<FramesFigures> out{Rest("mirror, at rest"), Cut("mirror, cutting")};
     out.push_back(Turn("mirror, turning")[0]);
     view_.mirror().Show(false, view_.camera());
     return out;
@@ -143,7 +143,7 @@ class FrameBench {
 
   // Turning, with parts of the mouth, picture by picture in turn: as an attempt begins, and from so
   // far that the antagonist is in the picture.
-  std::vector<Figures> Parts() {
+  std::vector<FramesFigures> Parts() {
     std::array<Times, 6> times{{{"mouth", {}, {}},
                                 {"no antagonist", {}, {}},
                                 {"rubber dam", {}, {}},
@@ -162,7 +162,7 @@ class FrameBench {
         }
       }
     }
-    std::vector<Figures> out;
+    std::vector<FramesFigures> out;
     for (Times& t : times) out.push_back(t.Of());
     return out;
   }
@@ -244,7 +244,7 @@ class FrameBench {
 
 Status Print(const FrameBenchOptions& options, const FrameBench& bench,
              const render::Screen& screen, const Quality& quality,
-             const std::vector<Figures>& all) {
+             const std::vector<FramesFigures>& all) {
   std::printf("renderer   %s\n", screen.renderer().c_str());
   std::printf("picture    %d x %d, quality %s, tooth of %zu triangles at %d um, made in %.1f s\n",
               screen.width(), screen.height(), std::string(quality.name).c_str(), bench.triangles(),
@@ -271,7 +271,7 @@ Status Print(const FrameBenchOptions& options, const FrameBench& bench,
                            {"triangles", bench.triangles()},
                            {"mouth_triangles", bench.mouth_triangles()},
                            {"mouth_s", bench.mouth_s()}};
-  for (const Figures& f : all) {
+  for (const FramesFigures& f : all) {
     std::printf("%-15s %8.1f %8.1f %8.1f %8.1f %8.1f %9.0f %12.0f\n", f.kind, f.p50_ms, f.p95_ms,
                 f.p99_ms, f.max_ms, f.cpu_ms, 1e3 / std::max(f.p50_ms, 1e-3), f.triangles);
     json[f.kind] = {{"p50_ms", f.p50_ms},     {"p95_ms", f.p95_ms},
@@ -309,11 +309,11 @@ Status BenchFrames(const FrameBenchOptions& options) {
     const Quality& quality =
         wanted != nullptr ? *wanted : render::kQualities[render::GovernorFor(screen).level()];
     FrameBench bench(options, quality, screen, built);
-    std::vector<Figures> all{bench.Rest(), bench.Cut()};
-    for (const Figures& f : bench.Turn()) all.push_back(f);
-    for (const Figures& f : bench.WithMirror()) all.push_back(f);
+    std::vector<FramesFigures> all{bench.Rest(), bench.Cut()};
+    for (const FramesFigures& f : bench.Turn()) all.push_back(f);
+    for (const FramesFigures& f : bench.WithMirror()) all.push_back(f);
     if (options.mouth && options.parts) {
-      for (const Figures& f : bench.Parts()) all.push_back(f);
+      for (const FramesFigures& f : bench.Parts()) all.push_back(f);
     }
     return Print(options, bench, screen, quality, all);
   } catch (const std::exception& e) {

@@ -19,14 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct IdleOptions {
   int width_px = 1920, height_px = 1080;
   double seconds = 10;
   std::string json;
 };
 
 constexpr double kGoal_percent = 3;
-constexpr int kExercises = 24;  // a list that has to be scrolled
+constexpr int kIdleExercises = 24;  // a list that has to be scrolled
 
 // A class with some of all that a card can show.
 std::vector<Catalogue::Exercise> Exercises(int count) {
@@ -45,7 +45,7 @@ std::vector<Catalogue::Exercise> Exercises(int count) {
 
 // Watches the window's list of exercises while nobody touches it. Errors: kUnavailable without a
 // display.
-Status BenchIdle(const Options& options, Rows& rows) {
+Status BenchIdle(const IdleOptions& options, Rows& rows) {
   try {
     render::ScreenOptions window;
     window.width_px = options.width_px;
@@ -53,7 +53,7 @@ Status BenchIdle(const Options& options, Rows& rows) {
     render::Screen screen(window);
     desk::Ui ui(screen);
     const language::Words words(language::Language::kEnglish);
-    const auto exercises = Exercises(kExercises);
+    const auto exercises = Exercises(kIdleExercises);
     const auto frame = [&] {
       (void)screen.Begin();
       std::vector<desk::Card> cards;
@@ -88,10 +88,10 @@ Status BenchIdle(const Options& options, Rows& rows) {
         "method     list of %d exercises, %d x %d, untouched for %.0f s; processor time of all "
         "threads by wall time\n\n"
         "processor  %s %% of a core; %d frames, %llu of them drawn\n",
-        screen.renderer().c_str(), kExercises, screen.width(), screen.height(), wall_s,
+        screen.renderer().c_str(), kIdleExercises, screen.width(), screen.height(), wall_s,
         AgainstGoal(percent, kGoal_percent).c_str(), frames,
         static_cast<unsigned long long>(screen.drawn() - drawn));
-    rows.Add({{"exercises", kExercises},
+    rows.Add({{"exercises", kIdleExercises},
               {"width_px", screen.width()},
               {"height_px", screen.height()},
               {"cpu_percent", percent},
@@ -106,7 +106,7 @@ Status BenchIdle(const Options& options, Rows& rows) {
 }  // namespace
 
 void RegisterIdle(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdleOptions>();
   CLI::App* idle = app.add_subcommand(
       "idle", "The processor's share of the list of exercises while nobody touches it");
   idle->add_option("--width", options->width_px, "Of the window, pixels")->capture_default_str();

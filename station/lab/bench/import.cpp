@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using mesh::Triangles;
 
-struct Options {
+struct ImportOptions {
   std::string json, tooth, unit = "mm";
   std::vector<int> voxels_um = {100, 50};
 };
@@ -140,7 +140,7 @@ struct Measured {
   double cpu_s = 0, wall_s = 0, solid_mm3 = 0;
 };
 
-Result<Measured> Measure(const fs::path& file, const Options& options, int voxel_um) {
+Result<Measured> MeasureImport(const fs::path& file, const ImportOptions& options, int voxel_um) {
   Measured m;
   Progress progress;
   const double cpu = Cpu_s(), wall = Wall_s();
@@ -168,7 +168,7 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
   return m;
 }
 
-int Run(const Options& options) {
+int RunImport(const ImportOptions& options) {
   if (!CanWrite(options.json)) return 1;
   Triangles mesh;
   if (options.tooth.empty()) {
@@ -191,7 +191,7 @@ int Run(const Options& options) {
               mesh.indices.size());
   Rows rows("import", method);
   for (int voxel_um : options.voxels_um) {
-    auto m = Measure(stl.path, options, voxel_um);
+    auto m = MeasureImport(stl.path, options, voxel_um);
     if (!m.ok()) return Fail(m.status().message());
     boost::json::object phases;
     std::printf("voxel %.3f mm: %s s of processor, %.2f s on the clock, %.1f mm3\n",
@@ -217,7 +217,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterImport(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       app.add_subcommand("import", "Seconds to make a scene of a crown's mesh, by phases");
   command->add_option("--tooth", options->tooth,
@@ -229,7 +229,7 @@ void RegisterImport(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*command, {"--voxel-um 50"});
-  command->callback([options, exit_code] { *exit_code = Run(*options); });
+  command->callback([options, exit_code] { *exit_code = RunImport(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

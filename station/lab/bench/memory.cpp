@@ -16,7 +16,7 @@
 namespace enamel::station::lab::bench {
 namespace {
 
-struct Options {
+struct MemoryOptions {
   std::string json;
   std::vector<std::string> scenes;
   std::vector<int> voxels_um = {100, 50, 25};
@@ -30,13 +30,13 @@ double Resident_mb() {
   return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
-struct Figures {
+struct MemoryFigures {
   double mb = 0, resident_mb = 0, blob_mb = 0;
   size_t bricks = 0, stored = 0, labelled = 0;
 };
 
 // The scene as a station receives it: from its blob, after everything that built it was freed.
-Result<Figures> Measure(const std::string& name, int voxel_um) {
+Result<MemoryFigures> MeasureMemory(const std::string& name, int voxel_um) {
   Result<Bytes> blob = [&]() -> Result<Bytes> {
     ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_um * 1000));
     return scene::EncodeVolume(built.volume);
@@ -48,7 +48,7 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
   double before = Resident_mb();
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(*blob));
   malloc_trim(0);
-  Figures f;
+  MemoryFigures f;
   f.resident_mb = Resident_mb() - before;
   f.mb = static_cast<double>(volume.MemoryBytes()) * 1e-6;
   f.blob_mb = static_cast<double>(blob->size()) * 1e-6;
@@ -60,7 +60,7 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
   return f;
 }
 
-int Run(Options& options) {
+int RunMemory(MemoryOptions& options) {
   if (!CanWrite(options.json)) return 1;
   if (options.scenes.empty()) options.scenes = scene::BuiltinSceneNames();
   std::string method =
@@ -77,12 +77,12 @@ int Run(Options& options) {
     // Coarse to fine: the growth of memory with each halving characterises a sparse volume (4, not
     // 8).
     for (int voxel_um : options.voxels_um) {
-      Result<Figures> f = [&] {
+      Result<MemoryFigures> f = [&] {
         Progress progress;
         progress.Show("building " + name + " at " + std::to_string(voxel_um) + " um",
                       static_cast<double>(done++) /
                           static_cast<double>(options.scenes.size() * options.voxels_um.size()));
-        return Measure(name, voxel_um);
+        return MeasureMemory(name, voxel_um);
       }();
       if (!f.ok()) {
         program::SayError(f.status().message());
@@ -114,7 +114,7 @@ int Run(Options& options) {
 }  // namespace
 
 void RegisterMemory(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MemoryOptions>();
   CLI::App* memory = app.add_subcommand("memory", "Megabytes a whole tooth takes, roots included");
   memory->add_option("--scene", options->scenes, "Built-in scenes (all, unless named)")
       ->delimiter(',');
@@ -124,7 +124,7 @@ void RegisterMemory(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   memory->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*memory, {"--scene molar"});
-  memory->callback([options, exit_code] { *exit_code = Run(*options); });
+  memory->callback([options, exit_code] { *exit_code = RunMemory(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

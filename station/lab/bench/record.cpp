@@ -29,11 +29,11 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kRate_hz = 1000;
+constexpr double kRecordRate_hz = 1000;
 constexpr double kNoise_counts = 0.3;  // of the encoder, one sigma
 constexpr double kGoalBytesPerTick = 12, kGoalMbPer8h = 350;
 
-struct Options {
+struct RecordOptions {
   double hours = 8;
   int voxel_um = 50;
   std::string profile = "phantom_desktop";
@@ -99,7 +99,7 @@ class CutCounter final : public TickObserver {
   uint64_t cutting() const { return ticks_.cutting(); }
 
  private:
-  CuttingTicks ticks_{static_cast<uint32_t>(kRate_hz)};
+  CuttingTicks ticks_{static_cast<uint32_t>(kRecordRate_hz)};
   cutting::RemovedUnits before_{};
 };
 
@@ -115,7 +115,7 @@ struct World {
   core::CoreParams params;
 };
 
-Result<World> Load(const Options& options) {
+Result<World> Load(const RecordOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene("molar", options.voxel_um * 1000));
   World w{std::move(built), {}, {}, {}};
   w.exercise =
@@ -133,7 +133,7 @@ Result<World> Load(const Options& options) {
 }
 
 // One attempt into the spool; `most` ticks at most.
-Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t most,
+Status Attempt(const World& w, const RecordOptions& options, Spool& spool, uint64_t most,
                Totals& totals) {
   const auto seed = static_cast<uint32_t>(totals.attempts + 1);
   const OperatorPreset* preset = FindOperator(options.operator_name);
@@ -179,10 +179,10 @@ double OnDisk_mb(const fs::path& folder) {
   return static_cast<double>(bytes) * 1e-6;
 }
 
-Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
+Status MeasureRecord(const RecordOptions& options, const fs::path& folder, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(auto world, Load(options));
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(folder));
-  const auto most = static_cast<uint64_t>(options.hours * 3600 * kRate_hz);
+  const auto most = static_cast<uint64_t>(options.hours * 3600 * kRecordRate_hz);
   // Eight lines, which would show memory that grows with time.
   const uint64_t step = std::max<uint64_t>(1, most / 8);
   std::printf("%7s %9s %11s %9s %9s %11s %9s\n", "hours", "attempts", "ticks", "cutting", "B/tick",
@@ -198,7 +198,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
     if (totals.ticks < next && totals.ticks < most) continue;
     while (next <= totals.ticks) next += step;
     progress.Clear();
-    double hours = static_cast<double>(totals.ticks) / kRate_hz / 3600;
+    double hours = static_cast<double>(totals.ticks) / kRecordRate_hz / 3600;
     double per_tick = static_cast<double>(totals.bytes) / static_cast<double>(totals.ticks);
     double cutting = static_cast<double>(totals.cutting) / static_cast<double>(totals.ticks);
     double disk_mb = OnDisk_mb(folder), resident_mb = Resident_mb();
@@ -218,13 +218,13 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   // From the disk, not the chunks: pages and indexes of the spool count too.
   double mb_8h = OnDisk_mb(folder) * 8 / options.hours;
   std::printf("\n%.0f s, %.0f x real time. Bytes a tick: %s. Spool for 8 h: %s MB\n", took_s,
-              static_cast<double>(totals.ticks) / kRate_hz / took_s,
+              static_cast<double>(totals.ticks) / kRecordRate_hz / took_s,
               AgainstGoal(per_tick, kGoalBytesPerTick).c_str(),
               AgainstGoal(mb_8h, kGoalMbPer8h).c_str());
   return Status::Ok();
 }
 
-int Run(Options& options) {
+int RunRecord(RecordOptions& options) {
   if (!CanWrite(options.json)) return 1;
   std::string name =
       ((options.folder.empty() ? fs::temp_directory_path() : fs::path(options.folder)) /
@@ -245,7 +245,7 @@ int Run(Options& options) {
       options.operator_name.c_str(), options.profile.c_str(), options.voxel_um, kNoise_counts);
   std::printf("Method: %s.\n\n", method);
   Rows rows("record", method);
-  Status status = Measure(options, name, rows);
+  Status status = MeasureRecord(options, name, rows);
   std::error_code ignored;
   fs::remove_all(name, ignored);
   if (!status.ok()) {
@@ -265,7 +265,7 @@ std::vector<std::string> NamesOf(const Named& all) {
 }  // namespace
 
 void RegisterRecord(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RecordOptions>();
   CLI::App* record =
       app.add_subcommand("record", "Bytes and memory of a working day's recording, accelerated");
   record->add_option("--hours", options->hours, "Of recorded time")
@@ -285,7 +285,7 @@ void RegisterRecord(CLI::App& app, int* exit_code) {
       "Folder for the spool, which is removed; else the system's folder for temporary files");
   record->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*record, {"--hours 8"});
-  record->callback([options, exit_code] { *exit_code = Run(*options); });
+  record->callback([options, exit_code] { *exit_code = RunRecord(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct ReplayOptions {
   std::string json;
   std::vector<int> voxels_um = {100, 50, 25};
   uint64_t ticks = 600'000;
@@ -109,7 +109,7 @@ int Fail(const Status& status) {
   return 1;
 }
 
-int Run(const Options& options) {
+int RunReplay(const ReplayOptions& options) {
   if (!CanWrite(options.json)) return 1;
   std::string method =
       "a class I cavity on the built-in molar, strokes at 2 mm/s with looking in between, recorded "
@@ -182,7 +182,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterReplay(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* replay =
       app.add_subcommand("replay", "How fast an attempt is replayed, and a moment of it reached");
   replay->add_option("--voxel-um", options->voxels_um, "Voxel sizes")
@@ -197,7 +197,7 @@ void RegisterReplay(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   replay->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*replay, {"--voxel-um 50"});
-  replay->callback([options, exit_code] { *exit_code = Run(*options); });
+  replay->callback([options, exit_code] { *exit_code = RunReplay(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

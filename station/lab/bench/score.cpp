@@ -22,13 +22,13 @@ namespace enamel::station::lab::bench {
 namespace {
 
 // Of this thread alone: other programs count only as far as they share its caches.
-double Now_s() {
+double ScoreClock_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-struct Options {
+struct ScoreOptions {
   std::string json;
   std::vector<int> voxels_um = {50};
   uint64_t ticks = 600'000;
@@ -46,7 +46,7 @@ constexpr double kBetweenReferences_m = 0.05e-3;
 class Least {
  public:
   void Take(double from_s) {
-    const double s = Now_s() - from_s;
+    const double s = ScoreClock_s() - from_s;
     s_ = s_ < 0 ? s : std::min(s_, s);
   }
   double s() const { return s_; }
@@ -55,7 +55,7 @@ class Least {
   double s_ = -1;
 };
 
-struct Figures {
+struct ScoreFigures {
   Least verify, replay, replay_with_provenance, measure, measure_all, judge, deductions, encode;
   size_t removed_voxels = 0, blob_bytes = 0;
   double Total_s() const {
@@ -87,12 +87,12 @@ struct Replayed {
   }
 };
 
-Result<Replayed> Replay(const Attempt& attempt, bool provenance, Least& time) {
+Result<Replayed> ReplayScored(const Attempt& attempt, bool provenance, Least& time) {
   Replayed out;
   const core::CoreParams& params = attempt.header.params;
   out.core = std::make_unique<core::Core>(params, attempt.built.volume);
   out.process = std::make_unique<scoring::ProcessRecorder>(params);
-  const double from = Now_s();
+  const double from = ScoreClock_s();
   if (provenance) {
     out.provenance = std::make_unique<scoring::ProvenanceRecorder>(attempt.built.volume);
   }
@@ -139,8 +139,8 @@ struct Scored {
 };
 
 // Surface, metrics, regions, mistakes, points.
-Result<Scored> Measure(const Attempt& attempt, const Reference& reference, Replayed& replayed,
-                       const scoring::MetricPlan& plan) {
+Result<Scored> MeasureScore(const Attempt& attempt, const Reference& reference, Replayed& replayed,
+                            const scoring::MetricPlan& plan) {
   replayed.mesh = surface::ExtractSurface(replayed.core->volume());
   ENAMEL_ASSIGN_OR_RETURN(
       const auto metrics,
@@ -160,7 +160,7 @@ Result<Scored> Measure(const Attempt& attempt, const Reference& reference, Repla
 Status JudgeByAll(const Attempt& attempt, const References& references,
                   const std::vector<scoring::MetricSet>& among, Replayed& replayed, Least& time) {
   const auto plan = scoring::MetricPlan::For(attempt.exercise.rubric);
-  const double from = Now_s();
+  const double from = ScoreClock_s();
   replayed.mesh = surface::ExtractSurface(replayed.core->volume());
   std::optional<scoring::MetricSet> first;
   for (const auto& reference : references) {
@@ -190,35 +190,36 @@ Status JudgeByAll(const Attempt& attempt, const References& references,
 }
 
 Status MeasureOnce(const Attempt& attempt, const References& references,
-                   const std::vector<scoring::MetricSet>& among, Figures& out) {
+                   const std::vector<scoring::MetricSet>& among, ScoreFigures& out) {
   const Reference& reference = *references.front();
-  double from = Now_s();
+  double from = ScoreClock_s();
   ENAMEL_RETURN_IF_ERROR(Verify(attempt));
   out.verify.Take(from);
   // Alternately, so that a machine that slows down affects both.
-  ENAMEL_ASSIGN_OR_RETURN(auto without, Replay(attempt, false, out.replay));
-  ENAMEL_ASSIGN_OR_RETURN(auto replayed, Replay(attempt, true, out.replay_with_provenance));
+  ENAMEL_ASSIGN_OR_RETURN(auto without, ReplayScored(attempt, false, out.replay));
+  ENAMEL_ASSIGN_OR_RETURN(auto replayed, ReplayScored(attempt, true, out.replay_with_provenance));
 
-  from = Now_s();
-  ENAMEL_ASSIGN_OR_RETURN(auto planned, Measure(attempt, reference, replayed,
-                                                scoring::MetricPlan::For(attempt.exercise.rubric)));
+  from = ScoreClock_s();
+  ENAMEL_ASSIGN_OR_RETURN(auto planned,
+                          MeasureScore(attempt, reference, replayed,
+                                       scoring::MetricPlan::For(attempt.exercise.rubric)));
   out.measure.Take(from);
 
-  from = Now_s();
+  from = ScoreClock_s();
   ENAMEL_ASSIGN_OR_RETURN(auto scored,
-                          Measure(attempt, reference, replayed, scoring::MetricPlan::All()));
+                          MeasureScore(attempt, reference, replayed, scoring::MetricPlan::All()));
   out.measure_all.Take(from);
 
   ENAMEL_RETURN_IF_ERROR(JudgeByAll(attempt, references, among, replayed, out.judge));
 
-  from = Now_s();
+  from = ScoreClock_s();
   const scoring::Provenance provenance = replayed.provenance->Take();
   scored.score.deductions =
       scoring::FindDeductions({reference.r.get(), &replayed.core->volume(), &scored.judged.found,
                                &provenance, &replayed.process->strokes()});
   out.deductions.Take(from);
 
-  from = Now_s();
+  from = ScoreClock_s();
   const Bytes blob = scoring::EncodeProvenance(provenance);
   out.encode.Take(from);
   out.removed_voxels = provenance.tick.size();
@@ -226,7 +227,7 @@ Status MeasureOnce(const Attempt& attempt, const References& references,
   return Status::Ok();
 }
 
-Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progress) {
+Result<ScoreFigures> MeasureScoreAt(int voxel_um, const ScoreOptions& options, Progress& progress) {
   const std::string at = " at " + std::to_string(voxel_um) + " um";
   AttemptOptions how;
   how.voxel_nm = voxel_um * 1000;
@@ -239,7 +240,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
     ENAMEL_ASSIGN_OR_RETURN(auto recorded, RecordAttempt(how, [&](double ratio) {
                               progress.Show("reference" + at, ratio);
                             }));
-    ENAMEL_ASSIGN_OR_RETURN(auto cut, Replay(recorded, false, unused));
+    ENAMEL_ASSIGN_OR_RETURN(auto cut, ReplayScored(recorded, false, unused));
     cut.mesh = surface::ExtractSurface(cut.core->volume());
     // On the heap: its volumes are kept, not copied.
     auto reference = std::make_unique<Reference>(std::move(recorded), std::move(cut));
@@ -262,7 +263,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, RecordAttempt(how, [&](double ratio) {
                             progress.Show("attempt" + at, ratio);
                           }));
-  Figures out;
+  ScoreFigures out;
   for (int r = 0; r < options.repeats; ++r) {
     progress.Show("scoring" + at, static_cast<double>(r) / options.repeats);
     ENAMEL_RETURN_IF_ERROR(MeasureOnce(attempt, references, among, out));
@@ -270,7 +271,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   return out;
 }
 
-int Run(const Options& options) {
+int RunScore(const ScoreOptions& options) {
   if (!CanWrite(options.json)) return 1;
   const std::string method =
       "a class I cavity on the built-in molar, its mesial wall 0.3 mm and its floor 0.2 mm too "
@@ -290,7 +291,7 @@ int Run(const Options& options) {
   std::string goals;
   for (int voxel_um : options.voxels_um) {
     Progress progress;
-    auto f = MeasureAt(voxel_um, options, progress);
+    auto f = MeasureScoreAt(voxel_um, options, progress);
     if (!f.ok()) {
       program::SayError(f.status().message());
       return 1;
@@ -334,7 +335,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterScore(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ScoreOptions>();
   CLI::App* score =
       app.add_subcommand("score", "What verifying and scoring an attempt takes, step by step");
   score->add_option("--voxel-um", options->voxels_um, "Voxel sizes")
@@ -349,7 +350,7 @@ void RegisterScore(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   score->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*score, {"--voxel-um 50"});
-  score->callback([options, exit_code] { *exit_code = Run(*options); });
+  score->callback([options, exit_code] { *exit_code = RunScore(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -24,7 +24,7 @@
 namespace enamel::station::lab::bench {
 namespace {
 
-struct Options {
+struct StorageOptions {
   std::string json, hand = "student";
   int voxel_um = 50;
   bool quick = false;
@@ -113,8 +113,8 @@ size_t TraceBytes(const Cut& cut) {
 size_t PackedBytes(const std::string& text) { return Pack(AsBytes(text), kTextLevel).size(); }
 
 // What the replay leaves: curves over time and the surface timeline.
-void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Deviation& deviation,
-            Parts& out) {
+void ReplayStored(const Cut& cut, const cutting::Volume& initial,
+                  const timeline::Deviation& deviation, Parts& out) {
   timeline::RecorderOptions options;
   options.rate_hz = cut.params.rate_hz;
   options.ticks = cut.ticks.size();
@@ -143,7 +143,7 @@ void Replay(const Cut& cut, const cutting::Volume& initial, const timeline::Devi
   out.series = PackedBytes(series.ToJson());
 }
 
-Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options& options) {
+Result<Parts> MeasureOne(const char* scene_name, const char* name, const StorageOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(const auto built,
                           scene::BuildBuiltinScene(scene_name, options.voxel_um * 1000));
   const auto exercises =
@@ -162,7 +162,7 @@ Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options
   out.trace = TraceBytes(cut);
   out.deviation = timeline::EncodeDeviation(deviation).size();
   out.volume = scene::EncodeChange(cut.volume, built.volume, built.scene.volume).size();
-  Replay(cut, built.volume, deviation, out);
+  ReplayStored(cut, built.volume, deviation, out);
   ENAMEL_ASSIGN_OR_RETURN(auto metrics,
                           scoring::ComputeMetrics(built.scene, *exercise, cut.Data(built.volume),
                                                   reference.Data(built.volume)));
@@ -179,7 +179,7 @@ Result<Parts> MeasureOne(const char* scene_name, const char* name, const Options
   return out;
 }
 
-int Run(const Options& options) {
+int RunStorage(const StorageOptions& options) {
   if (!CanWrite(options.json)) return 1;
   const std::string method =
       "each exercise cut by the simulated " + options.hand +
@@ -262,7 +262,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterStorage(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StorageOptions>();
   CLI::App* storage = app.add_subcommand(
       "storage", "Megabytes a server keeps of an attempt, by parts, and of a school's year");
   storage->add_option("--voxel-um", options->voxel_um, "Voxel size")
@@ -276,7 +276,7 @@ void RegisterStorage(CLI::App& app, int* exit_code) {
   storage->add_flag("--quick", options->quick, "One exercise of each kind");
   storage->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*storage, {"--quick"});
-  storage->callback([options, exit_code] { *exit_code = Run(*options); });
+  storage->callback([options, exit_code] { *exit_code = RunStorage(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct SurfaceOptions {
   std::string json;
   int replays = 5;
   size_t ticks = 400;
@@ -70,7 +70,7 @@ UpdateCost MeasureUpdates(const CutPath& path, int replays, Progress& progress) 
   return out;
 }
 
-int Run(const Options& options) {
+int RunSurface(const SurfaceOptions& options) {
   if (!CanWrite(options.json)) return 1;
   std::string method =
       "update: after each tick of the headline path (cylinder r 0.6 x 4 mm, half embedded, 5 mm/s) "
@@ -126,7 +126,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterSurface(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SurfaceOptions>();
   CLI::App* surface = app.add_subcommand(
       "surface", "Milliseconds to mesh what one tick touched, and a whole tooth");
   surface->add_option("--replays", options->replays, "Identical replays")
@@ -137,7 +137,7 @@ void RegisterSurface(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   surface->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*surface, {""});
-  surface->callback([options, exit_code] { *exit_code = Run(*options); });
+  surface->callback([options, exit_code] { *exit_code = RunSurface(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

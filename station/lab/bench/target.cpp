@@ -18,12 +18,12 @@
 namespace enamel::station::lab::bench {
 namespace {
 
-struct Options {
+struct TargetOptions {
   std::string json, scene = "molar";
   std::vector<int> voxels_um = {200, 100, 50};
 };
 
-constexpr const char* kExercises[] = {"class-1", "crown"};
+constexpr const char* kTargetExercises[] = {"class-1", "crown"};
 constexpr int kNoises_um[] = {0, 20, 50};  // of each vertex, along each axis
 constexpr int kTurns = 3;                  // different ones, for each row
 
@@ -31,7 +31,7 @@ constexpr int kTurns = 3;                  // different ones, for each row
 constexpr int32_t kScanVoxel_nm = 60'000;
 constexpr int kUsualNoise_um = 20, kUsualVoxel_um = 100;
 
-double Now_s() {
+double TargetClock_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
@@ -77,13 +77,13 @@ double Differs_mm3(const cutting::Volume& a, const cutting::Volume& b) {
   return static_cast<double>(sum) / 65536 * h * h * h;
 }
 
-Result<Error> Measure(const scene::BuiltScene& tooth, const scene::Preparation& shape,
-                      const mesh::Triangles& scan, const mesh::Rigid& moved) {
+Result<Error> MeasureTarget(const scene::BuiltScene& tooth, const scene::Preparation& shape,
+                            const mesh::Triangles& scan, const mesh::Rigid& moved) {
   Error out;
-  const double begun = Now_s();
+  const double begun = TargetClock_s();
   ENAMEL_ASSIGN_OR_RETURN(const auto taken,
                           import::TakePrepared(tooth.scene, tooth.volume, scan, "a known scan"));
-  out.run_s = Now_s() - begun;
+  out.run_s = TargetClock_s() - begun;
   const mesh::Rigid both = taken.fit.fixed_from_moving.After(moved);
   out.turn_deg = mesh::TurnOf_deg(both.rotation);
   const cutting::GridSpec& spec = tooth.volume.spec();
@@ -108,7 +108,8 @@ Result<Error> Worst(const scene::BuiltScene& tooth, const std::string& exercise,
     const mesh::Rigid moved = Somewhere(random);
     ENAMEL_ASSIGN_OR_RETURN(
         const Error error,
-        Measure(tooth, shape, mesh::Moved(WithNoise(scan, noise_um * 1e-3, random), moved), moved));
+        MeasureTarget(tooth, shape, mesh::Moved(WithNoise(scan, noise_um * 1e-3, random), moved),
+                      moved));
     out.off_um = std::max(out.off_um, error.off_um);
     out.turn_deg = std::max(out.turn_deg, error.turn_deg);
     out.differs_mm3 = std::max(out.differs_mm3, error.differs_mm3);
@@ -118,11 +119,11 @@ Result<Error> Worst(const scene::BuiltScene& tooth, const std::string& exercise,
   return out;
 }
 
-Status MeasureAll(const Options& options, Rows& rows) {
+Status MeasureAll(const TargetOptions& options, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(const auto fine, scene::BuildBuiltinScene(options.scene, kScanVoxel_nm));
   std::printf("%-10s %8s %9s %10s %10s %22s %8s\n", "exercise", "voxel um", "noise um", "off um",
               "turned deg", "differs of target mm3", "s");
-  for (const std::string exercise : kExercises) {
+  for (const std::string exercise : kTargetExercises) {
     ENAMEL_ASSIGN_OR_RETURN(const auto shape, ShapeOf(fine, exercise));
     const mesh::Triangles scan = import::ToothSurface_mm(scene::Prepared(fine.volume, shape));
     auto row = [&](int voxel_um, int noise_um) -> Status {
@@ -150,7 +151,7 @@ Status MeasureAll(const Options& options, Rows& rows) {
   return Status::Ok();
 }
 
-int Run(const Options& options) {
+int RunTarget(const TargetOptions& options) {
   if (!CanWrite(options.json)) return 1;
   const std::string method =
       "a built-in tooth prepared as its exercise asks, its surface at 0.06 mm moved by known turns "
@@ -169,7 +170,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterTarget(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TargetOptions>();
   CLI::App* command = app.add_subcommand(
       "target", "How far a scan of a known preparation is laid beside where it belongs");
   command->add_option("--scene", options->scene, "A built-in tooth")->capture_default_str();
@@ -179,7 +180,7 @@ void RegisterTarget(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*command, {"--voxel-um 100"});
-  command->callback([options, exit_code] { *exit_code = Run(*options); });
+  command->callback([options, exit_code] { *exit_code = RunTarget(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -15,7 +15,7 @@
 namespace enamel::station::lab::bench {
 namespace {
 
-struct Options {
+struct TickOptions {
   std::string json;
   bool quick = false, peers = false;
   int replays = 9;
@@ -136,7 +136,7 @@ void ComparePeers(Rows& rows) {
   }
 }
 
-int Run(const Options& options) {
+int RunTick(const TickOptions& options) {
   if (!CanWrite(options.json)) return 1;
   std::string method = "per tick the least of " + std::to_string(options.replays) +
                        " identical replays of one path on fresh cores, then mean and 99th "
@@ -208,7 +208,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterTick(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TickOptions>();
   CLI::App* tick = app.add_subcommand("tick", "Microseconds a tick: burs x voxel sizes x speeds");
   tick->add_flag("--quick", options->quick,
                  "The headline case only (cylinder r 0.6 x 4 mm at 5 mm/s)");
@@ -223,7 +223,7 @@ void RegisterTick(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   tick->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*tick, {"--quick --json tick.json"});
-  tick->callback([options, exit_code] { *exit_code = Run(*options); });
+  tick->callback([options, exit_code] { *exit_code = RunTick(*options); });
 }
 
 }  // namespace enamel::station::lab::bench

@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct TimelineOptions {
   std::string json;
   std::vector<int> voxels_um = {100, 50};
   uint64_t ticks = 600'000;
@@ -32,7 +32,7 @@ double Seconds(Clock::time_point from) {
   return std::chrono::duration<double>(Clock::now() - from).count();
 }
 
-struct Figures {
+struct TimelineFigures {
   size_t start_bytes = 0, timeline_bytes = 0, part_bytes = 0, coarse_bytes = 0, end_bytes = 0,
          key_bytes = 0, pose_bytes = 0, change_bytes = 0;
   uint32_t frames = 0, cut_bricks = 0;
@@ -57,7 +57,7 @@ Status ReplayInto(const Attempt& attempt, timeline::Recorder* recorder, Bytes& o
   return Status::Ok();
 }
 
-Status MeasurePlayer(const Bytes& start, const Bytes& file, Figures& out) {
+Status MeasurePlayer(const Bytes& start, const Bytes& file, TimelineFigures& out) {
   auto from = Clock::now();
   ENAMEL_ASSIGN_OR_RETURN(auto player, timeline::Player::Open(start, file));
   out.open_s = Seconds(from);
@@ -90,14 +90,15 @@ Status MeasurePlayer(const Bytes& start, const Bytes& file, Figures& out) {
   return Status::Ok();
 }
 
-Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progress) {
+Result<TimelineFigures> MeasureTimelineAt(int voxel_um, const TimelineOptions& options,
+                                          Progress& progress) {
   AttemptOptions how;
   how.voxel_nm = voxel_um * 1000;
   how.ticks = options.ticks;
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, RecordAttempt(how, [&](double ratio) {
                             progress.Show("attempt at " + std::to_string(voxel_um) + " um", ratio);
                           }));
-  Figures out;
+  TimelineFigures out;
   auto from = Clock::now();
   const Bytes start = timeline::EncodeStartTooth(timeline::StartToothOf(attempt.built.volume));
   out.start_s = Seconds(from);
@@ -115,7 +116,7 @@ Result<Figures> MeasureAt(int voxel_um, const Options& options, Progress& progre
   return out;
 }
 
-int Run(const Options& options) {
+int RunTimeline(const TimelineOptions& options) {
   if (!CanWrite(options.json)) return 1;
   const std::string method =
       "a class I cavity on the built-in molar, recorded through the core; the start tooth packed; "
@@ -131,7 +132,7 @@ int Run(const Options& options) {
   std::string goals;
   for (int voxel_um : options.voxels_um) {
     Progress progress;
-    auto f = MeasureAt(voxel_um, options, progress);
+    auto f = MeasureTimelineAt(voxel_um, options, progress);
     if (!f.ok()) {
       program::SayError(f.status().message());
       return 1;
@@ -177,7 +178,7 @@ int Run(const Options& options) {
 }  // namespace
 
 void RegisterTimeline(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TimelineOptions>();
   CLI::App* timeline = app.add_subcommand(
       "timeline", "Bytes and times of playing an attempt back with the tooth being cut");
   timeline->add_option("--voxel-um", options->voxels_um, "Voxel sizes")
@@ -194,7 +195,7 @@ void RegisterTimeline(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   timeline->add_option("--json", options->json, "Write the rows to this file");
   program::AddExamples(*timeline, {"--voxel-um 50"});
-  timeline->callback([options, exit_code] { *exit_code = Run(*options); });
+  timeline->callback([options, exit_code] { *exit_code = RunTimeline(*options); });
 }
 
 }  // namespace enamel::station::lab::bench
