@@ -3,6 +3,7 @@
 . "$(dirname "$0")/support.sh"
 cd "$root"
 port=$(free_ports)
+school=(--data "$work/data/server")
 
 mkdir "$work/folder"
 for bad in "$work/none/x.json" "$work/folder"; do
@@ -48,6 +49,31 @@ fi
 ./run --once --data "$work/data" --port "$port" --json "$work/2.json"
 node tests/integration/check_facts.mjs "$work/2.json"
 
+# A rubric is corrected: the preview says what the new runs then find. Before there are many attempts to score again.
+start_server "$work/data/server" "$port"
+"$bin/enamel-server" admin show-rubric "${school[@]}" --exercise class-1-molar-46 --out "$work/rubric.json"
+node -e '
+  const fs = require("fs"), file = process.argv[1], rubric = JSON.parse(fs.readFileSync(file, "utf8"));
+  rubric.prices.find((each) => each.of === "wall").points /= 2;
+  fs.writeFileSync(file, JSON.stringify(rubric));
+' "$work/rubric.json"
+"$bin/enamel-server" admin publish-rubric "${school[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --preview >"$work/preview"
+"$bin/enamel-server" admin publish-rubric "${school[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --reason "walls cost half as much"
+"$bin/enamel-server" rescore "${school[@]}" --cohort "Demo cohort"
+"$bin/enamel-server" admin list-attempts "${school[@]}" >"$work/list"
+for id in $(grep -oE '^[0-9a-f]{8}-[0-9a-f-]{27}' "$work/list"); do
+  "$bin/enamel-server" report "${school[@]}" --attempt "$id" --wait 120 --json "$work/regraded_$id.json" >/dev/null || true
+done
+before=$(awk -v id="$first" '$1 == id { print $2 }' "$work/preview")
+after=$(awk -v id="$first" '$1 == id { print $3 }' "$work/preview")
+node -e '
+  const f = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")), [before, after] = process.argv.slice(2).map(Number);
+  const fits = after > before && Math.abs(f.score - after) < 0.06 && f.result.signed;
+  if (!fits) { console.error("preview", before, "to", after, "then", f.score, f.result); process.exit(1); }
+' "$work/regraded_$first.json" "$before" "$after" || { cat "$work/preview"; fail "the new run is not what the preview said"; }
+echo "ok: a corrected rubric counts in the next run as its preview said ($before to $after)"
+stop_server
+
 # As a terminal starts it: a process group of its own that heeds Ctrl-C.
 start_run() {
   env -u DISPLAY --default-signal=INT,TERM setsid ./run --data "$work/data" --port "$port" >"$work/run.log" 2>&1 &
@@ -68,6 +94,7 @@ wait_for_ticks() {
   until "$bin/enamel-station" spool list --data "$work/data/station" | tail -n 1 | grep -qE 'unfinished .* [1-9][0-9]* of'; do
     ! grep -q '==> score' "$work/run.log" || return
     kill -0 "$runner" 2>/dev/null || { cat "$work/run.log"; fail "./run ended before the attempt"; }
+    sleep 0.1
   done
 }
 # An impatient Ctrl-C: whole group, three times.
@@ -126,37 +153,14 @@ if [ -n "$left" ]; then
   echo "ok: ./run sends what an earlier one could not"
 fi
 "$bin/enamel-station" spool list --data "$work/data/station" | grep -q '; 0 with something the server does not have' || fail "a recording is still only on the station"
-# A rubric is corrected: the preview says what the new runs then find, and released scores of before are kept.
-server=(--data "$work/data/server")
-"$bin/enamel-server" admin show-rubric "${server[@]}" --exercise class-1-molar-46 --out "$work/rubric.json"
-node -e '
-  const fs = require("fs"), file = process.argv[1], rubric = JSON.parse(fs.readFileSync(file, "utf8"));
-  rubric.prices.find((each) => each.of === "wall").points /= 2;
-  fs.writeFileSync(file, JSON.stringify(rubric));
-' "$work/rubric.json"
-"$bin/enamel-server" admin publish-rubric "${server[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --preview >"$work/preview"
-"$bin/enamel-server" admin publish-rubric "${server[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --reason "walls cost half as much"
-"$bin/enamel-server" rescore "${server[@]}" --cohort "Demo cohort"
-"$bin/enamel-server" admin list-attempts "${server[@]}" >"$work/list"
-for id in $(grep -oE '^[0-9a-f]{8}-[0-9a-f-]{27}' "$work/list"); do
-  "$bin/enamel-server" report "${server[@]}" --attempt "$id" --wait 120 --json "$work/regraded_$id.json" >/dev/null || true
-done
-before=$(awk -v id="$first" '$1 == id { print $2 }' "$work/preview")
-after=$(awk -v id="$first" '$1 == id { print $3 }' "$work/preview")
-node -e '
-  const f = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")), [before, after] = process.argv.slice(2).map(Number);
-  const fits = after > before && Math.abs(f.score - after) < 0.06 && f.result.signed;
-  if (!fits) { console.error("preview", before, "to", after, "then", f.score, f.result); process.exit(1); }
-' "$work/regraded_$first.json" "$before" "$after" || { cat "$work/preview"; fail "the new run is not what the preview said"; }
-echo "ok: a corrected rubric counts in the next run as its preview said ($before to $after)"
 press_ctrl_c
 
-"$bin/enamel-server" verify "${server[@]}" >"$work/verify" || { cat "$work/verify"; fail "verify finds something in what nobody touched"; }
+"$bin/enamel-server" verify "${school[@]}" >"$work/verify" || { cat "$work/verify"; fail "verify finds something in what nobody touched"; }
 grep -qE '[1-9][0-9]* signed result' "$work/verify" || { cat "$work/verify"; fail "no result is signed"; }
 
 # Out of the house: whoever has the export checks each result without the server, by our program or by the script.
-"$bin/enamel-server" admin export-person "$work/mine" "${server[@]}" --login student1
-key=$("$bin/enamel-server" admin list-stations "${server[@]}" | sed -nE "s/^key of this server's tickets and results +//p")
+"$bin/enamel-server" admin export-person "$work/mine" "${school[@]}" --login student1
+key=$("$bin/enamel-server" admin list-stations "${school[@]}" | sed -nE "s/^key of this server's tickets and results +//p")
 for result in "$work"/mine/attempts/*/result.bin; do
   "$bin/enamel-server" verify-result "$result" --key "$key" >"$work/checked" || { cat "$work/checked"; fail "$result does not verify"; }
   grep -q "^fingerprint $(sha256sum "$result" | cut -c 1-64)," "$work/checked" || { cat "$work/checked"; fail "another fingerprint"; }
