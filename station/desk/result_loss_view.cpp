@@ -15,6 +15,13 @@ constexpr double kLongestStep_s = 0.1;
 // A wall is seen over the opposite one's rim: upright as far as its own lean allows.
 glm::vec3 SeenFrom(const dvec3& facing) { return glm::vec3(facing) + glm::vec3(0, 0, 1.2f); }
 
+// The bur that made the mistake, with nothing around it.
+render::ViewOptions WithoutHandpiece(const PreparedAttempt& prepared) {
+  render::ViewOptions view = ViewOf(prepared);
+  view.handpiece = false;
+  return view;
+}
+
 }  // namespace
 
 LossView::LossView(const PreparedAttempt& prepared, Stretch stretch,
@@ -22,7 +29,7 @@ LossView::LossView(const PreparedAttempt& prepared, Stretch stretch,
     : stretch_(std::move(stretch)),
       tick_s_(1.0 / prepared.header.params.rate_hz),
       place_mm_(place.position_m * 1000.0),
-      view_(ViewOf(prepared), stretch_.core->volume()),
+      view_(WithoutHandpiece(prepared), stretch_.core->volume()),
       passed_ticks_(stretch_.passed_ticks) {
   view_.camera().LookAt(place_mm_, SeenFrom(place.facing), kRadius_mm);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "station/render/handpiece.h"
 #include "station/render/materials.h"
 #include "station/render/mouth_mirror.h"
 #include "station/render/revolve.h"
@@ -54,8 +55,10 @@ Picture::Picture(std::span<const cutting::Bur> burs, size_t group_count)
       turning_sight_(programs_) {
   for (const cutting::Bur& bur : burs) {
     BurBody& body = burs_.emplace_back();
+    body.bur = bur;
     Fill(body.head, BurHeadShape(bur));
     Fill(body.shank, BurShankShape(bur));
+    Fill(body.handpiece, HandpieceShape(bur));
     body.height_mm = static_cast<float>(bur.height_m() * 1000);
     body.radius_mm = static_cast<float>(bur.radius_m * 1000);
   }
@@ -169,6 +172,7 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
   work_.whole = sight.tooth.work().whole;
   work_.coarse = quality.coarse;
   DrawMirror(sight, state, eye, quality);
+  DrawHandpiece(state, eye);
   DrawArrow(state, eye);
   sight.frame->CopyColourTo(*result_);
 }
@@ -218,6 +222,10 @@ void Picture::DrawMirror(const Sight& sight, const PictureState& state, const Ey
     mirrored.before = glm::transpose(glm::inverse(mirrored.view_from_scene)) *
                       glm::vec4(out, -glm::dot(out, glm::vec3(mirror[3])));
     DrawSight(*reflected_, state, mirrored, quality, part);
+    Scissor(part);
+    DrawHandpiece(state, mirrored);
+    glDisable(GL_SCISSOR_TEST);
+    SeeWith({});
     sight.frame->Bind();
     UseSolid(state, eye);
     mirror_.Use();
@@ -307,6 +315,33 @@ void Picture::DrawBurs(const PictureState& state, const Eye& eye) {
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
+}
+
+void Picture::DrawHandpiece(const PictureState& state, const Eye& eye) {
+  if (!state.scene_from_bur || !state.handle_azimuth) return;
+  UseSolid(state, eye);
+  const BurBody& body = burs_[state.bur];
+  const glm::mat4 view_from_handpiece =
+      eye.view_from_scene *
+      glm::rotate(*state.scene_from_bur, *state.handle_azimuth, glm::vec3(0, 0, 1));
+  const float opacity = HandpieceOpacity(body.bur, glm::vec3(glm::inverse(view_from_handpiece)[3]));
+  solid_.Set("view_from_model", view_from_handpiece);
+  if (opacity < 1) {
+    solid_.Set("opacity", opacity);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    // Its near side alone: glass of one thickness.
+    glEnable(GL_CULL_FACE);
+    glCullFace(eye.mirrored ? GL_FRONT : GL_BACK);
+  }
+  body.handpiece.Draw();
+  if (opacity < 1) {
+    glDisable(GL_CULL_FACE);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+    solid_.Set("opacity", 1.0f);
+  }
 }
 
 void Picture::DrawBur(const BurBody& bur, const Eye& eye, const glm::mat4& scene_from_bur,

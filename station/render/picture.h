@@ -25,6 +25,7 @@ struct PictureState {
   glm::vec3 arrow_from_mm{0}, arrow_mm{0};     // zero: no arrow
   float bur_spin = 0;                          // rad
   size_t bur = 0;                              // of the picture's burs
+  std::optional<float> handle_azimuth;         // handpiece.h; none: a bur without its handpiece
   bool lines = false;                          // draw SetLines' lines
   bool scenery = false;                        // draw SetScenery's
   std::span<const Chip> chips;                 // only with scene_from_bur
@@ -40,8 +41,8 @@ struct PictureWork {
 };
 
 // The solid part of the picture, by OpenGL 3.3. The tooth is kept as a layer (tooth_layer.h). Each
-// frame draws the moving things over a copy of that layer: the bur's shadow, chips, the bur, the
-// ghost of the hand, the mirror, the force. *Why:* while somebody cuts, the camera rests and the cut
+// frame draws the moving things over a copy of that layer: the bur's shadow, chips, the bur in its
+// handpiece, the ghost of the hand, the mirror, the force. *Why:* while somebody cuts, the camera rests and the cut
 // changes a thousandth of the surface; a computer without graphics card cannot redraw all of it.
 // While the camera moves the layer may be a lighter one (Quality::lighter_turning); it is redrawn in
 // full once the camera has rested for kStillPictures. The mirror has a layer of its own, seen by the
@@ -66,7 +67,8 @@ class Picture {
 
  private:
   struct BurBody {
-    TriangleBuffer head, shank;
+    cutting::Bur bur;
+    TriangleBuffer head, shank, handpiece;
     float height_mm = 0, radius_mm = 0;
   };
   // What one eye sees: the tooth, and the frame with the moving things over it.
@@ -91,6 +93,8 @@ class Picture {
   void DrawShadow(const Sight& sight, const PictureState& state, const Eye& eye,
                   const PixelRect& part);
   void DrawBurs(const PictureState& state, const Eye& eye);
+  // After all that may be behind it: as glass where it would hide the bur's tip.
+  void DrawHandpiece(const PictureState& state, const Eye& eye);
   void DrawBur(const BurBody& bur, const Eye& eye, const glm::mat4& scene_from_bur, int parts);
   void DrawArrow(const PictureState& state, const Eye& eye);
 

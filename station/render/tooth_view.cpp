@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "station/render/gl_objects.h"
+#include "station/render/handpiece.h"
 
 namespace enamel::station::render {
 namespace {
@@ -110,6 +111,8 @@ PictureState ToothView::PictureNow(float aspect) {
     picture.scene_from_ghost = FromPose(state_.device);
   }
   picture.bur = BurNow();
+  if (options_.handpiece)
+    picture.handle_azimuth = HandleAzimuth(state_.anchor.orientation, camera_);
   dvec3 middle = state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] *
                                            (0.5 * options_.burs[picture.bur].height_m());
   picture.arrow_from_mm = glm::vec3(middle * 1000.0);

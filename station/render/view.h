@@ -26,7 +26,8 @@ struct ViewOptions {
   double work_radius_m = 0;
   // The crown is toward -y: a face of the tooth is up, not its occlusal side.
   bool crown_aside = false;
-  int mesial_x = 1;  // scene::MesialX, for the view from there
+  int mesial_x = 1;       // scene::MesialX, for the view from there
+  bool handpiece = true;  // around the bur
 };
 
 }  // namespace enamel::station::render
