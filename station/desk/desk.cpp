@@ -298,7 +298,10 @@ class Desk {
     if (free) {
       content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     }
-    const std::string keys = flow_.left_handed() ? "I J K L" : "W A S D";
+    std::string keys;
+    for (const char place : std::string_view(flow_.left_handed() ? "IJKL" : "WASD")) {
+      keys += (keys.empty() ? "" : " ") + std::string(1, static_cast<char>(screen_.KeyAt(place)));
+    }
     content.hint = attempt.by_pointer() ? words.Say("hint.pointer", {{"keys", keys}})
                                         : words.Say("hint.camera");
     if (MayShowOutline(prepared)) content.hint += "   " + words.Say("hint.outline");

@@ -36,8 +36,9 @@ dvec3 StartOf(const core::CoreParams& params, const cutting::Volume& volume, dou
   return dvec3(0);
 }
 
+// `more`, `less`: places of the keyboard.
 int Held(const Screen& screen, int more, int less) {
-  return (screen.key(more) ? 1 : 0) - (screen.key(less) ? 1 : 0);
+  return (screen.key(screen.KeyAt(more)) ? 1 : 0) - (screen.key(screen.KeyAt(less)) ? 1 : 0);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cfloat>
 #include <chrono>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "station/render/gl_objects.h"
+#include "station/render/keyboard.h"
 #include "station/render/monitors.h"
 #include "station/render/png_file.h"
 #include "station/render/shaped_text.h"
@@ -48,6 +50,7 @@ constexpr int kPlacedFrames = 3;
 // report. Twice that is no hand's.
 constexpr double kLargestStep = 0.25;
 
+static_assert(Keyboard::kPlaces == GLFW_KEY_LAST + 1);
 static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
               kKeyEnter == GLFW_KEY_ENTER && kKeyTab == GLFW_KEY_TAB &&
               kKeyBackspace == GLFW_KEY_BACKSPACE && kKeyRight == GLFW_KEY_RIGHT &&
@@ -327,6 +330,8 @@ class Screen::Impl {
   double cursor_x_ = 0, cursor_y_ = 0, moved_x_ = 0, moved_y_ = 0;
   std::bitset<kButtons> held_;
   std::bitset<GLFW_KEY_LAST + 1> keys_;
+  std::array<int, GLFW_KEY_LAST + 1> places_{};  // of the keys that are or were held
+  Keyboard keyboard_{[](int place) { return glfwGetKeyName(place, 0); }};
   int width_ = 0, height_ = 0;
   double pixel_mm_ = 0;
   Fonts fonts_;
@@ -348,7 +353,9 @@ class Screen::Impl {
     GLFWwindow* window = glfw_.get();
     glfwSetWindowUserPointer(window, this);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-      Of(w).Queue(InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
+      Impl& screen = Of(w);
+      screen.Queue(
+          screen.keyboard_.Event(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
       Of(w).Queue(InputEvent::Character(static_cast<int>(c)));
@@ -429,7 +436,9 @@ class Screen::Impl {
         if (event.code < 0 || event.code > GLFW_KEY_LAST) return;
         keys_[static_cast<size_t>(event.code)] = event.pressed;
         if (event.pressed && !event.repeat) tapped_[static_cast<size_t>(event.code)] = true;
-        return ImGui_ImplGlfw_KeyCallback(window, event.code, 0,
+        places_[static_cast<size_t>(event.code)] = event.place != 0 ? event.place : event.code;
+        // It asks for what is printed there itself.
+        return ImGui_ImplGlfw_KeyCallback(window, places_[static_cast<size_t>(event.code)], 0,
                                           event.pressed ? GLFW_PRESS : GLFW_RELEASE, event.mods);
       case InputEvent::Kind::kCharacter:
         return ImGui_ImplGlfw_CharCallback(window, static_cast<unsigned>(event.code));
@@ -473,7 +482,7 @@ class Screen::Impl {
   void LetGo() {
     for (size_t key = 0; key < keys_.size(); ++key) {
       if (!keys_[key]) continue;
-      ImGui_ImplGlfw_KeyCallback(glfw_.get(), static_cast<int>(key), 0, GLFW_RELEASE, 0);
+      ImGui_ImplGlfw_KeyCallback(glfw_.get(), places_[key], 0, GLFW_RELEASE, 0);
     }
     keys_.reset();
     tapped_.reset();
@@ -595,6 +604,7 @@ bool Screen::button(int button) const {
 bool Screen::key(int key) const {
   return key >= 0 && key <= GLFW_KEY_LAST && impl_->keys_[static_cast<size_t>(key)];
 }
+int Screen::KeyAt(int place) const { return impl_->keyboard_.At(place); }
 int Screen::width() const { return impl_->width_; }
 int Screen::height() const { return impl_->height_; }
 const Fonts& Screen::fonts() const { return impl_->fonts_; }

@@ -85,6 +85,8 @@ class Screen {
   double moved_y() const;
   bool button(int button) const;
   bool key(int key) const;
+  // The key at this place of a US keyboard, by what is printed on it here (Keyboard::At).
+  int KeyAt(int place) const;
   // In this frame another window had the keyboard, however briefly, or this one was iconified.
   // Everything held counts as let go when that begins, and nothing moves until it ends. A click asks
   // for the keyboard.

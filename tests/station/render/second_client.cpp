@@ -9,6 +9,7 @@ namespace enamel::station::render {
 struct SecondClient::Impl {
   Display* display = XOpenDisplay(nullptr);
   ::Window own = 0;
+  int taps = 0;
 
   // No window manager stands between it and the display.
   ::Window Find(const std::string& title) const {
@@ -51,6 +52,25 @@ bool SecondClient::GiveKeyboard(const std::string& title) {
   const ::Window window = impl_->Find(title);
   if (window == 0) return false;
   XSetInputFocus(impl_->display, window, RevertToParent, CurrentTime);
+  XSync(impl_->display, False);
+  return true;
+}
+
+bool SecondClient::TapKey(const std::string& title, unsigned keycode) {
+  const ::Window window = impl_->Find(title);
+  if (window == 0) return false;
+  for (const int type : {KeyPress, KeyRelease}) {
+    XEvent event{};
+    event.xkey.type = type;
+    event.xkey.display = impl_->display;
+    event.xkey.window = window;
+    event.xkey.root = DefaultRootWindow(impl_->display);
+    event.xkey.same_screen = True;
+    event.xkey.keycode = keycode;
+    event.xkey.time = static_cast<Time>(++impl_->taps);
+    XSendEvent(impl_->display, window, True, type == KeyPress ? KeyPressMask : KeyReleaseMask,
+               &event);
+  }
   XSync(impl_->display, False);
   return true;
 }

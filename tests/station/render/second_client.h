@@ -18,6 +18,8 @@ class SecondClient {
   void TakeKeyboard();
   // To the window with this title. False: there is none.
   bool GiveKeyboard(const std::string& title);
+  // Presses and lets go a key of the window with this title, by its X keycode. False: there is none.
+  bool TapKey(const std::string& title, unsigned keycode);
   // From where it is, in pixels.
   void MovePointer(int dx, int dy);
   // To this place of the display.
