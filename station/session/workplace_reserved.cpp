@@ -54,7 +54,7 @@ Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
 }
 
 Result<HandedBack> Workplace::GiveBack(const Uuid& attempt, const std::string& pin) {
-  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
+  ENAMEL_RETURN_IF_ERROR(safe_.Open(attempt, pin).status());
   return HandBackNow(attempt);
 }
 

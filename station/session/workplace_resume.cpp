@@ -57,7 +57,7 @@ Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const Keep
 Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std::string& pin,
                                                  const KeepGoing& keep_going) {
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
+  ENAMEL_RETURN_IF_ERROR(safe_.Open(attempt, pin).status());
   return Replayed(header, keep_going);
 }
 

@@ -162,9 +162,9 @@ Status Attempt(const World& w, const RecordOptions& options, Spool& spool, uint6
     loop.Tick();
     // The recorder runs on this thread: it packs when a chunk is full, as on its own.
     if (++ticks % Recorder::kTicksPerChunk != 0) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto moved, recorder.Pump());
+    ENAMEL_RETURN_IF_ERROR(recorder.Pump().status());
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto seal, recorder.Finish());
+  ENAMEL_RETURN_IF_ERROR(recorder.Finish().status());
   ENAMEL_ASSIGN_OR_RETURN(auto stored, spool.Get(header.ticket.attempt));
   totals.ticks += stored.ticks;
   totals.bytes += stored.bytes;

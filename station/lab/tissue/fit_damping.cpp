@@ -346,8 +346,8 @@ std::string DampingPlot(const DampingReport& r, const std::string& source) {
                     (root ? "by load, m 1/2" : "B = " + F(f.b_n_s_per_mm, "%.2f") + " N s/mm"),
                 colour, Style::kLine};
     constexpr int kSteps = 24;
-    for (int i = root ? 0 : kSteps - 1; i <= kSteps; ++i) {
-      const double v = root ? f.speed_max_mm_s * i / kSteps : i == kSteps ? f.speed_max_mm_s : 0;
+    for (int at = root ? 0 : kSteps - 1; at <= kSteps; ++at) {
+      const double v = root ? f.speed_max_mm_s * at / kSteps : at == kSteps ? f.speed_max_mm_s : 0;
       line.points.push_back({v, root
                                     ? f.load->coulomb_n.value +
                                           f.load->at_feed_n.value * std::sqrt(v / f.load->feed_mm_s)
