@@ -8,7 +8,7 @@
 namespace enamel::station::render {
 namespace {
 
-// Of the handle: how far from the bur's axis the neck ends and the handle reaches its full width.
+// The neck ends, and the handle reaches its full width, so far from the bur's axis.
 constexpr float kNeckEnd_mm = 22, kFull_mm = 62;
 // The head's edges lie within spheres about points of its axis so far from its ends.
 constexpr float kRounding_mm = 3;

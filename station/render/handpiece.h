@@ -30,8 +30,8 @@ Shape HandpieceShape(const cutting::Bur& bur);
 // leans; what a device turns about the bur's axis turns the handle.
 float HandleAzimuth(const Quat& scene_from_bur, const Camera& camera);
 
-// 1: the bur's tip is seen beside the handpiece; kGlass: it lies right behind; between, by how much
-// room is left. `eye_mm`: the viewer, in the handpiece's frame (the handle above +x).
+// Where the bur's tip is seen beside the handpiece it is 1, and where the handpiece hides it kGlass. In
+// between, the room that is left decides. `eye_mm`: the viewer, in the handpiece's frame (the handle above +x).
 inline constexpr float kGlass = 0.16f;
 float HandpieceOpacity(const cutting::Bur& bur, const glm::vec3& eye_mm);
 

@@ -25,7 +25,7 @@ glm::vec3 At(const Shape& shape, uint32_t index) {
   return {p[0], p[1], p[2]};
 }
 
-// Whether the segment meets a triangle of the body (Möller and Trumbore 1997).
+// The segment meets a triangle of the body (Möller and Trumbore 1997).
 bool Meets(const Shape& shape, const glm::vec3& from, const glm::vec3& to) {
   const glm::vec3 way = to - from;
   for (size_t i = 0; i + 2 < shape.indices.size(); i += 3) {
@@ -76,7 +76,7 @@ TEST(HandpieceTest, HasTheDimensionsThatItsHeaderStates) {
   EXPECT_NEAR(to_bur, kHandleAngle_deg, off_axis + 0.1f);
 }
 
-// The body's own triangles judge where it stands in the way.
+// The body's own triangles judge what it hides.
 TEST(HandpieceTest, WhereItHidesTheBursTipItIsGlass) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
