@@ -8,11 +8,11 @@
 namespace enamel::station::render {
 namespace {
 
-// The neck ends, and the handle reaches its full width, so far from the bur's axis.
+// The neck ends, and the handle reaches its full width, so far from the bur's axis (*chosen*).
 constexpr float kNeckEnd_mm = 22, kFull_mm = 62;
 // The head's edges lie within spheres about points of its axis so far from its ends.
 constexpr float kRounding_mm = 3;
-// Where a line of sight passes the handpiece by this much, nothing of it looks like glass.
+// Where a line of sight passes the handpiece by this much, the handpiece is opaque (*chosen*).
 constexpr float kRoom_mm = 2.5f;
 
 // Out of the head, in the handle's frame: by the angle to the bur, which points along -z.
@@ -21,7 +21,7 @@ glm::vec3 HandleDirection() {
   return {std::cos(above_level), 0, std::sin(above_level)};
 }
 
-float Middle_mm(const cutting::Bur& bur) { return HeadFrom_mm(bur) + 0.5f * kHeadHeight_mm; }
+float Middle_mm(float bur_height_mm) { return HeadFrom_mm(bur_height_mm) + 0.5f * kHeadHeight_mm; }
 
 // Least distance between the segments from p over u and from q over v: closest points of two lines,
 // each kept within its segment.
@@ -38,10 +38,8 @@ float Apart(const glm::vec3& p, const glm::vec3& u, const glm::vec3& q, const gl
 
 }  // namespace
 
-float HeadFrom_mm(const cutting::Bur& bur) { return static_cast<float>(bur.height_m() * 1000) + 6; }
-
-Shape HandpieceShape(const cutting::Bur& bur) {
-  const float low = HeadFrom_mm(bur), high = low + kHeadHeight_mm, r = kHeadRadius_mm;
+Shape HandpieceShape(float bur_height_mm) {
+  const float low = HeadFrom_mm(bur_height_mm), high = low + kHeadHeight_mm, r = kHeadRadius_mm;
   Shape out = Revolve({{0, low},
                        {0.45f * r, low},
                        {0.85f * r, low + 0.8f},
@@ -62,7 +60,7 @@ Shape HandpieceShape(const cutting::Bur& bur) {
                                 {0, length}},
                                kBurShank);
   // +z along the handle.
-  glm::mat4 at = glm::translate(glm::mat4(1), glm::vec3(0, 0, Middle_mm(bur)));
+  glm::mat4 at = glm::translate(glm::mat4(1), glm::vec3(0, 0, Middle_mm(bur_height_mm)));
   at = glm::rotate(at, glm::radians(180 - kHandleAngle_deg), glm::vec3(0, 1, 0));
   Append(handle, at, out);
   return out;
@@ -82,12 +80,12 @@ float HandleAzimuth(const Quat& scene_from_bur, const Camera& camera) {
   return std::atan2(glm::dot(glm::vec3(m[1]), side), glm::dot(glm::vec3(m[0]), side));
 }
 
-float HandpieceOpacity(const cutting::Bur& bur, const glm::vec3& eye_mm) {
-  const float low = HeadFrom_mm(bur);
+float HandpieceOpacity(float bur_height_mm, const glm::vec3& eye_mm) {
+  const float low = HeadFrom_mm(bur_height_mm);
   // Capsules around head, neck and handle.
   const glm::vec3 head(0, 0, low + kRounding_mm), up(0, 0, kHeadHeight_mm - 2 * kRounding_mm),
-      middle(0, 0, Middle_mm(bur)), out = HandleDirection(), neck = kNeckEnd_mm * out,
-                                    handle = (kHandpieceLength_mm - kNeckEnd_mm) * out;
+      middle(0, 0, Middle_mm(bur_height_mm)), out = HandleDirection(), neck = kNeckEnd_mm * out,
+                                              handle = (kHandpieceLength_mm - kNeckEnd_mm) * out;
   const glm::vec3 tip(0);
   float room = kRoom_mm;
   room = std::min(room, Apart(tip, eye_mm, head, up) - kHeadRadius_mm);

@@ -5,7 +5,7 @@
 namespace enamel::station::render {
 
 int Keyboard::At(int place) const {
-  // Space, keypad and those that write nothing are the same on all.
+  // On every keyboard the space bar, the keypad and the keys that write nothing are where GLFW says.
   const bool writes = place > kKeySpace && place <= '`';
   if (!writes || (place >= '0' && place <= '9')) return place;
   const char* text = printed_(place);

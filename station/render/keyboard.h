@@ -7,7 +7,7 @@
 
 namespace enamel::station::render {
 
-// What is printed on a person's keys. GLFW numbers keys by their place on a US keyboard: on a French
+// The keyboard in front of a person. GLFW numbers keys by their place on a US keyboard: on a French
 // one its M is the key of the comma, and W A S D are printed Z Q S D. A letter that the window names
 // (M: mirror) is a key by what is printed on it; keys that lie well under a hand (tilt) are chosen by
 // their place, and named by what is printed there. Thread safety: one thread.
@@ -18,7 +18,7 @@ class Keyboard {
   explicit Keyboard(std::function<const char*(int place)> printed) : printed_(std::move(printed)) {}
 
   // The Key of this place: the capital letter or the sign printed on it. The place itself where that
-  // is not one ASCII character, as for a Cyrillic letter (such keyboards show the Latin one too), and
+  // is not one ASCII character, as for a Cyrillic letter (Russian keyboards show the Latin one, too), and
   // for digits, which a French keyboard writes with Shift.
   int At(int place) const;
   // A key's event by its place. A release is of the key that was pressed, whatever layout was chosen

@@ -35,6 +35,17 @@ bool SeenFromAbove(const PictureState& state, const Eye& eye) {
   return axis.z > 0.85f;
 }
 
+// What is drawn in between is seen through by its opacity, and hides nothing drawn later.
+void BeginGlass() {
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+}
+void EndGlass() {
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
 // A frame whose +z is along `direction`.
 glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
   glm::vec3 z = glm::normalize(direction);
@@ -55,11 +66,10 @@ Picture::Picture(std::span<const cutting::Bur> burs, size_t group_count)
       turning_sight_(programs_) {
   for (const cutting::Bur& bur : burs) {
     BurBody& body = burs_.emplace_back();
-    body.bur = bur;
     Fill(body.head, BurHeadShape(bur));
     Fill(body.shank, BurShankShape(bur));
-    Fill(body.handpiece, HandpieceShape(bur));
     body.height_mm = static_cast<float>(bur.height_m() * 1000);
+    Fill(body.handpiece, HandpieceShape(body.height_mm));
     body.radius_mm = static_cast<float>(bur.radius_m * 1000);
   }
   Fill(shaft_, ShaftShape());
@@ -301,11 +311,9 @@ void Picture::DrawBurs(const PictureState& state, const Eye& eye) {
   const BurBody& bur = burs_[state.bur];
   int parts = SeenFromAbove(state, eye) ? kHead : kHead | kShank;
   DrawBur(bur, eye, *state.scene_from_bur, parts);
-  glEnable(GL_BLEND);
-  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  glDepthMask(GL_FALSE);
+  BeginGlass();
   if (parts == kHead) {
-    solid_.Set("opacity", 0.15f);
+    solid_.Set("opacity", kGlass);
     DrawBur(bur, eye, *state.scene_from_bur, kShank);
   }
   if (state.scene_from_ghost) {
@@ -313,8 +321,7 @@ void Picture::DrawBurs(const PictureState& state, const Eye& eye) {
     solid_.Set("ghostly", 0.85f);
     DrawBur(bur, eye, *state.scene_from_ghost, parts);
   }
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
+  EndGlass();
 }
 
 void Picture::DrawHandpiece(const PictureState& state, const Eye& eye) {
@@ -324,13 +331,12 @@ void Picture::DrawHandpiece(const PictureState& state, const Eye& eye) {
   const glm::mat4 view_from_handpiece =
       eye.view_from_scene *
       glm::rotate(*state.scene_from_bur, *state.handle_azimuth, glm::vec3(0, 0, 1));
-  const float opacity = HandpieceOpacity(body.bur, glm::vec3(glm::inverse(view_from_handpiece)[3]));
+  const float opacity =
+      HandpieceOpacity(body.height_mm, glm::vec3(glm::inverse(view_from_handpiece)[3]));
   solid_.Set("view_from_model", view_from_handpiece);
   if (opacity < 1) {
     solid_.Set("opacity", opacity);
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE);
+    BeginGlass();
     // Its near side alone: glass of one thickness.
     glEnable(GL_CULL_FACE);
     glCullFace(eye.mirrored ? GL_FRONT : GL_BACK);
@@ -338,8 +344,7 @@ void Picture::DrawHandpiece(const PictureState& state, const Eye& eye) {
   body.handpiece.Draw();
   if (opacity < 1) {
     glDisable(GL_CULL_FACE);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
+    EndGlass();
     solid_.Set("opacity", 1.0f);
   }
 }

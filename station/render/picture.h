@@ -67,7 +67,6 @@ class Picture {
 
  private:
   struct BurBody {
-    cutting::Bur bur;
     TriangleBuffer head, shank, handpiece;
     float height_mm = 0, radius_mm = 0;
   };

@@ -329,8 +329,7 @@ class Screen::Impl {
   std::deque<Waiting> pending_;  // not taken yet
   double cursor_x_ = 0, cursor_y_ = 0, moved_x_ = 0, moved_y_ = 0;
   std::bitset<kButtons> held_;
-  std::bitset<GLFW_KEY_LAST + 1> keys_;
-  std::array<int, GLFW_KEY_LAST + 1> places_{};  // of the keys that are or were held
+  std::array<int, GLFW_KEY_LAST + 1> keys_{};  // by code: its place while it is held; 0: it is not
   Keyboard keyboard_{[](int place) { return glfwGetKeyName(place, 0); }};
   int width_ = 0, height_ = 0;
   double pixel_mm_ = 0;
@@ -347,6 +346,11 @@ class Screen::Impl {
  private:
   static Impl& Of(GLFWwindow* window) {
     return *static_cast<Impl*>(glfwGetWindowUserPointer(window));
+  }
+
+  // A script's letter is where a US keyboard has it.
+  static int PlaceOf(const InputEvent& event) {
+    return event.place != 0 ? event.place : event.code;
   }
 
   void ListenToInput() {
@@ -434,11 +438,10 @@ class Screen::Impl {
     switch (event.kind) {
       case InputEvent::Kind::kKey:
         if (event.code < 0 || event.code > GLFW_KEY_LAST) return;
-        keys_[static_cast<size_t>(event.code)] = event.pressed;
         if (event.pressed && !event.repeat) tapped_[static_cast<size_t>(event.code)] = true;
-        places_[static_cast<size_t>(event.code)] = event.place != 0 ? event.place : event.code;
+        keys_[static_cast<size_t>(event.code)] = event.pressed ? PlaceOf(event) : 0;
         // It asks for what is printed there itself.
-        return ImGui_ImplGlfw_KeyCallback(window, places_[static_cast<size_t>(event.code)], 0,
+        return ImGui_ImplGlfw_KeyCallback(window, PlaceOf(event), 0,
                                           event.pressed ? GLFW_PRESS : GLFW_RELEASE, event.mods);
       case InputEvent::Kind::kCharacter:
         return ImGui_ImplGlfw_CharCallback(window, static_cast<unsigned>(event.code));
@@ -481,10 +484,9 @@ class Screen::Impl {
   // Another window gets what is pressed from now on, and every release.
   void LetGo() {
     for (size_t key = 0; key < keys_.size(); ++key) {
-      if (!keys_[key]) continue;
-      ImGui_ImplGlfw_KeyCallback(glfw_.get(), places_[key], 0, GLFW_RELEASE, 0);
+      if (keys_[key] != 0) ImGui_ImplGlfw_KeyCallback(glfw_.get(), keys_[key], 0, GLFW_RELEASE, 0);
     }
-    keys_.reset();
+    keys_.fill(0);
     tapped_.reset();
     held_.reset();
     clicked_.reset();
@@ -504,7 +506,8 @@ class Screen::Impl {
   // Something is to be shown, or somebody holds something whose repeats Dear ImGui counts in frames.
   bool Stirs() const {
     return !pending_.empty() || !injected_.empty() || exposed_ || monitors_changed || held_.any() ||
-           keys_.any() || glfwWindowShouldClose(glfw_.get());
+           std::ranges::any_of(keys_, [](int place) { return place != 0; }) ||
+           glfwWindowShouldClose(glfw_.get());
   }
 
   // This frame has the same triangles, letters and textures as the last one that was drawn.
@@ -602,7 +605,7 @@ bool Screen::button(int button) const {
   return button >= 0 && button < kButtons && impl_->held_[static_cast<size_t>(button)];
 }
 bool Screen::key(int key) const {
-  return key >= 0 && key <= GLFW_KEY_LAST && impl_->keys_[static_cast<size_t>(key)];
+  return key >= 0 && key <= GLFW_KEY_LAST && impl_->keys_[static_cast<size_t>(key)] != 0;
 }
 int Screen::KeyAt(int place) const { return impl_->keyboard_.At(place); }
 int Screen::width() const { return impl_->width_; }

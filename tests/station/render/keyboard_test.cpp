@@ -66,7 +66,7 @@ TEST(KeyboardTest, AReleaseIsOfTheKeyThatWasPressedThoughTheLayoutChanged) {
   EXPECT_EQ(keyboard.Event('W', true, 0, false).code, 'W');
 }
 
-// A French keyboard as the X server has it, pressed by another program: keycodes 47 and 25 are the
+// Another program presses two keys while the X server's layout is French. Keycodes 47 and 25 are the
 // places of ; and W (xkeyboard-config, evdev).
 TEST(KeyboardTest, OnAFrenchKeyboardMIsM) {
   const VirtualDisplay display;
